@@ -1,0 +1,161 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/version.h>
+
+#include <opencv2/core.hpp>
+
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <new>
+#include <unistd.h>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+volatile std::sig_atomic_t interrupt_count = 0;
+
+extern "C" void
+onInterrupt(int)
+{
+  interrupt_count = interrupt_count + 1;
+  if (interrupt_count > 1)
+    _exit(exit_interrupted);
+}
+
+int
+fail(const std::string& name, const std::string& message, ExitCode code)
+{
+  std::cerr << name << ": " << message << std::endl;
+  return code;
+}
+
+} // namespace
+
+bool
+parseCommandLine(int argc,
+                 char** argv,
+                 const Usage& usage,
+                 const po::options_description& options,
+                 const po::positional_options_description& positional,
+                 po::variables_map& values)
+{
+  po::options_description general("General");
+  general.add_options()("help,h", "print this help")("version", "print the version");
+  po::options_description all;
+  all.add(options).add(general);
+  try {
+    // No guessing: an abbreviated option would change its meaning when one is added.
+    using namespace po::command_line_style;
+    po::store(po::command_line_parser(argc, argv)
+                  .options(all)
+                  .positional(positional)
+                  .style(unix_style & ~allow_guessing)
+                  .run(),
+              values);
+    if (values.count("help")) {
+      std::cout << "Usage: " << usage.name << " " << usage.synopsis << "\n\n"
+                << usage.description << "\n\nExample:\n  " << usage.example << "\n"
+                << all;
+      return false;
+    }
+    if (values.count("version")) {
+      std::cout << usage.name << " " << PCL_SEMANTIC_VERSION << "\n";
+      return false;
+    }
+    po::notify(values);
+  }
+  catch (const po::error& error) {
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        error.what() << " (see " << usage.name << " --help)");
+  }
+  return true;
+}
+
+int
+run(const std::string& name, const std::function<int()>& body)
+{
+  // OpenCV and PCL would otherwise print their own lines beside ours.
+  cv::redirectError([](int, const char*, const char*, const char*, int, void*) {
+    return 0;
+  });
+  try {
+    return body();
+  }
+  catch (const InvalidParameterException& error) {
+    return fail(name, error.what(), exit_usage);
+  }
+  catch (const BadModelException& error) {
+    return fail(name, error.what(), exit_bad_model);
+  }
+  catch (const OutputException& error) {
+    return fail(name, error.what(), exit_output_failed);
+  }
+  catch (const std::bad_alloc&) {
+    return fail(name, "out of memory", exit_out_of_memory);
+  }
+  catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem)
+      return fail(name, "out of memory", exit_out_of_memory);
+    return fail(name, error.err, exit_bad_input);
+  }
+  catch (const std::exception& error) {
+    return fail(name, error.what(), exit_bad_input);
+  }
+}
+
+void
+catchInterrupts()
+{
+  std::signal(SIGINT, onInterrupt);
+  std::signal(SIGTERM, onInterrupt);
+}
+
+bool
+interrupted()
+{
+  return interrupt_count > 0;
+}
+
+ProgressBar::ProgressBar(std::string what, std::size_t total)
+: what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) == 1)
+{}
+
+ProgressBar::~ProgressBar()
+{
+  if (drawn_)
+    std::fprintf(stderr, "\n");
+}
+
+void
+ProgressBar::step()
+{
+  ++done_;
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  if (!terminal_ || seconds < 1.0)
+    return;
+  constexpr int width = 30;
+  const int filled = static_cast<int>(width * done_ / total_);
+  const double rate = double(done_) / seconds;
+  std::fprintf(stderr,
+               "\r%s [%s%s] %zu/%zu  %.1f frames/s  %.0f s left ",
+               what_.c_str(),
+               std::string(filled, '#').c_str(),
+               std::string(width - filled, '.').c_str(),
+               done_,
+               total_,
+               rate,
+               double(total_ - done_) / rate);
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,87 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <boost/program_options.hpp>
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+/** \brief What all pcl_semantic_* programs share: options, exit codes, progress. */
+namespace pcl_semantic::tool {
+
+namespace po = boost::program_options;
+
+/** \brief Exit codes of every tool. */
+enum ExitCode {
+  exit_done = 0,
+  exit_usage = 2,
+  exit_bad_input = 3,
+  exit_bad_model = 4,
+  exit_output_failed = 5,
+  exit_out_of_memory = 6,
+  exit_interrupted = 130
+};
+
+/** \brief The parts of a tool's `--help`. */
+struct Usage {
+  std::string name;        ///< "pcl_semantic_map"
+  std::string synopsis;    ///< "SEQUENCE --output DIR [options]"
+  std::string description; ///< what it does, one or two sentences
+  std::string example;     ///< a command that works when pasted
+};
+
+/** \brief Parses the command line; adds `--help` and `--version`.
+ * \return false if the help or the version was printed and nothing is left to do
+ * \throws InvalidParameterException at unknown options, missing or unreadable values */
+bool
+parseCommandLine(int argc,
+                 char** argv,
+                 const Usage& usage,
+                 const po::options_description& options,
+                 const po::positional_options_description& positional,
+                 po::variables_map& values);
+
+/** \brief Runs the body of a tool and turns what it throws into one line on standard
+ * error and the exit code that belongs to it. */
+int
+run(const std::string& name, const std::function<int()>& body);
+
+/** \brief From now on SIGINT and SIGTERM only set a flag; a second one ends at once. */
+void
+catchInterrupts();
+
+/** \brief Whether SIGINT or SIGTERM came since catchInterrupts(). */
+bool
+interrupted();
+
+/** \brief A progress bar on standard error: only on a terminal, and only for work that
+ * takes longer than a second. */
+class ProgressBar {
+public:
+  /** \param[in] what "mapping"
+   * \param[in] total number of steps */
+  ProgressBar(std::string what, std::size_t total);
+  ~ProgressBar();
+
+  /** \brief One step is done. */
+  void
+  step();
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string what_;
+  std::size_t total_;
+  std::size_t done_ = 0;
+  Clock::time_point start_ = Clock::now();
+  bool terminal_;
+  bool drawn_ = false;
+};
+
+} // namespace pcl_semantic::tool

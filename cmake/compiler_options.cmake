@@ -1,0 +1,15 @@
+# No -march or -mavx here, ever: code built with them that sees Eigen or PCL types
+# corrupts the objects of Debian's PCL. Fast paths pick their instructions at run time.
+function(pcl_semantic_compiler_options target)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wshadow -Wpedantic -Werror -ffp-contract=off)
+  # PCL's heavy headers are parsed once a target.
+  target_precompile_headers(${target} PRIVATE
+    <pcl/point_cloud.h> <pcl/point_types.h> <opencv2/core.hpp> <Eigen/Geometry>
+    <algorithm> <cmath> <filesystem> <functional> <memory> <string> <vector>)
+  if(PCL_SEMANTIC_SANITIZE)
+    target_compile_options(${target} PRIVATE
+      -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=address,undefined)
+  endif()
+endfunction()

@@ -1,0 +1,15 @@
+# Shared by the build and by the installed package configuration.
+find_package(Eigen3 REQUIRED)
+find_package(PCL 1.13 REQUIRED COMPONENTS common filters)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn)
+find_package(OpenMP REQUIRED COMPONENTS CXX)
+
+set(PCL_SEMANTIC_PUBLIC_LIBRARIES Eigen3::Eigen pcl_common pcl_filters opencv_core)
+if(NOT PCL_SEMANTIC_CONSUMER)
+  find_package(yaml-cpp REQUIRED)
+  find_package(nlohmann_json REQUIRED)
+  find_package(Boost REQUIRED COMPONENTS program_options)
+  set(PCL_SEMANTIC_PRIVATE_LIBRARIES
+    opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
+    OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json)
+endif()

@@ -1,0 +1,78 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief A class number: 0 is unlabelled, classes are 1..L with L from 1 to 255. */
+using Label = std::uint8_t;
+
+/** \brief The label of everything that has no class. */
+constexpr Label kUnlabelled = 0;
+
+/** \brief What is known of one class. */
+struct LabelClass {
+  std::string name;
+  std::array<std::uint8_t, 3> colour{}; ///< red, green, blue
+  bool sky = false;                     ///< has no surface: casts no ray
+  bool dynamic = false;                 ///< moves, or may move
+};
+
+/** \brief The classes of a map: numbers 1..L with names and colours, chosen at run time
+ * (`data/label_sets`, read by readLabelSet). */
+class LabelSet {
+public:
+  LabelSet() = default;
+
+  /** \brief Takes the classes in the order of their labels, 1 first.
+   * \throws InvalidParameterException unless there are 1 to 255, named uniquely. */
+  explicit LabelSet(std::vector<LabelClass> classes);
+
+  /** \brief L, the number of classes without the unlabelled one. */
+  int
+  size() const
+  {
+    return static_cast<int>(classes_.size());
+  }
+
+  /** \brief The class of a label.
+   * \param[in] label 0 (black, "unlabelled") to L
+   * \throws InvalidParameterException beyond L */
+  const LabelClass&
+  operator[](Label label) const;
+
+  /** \brief The label of a name; kUnlabelled if no class is called so. */
+  Label
+  find(const std::string& name) const;
+
+private:
+  std::vector<LabelClass> classes_;
+};
+
+/** \brief Turns another numbering (raw SemanticKITTI ids go to 259) into labels. */
+class LabelMapping {
+public:
+  /** \brief Every id that is not set maps to unlabelled. */
+  void
+  set(std::uint32_t id, Label label);
+
+  Label
+  operator()(std::uint32_t id) const
+  {
+    return id < labels_.size() ? labels_[id] : kUnlabelled;
+  }
+
+private:
+  std::vector<Label> labels_;
+};
+
+} // namespace pcl_semantic

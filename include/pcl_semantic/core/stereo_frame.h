@@ -1,0 +1,21 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace pcl_semantic {
+
+/** \brief One rectified stereo pair. */
+struct StereoFrame {
+  int number = 0;         ///< frame number of the sequence; may have gaps
+  double timestamp = 0.0; ///< [s]
+  cv::Mat left;           ///< CV_8UC3 (BGR) or CV_8UC1
+  cv::Mat right;          ///< as left
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,42 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/voxel_index.h>
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Occupied voxels as a labelled cloud, in canonical order (VoxelIndexLess).
+ *
+ * All arrays have one entry a voxel. A point is the centre of its voxel relative to
+ * \a origin, world axes [m]; the truth of where a voxel lies is its index. */
+struct VoxelCloud {
+  pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{
+      new pcl::PointCloud<pcl::PointXYZRGBL>}; ///< centre, mean colour, MAP label
+  LabelDistributions measured;                 ///< fused measurements alone
+  LabelDistributions refined; ///< what a reader should use: the CRF's result where there
+                              ///< is one, else the measurements
+  std::vector<VoxelIndex> indices;         ///< global voxel indices
+  std::vector<std::uint32_t> observations; ///< scans that hit the voxel
+  double voxel_size = 0.0;                 ///< edge of a voxel [m]
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the points, world frame [m]
+
+  std::size_t
+  size() const
+  {
+    return indices.size();
+  }
+};
+
+} // namespace pcl_semantic

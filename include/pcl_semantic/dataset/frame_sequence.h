@@ -1,0 +1,39 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/core/stereo_frame.h>
+
+#include <cstddef>
+
+namespace pcl_semantic {
+
+/** \brief A recorded sequence of stereo frames. */
+class FrameSequence {
+public:
+  virtual ~FrameSequence() = default;
+
+  /** \brief Number of frames that are present. */
+  virtual std::size_t
+  size() const = 0;
+
+  /** \brief Number of the i-th frame in the whole sequence; may have gaps. */
+  virtual int
+  frameNumber(std::size_t i) const = 0;
+
+  /** \brief Reads the images of the i-th frame.
+   * \throws BadInputException if an image is missing, damaged or of another size */
+  virtual StereoFrame
+  frame(std::size_t i) const = 0;
+
+  /** \brief The stereo pair that took the images, their size filled in. */
+  virtual const StereoCamera&
+  camera() const = 0;
+};
+
+} // namespace pcl_semantic

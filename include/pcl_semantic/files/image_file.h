@@ -1,0 +1,33 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief What an image file has to hold. */
+enum class ImageKind {
+  grey_or_colour, ///< CV_8UC1 or CV_8UC3 (BGR)
+  labels,         ///< CV_8UC1
+  disparity       ///< CV_16UC1
+};
+
+/** \brief Reads a PNG file strictly: OpenCV alone would decode a JPEG named .png, and
+ * convert 16 bits and transparency silently.
+ * \throws BadInputException if it is missing, no PNG, damaged, smaller than 2 x 2 or of
+ * another kind */
+cv::Mat
+readPng(const std::string& path, ImageKind kind);
+
+/** \brief Writes a PNG file. \throws OutputException; nothing is left behind then */
+void
+writePng(const std::string& path, const cv::Mat& image);
+
+} // namespace pcl_semantic

@@ -1,0 +1,60 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The bytes of a file. \throws BadInputException if it cannot be read */
+std::vector<std::uint8_t>
+readBytes(const std::string& path);
+
+/** \brief A line of a text file and its number, counted from 1. */
+struct TextLine {
+  std::string text;
+  int number = 0;
+};
+
+/** \brief The lines of a text file without byte-order mark, carriage returns and
+ * trailing blanks. \throws BadInputException if it cannot be read */
+std::vector<TextLine>
+readLines(const std::string& path);
+
+/** \brief A number in the C locale; the whole of \a text must be one.
+ * \throws BadInputException with \a where in front */
+double
+parseNumber(const std::string& text, const std::string& where);
+
+/** \brief The blank-separated finite numbers of a line.
+ * \throws BadInputException with \a where in front */
+std::vector<double>
+parseNumbers(const std::string& text, const std::string& where);
+
+/** \brief "PATH line N", for messages. */
+std::string
+placeOf(const std::string& path, int line);
+
+/** \brief File name of a frame: six digits and an extension ("000012.png"). */
+std::string
+frameFileName(int frame, const std::string& extension);
+
+/** \brief A file of a folder that is named by its frame number. */
+struct FrameFile {
+  int frame = 0;
+  std::string path;
+};
+
+/** \brief The files of a folder named by a number and one of the \a extensions
+ * (".png"), in the order of their numbers; others are passed over.
+ * \throws BadInputException if the folder cannot be read */
+std::vector<FrameFile>
+listFrameFiles(const std::string& folder, const std::vector<std::string>& extensions);
+
+} // namespace pcl_semantic

@@ -1,0 +1,26 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/stereo_frame.h>
+
+namespace pcl_semantic {
+
+/** \brief Gives the class distributions of every pixel of a frame's left image. */
+class LabelPredictor {
+public:
+  virtual ~LabelPredictor() = default;
+
+  /** \return L x (width * height), pixels row by row, normalised; all-zero columns are
+   * unlabelled
+   * \throws BadInputException or BadModelException that names the frame */
+  virtual LabelDistributions
+  predict(const StereoFrame& frame) = 0;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,143 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/label_distributions.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Scales a column to sum one; false if it holds a negative or non-finite value.
+bool
+normalizeColumn(float* column, int classes)
+{
+  float sum = 0.0f;
+  for (int k = 0; k < classes; ++k) {
+    if (!(column[k] >= 0.0f) || !std::isfinite(column[k]))
+      return false;
+    sum += column[k];
+  }
+  if (!std::isfinite(sum))
+    return false;
+  if (sum > 0.0f)
+    for (int k = 0; k < classes; ++k)
+      column[k] /= sum;
+  return true;
+}
+
+} // namespace
+
+LabelDistributions::LabelDistributions(int classes, Eigen::Index count)
+{
+  if (classes < 1 || classes > 255)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                       "distributions need 1 to 255 classes, not " << classes);
+  matrix_ = Matrix::Zero(classes, count);
+}
+
+LabelDistributions::LabelDistributions(Matrix weights) : matrix_(std::move(weights))
+{
+  if (matrix_.rows() < 1 || matrix_.rows() > 255)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                       "distributions need 1 to 255 classes, not " << matrix_.rows());
+  normalize();
+}
+
+void
+LabelDistributions::setLabel(Eigen::Index j, Label label, float confidence)
+{
+  const int L = classes();
+  if (label > L)
+    PCL_THROW_EXCEPTION(BadInputException,
+                       "label " << int(label) << " is beyond the " << L << " classes");
+  float* const p = column(j);
+  if (label == kUnlabelled) {
+    std::fill_n(p, L, 0.0f);
+    return;
+  }
+  std::fill_n(p, L, L > 1 ? (1.0f - confidence) / float(L - 1) : 0.0f);
+  p[label - 1] = L > 1 ? confidence : 1.0f;
+}
+
+void
+LabelDistributions::normalize()
+{
+  // Exceptions must not leave a parallel loop: remember the first bad column instead.
+  Eigen::Index bad = size();
+#pragma omp parallel for schedule(static) reduction(min : bad)
+  for (Eigen::Index j = 0; j < size(); ++j)
+    if (!normalizeColumn(column(j), classes()))
+      bad = std::min(bad, j);
+  if (bad < size())
+    PCL_THROW_EXCEPTION(BadInputException,
+                       "the label distribution of point " << bad
+                                                          << " has a negative or "
+                                                             "non-finite probability");
+}
+
+Label
+LabelDistributions::mapLabel(Eigen::Index j) const
+{
+  return pcl_semantic::mapLabel(column(j), classes());
+}
+
+float
+LabelDistributions::entropy(Eigen::Index j) const
+{
+  const float* const p = column(j);
+  float sum = 0.0f;
+  float entropy = 0.0f;
+  for (int k = 0; k < classes(); ++k) {
+    sum += p[k];
+    if (p[k] > 0.0f)
+      entropy -= p[k] * std::log(p[k]);
+  }
+  return sum > 0.0f ? entropy : std::log(float(classes()));
+}
+
+Label
+mapLabel(const float* distribution, int classes)
+{
+  int best = 0;
+  for (int k = 1; k < classes; ++k)
+    if (distribution[k] > distribution[best])
+      best = k;
+  return distribution[best] > 0.0f ? static_cast<Label>(best + 1) : kUnlabelled;
+}
+
+void
+fuseLogLikelihood(const float* log_likelihood,
+                  int classes,
+                  float max_log_ratio,
+                  float* log_distribution)
+{
+  float largest = log_distribution[0] + log_likelihood[0];
+  for (int k = 0; k < classes; ++k) {
+    log_distribution[k] += log_likelihood[k];
+    largest = std::max(largest, log_distribution[k]);
+  }
+  for (int k = 0; k < classes; ++k)
+    log_distribution[k] = std::max(log_distribution[k] - largest, -max_log_ratio);
+}
+
+void
+distributionFromLog(const float* log_values, int classes, float* distribution)
+{
+  const float largest = *std::max_element(log_values, log_values + classes);
+  float sum = 0.0f;
+  for (int k = 0; k < classes; ++k) {
+    distribution[k] = std::exp(log_values[k] - largest);
+    sum += distribution[k];
+  }
+  for (int k = 0; k < classes; ++k)
+    distribution[k] /= sum;
+}
+
+} // namespace pcl_semantic

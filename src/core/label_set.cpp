@@ -1,0 +1,60 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/label_set.h>
+
+#include <set>
+
+namespace pcl_semantic {
+
+LabelSet::LabelSet(std::vector<LabelClass> classes) : classes_(std::move(classes))
+{
+  if (classes_.empty() || classes_.size() > 255)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                       "a label set needs 1 to 255 classes, not " << classes_.size());
+  std::set<std::string> names;
+  for (const LabelClass& c : classes_)
+    if (c.name.empty() || !names.insert(c.name).second)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                         "class name '" << c.name << "' is empty or used twice");
+}
+
+const LabelClass&
+LabelSet::operator[](Label label) const
+{
+  static const LabelClass unlabelled{"unlabelled", {0, 0, 0}, false, false};
+  if (label == kUnlabelled)
+    return unlabelled;
+  if (label > size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                       "label " << int(label) << " is beyond the " << size()
+                                << " classes of the label set");
+  return classes_[label - 1];
+}
+
+Label
+LabelSet::find(const std::string& name) const
+{
+  for (std::size_t i = 0; i < classes_.size(); ++i)
+    if (classes_[i].name == name)
+      return static_cast<Label>(i + 1);
+  return kUnlabelled;
+}
+
+void
+LabelMapping::set(std::uint32_t id, Label label)
+{
+  constexpr std::uint32_t largest_id = 65535;
+  if (id > largest_id)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                       "label id " << id << " is beyond " << largest_id);
+  if (id >= labels_.size())
+    labels_.resize(id + 1, kUnlabelled);
+  labels_[id] = label;
+}
+
+} // namespace pcl_semantic

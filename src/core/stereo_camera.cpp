@@ -1,0 +1,30 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/stereo_camera.h>
+
+#include <cmath>
+
+namespace pcl_semantic {
+
+void
+StereoCamera::validate() const
+{
+  for (const double value : {fx, fy, cx, cy, baseline})
+    if (!std::isfinite(value))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                         "the camera has a parameter that is not a finite number");
+  if (fx <= 0.0 || fy <= 0.0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                       "focal lengths are " << fx << " and " << fy
+                                            << " px, expected more than 0");
+  if (baseline <= 0.0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                       "baseline is " << baseline << " m, expected more than 0");
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,100 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <system_error>
+#include <unistd.h>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path
+folderOf(const std::string& path)
+{
+  const fs::path folder = fs::path(path).parent_path();
+  return folder.empty() ? fs::path(".") : folder;
+}
+
+// Brings a file or a folder's entries to the disk.
+bool
+synchronize(const fs::path& path, int flags)
+{
+  const int descriptor = ::open(path.c_str(), flags);
+  if (descriptor < 0)
+    return false;
+  const bool done = ::fsync(descriptor) == 0;
+  ::close(descriptor);
+  return done;
+}
+
+} // namespace
+
+AtomicFile::AtomicFile(const std::string& path)
+: path_(path),
+  temporary_path_((folderOf(path) / ("." + fs::path(path).filename().string() + "." +
+                                     std::to_string(::getpid()) + ".tmp"))
+                      .string())
+{
+  if (fs::is_directory(path_))
+    PCL_THROW_EXCEPTION(OutputException,
+                        path_ << ": cannot be written: it is a folder");
+  stream_.open(temporary_path_, std::ios::binary | std::ios::trunc);
+  if (!stream_)
+    PCL_THROW_EXCEPTION(OutputException,
+                        path_ << ": cannot be written: " << std::strerror(errno));
+}
+
+AtomicFile::~AtomicFile()
+{
+  stream_.close();
+  std::error_code ignored;
+  fs::remove(temporary_path_, ignored);
+}
+
+void
+AtomicFile::commit()
+{
+  stream_.close();
+  if (stream_.fail() || !synchronize(temporary_path_, O_RDONLY))
+    PCL_THROW_EXCEPTION(OutputException,
+                        path_ << ": could not be written completely (is the disk full?)");
+  std::error_code error;
+  fs::rename(temporary_path_, path_, error);
+  if (error)
+    PCL_THROW_EXCEPTION(OutputException,
+                        path_ << ": cannot be written: " << error.message());
+  synchronize(folderOf(path_), O_RDONLY | O_DIRECTORY);
+}
+
+void
+writeTextFile(const std::string& path, const std::string& text)
+{
+  AtomicFile file(path);
+  file.stream() << text;
+  file.commit();
+}
+
+void
+makeOutputFolder(const std::string& path)
+{
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error)
+    PCL_THROW_EXCEPTION(OutputException,
+                        path << ": cannot be made: " << error.message());
+  AtomicFile probe((fs::path(path) / "probe").string());
+}
+
+} // namespace pcl_semantic

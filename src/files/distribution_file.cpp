@@ -1,0 +1,117 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/distribution_file.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/npy_file.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace {
+
+LabelDistributions::Matrix
+readBin(const std::string& path, int width, int height, int classes)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  LabelDistributions::Matrix values(classes, Eigen::Index(width) * height);
+  const std::size_t expected = std::size_t(values.size()) * sizeof(float);
+  if (bytes.size() != expected)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has " << bytes.size() << " bytes, expected "
+                             << expected << " (" << width << " x " << height << " pixels x "
+                             << classes << " classes x 4)");
+  std::memcpy(values.data(), bytes.data(), expected);
+  return values;
+}
+
+LabelDistributions::Matrix
+readNpyMatrix(const std::string& path, int width, int height, int classes)
+{
+  const NpyArray array = readNpy(path);
+  if (array.width != width || array.height != height || array.depth != classes)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has shape (" << array.height << ", " << array.width
+                             << ", " << array.depth << "), expected (" << height << ", "
+                             << width << ", " << classes << ")");
+  return Eigen::Map<const LabelDistributions::Matrix>(
+      array.values.data(), classes, Eigen::Index(width) * height);
+}
+
+LabelDistributions
+readIds(const std::string& path, int width, int height, int classes, float confidence)
+{
+  const cv::Mat ids = readPng(path, ImageKind::labels);
+  if (ids.cols != width || ids.rows != height)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": is " << ids.cols << " x " << ids.rows
+                             << " pixels, expected " << width << " x " << height);
+  LabelDistributions distributions(classes, Eigen::Index(width) * height);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
+      const int id = ids.at<std::uint8_t>(v, u);
+      if (id > classes)
+        PCL_THROW_EXCEPTION(BadInputException,
+                            path << ": pixel (" << u << ", " << v << ") has class " << id
+                                 << ", expected 0 to " << classes);
+      distributions.setLabel(Eigen::Index(v) * width + u, Label(id), confidence);
+    }
+  return distributions;
+}
+
+// Networks print sums a little off one; far off, the file holds something else.
+void
+checkSums(const LabelDistributions::Matrix& values, const std::string& path, int width)
+{
+  constexpr float tolerance = 0.1f;
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    const float sum = values.col(j).sum();
+    const bool valid = (values.col(j).array() >= 0.0f).all() && std::isfinite(sum);
+    if (valid && (sum == 0.0f || std::abs(sum - 1.0f) <= tolerance))
+      continue;
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": pixel (" << j % width << ", " << j / width << ") "
+                             << (valid ? "has probabilities that sum to "
+                                       : "has a negative or non-finite probability; sum ")
+                             << sum << ", expected 1");
+  }
+}
+
+} // namespace
+
+LabelDistributions
+readDistributions(
+    const std::string& path, int width, int height, int classes, float confidence)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".png")
+    return readIds(path, width, height, classes, confidence);
+  if (extension != ".bin" && extension != ".npy")
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": expected a file named .bin, .npy or .png");
+  LabelDistributions::Matrix values = extension == ".bin"
+                                          ? readBin(path, width, height, classes)
+                                          : readNpyMatrix(path, width, height, classes);
+  checkSums(values, path, width);
+  return LabelDistributions(std::move(values));
+}
+
+void
+writeDistributions(const std::string& path, const LabelDistributions& distributions)
+{
+  AtomicFile file(path);
+  file.stream().write(reinterpret_cast<const char*>(distributions.matrix().data()),
+                      std::streamsize(distributions.matrix().size() * sizeof(float)));
+  file.commit();
+}
+
+} // namespace pcl_semantic

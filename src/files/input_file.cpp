@@ -1,0 +1,129 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+std::vector<std::uint8_t>
+readBytes(const std::string& path)
+{
+  if (fs::is_directory(path))
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is a folder, expected a file");
+  std::ifstream stream(path, std::ios::binary | std::ios::ate);
+  if (!stream)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": cannot be read: " << std::strerror(errno));
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(stream.tellg()));
+  stream.seekg(0);
+  stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()));
+  if (!stream)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": could not be read completely");
+  return bytes;
+}
+
+std::vector<TextLine>
+readLines(const std::string& path)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  std::string text(bytes.begin(), bytes.end());
+  if (text.rfind("\xEF\xBB\xBF", 0) == 0)
+    text.erase(0, 3);
+  std::vector<TextLine> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    line.erase(line.find_last_not_of(" \t\r") + 1);
+    lines.push_back({line, static_cast<int>(lines.size()) + 1});
+  }
+  return lines;
+}
+
+double
+parseNumber(const std::string& text, const std::string& where)
+{
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const char* const begin = text.data() + (!text.empty() && text[0] == '+' ? 1 : 0);
+  const auto [rest, error] = std::from_chars(begin, end, value);
+  if (error != std::errc() || rest != end)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where << ": '" << text << "' is not a number");
+  return value;
+}
+
+std::vector<double>
+parseNumbers(const std::string& text, const std::string& where)
+{
+  std::vector<double> numbers;
+  std::istringstream stream(text);
+  for (std::string word; stream >> word;) {
+    numbers.push_back(parseNumber(word, where));
+    if (!std::isfinite(numbers.back()))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          where << ": '" << word << "' is not a finite number");
+  }
+  return numbers;
+}
+
+std::string
+placeOf(const std::string& path, int line)
+{
+  return path + " line " + std::to_string(line);
+}
+
+std::string
+frameFileName(int frame, const std::string& extension)
+{
+  char name[16];
+  std::snprintf(name, sizeof(name), "%06d", frame);
+  return name + extension;
+}
+
+std::vector<FrameFile>
+listFrameFiles(const std::string& folder, const std::vector<std::string>& extensions)
+{
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  if (error)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        folder << ": cannot be read as a folder: " << error.message());
+  std::vector<FrameFile> files;
+  for (const fs::directory_entry& entry : entries) {
+    const fs::path path = entry.path();
+    const std::string stem = path.stem().string();
+    int frame = 0;
+    const auto [rest, code] =
+        std::from_chars(stem.data(), stem.data() + stem.size(), frame);
+    const bool numbered =
+        code == std::errc() && rest == stem.data() + stem.size() && frame >= 0;
+    if (numbered && std::count(extensions.begin(), extensions.end(), path.extension()))
+      files.push_back({frame, path.string()});
+  }
+  std::sort(files.begin(), files.end(), [](const FrameFile& a, const FrameFile& b) {
+    return a.frame != b.frame ? a.frame < b.frame : a.path < b.path;
+  });
+  for (std::size_t i = 1; i < files.size(); ++i)
+    if (files[i].frame == files[i - 1].frame)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          folder << ": frame " << files[i].frame << " is there twice: "
+                                 << files[i - 1].path << " and " << files[i].path);
+  return files;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,80 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/yaml_config.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+LabelClass
+readClass(const YamlMap& entry)
+{
+  LabelClass result;
+  result.name = entry.require<std::string>("name");
+  const auto colour = entry.require<std::vector<int>>("colour");
+  if (colour.size() != 3)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        entry.where("colour") << ": expected [red, green, blue]");
+  for (int channel = 0; channel < 3; ++channel) {
+    if (colour[channel] < 0 || colour[channel] > 255)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          entry.where("colour") << ": " << colour[channel]
+                                                << " is not within 0 to 255");
+    result.colour[channel] = static_cast<std::uint8_t>(colour[channel]);
+  }
+  entry.get("sky", result.sky);
+  entry.get("dynamic", result.dynamic);
+  entry.refuseUnknownKeys();
+  return result;
+}
+
+} // namespace
+
+LabelSet
+readLabelSet(const std::string& path)
+{
+  const YamlMap file = YamlMap::load(path);
+  std::vector<LabelClass> classes;
+  for (const YamlMap& entry : file.requireList("classes"))
+    classes.push_back(readClass(entry));
+  file.refuseUnknownKeys();
+  try {
+    return LabelSet(std::move(classes));
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, file.where("classes") << ": " << error.what());
+  }
+}
+
+LabelMapping
+readLabelMapping(const std::string& path, const LabelSet& label_set)
+{
+  const YamlMap file = YamlMap::load(path);
+  LabelMapping mapping;
+  const YamlMap classes = file.requireMap("classes");
+  for (const std::string& name : classes.keys()) {
+    const Label label = label_set.find(name);
+    if (label == kUnlabelled)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          classes.where(name)
+                              << ": class '" << name << "' is not in the label set");
+    for (const int id : classes.require<std::vector<int>>(name)) {
+      if (id < 0 || id > 65535)
+        PCL_THROW_EXCEPTION(BadInputException,
+                            classes.where(name) << ": id " << id
+                                                << " is not within 0 to 65535");
+      mapping.set(static_cast<std::uint32_t>(id), label);
+    }
+  }
+  file.refuseUnknownKeys();
+  return mapping;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,100 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/npy_file.h>
+
+#include <opencv2/core.hpp>
+
+#include <cstring>
+#include <regex>
+
+namespace pcl_semantic {
+
+namespace {
+
+struct Header {
+  std::string text;
+  std::size_t data_offset = 0;
+};
+
+// The header of format versions 1 and 2: magic, version, length, a Python dictionary.
+Header
+readHeader(const std::string& path, const std::vector<std::uint8_t>& bytes)
+{
+  static constexpr std::uint8_t magic[] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
+  if (bytes.size() < 12 || std::memcmp(bytes.data(), magic, sizeof(magic)) != 0)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is not a NumPy file");
+  const int version = bytes[6];
+  if (version != 1 && version != 2)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has NumPy format version " << version
+                             << ", expected 1 or 2");
+  std::size_t length = bytes[8] + 256u * bytes[9];
+  std::size_t offset = 10;
+  if (version == 2) {
+    length += 65536u * bytes[10] + 16777216u * std::size_t(bytes[11]);
+    offset = 12;
+  }
+  if (length > bytes.size() - offset)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": the NumPy header is longer than the file");
+  return {std::string(bytes.begin() + long(offset), bytes.begin() + long(offset + length)),
+          offset + length};
+}
+
+} // namespace
+
+NpyArray
+readNpy(const std::string& path)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  const Header header = readHeader(path, bytes);
+
+  std::smatch match;
+  if (!std::regex_search(
+          header.text, match, std::regex("'descr'\\s*:\\s*'([^']*)'")) ||
+      (match[1] != "<f4" && match[1] != "<f2"))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has type '" << match[1]
+                             << "', expected '<f4' or '<f2' (float32, float16)");
+  const bool half = match[1] == "<f2";
+  if (!std::regex_search(header.text, std::regex("'fortran_order'\\s*:\\s*False")))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": is in Fortran order, expected C order");
+  if (!std::regex_search(
+          header.text,
+          match,
+          std::regex("'shape'\\s*:\\s*\\((\\d{1,6}),\\s*(\\d{1,6}),\\s*(\\d{1,6}),?\\s*\\)")))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": expected an array of three axes (rows, columns, "
+                                "classes)");
+  NpyArray array;
+  array.height = std::stoi(match[1]);
+  array.width = std::stoi(match[2]);
+  array.depth = std::stoi(match[3]);
+  const std::size_t count =
+      std::size_t(array.height) * std::size_t(array.width) * std::size_t(array.depth);
+  const std::size_t expected = count * (half ? 2 : 4);
+  if (bytes.size() - header.data_offset != expected)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has " << bytes.size() - header.data_offset
+                             << " bytes of data, expected " << expected);
+  array.values.resize(count);
+  const std::uint8_t* const data = bytes.data() + header.data_offset;
+  if (!half)
+    std::memcpy(array.values.data(), data, expected);
+  else
+    for (std::size_t i = 0; i < count; ++i) {
+      cv::float16_t value;
+      std::memcpy(static_cast<void*>(&value), data + 2 * i, 2);
+      array.values[i] = float(value);
+    }
+  return array;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,170 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/yaml_config.h>
+
+#include <yaml-cpp/yaml.h>
+
+#include <set>
+
+namespace pcl_semantic {
+
+struct YamlMap::Impl {
+  std::string path;
+  YAML::Node node;
+  std::set<std::string> asked;
+
+  std::string
+  place(const YAML::Node& at) const
+  {
+    return placeOf(path, at.Mark().line + 1);
+  }
+
+  // The key's own node, for its line; yaml-cpp's lookup gives only the value.
+  YAML::Node
+  keyNode(const std::string& key) const
+  {
+    for (const auto& entry : node)
+      if (entry.first.Scalar() == key)
+        return entry.first;
+    return node;
+  }
+
+  static std::shared_ptr<Impl>
+  make(const std::string& path, const YAML::Node& node)
+  {
+    auto impl = std::make_shared<Impl>();
+    impl->path = path;
+    impl->node.reset(node);
+    if (!node.IsMap())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          impl->place(node) << ": expected 'key: value' lines");
+    std::set<std::string> keys;
+    for (const auto& entry : node) {
+      if (!entry.first.IsScalar())
+        PCL_THROW_EXCEPTION(BadInputException,
+                            impl->place(entry.first) << ": a key has to be a word");
+      if (!keys.insert(entry.first.Scalar()).second)
+        PCL_THROW_EXCEPTION(BadInputException,
+                            impl->place(entry.first)
+                                << ": key '" << entry.first.Scalar() << "' is there twice");
+    }
+    return impl;
+  }
+};
+
+YamlMap
+YamlMap::load(const std::string& path)
+{
+  std::string text;
+  for (const TextLine& line : readLines(path))
+    text += (line.text.rfind("%YAML", 0) == 0 ? "" : line.text) + "\n";
+  try {
+    return YamlMap(Impl::make(path, YAML::Load(text)));
+  }
+  catch (const YAML::Exception& error) {
+    PCL_THROW_EXCEPTION(BadInputException,
+                        placeOf(path, error.mark.line + 1) << ": " << error.msg);
+  }
+}
+
+bool
+YamlMap::has(const std::string& key) const
+{
+  impl_->asked.insert(key);
+  return static_cast<bool>(impl_->node[key]);
+}
+
+template <typename T>
+bool
+YamlMap::get(const std::string& key, T& value) const
+{
+  if (!has(key))
+    return false;
+  try {
+    value = impl_->node[key].as<T>();
+  }
+  catch (const YAML::Exception&) {
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where(key) << ": the value of '" << key
+                                   << "' is not of the expected type");
+  }
+  return true;
+}
+
+template bool
+YamlMap::get(const std::string&, bool&) const;
+template bool
+YamlMap::get(const std::string&, int&) const;
+template bool
+YamlMap::get(const std::string&, double&) const;
+template bool
+YamlMap::get(const std::string&, std::string&) const;
+template bool
+YamlMap::get(const std::string&, std::vector<int>&) const;
+template bool
+YamlMap::get(const std::string&, std::vector<double>&) const;
+template bool
+YamlMap::get(const std::string&, std::vector<std::string>&) const;
+
+std::vector<YamlMap>
+YamlMap::requireList(const std::string& key) const
+{
+  if (!has(key))
+    throwMissing(key);
+  const YAML::Node list = impl_->node[key];
+  if (!list.IsSequence())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where(key) << ": '" << key << "' has to be a list");
+  std::vector<YamlMap> maps;
+  for (const YAML::Node& entry : list)
+    maps.push_back(YamlMap(Impl::make(impl_->path, entry)));
+  return maps;
+}
+
+YamlMap
+YamlMap::requireMap(const std::string& key) const
+{
+  if (!has(key))
+    throwMissing(key);
+  return YamlMap(Impl::make(impl_->path, impl_->node[key]));
+}
+
+std::vector<std::string>
+YamlMap::keys() const
+{
+  std::vector<std::string> keys;
+  for (const auto& entry : impl_->node)
+    keys.push_back(entry.first.Scalar());
+  return keys;
+}
+
+std::string
+YamlMap::where(const std::string& key) const
+{
+  return impl_->place(impl_->keyNode(key));
+}
+
+void
+YamlMap::refuseUnknownKeys() const
+{
+  for (const auto& entry : impl_->node)
+    if (!impl_->asked.count(entry.first.Scalar()))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          impl_->place(entry.first)
+                              << ": key '" << entry.first.Scalar() << "' is not known");
+}
+
+void
+YamlMap::throwMissing(const std::string& key) const
+{
+  PCL_THROW_EXCEPTION(BadInputException,
+                      impl_->place(impl_->node) << ": key '" << key << "' is missing");
+}
+
+} // namespace pcl_semantic
