@@ -22,7 +22,7 @@ using VoxelIndex = Eigen::Vector3i;
 /** \brief Largest magnitude of an index: 100,000 km at 0.1 m, far from overflow. */
 constexpr std::int32_t kMaxVoxelIndex = 1000000000;
 
-/** \brief Lexicographic order z, y, x: the canonical order of voxels everywhere. */
+/** \brief Lexicographic order z, y, x. */
 struct VoxelIndexLess {
   bool
   operator()(const VoxelIndex& a, const VoxelIndex& b) const

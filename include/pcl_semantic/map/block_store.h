@@ -1,0 +1,47 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/map/semantic_voxel.h>
+
+#include <functional>
+#include <memory>
+#include <unordered_map>
+
+namespace pcl_semantic {
+
+/** \brief Where blocks go that leave the window, and come back from. */
+class BlockStore {
+public:
+  virtual ~BlockStore() = default;
+
+  /** \brief Keeps a block; replaces what was kept at this index. */
+  virtual void put(const VoxelIndex& block, std::unique_ptr<VoxelBlock> content) = 0;
+
+  /** \brief Gives a block back and forgets it; null if there is none. */
+  virtual std::unique_ptr<VoxelBlock> take(const VoxelIndex& block) = 0;
+
+  /** \brief Visits every block, in no particular order. */
+  virtual void forEach(
+      const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const = 0;
+};
+
+/** \brief Keeps blocks in memory: the map forgets nothing and grows. */
+class MemoryBlockStore : public BlockStore {
+public:
+  void put(const VoxelIndex& block, std::unique_ptr<VoxelBlock> content) override;
+
+  std::unique_ptr<VoxelBlock> take(const VoxelIndex& block) override;
+
+  void forEach(const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit)
+      const override;
+
+private:
+  std::unordered_map<VoxelIndex, std::unique_ptr<VoxelBlock>, VoxelIndexHash> blocks_;
+};
+
+} // namespace pcl_semantic

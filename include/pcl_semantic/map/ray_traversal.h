@@ -1,0 +1,120 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/voxel_index.h>
+
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+
+namespace pcl_semantic {
+
+/** \brief Bits of a voxel's edge that end points are quantised to. */
+constexpr int kQuantizationBits = 10;
+
+/** \brief A point in units of 2^-10 voxel, global. */
+using QuantizedPoint = Eigen::Matrix<std::int64_t, 3, 1>;
+
+/** \brief The voxel that holds a quantised point (voxels are half open). */
+inline VoxelIndex
+voxelOf(const QuantizedPoint& point)
+{
+  return {static_cast<std::int32_t>(point.x() >> kQuantizationBits),
+          static_cast<std::int32_t>(point.y() >> kQuantizationBits),
+          static_cast<std::int32_t>(point.z() >> kQuantizationBits)};
+}
+
+namespace detail {
+
+__extension__ typedef __int128 Int128;
+
+// One axis of the traversal. Times along the segment are integers: in units of the
+// whole segment divided by twice the product of all extents. A step in the negative
+// direction leaves its half-open voxel only after the boundary: half a unit later.
+template <typename Integer> struct TraversalAxis {
+  Integer next; // time of the next boundary
+  Integer step; // time between boundaries
+
+  TraversalAxis(std::int64_t from, std::int64_t delta, Integer product)
+  {
+    constexpr std::int64_t edge = std::int64_t(1) << kQuantizationBits;
+    if (delta == 0) {
+      next = std::numeric_limits<std::int64_t>::max();
+      if (sizeof(Integer) > 8)
+        next = next << 62;
+      step = 0;
+      return;
+    }
+    const std::int64_t inside = from & (edge - 1);
+    const Integer unit = 2 * (product / Integer(std::llabs(delta)));
+    next = delta > 0 ? unit * Integer(edge - inside) : unit * Integer(inside) + 1;
+    step = unit * Integer(edge);
+  }
+};
+
+template <typename Integer, typename Visit>
+bool
+traverse(const QuantizedPoint& from, const QuantizedPoint& delta, Visit& visit)
+{
+  Integer product = 1;
+  for (int axis = 0; axis < 3; ++axis)
+    if (delta[axis] != 0)
+      product *= Integer(std::llabs(delta[axis]));
+  const Integer end = 2 * product;
+  TraversalAxis<Integer> x(from.x(), delta.x(), product);
+  TraversalAxis<Integer> y(from.y(), delta.y(), product);
+  TraversalAxis<Integer> z(from.z(), delta.z(), product);
+  const int sx = delta.x() > 0 ? 1 : -1;
+  const int sy = delta.y() > 0 ? 1 : -1;
+  const int sz = delta.z() > 0 ? 1 : -1;
+  VoxelIndex voxel = voxelOf(from);
+  while (true) {
+    if (!visit(static_cast<const VoxelIndex&>(voxel)))
+      return false;
+    const Integer yz = y.next < z.next ? y.next : z.next;
+    const Integer now = x.next < yz ? x.next : yz;
+    if (now > end)
+      return true;
+    if (x.next == now) {
+      voxel.x() += sx;
+      x.next += x.step;
+    }
+    if (y.next == now) {
+      voxel.y() += sy;
+      y.next += y.step;
+    }
+    if (z.next == now) {
+      voxel.z() += sz;
+      z.next += z.step;
+    }
+  }
+}
+
+} // namespace detail
+
+/** \brief Visits every voxel that the closed segment crosses and no other, in order, by
+ * exact integer arithmetic (Amanatides and Woo 1987 with rational times).
+ *
+ * Voxels are half open: a segment through an edge or a corner enters only the voxels
+ * that hold one of its points.
+ * \param[in] visit called with a VoxelIndex; returns false to stop
+ * \return false if \a visit stopped it */
+template <typename Visit>
+bool
+traverseSegment(const QuantizedPoint& from, const QuantizedPoint& to, Visit&& visit)
+{
+  const QuantizedPoint delta = to - from;
+  // Twice the product of the extents and one more edge has to fit.
+  constexpr std::int64_t largest_short = std::int64_t(1) << 20;
+  if ((delta.array().abs() < largest_short).all())
+    return detail::traverse<std::int64_t>(from, delta, visit);
+  return detail::traverse<detail::Int128>(from, delta, visit);
+}
+
+} // namespace pcl_semantic

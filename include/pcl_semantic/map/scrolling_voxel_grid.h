@@ -1,0 +1,161 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/voxel_index.h>
+
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief A window of blocks that moves through an unbounded grid without copying what
+ * stays: a block keeps its place in a ring of slots for as long as it is inside.
+ *
+ * The grid knows nothing of what a block holds. */
+template <typename Block> class ScrollingVoxelGrid {
+public:
+  using BlockIndex = Eigen::Vector3i;
+
+  /** \param[in] size window in blocks, each axis positive
+   * \throws InvalidParameterException if the ring would have more than 2^28 slots */
+  explicit ScrollingVoxelGrid(const Eigen::Vector3i& size) : size_(size)
+  {
+    const double slots = size.cast<double>().prod();
+    if ((size.array() <= 0).any() || slots > double(1 << 28))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "a window of " << size.transpose()
+                                         << " blocks is empty or too large; take a "
+                                            "smaller window or larger voxels");
+    blocks_.resize(static_cast<std::size_t>(slots));
+  }
+
+  const Eigen::Vector3i&
+  size() const
+  {
+    return size_;
+  }
+
+  /** \brief The smallest block index inside the window. */
+  const BlockIndex&
+  origin() const
+  {
+    return origin_;
+  }
+
+  bool
+  contains(const BlockIndex& block) const
+  {
+    const Eigen::Array3i offset = (block - origin_).array();
+    return (offset >= 0).all() && (offset < size_.array()).all();
+  }
+
+  std::size_t
+  slots() const
+  {
+    return blocks_.size();
+  }
+
+  /** \brief The slot of a block inside the window. */
+  std::size_t
+  slotOf(const BlockIndex& block) const
+  {
+    const std::size_t x = wrap(block.x(), size_.x());
+    const std::size_t y = wrap(block.y(), size_.y());
+    const std::size_t z = wrap(block.z(), size_.z());
+    return (z * std::size_t(size_.y()) + y) * std::size_t(size_.x()) + x;
+  }
+
+  /** \brief The block in a slot, null if there is none. */
+  std::unique_ptr<Block>&
+  at(std::size_t slot)
+  {
+    return blocks_[slot];
+  }
+
+  /** \brief The block at an index, null if there is none or it is outside. */
+  Block*
+  find(const BlockIndex& block) const
+  {
+    return contains(block) ? blocks_[slotOf(block)].get() : nullptr;
+  }
+
+  /** \brief Moves the window so that its smallest block is \a origin; the cost is that
+   * of what leaves and enters.
+   * \param[in] leave called with (index, std::unique_ptr<Block>) for each block that
+   * leaves
+   * \param[in] enter called with (index) for each position that enters; gives the block
+   * that lies there or null */
+  template <typename Leave, typename Enter>
+  void
+  scrollTo(const BlockIndex& origin, Leave&& leave, Enter&& enter)
+  {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int shift = origin[axis] - origin_[axis];
+      if (shift == 0)
+        continue;
+      const int thickness = std::min(std::abs(shift), size_[axis]);
+      BlockIndex slab = origin_;
+      slab[axis] += shift > 0 ? 0 : size_[axis] - thickness;
+      forEachInSlab(slab, axis, thickness, [&](const BlockIndex& block) {
+        if (auto& held = blocks_[slotOf(block)])
+          leave(block, std::move(held));
+      });
+      origin_[axis] = origin[axis];
+      slab[axis] = origin[axis] + (shift > 0 ? size_[axis] - thickness : 0);
+      // What enters now may leave again along a later axis: wait until it is certain.
+      forEachInSlab(slab, axis, thickness, [&](const BlockIndex& block) {
+        bool stays = true;
+        for (int later = axis + 1; later < 3; ++later)
+          stays &= block[later] >= origin[later] &&
+                   block[later] < origin[later] + size_[later];
+        if (stays)
+          blocks_[slotOf(block)] = enter(block);
+      });
+    }
+  }
+
+  /** \brief Calls \a visit(index, block) for every block of the window, in the order z,
+   * y, x of their indices. */
+  template <typename Visit>
+  void
+  forEach(Visit&& visit) const
+  {
+    forEachInSlab(origin_, 0, size_.x(), [&](const BlockIndex& block) {
+      if (const auto& held = blocks_[slotOf(block)])
+        visit(block, *held);
+    });
+  }
+
+private:
+  static std::size_t
+  wrap(int value, int size)
+  {
+    const int rest = value % size;
+    return static_cast<std::size_t>(rest < 0 ? rest + size : rest);
+  }
+
+  template <typename Visit>
+  void
+  forEachInSlab(const BlockIndex& first, int axis, int thickness, Visit&& visit) const
+  {
+    BlockIndex extent = size_;
+    extent[axis] = thickness;
+    for (int z = 0; z < extent.z(); ++z)
+      for (int y = 0; y < extent.y(); ++y)
+        for (int x = 0; x < extent.x(); ++x)
+          visit(BlockIndex(first + BlockIndex(x, y, z)));
+  }
+
+  Eigen::Vector3i size_;
+  BlockIndex origin_ = BlockIndex::Zero();
+  std::vector<std::unique_ptr<Block>> blocks_;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,97 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/voxel_index.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace pcl_semantic {
+
+constexpr int kBlockBits = 3;
+constexpr int kBlockEdge = 1 << kBlockBits;                        ///< voxels
+constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge; ///< voxels
+
+/** \brief Log-odds of occupancy as stored: units of 1/4096. */
+using StoredLogOdds = std::int16_t;
+constexpr float kLogOddsUnit = 1.0f / 4096.0f;
+
+/** \brief Marks a voxel that no ray has reached: neither free nor occupied. */
+constexpr StoredLogOdds kUnknown = std::numeric_limits<StoredLogOdds>::min();
+
+/** \brief What is kept of a voxel that a scan has hit, apart from its labels. */
+struct VoxelRecord {
+  std::array<std::uint32_t, 3> colour_sum{}; ///< red, green, blue
+  std::uint32_t colour_count = 0;            ///< pixels in the sums
+  std::uint32_t observations = 0;            ///< scans that hit the voxel
+  std::uint32_t label_observations = 0;      ///< of these, with a label distribution
+};
+
+/** \brief 8 x 8 x 8 voxels: occupancy for all, records for those that were hit, so that
+ * memory grows with surfaces and not with volume. */
+struct VoxelBlock {
+  static constexpr std::int16_t kNoRecord = -1;
+
+  std::array<StoredLogOdds, kBlockVoxels> log_odds;
+  std::array<std::int16_t, kBlockVoxels> record; ///< row in the vectors below
+  std::vector<VoxelRecord> records;
+  std::vector<float> measured; ///< L a row: fused log-probabilities, the largest is 0
+  std::vector<float> refined;  ///< L a row: distribution of the CRF; all zero = none
+
+  VoxelBlock()
+  {
+    log_odds.fill(kUnknown);
+    record.fill(kNoRecord);
+  }
+
+  /** \brief The record of a voxel, made if it has none.
+   * \param[in] voxel place in the block, see voxelInBlock
+   * \param[in] classes L */
+  int
+  recordOf(int voxel, int classes)
+  {
+    if (record[voxel] == kNoRecord) {
+      record[voxel] = static_cast<std::int16_t>(records.size());
+      records.emplace_back();
+      measured.resize(measured.size() + std::size_t(classes), 0.0f);
+      refined.resize(refined.size() + std::size_t(classes), 0.0f);
+    }
+    return record[voxel];
+  }
+};
+
+/** \brief The block that holds a voxel. */
+inline VoxelIndex
+blockOf(const VoxelIndex& voxel)
+{
+  return {voxel.x() >> kBlockBits, voxel.y() >> kBlockBits, voxel.z() >> kBlockBits};
+}
+
+/** \brief Place of a voxel in its block: x fastest, z slowest. */
+inline int
+voxelInBlock(const VoxelIndex& voxel)
+{
+  constexpr int mask = kBlockEdge - 1;
+  return (((voxel.z() & mask) << kBlockBits | (voxel.y() & mask)) << kBlockBits) |
+         (voxel.x() & mask);
+}
+
+/** \brief The voxel at a place of a block; inverse of blockOf and voxelInBlock. */
+inline VoxelIndex
+voxelAt(const VoxelIndex& block, int place)
+{
+  constexpr int mask = kBlockEdge - 1;
+  return {block.x() * kBlockEdge + (place & mask),
+          block.y() * kBlockEdge + ((place >> kBlockBits) & mask),
+          block.z() * kBlockEdge + (place >> (2 * kBlockBits))};
+}
+
+} // namespace pcl_semantic

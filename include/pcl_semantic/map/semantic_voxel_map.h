@@ -1,0 +1,128 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/map/block_store.h>
+#include <pcl_semantic/map/ray_caster.h>
+#include <pcl_semantic/map/scrolling_voxel_grid.h>
+#include <pcl_semantic/map/voxel_fusion.h>
+
+#include <Eigen/Geometry>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief What is known of a place. */
+enum class Occupancy { unknown, free, occupied };
+
+/** \brief A semantic occupancy map in a window that moves with the sensor.
+ *
+ * Scans of any sensor update occupancy by ray casting and fuse colour and label
+ * distributions (section III of the paper). Blocks that leave the window go to a
+ * BlockStore and come back when it returns. World frame: x forward, y left, z up [m].
+ * The map is not safe to use from several threads at once; it uses several itself. */
+class SemanticVoxelMap {
+public:
+  struct Parameters {
+    double voxel_size = 0.1; ///< edge of a voxel [m]
+    /// Extent of the window around the sensor, world axes [m], rounded up to blocks.
+    Eigen::Vector3d window{84.0, 84.0, 24.0};
+    /// Reach in each axis of the sensor's frame [m]; for a camera with less than 90
+    /// degrees of view this is depth. Points beyond it clear space up to it.
+    double max_range = 40.0;
+    FusionParameters fusion;
+
+    /** \throws InvalidParameterException */
+    void validate() const;
+  };
+
+  /** \param[in] label_set the classes of every distribution given to integrate()
+   * \param[in] store null for a store in memory
+   * \throws InvalidParameterException */
+  SemanticVoxelMap(const LabelSet& label_set, const Parameters& parameters,
+                   std::shared_ptr<BlockStore> store = nullptr);
+
+  /** \brief Takes in one scan: moves the window to the sensor, casts a ray to every
+   * point, and fuses the colours and labels of the end points. One update per voxel and
+   * scan; a hit wins over a miss.
+   * \param[in] cloud sensor frame [m], organized or not, any point type with xyz
+   * \param[in] T_world_sensor pose of the sensor
+   * \param[in] distributions L x cloud.size(), or empty for a scan without labels
+   * \throws InvalidParameterException if the distributions do not fit the cloud
+   * \throws BadInputException if the pose is not finite or too far away */
+  template <typename PointT>
+  ScanCounts integrate(const pcl::PointCloud<PointT>& cloud,
+                       const Eigen::Isometry3d& T_world_sensor,
+                       const LabelDistributions& distributions = LabelDistributions());
+
+  /** \brief The occupied voxels of the window. */
+  VoxelCloud occupied() const;
+
+  /** \brief All occupied voxels, those that left the window too. */
+  VoxelCloud occupiedEverywhere() const;
+
+  /** \brief Takes back refined distributions; the measurements stay as they are.
+   * \param[in] voxels as occupied() gave them
+   * \param[in] refined L x voxels.size()
+   * \throws InvalidParameterException if the sizes differ */
+  void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined);
+
+  /** \brief State of the voxel that holds a point of the window, world frame [m];
+   * unknown outside. */
+  Occupancy occupancy(const Eigen::Vector3d& point) const;
+
+  /** \brief MAP label (refined if there is one) of the occupied voxel that holds a
+   * point of the window, world frame [m]; kUnlabelled if it is not occupied. */
+  Label label(const Eigen::Vector3d& point) const;
+
+  /** \brief The voxel that holds a point, world frame [m]. */
+  VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
+
+  const LabelSet&
+  labelSet() const
+  {
+    return label_set_;
+  }
+
+  const Parameters&
+  parameters() const
+  {
+    return parameters_;
+  }
+
+private:
+  ScanCounts integrateScan(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
+
+  void updateOccupancy();
+
+  void fuseHits(const Scan& scan);
+
+  void centreWindow(const Eigen::Vector3d& sensor);
+
+  const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& place) const;
+
+  VoxelCloud
+  makeCloud(std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks) const;
+
+  LabelSet label_set_;
+  Parameters parameters_;
+  OccupancyUpdate occupancy_update_;
+  ScrollingVoxelGrid<VoxelBlock> grid_;
+  std::shared_ptr<BlockStore> store_;
+  RayCaster ray_caster_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); // of the clouds given out
+  bool started_ = false;
+};
+
+} // namespace pcl_semantic
+
+#include <pcl_semantic/map/impl/semantic_voxel_map.hpp>

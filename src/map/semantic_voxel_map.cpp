@@ -1,0 +1,204 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+Eigen::Vector3i
+windowInBlocks(const SemanticVoxelMap::Parameters& parameters)
+{
+  parameters.validate();
+  // One more block: the window moves by whole blocks and still holds its extent.
+  const double block = parameters.voxel_size * kBlockEdge;
+  return ((parameters.window / block).array().min(1e6).ceil().cast<int>() + 1);
+}
+
+// A cloud's points are single precision: far from the world's origin they are given
+// relative to a multiple of a kilometre.
+Eigen::Vector3d
+cloudOrigin(const Eigen::Vector3d& sensor)
+{
+  constexpr double step = 1000.0;
+  return (sensor / step).array().round() * step;
+}
+
+} // namespace
+
+void
+SemanticVoxelMap::Parameters::validate() const
+{
+  if (!(voxel_size >= 1e-3 && voxel_size <= 100.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "voxel_size is " << voxel_size << " m, expected 0.001 to 100");
+  if (!((window.array() >= voxel_size).all() && (window.array() <= 1e5).all()))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "window is "
+                            << window.transpose()
+                            << " m, expected at least a voxel and at most 1e5");
+  if (!(max_range > 0.0 && max_range <= 1e4))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "max_range is " << max_range
+                                        << " m, expected more than 0, at most 1e4");
+  fusion.validate();
+}
+
+SemanticVoxelMap::SemanticVoxelMap(const LabelSet& label_set,
+                                   const Parameters& parameters,
+                                   std::shared_ptr<BlockStore> store)
+    : label_set_(label_set), parameters_(parameters),
+      occupancy_update_(parameters.fusion), grid_(windowInBlocks(parameters)),
+      store_(store ? std::move(store) : std::make_shared<MemoryBlockStore>()),
+      ray_caster_(grid_.slots())
+{}
+
+void
+SemanticVoxelMap::centreWindow(const Eigen::Vector3d& sensor)
+{
+  const double farthest = 0.5 * kMaxVoxelIndex * parameters_.voxel_size;
+  if (!((sensor.array().abs() <= farthest).all()))
+    PCL_THROW_EXCEPTION(BadInputException, "the sensor is at "
+                                               << sensor.transpose()
+                                               << " m, expected at most " << farthest
+                                               << " m from the origin");
+  if (!started_)
+    origin_ = cloudOrigin(sensor);
+  started_ = true;
+  const Eigen::Vector3d centre = sensor / (parameters_.voxel_size * kBlockEdge);
+  const VoxelIndex origin =
+      (centre - 0.5 * grid_.size().cast<double>()).array().round().cast<int>();
+  grid_.scrollTo(
+      origin,
+      [&](const VoxelIndex& block, std::unique_ptr<VoxelBlock> content) {
+        store_->put(block, std::move(content));
+      },
+      [&](const VoxelIndex& block) { return store_->take(block); });
+}
+
+ScanCounts
+SemanticVoxelMap::integrateScan(const Scan& scan,
+                                const Eigen::Isometry3d& T_world_sensor)
+{
+  if (scan.points.size() >> RayHit::kPointBits)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a scan of " << scan.points.size() << " points is too large");
+  if (scan.distributions &&
+      (scan.distributions->classes() != label_set_.size() ||
+       std::size_t(scan.distributions->size()) != scan.points.size()))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the label distributions are "
+                            << scan.distributions->classes() << " x "
+                            << scan.distributions->size() << ", expected "
+                            << label_set_.size() << " x " << scan.points.size());
+  if (!T_world_sensor.matrix().allFinite())
+    PCL_THROW_EXCEPTION(BadInputException, "the pose of the sensor is not finite");
+  centreWindow(T_world_sensor.translation());
+
+  RayCaster::Settings settings{parameters_.voxel_size, parameters_.max_range, {}};
+  for (int label = 0; label <= label_set_.size(); ++label)
+    settings.is_sky.push_back(label_set_[Label(label)].sky);
+  ScanCounts counts = ray_caster_.cast(scan, T_world_sensor, grid_, settings);
+  updateOccupancy();
+  fuseHits(scan);
+  std::uint64_t last = ~std::uint64_t(0);
+  for (const RayHit& hit : ray_caster_.hits()) {
+    counts.hit_voxels += hit.voxel() != last;
+    last = hit.voxel();
+  }
+  return counts;
+}
+
+void
+SemanticVoxelMap::updateOccupancy()
+{
+  const std::vector<VoxelIndex>& blocks = ray_caster_.crossedBlocks();
+  const std::vector<RayHit>& hits = ray_caster_.hits();
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const std::size_t slot = grid_.slotOf(blocks[b]);
+    auto& block = grid_.at(slot);
+    if (!block)
+      block = std::make_unique<VoxelBlock>();
+    auto hit = std::lower_bound(hits.begin(), hits.end(), RayHit(slot, 0, 0));
+    for (int place = 0; place < kBlockVoxels; ++place) {
+      bool is_hit = false;
+      for (; hit != hits.end() && hit->slot() == slot && hit->place() == place; ++hit)
+        is_hit = true;
+      if (is_hit)
+        occupancy_update_.hit(block->log_odds[place]);
+      else if (ray_caster_.isCrossed(slot, place))
+        occupancy_update_.miss(block->log_odds[place]);
+    }
+  }
+}
+
+void
+SemanticVoxelMap::fuseHits(const Scan& scan)
+{
+  const int classes = label_set_.size();
+  const std::vector<RayHit>& hits = ray_caster_.hits();
+  // First hits of voxels, by block: records grow, so a block belongs to one thread.
+  std::vector<std::size_t> block_starts;
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    if (i == 0 || hits[i].slot() != hits[i - 1].slot())
+      block_starts.push_back(i);
+  const std::size_t block_count = block_starts.size();
+  block_starts.push_back(hits.size());
+
+#pragma omp parallel
+  {
+    VoxelMeasurement measurement(classes, parameters_.fusion);
+#pragma omp for schedule(dynamic, 16)
+    for (std::size_t b = 0; b < block_count; ++b) {
+      VoxelBlock& block = *grid_.at(hits[block_starts[b]].slot());
+      for (std::size_t i = block_starts[b]; i < block_starts[b + 1];) {
+        const RayHit first = hits[i];
+        measurement.clear();
+        for (; i < block_starts[b + 1] && hits[i].voxel() == first.voxel(); ++i) {
+          const std::size_t point = hits[i].point();
+          if (!scan.rgb.empty())
+            measurement.addColour(scan.rgb[point]);
+          if (scan.distributions)
+            measurement.addDistribution(
+                scan.distributions->column(Eigen::Index(point)));
+        }
+        const int record = block.recordOf(first.place(), classes);
+        measurement.fuseInto(block.records[record],
+                             block.measured.data() + record * classes);
+      }
+    }
+  }
+}
+
+void
+SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
+                             const LabelDistributions& refined)
+{
+  const int classes = label_set_.size();
+  if (std::size_t(refined.size()) != voxels.size() || refined.classes() != classes)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "refined distributions are "
+                            << refined.classes() << " x " << refined.size()
+                            << ", expected " << classes << " x " << voxels.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const VoxelIndex& voxel = voxels.indices[i];
+    VoxelBlock* const block = grid_.find(blockOf(voxel));
+    if (!block)
+      continue; // has left the window since
+    const int record = block->record[voxelInBlock(voxel)];
+    if (record != VoxelBlock::kNoRecord)
+      std::copy_n(refined.column(Eigen::Index(i)), classes,
+                  block->refined.data() + record * classes);
+  }
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,123 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/map/voxel_fusion.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Fixed point of log-probabilities: 2^-24 is finer than single precision keeps.
+constexpr double kLogScale = double(1 << 24);
+
+void
+requireBetween(double value, double low, double high, const char* name)
+{
+  if (!(value > low && value < high))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        name << " is " << value << ", expected more than " << low
+                             << " and less than " << high);
+}
+
+} // namespace
+
+void
+FusionParameters::validate() const
+{
+  requireBetween(hit_probability, 0.5, 1.0, "hit_probability");
+  requireBetween(miss_probability, 0.0, 0.5, "miss_probability");
+  // Beyond 0.9996 the log-odds would not fit their 16 bits.
+  requireBetween(min_probability, 4e-4, 0.5, "min_probability");
+  requireBetween(max_probability, 0.5, 1.0 - 4e-4, "max_probability");
+  requireBetween(occupied_probability, min_probability, max_probability,
+                 "occupied_probability");
+  requireBetween(label_min_probability, 0.0, 0.5, "label_min_probability");
+  requireBetween(label_max_ratio, 1.0, std::numeric_limits<double>::infinity(),
+                 "label_max_ratio");
+}
+
+StoredLogOdds
+storedLogOdds(double probability)
+{
+  return static_cast<StoredLogOdds>(
+      std::lround(std::log(probability / (1.0 - probability)) / kLogOddsUnit));
+}
+
+OccupancyUpdate::OccupancyUpdate(const FusionParameters& parameters)
+    : hit_(storedLogOdds(parameters.hit_probability)),
+      miss_(storedLogOdds(parameters.miss_probability)),
+      min_(storedLogOdds(parameters.min_probability)),
+      max_(storedLogOdds(parameters.max_probability)),
+      occupied_(storedLogOdds(parameters.occupied_probability))
+{}
+
+VoxelMeasurement::VoxelMeasurement(int classes, const FusionParameters& parameters)
+    : parameters_(parameters), log_sums_(classes), log_likelihood_(classes)
+{}
+
+void
+VoxelMeasurement::clear()
+{
+  std::fill(log_sums_.begin(), log_sums_.end(), 0);
+  labelled_ = 0;
+  colour_sum_ = {};
+  colour_count_ = 0;
+}
+
+void
+VoxelMeasurement::addColour(std::uint32_t rgb)
+{
+  colour_sum_[0] += rgb >> 16 & 255;
+  colour_sum_[1] += rgb >> 8 & 255;
+  colour_sum_[2] += rgb & 255;
+  ++colour_count_;
+}
+
+void
+VoxelMeasurement::addDistribution(const float* distribution)
+{
+  const int classes = static_cast<int>(log_sums_.size());
+  if (std::all_of(distribution, distribution + classes, [](float p) { return p == 0; }))
+    return;
+  const float smallest = float(parameters_.label_min_probability);
+  for (int k = 0; k < classes; ++k)
+    log_sums_[k] +=
+        std::llround(double(std::log(std::max(distribution[k], smallest))) * kLogScale);
+  ++labelled_;
+}
+
+void
+VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
+{
+  ++record.observations;
+  // Halving both keeps the mean and makes room long before a sum overflows.
+  constexpr std::uint32_t largest_count = 1u << 23;
+  if (record.colour_count + colour_count_ > largest_count) {
+    record.colour_count /= 2;
+    for (std::uint32_t& sum : record.colour_sum)
+      sum /= 2;
+  }
+  for (int channel = 0; channel < 3; ++channel)
+    record.colour_sum[channel] += colour_sum_[channel];
+  record.colour_count += colour_count_;
+
+  if (labelled_ == 0)
+    return;
+  ++record.label_observations;
+  const double divisor =
+      parameters_.pixel_fusion == PixelFusion::mean ? double(labelled_) : 1.0;
+  for (std::size_t k = 0; k < log_sums_.size(); ++k)
+    log_likelihood_[k] = float(double(log_sums_[k]) / (kLogScale * divisor));
+  fuseLogLikelihood(log_likelihood_.data(), static_cast<int>(log_sums_.size()),
+                    float(std::log(parameters_.label_max_ratio)), log_distribution);
+}
+
+} // namespace pcl_semantic
