@@ -1,0 +1,220 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// The rules of the house: includes point downward, files stay small, and no compiler
+// flag changes the instruction set.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path source_folder = PCL_SEMANTIC_SOURCE_DIR;
+
+// Rooms by level, lowest first; those of one level do not know each other.
+const std::vector<std::vector<std::string>> levels = {
+    {"core", "version.h"},
+    {"crf", "files"},
+    {"map", "stereo", "odometry", "labelling", "cliques", "dataset"},
+    {"evaluation", "io", "filters"},
+    {"pipeline"},
+    {"apps"}};
+
+int
+levelOf(const std::string& room)
+{
+  for (std::size_t level = 0; level < levels.size(); ++level)
+    if (std::count(levels[level].begin(), levels[level].end(), room))
+      return static_cast<int>(level);
+  return -1;
+}
+
+std::string
+readText(const fs::path& path)
+{
+  std::ifstream stream(path);
+  EXPECT_TRUE(stream) << path;
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+// Why a file of `room` must not hold the include `name` (in <> or ""); empty if it may.
+std::string
+includeFault(const std::string& room, const std::string& name, bool quoted)
+{
+  static const std::regex ours("pcl_semantic/([^/]+)(/.*)?");
+  if (name.find("..") != std::string::npos)
+    return "leaves its folder";
+  std::smatch match;
+  if (!std::regex_match(name, match, ours)) {
+    const std::string first = name.substr(0, name.find('/'));
+    if (levelOf(first) >= 0 && first.size() < name.size())
+      return "expected <pcl_semantic/...>";
+    return quoted && room != "apps" && name == "tool.h" ? "belongs to apps" : "";
+  }
+  const std::string target = match[1];
+  if (quoted)
+    return "expected <> around it";
+  if (levelOf(target) < 0)
+    return "no such room";
+  if (target == room || levelOf(target) < levelOf(room))
+    return "";
+  return levelOf(target) == levelOf(room) ? "is a sideways include"
+                                          : "is an upward include";
+}
+
+// One line for every include of `text` that a file of `room` must not hold.
+std::vector<std::string>
+includeFaults(const std::string& room, const std::string& text)
+{
+  static const std::regex pattern("^\\s*#\\s*include\\s*([<\"])([^>\"]+)[>\"]");
+  std::vector<std::string> faults;
+  std::istringstream stream(text);
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    std::smatch match;
+    if (!std::regex_search(line, match, pattern))
+      continue;
+    const std::string fault = includeFault(room, match[2], match[1] == "\"");
+    if (!fault.empty())
+      faults.push_back("line " + std::to_string(number) + ": " + match[2].str() + " " +
+                       fault);
+  }
+  return faults;
+}
+
+// Flags that change the instruction set, outside of comments of a CMake file.
+bool
+hasInstructionSetFlag(const std::string& cmake_text)
+{
+  const std::string code =
+      std::regex_replace(cmake_text, std::regex("#[^\n]*"), std::string());
+  return std::regex_search(code, std::regex("-m(avx|arch|fma|tune)"));
+}
+
+long
+countLines(const std::string& text)
+{
+  return std::count(text.begin(), text.end(), '\n');
+}
+
+long
+maximumLines(const fs::path& path, bool is_tool)
+{
+  if (path.extension() == ".h")
+    return 150;
+  return is_tool ? 200 : 300;
+}
+
+bool
+isCode(const fs::path& path)
+{
+  const fs::path extension = path.extension();
+  return extension == ".h" || extension == ".hpp" || extension == ".cpp";
+}
+
+// The code of the library and the programs, by room.
+std::multimap<std::string, fs::path>
+codeOfTheHouse()
+{
+  std::multimap<std::string, fs::path> files;
+  for (const char* const root : {"include/pcl_semantic", "src", "apps"})
+    for (const auto& entry : fs::recursive_directory_iterator(source_folder / root)) {
+      if (!entry.is_regular_file() || !isCode(entry.path()))
+        continue;
+      const fs::path relative = fs::relative(entry.path(), source_folder / root);
+      const std::string room =
+          root == std::string("apps") ? "apps" : relative.begin()->string();
+      files.emplace(room, entry.path());
+    }
+  return files;
+}
+
+} // namespace
+
+TEST(House, TheCheckerFindsBadIncludes)
+{
+  const auto count = [](const std::string& room, const std::string& text) {
+    return includeFaults(room, text).size();
+  };
+  // upward
+  EXPECT_EQ(count("core", "#include <pcl_semantic/map/semantic_voxel_map.h>\n"), 1u);
+  EXPECT_EQ(count("map", "int a;\n #  include <pcl_semantic/pipeline/a.h>\n"), 1u);
+  EXPECT_EQ(count("crf", "#include <pcl_semantic/filters/semantic_crf.h>\n"), 1u);
+  // sideways
+  EXPECT_EQ(count("map", "#include <pcl_semantic/cliques/clique_generator.h>\n"), 1u);
+  EXPECT_EQ(count("crf", "#include <pcl_semantic/files/npy_file.h>\n"), 1u);
+  EXPECT_EQ(count("io", "#include <pcl_semantic/evaluation/confusion_matrix.h>\n"), 1u);
+  // around the rules
+  EXPECT_EQ(count("core", "#include \"pcl_semantic/core/label_set.h\"\n"), 1u);
+  EXPECT_EQ(count("map", "#include \"../stereo/sgbm.h\"\n"), 1u);
+  EXPECT_EQ(count("io", "#include \"tool.h\"\n"), 1u);
+  EXPECT_EQ(count("io", "#include <apps/tool.h>\n"), 1u);
+  EXPECT_EQ(count("io", "#include <pcl_semantic/attic/a.h>\n"), 1u);
+  // allowed
+  EXPECT_EQ(count("evaluation",
+                  "#include <pcl_semantic/map/a.h>\n#include <pcl_semantic/core/b.h>\n"
+                  "#include <pcl_semantic/files/c.h>\n#include <pcl/io/pcd_io.h>\n"
+                  "#include <pcl_semantic/evaluation/d.h>\n#include \"kernels/e.h\"\n"
+                  "#include <map>\n#include <pcl_semantic/version.h>\n"),
+            0u);
+  EXPECT_EQ(count("apps", "#include \"tool.h\"\n#include <pcl_semantic/io/a.h>\n"), 0u);
+}
+
+TEST(House, IncludesPointDownward)
+{
+  const auto files = codeOfTheHouse();
+  ASSERT_GT(files.size(), 20u);
+  for (const auto& [room, path] : files) {
+    EXPECT_GE(levelOf(room), 0)
+        << path << ": room '" << room << "' is not in the design";
+    for (const std::string& fault : includeFaults(room, readText(path)))
+      ADD_FAILURE() << path.string() << " " << fault;
+  }
+}
+
+TEST(House, FilesAreSmall)
+{
+  for (const auto& [room, path] : codeOfTheHouse())
+    EXPECT_LE(countLines(readText(path)), maximumLines(path, room == "apps"))
+        << path << ": usually holds two things";
+}
+
+TEST(House, FilesNameTheirLicense)
+{
+  for (const auto& [room, path] : codeOfTheHouse())
+    EXPECT_EQ(readText(path).find("/*\n * SPDX-License-Identifier: BSD-3-Clause\n"), 0u)
+        << path;
+}
+
+TEST(House, NoFlagChangesTheInstructionSet)
+{
+  EXPECT_TRUE(hasInstructionSetFlag("add_compile_options(-O3 -march=native)\n"));
+  EXPECT_TRUE(hasInstructionSetFlag("# fast\nset(F \"-mavx2\") # faster\n"));
+  EXPECT_FALSE(hasInstructionSetFlag("# never -march\nadd_compile_options(-Wall)\n"));
+
+  std::vector<fs::path> files = {source_folder / "CMakeLists.txt"};
+  for (const char* const root : {"src", "apps", "test", "cmake"})
+    for (const auto& entry : fs::recursive_directory_iterator(source_folder / root))
+      if (entry.path().filename() == "CMakeLists.txt" ||
+          entry.path().extension() == ".cmake")
+        files.push_back(entry.path());
+  ASSERT_GT(files.size(), 5u);
+  for (const fs::path& path : files)
+    EXPECT_FALSE(hasInstructionSetFlag(readText(path))) << path;
+}
