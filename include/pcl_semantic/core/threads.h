@@ -1,0 +1,18 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+namespace pcl_semantic {
+
+/** \brief Sets how many threads this module and OpenCV use from now on, for the calling
+ * thread's loops; results do not depend on it.
+ * \param[in] threads 0 = all processors
+ * \throws InvalidParameterException if it is negative or beyond 1024 */
+void
+setNumberOfThreads(int threads);
+
+} // namespace pcl_semantic

@@ -1,0 +1,21 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief A file of the data that come with the module (label sets, networks, presets),
+ * found beside the running program: `../share/pcl_semantic` when installed, `data` of the
+ * source tree in a build.
+ * \param[in] name "label_sets/kitti11.yaml"
+ * \throws BadInputException if it is not there */
+std::string
+findDataFile(const std::string& name);
+
+} // namespace pcl_semantic

@@ -1,0 +1,37 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/stereo_frame.h>
+
+#include <Eigen/Geometry>
+
+namespace pcl_semantic {
+
+/** \brief The one rotation between KITTI's frames and ours: takes points in the frame of
+ * the first camera 0 (x right, y down, z forward) to the world (x forward, y left,
+ * z up), both with their origin at the first pose. */
+inline Eigen::Isometry3d
+worldFromFirstCamera()
+{
+  Eigen::Isometry3d T_world_first = Eigen::Isometry3d::Identity();
+  T_world_first.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return T_world_first;
+}
+
+/** \brief Tells where the left camera was when a frame was taken. */
+class PoseSource {
+public:
+  virtual ~PoseSource() = default;
+
+  /** \brief T_world_camera, the pose of the frame's left camera in the world [m].
+   * \throws BadInputException that names the frame, if there is no pose for it */
+  virtual Eigen::Isometry3d
+  pose(const StereoFrame& frame) = 0;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,29 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/odometry/pose_source.h>
+
+namespace pcl_semantic {
+
+/** \brief Poses from a KITTI trajectory: row n is the pose of camera 0 at frame n. */
+class TrajectoryPoses : public PoseSource {
+public:
+  /** \param[in] trajectory camera-0 poses, see readKittiTrajectory
+   * \param[in] T_camera0_camera the camera that takes the images, in camera 0 */
+  TrajectoryPoses(Trajectory trajectory, const Eigen::Isometry3d& T_camera0_camera);
+
+  Eigen::Isometry3d
+  pose(const StereoFrame& frame) override;
+
+private:
+  Trajectory trajectory_;
+  Eigen::Isometry3d T_camera0_camera_;
+};
+
+} // namespace pcl_semantic

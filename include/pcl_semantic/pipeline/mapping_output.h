@@ -1,0 +1,63 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Writes what mapping a sequence leaves behind into a folder: pictures and label
+ * images a frame, the map and its summary at the end (README, "What it writes"). */
+class MappingOutput {
+public:
+  /** \brief Makes the folders.
+   * \param[in] T_camera0_camera the camera that takes the images, in KITTI's camera 0
+   * \throws OutputException */
+  MappingOutput(const std::string& folder,
+                const StereoCamera& camera,
+                const LabelSet& label_set,
+                const MapperConfig& config,
+                const Eigen::Isometry3d& T_camera0_camera);
+
+  /** \brief labels, labels_at_depth, network_labels and overlay of a frame.
+   * \throws OutputException */
+  void
+  writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
+
+  /** \brief map.pcd, map_classes.pcd, final_labels, top_view.png, trajectory.txt,
+   * summary.json. \throws OutputException */
+  void
+  finish(const SemanticVoxelMap& map);
+
+private:
+  struct WrittenFrame {
+    int number;
+    Eigen::Isometry3d T_world_camera;
+    ScanCounts counts;
+  };
+
+  std::string
+  path(const std::string& name) const;
+
+  void
+  writeSummary(const VoxelCloud& voxels) const;
+
+  std::string folder_;
+  StereoCamera camera_;
+  LabelSet label_set_;
+  MapperConfig config_;
+  Eigen::Isometry3d T_camera0_camera_;
+  std::vector<WrittenFrame> frames_;
+  std::map<std::string, std::vector<double>> seconds_; // by stage
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,83 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/core/stereo_frame.h>
+#include <pcl_semantic/labelling/label_predictor.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
+#include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/pipeline/stage_times.h>
+#include <pcl_semantic/stereo/disparity_estimator.h>
+
+#include <functional>
+#include <memory>
+
+namespace pcl_semantic {
+
+/** \brief What became of one frame. */
+struct MappedFrame {
+  StereoFrame frame;
+  cv::Mat disparity;                             ///< CV_32FC1 [px], 0 = none
+  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud;  ///< organized, camera frame [m]
+  LabelDistributions network;                    ///< L x pixels, of the left image
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  ScanCounts counts;  ///< of the scan that went into the map
+  VoxelCloud voxels;  ///< the occupied voxels of the window after this frame
+  StageTimes times;
+};
+
+/** \brief The whole pipeline: stereo frames go in, a semantic map grows. */
+class SemanticMapper {
+public:
+  /** \brief Called after each frame. */
+  using Callback = std::function<void(const MappedFrame&, const SemanticVoxelMap&)>;
+
+  /** \param[in] camera the pair that takes the frames
+   * \param[in] label_set the classes that \a predictor gives
+   * \param[in] predictor labels of the pixels
+   * \param[in] poses of the left camera
+   * \throws InvalidParameterException */
+  SemanticMapper(const StereoCamera& camera,
+                 const LabelSet& label_set,
+                 MapperConfig config,
+                 std::unique_ptr<LabelPredictor> predictor,
+                 std::unique_ptr<PoseSource> poses);
+
+  void
+  setCallback(Callback callback)
+  {
+    callback_ = std::move(callback);
+  }
+
+  /** \brief Takes in one frame: disparity, cloud, labels, pose, map, CRF.
+   * \throws BadInputException or BadModelException that names the frame */
+  MappedFrame
+  process(const StereoFrame& frame);
+
+  const SemanticVoxelMap&
+  map() const
+  {
+    return map_;
+  }
+
+private:
+  void
+  refine(VoxelCloud& voxels);
+
+  StereoCamera camera_;
+  MapperConfig config_;
+  std::unique_ptr<DisparityEstimator> stereo_;
+  std::unique_ptr<LabelPredictor> predictor_;
+  std::unique_ptr<PoseSource> poses_;
+  SemanticVoxelMap map_;
+  Callback callback_;
+  int frames_ = 0;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,27 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+
+#include <opencv2/core/utility.hpp>
+
+#include <omp.h>
+
+namespace pcl_semantic {
+
+void
+setNumberOfThreads(int threads)
+{
+  if (threads < 0 || threads > 1024)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "threads is " << threads << ", expected 0 (all) to 1024");
+  const int count = threads == 0 ? omp_get_num_procs() : threads;
+  omp_set_num_threads(count);
+  cv::setNumThreads(count);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,147 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/evaluation/depth_lookup.h>
+#include <pcl_semantic/evaluation/label_reprojection.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/io/voxel_cloud_file.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
+#include <pcl_semantic/version.h>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core/version.hpp>
+#include <pcl/pcl_config.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Value below which a share of the sorted values lies.
+double
+quantile(std::vector<double> values, double share)
+{
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * double(values.size() - 1) + 0.5)];
+}
+
+cv::Mat
+networkLabels(const MappedFrame& mapped)
+{
+  cv::Mat labels(mapped.frame.left.size(), CV_8UC1);
+  for (Eigen::Index i = 0; i < mapped.network.size(); ++i)
+    labels.data[i] = mapped.network.mapLabel(i);
+  return labels;
+}
+
+Json
+toJson(const Eigen::Vector3d& vector)
+{
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+} // namespace
+
+MappingOutput::MappingOutput(const std::string& folder,
+                             const StereoCamera& camera,
+                             const LabelSet& label_set,
+                             const MapperConfig& config,
+                             const Eigen::Isometry3d& T_camera0_camera)
+: folder_(folder),
+  camera_(camera),
+  label_set_(label_set),
+  config_(config),
+  T_camera0_camera_(T_camera0_camera)
+{
+  for (const char* name :
+       {"labels", "labels_at_depth", "network_labels", "final_labels", "overlay"})
+    makeOutputFolder(path(name));
+}
+
+std::string
+MappingOutput::path(const std::string& name) const
+{
+  return (std::filesystem::path(folder_) / name).string();
+}
+
+void
+MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map)
+{
+  const std::string name = "/" + frameFileName(mapped.frame.number, ".png");
+  const double max_depth = config_.map.max_range;
+  const cv::Mat labels =
+      renderLabels(mapped.voxels, camera_, mapped.T_world_camera, max_depth).labels;
+  writePng(path("labels" + name), labels);
+  writePng(path("labels_at_depth" + name),
+           labelsAtDepth(map, *mapped.cloud, mapped.T_world_camera, max_depth));
+  writePng(path("network_labels" + name), networkLabels(mapped));
+  writePng(path("overlay" + name), drawOverlay(mapped.frame.left, labels, label_set_));
+
+  frames_.push_back({mapped.frame.number, mapped.T_world_camera, mapped.counts});
+  for (const auto& [stage, seconds] : mapped.times.seconds())
+    seconds_[stage].push_back(seconds);
+}
+
+void
+MappingOutput::finish(const SemanticVoxelMap& map)
+{
+  const VoxelCloud voxels = map.occupiedEverywhere();
+  writeVoxelCloud(path("map.pcd"), voxels, label_set_, VoxelColour::measured);
+  writeVoxelCloud(path("map_classes.pcd"), voxels, label_set_, VoxelColour::classes);
+
+  Trajectory trajectory;
+  std::vector<Eigen::Vector3d> positions;
+  for (const WrittenFrame& frame : frames_) {
+    const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
+    writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
+             renderLabels(voxels, camera_, T_world_camera, config_.map.max_range).labels);
+    positions.push_back(T_world_camera.translation());
+    trajectory.push_back(worldFromFirstCamera().inverse() * T_world_camera *
+                         T_camera0_camera_.inverse());
+  }
+  writeKittiTrajectory(path("trajectory.txt"), trajectory);
+  writePng(path("top_view.png"), drawTopView(voxels, positions, label_set_));
+  writeSummary(voxels);
+}
+
+void
+MappingOutput::writeSummary(const VoxelCloud& voxels) const
+{
+  Json summary;
+  summary["frames"] = frames_.size();
+  summary["frame_numbers"] = Json::array();
+  ScanCounts total;
+  for (const WrittenFrame& frame : frames_) {
+    summary["frame_numbers"].push_back(frame.number);
+    total.rays += frame.counts.rays;
+    total.sky += frame.counts.sky;
+    total.invalid += frame.counts.invalid;
+  }
+  summary["points"] = {
+      {"rays", total.rays}, {"sky", total.sky}, {"without_depth", total.invalid}};
+  summary["voxels"] = voxels.size();
+  summary["voxel_size"] = voxels.voxel_size;
+  summary["map_origin"] = toJson(voxels.origin);
+  for (const auto& [stage, seconds] : seconds_)
+    summary["seconds"][stage] = {{"median", quantile(seconds, 0.5)},
+                                 {"95 %", quantile(seconds, 0.95)}};
+  MapperConfig config = config_;
+  for (const ConfigParameter& parameter : parametersOf(config))
+    summary["options"][parameter.name] = parameter.text();
+  summary["versions"] = {{"pcl_semantic", PCL_SEMANTIC_VERSION},
+                         {"pcl", PCL_VERSION_PRETTY},
+                         {"opencv", CV_VERSION}};
+  writeTextFile(path("summary.json"), summary.dump(2) + "\n");
+}
+
+} // namespace pcl_semantic

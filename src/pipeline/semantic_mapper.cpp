@@ -1,0 +1,89 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+#include <pcl_semantic/stereo/disparity_to_cloud.h>
+#include <pcl_semantic/stereo/sgbm.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+std::unique_ptr<DisparityEstimator>
+makeStereo(const MapperConfig& config)
+{
+  Sgbm::Parameters parameters;
+  parameters.disparities = config.disparities;
+  parameters.block_size = config.stereo_block;
+  return std::make_unique<Sgbm>(parameters);
+}
+
+MapperConfig
+validated(MapperConfig config)
+{
+  config.validate();
+  return config;
+}
+
+} // namespace
+
+SemanticMapper::SemanticMapper(const StereoCamera& camera,
+                               const LabelSet& label_set,
+                               MapperConfig config,
+                               std::unique_ptr<LabelPredictor> predictor,
+                               std::unique_ptr<PoseSource> poses)
+: camera_(camera),
+  config_(validated(std::move(config))),
+  stereo_(makeStereo(config_)),
+  predictor_(std::move(predictor)),
+  poses_(std::move(poses)),
+  map_(label_set, config_.map)
+{
+  camera_.validate();
+  setNumberOfThreads(config_.threads);
+}
+
+MappedFrame
+SemanticMapper::process(const StereoFrame& frame)
+{
+  MappedFrame result;
+  result.frame = frame;
+  StageTimes& times = result.times;
+  result.T_world_camera = times.measure("pose", [&] { return poses_->pose(frame); });
+  result.disparity = times.measure(
+      "stereo", [&] { return stereo_->estimate(frame.left, frame.right); });
+  result.cloud = times.measure(
+      "cloud", [&] { return disparityToCloud(result.disparity, frame.left, camera_); });
+  result.network =
+      times.measure("labelling", [&] { return predictor_->predict(frame); });
+  result.counts = times.measure("map", [&] {
+    return map_.integrate(*result.cloud, result.T_world_camera, result.network);
+  });
+  result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
+  if (config_.crf != "none" && frames_ % config_.crf_every == 0)
+    times.measure("crf", [&] { refine(result.voxels); });
+  ++frames_;
+  if (callback_)
+    callback_(result, map_);
+  return result;
+}
+
+void
+SemanticMapper::refine(VoxelCloud& voxels)
+{
+  SemanticCRF<pcl::PointXYZRGBL> crf;
+  crf.setParameters(config_.crf_parameters);
+  crf.setInputCloud(voxels.cloud);
+  crf.setLabelDistributions(voxels.measured);
+  crf.filter(*voxels.cloud);
+  voxels.refined = crf.getLabelDistributions();
+  map_.setRefined(voxels, voxels.refined);
+}
+
+} // namespace pcl_semantic
