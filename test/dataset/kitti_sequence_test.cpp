@@ -4,7 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include <pcl_semantic/core/exceptions.h>
+#include "support/scratch_folder.h"
+
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -22,36 +23,6 @@ namespace pcl_semantic {
 namespace fs = std::filesystem;
 
 namespace {
-
-/** \brief A folder that vanishes with the test. */
-class KittiFolder {
-public:
-  KittiFolder()
-  {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = fs::temp_directory_path() / (std::string("pcl_semantic_kitti_") +
-                                         info->name() + std::to_string(getpid()));
-    fs::remove_all(path_);
-    fs::create_directories(path_);
-  }
-
-  ~KittiFolder() { fs::remove_all(path_); }
-
-  std::string
-  operator/(const std::string& name) const
-  {
-    return (path_ / name).string();
-  }
-
-  std::string
-  str() const
-  {
-    return path_.string();
-  }
-
-private:
-  fs::path path_;
-};
 
 const std::map<std::string, std::string> rows{
     {"P0", "500 0 60 0 0 400 40 0 0 0 1 0"},
@@ -77,7 +48,7 @@ calibration(const std::map<std::string, std::string>& other = {},
 }
 
 void
-writeFrames(const KittiFolder& folder, const std::string& name,
+writeFrames(const ScratchFolder& folder, const std::string& name,
             const std::vector<int>& frames, int type = CV_8UC3)
 {
   fs::create_directories(folder / name);
@@ -87,48 +58,27 @@ writeFrames(const KittiFolder& folder, const std::string& name,
 }
 
 void
-writeSequence(const KittiFolder& folder, const std::vector<int>& frames)
+writeSequence(const ScratchFolder& folder, const std::vector<int>& frames)
 {
   writeFrames(folder, "image_2", frames);
   writeFrames(folder, "image_3", frames);
   writeTextFile(folder / "calib.txt", calibration());
 }
 
-/** \brief What a BadInputException of \a action says; empty if none comes. */
-template <typename Action>
-std::string
-complaint(const Action& action)
-{
-  try {
-    action();
-  }
-  catch (const BadInputException& error) {
-    return error.what();
-  }
-  return "";
-}
-
 std::string
 calibrationComplaint(const std::string& text)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   writeTextFile(folder / "calib.txt", text);
   return complaint(
       [&] { readKittiCalibration(folder / "calib.txt", KittiCameras::colour); });
-}
-
-void
-expectSays(const std::string& message, const std::string& part)
-{
-  EXPECT_NE(message.find(part), std::string::npos) << "'" << message << "'";
-  EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 
 } // namespace
 
 TEST(KittiCalibration, GeometryOfBothPairs)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   const std::string path = folder / "calib.txt";
   writeTextFile(path, calibration());
   const KittiCalibration grey = readKittiCalibration(path, KittiCameras::grey);
@@ -162,7 +112,7 @@ TEST(KittiCalibration, GeometryOfBothPairs)
 
 TEST(KittiCalibration, AcceptsWindowsTextAndOtherRows)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   writeTextFile(folder / "calib.txt", "\xEF\xBB\xBF" +
                                           calibration({{"Tr", ""}}, "  \r\n") +
                                           "\r\nS_02: 1 2\r\n");
@@ -203,7 +153,7 @@ TEST(KittiCalibration, RefusesWithTheLine)
 
 TEST(KittiSequence, GapsAndTimesByFrameNumber)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   writeSequence(folder, {3, 10});
   std::string times;
   for (int row = 0; row < 12; ++row)
@@ -226,14 +176,14 @@ TEST(KittiSequence, GapsAndTimesByFrameNumber)
 
 TEST(KittiSequence, WithoutTimesTenFramesASecond)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   writeSequence(folder, {4});
   EXPECT_DOUBLE_EQ(KittiSequence(folder.str()).frame(0).timestamp, 0.4);
 }
 
 TEST(KittiSequence, ChoosesCameras)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   writeFrames(folder, "image_0", {0}, CV_8UC1);
   writeFrames(folder, "image_1", {0}, CV_8UC1);
   writeTextFile(folder / "calib.txt", calibration());
@@ -251,7 +201,7 @@ TEST(KittiSequence, ChoosesCameras)
 
 TEST(KittiSequence, RefusesMissingPartners)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   writeSequence(folder, {0, 1, 2, 7});
   fs::remove(folder / "image_3/000001.png");
   expectSays(complaint([&] { KittiSequence{folder.str()}; }),
@@ -269,7 +219,7 @@ TEST(KittiSequence, RefusesMissingPartners)
 
 TEST(KittiSequence, RefusesBadTimes)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   writeSequence(folder, {0, 2});
   writeTextFile(folder / "times.txt", "0\n0.1\n");
   expectSays(complaint([&] { KittiSequence{folder.str()}; }),
@@ -284,7 +234,7 @@ TEST(KittiSequence, RefusesBadTimes)
 
 TEST(KittiSequence, RefusesBadImages)
 {
-  const KittiFolder folder;
+  const ScratchFolder folder;
   writeSequence(folder, {0, 1, 2, 3});
   writePng(folder / "image_3/000001.png",
            cv::Mat(80, 121, CV_8UC3, cv::Scalar::all(0)));

@@ -1,0 +1,28 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Reads the labels of a scan as SemanticKITTI writes them (`labels/\*.label`:
+ * uint32 a point, the lower 16 bits are the class, the upper ones the instance).
+ * \param[in] path file
+ * \param[in] mapping raw class ids to labels
+ * \param[in] count number of points of the scan
+ * \return one label a point
+ * \throws BadInputException unless there are \a count labels */
+std::vector<Label> readSemanticKittiLabels(const std::string& path,
+                                           const LabelMapping& mapping,
+                                           std::size_t count);
+
+} // namespace pcl_semantic

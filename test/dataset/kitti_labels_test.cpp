@@ -1,0 +1,91 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/scratch_folder.h"
+
+#include <pcl_semantic/dataset/frame_range.h>
+#include <pcl_semantic/dataset/semantic_kitti_labels.h>
+#include <pcl_semantic/dataset/velodyne_scan.h>
+
+#include <fstream>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+template <typename T>
+void
+writeArray(const std::string& path, const std::vector<T>& values, std::size_t bytes)
+{
+  std::ofstream stream(path, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(values.data()), std::streamsize(bytes));
+}
+
+} // namespace
+
+TEST(VelodyneScan, ReadsPoints)
+{
+  const ScratchFolder folder;
+  writeArray<float>(folder / "a.bin", {1, 2, 3, 0.5f, -4, 5, -6, 0.25f}, 32);
+  const auto scan = readVelodyneScan(folder / "a.bin");
+  ASSERT_EQ(scan->size(), 2u);
+  EXPECT_EQ((*scan)[1].x, -4.0f);
+  EXPECT_EQ((*scan)[1].y, 5.0f);
+  EXPECT_EQ((*scan)[1].z, -6.0f);
+  EXPECT_EQ((*scan)[0].intensity, 0.5f);
+}
+
+TEST(VelodyneScan, RefusesDamagedFiles)
+{
+  const ScratchFolder folder;
+  const std::string path = folder / "a.bin";
+  const auto read = [&] { readVelodyneScan(path); };
+  expectSays(complaint(read), "cannot be read");
+  writeArray<float>(path, {}, 0);
+  expectSays(complaint(read), "has 0 bytes");
+  writeArray<float>(path, {1, 2, 3, 4, 5, 6, 7, 8}, 31);
+  expectSays(complaint(read), "has 31 bytes, expected a multiple of 16");
+  writeArray<float>(path,
+                    {1, 2, 3, 4, 5, std::numeric_limits<float>::quiet_NaN(), 7, 8}, 32);
+  expectSays(complaint(read), "point 1");
+}
+
+TEST(SemanticKittiLabels, MapsTheLower16Bits)
+{
+  LabelMapping mapping;
+  mapping.set(40, 3);
+  mapping.set(259, 6);
+  const ScratchFolder folder;
+  writeArray<std::uint32_t>(folder / "a.label", {40, 259u | 7u << 16, 41, 40u << 16},
+                            16);
+  EXPECT_EQ(readSemanticKittiLabels(folder / "a.label", mapping, 4),
+            (std::vector<Label>{3, 6, 0, 0}));
+  expectSays(
+      complaint([&] { readSemanticKittiLabels(folder / "a.label", mapping, 5); }),
+      "has 16 bytes, expected 20");
+  writeArray<std::uint32_t>(folder / "a.label", {40, 40}, 7);
+  expectSays(
+      complaint([&] { readSemanticKittiLabels(folder / "a.label", mapping, 2); }),
+      "has 7 bytes, expected 8");
+}
+
+TEST(FrameRange, HalfOpen)
+{
+  const FrameRange range = parseFrameRange("3:7");
+  EXPECT_FALSE(range.contains(2));
+  EXPECT_TRUE(range.contains(3));
+  EXPECT_TRUE(range.contains(6));
+  EXPECT_FALSE(range.contains(7));
+  EXPECT_TRUE(parseFrameRange(":").contains(1000000));
+  EXPECT_FALSE(parseFrameRange(":5").contains(5));
+  EXPECT_TRUE(parseFrameRange("5:").contains(5));
+  for (const char* text :
+       {"", "5", "10:5", "5:5", "-1:5", "a:b", "1:2:3", "1.5:2", "1: 2"})
+    EXPECT_THROW(parseFrameRange(text), InvalidParameterException) << text;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,208 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/evaluation/label_reprojection.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <random>
+#include <set>
+
+namespace pcl_semantic {
+
+namespace {
+
+StereoCamera
+smallCamera()
+{
+  StereoCamera camera;
+  camera.fx = 45.0;
+  camera.fy = 50.0;
+  camera.cx = 31.3;
+  camera.cy = 19.7;
+  camera.baseline = 0.5;
+  camera.width = 64;
+  camera.height = 41;
+  return camera;
+}
+
+VoxelCloud
+makeVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
+{
+  VoxelCloud voxels;
+  voxels.voxel_size = voxel_size;
+  voxels.indices = indices;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    pcl::PointXYZRGBL point; // its position is not used
+    point.label = 1 + static_cast<std::uint32_t>(i) % 11;
+    voxels.cloud->push_back(point);
+  }
+  return voxels;
+}
+
+/** \brief All voxels for each pixel, by where the ray crosses the faces. */
+RenderedLabels
+bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
+           const Eigen::Isometry3d& pose, double max_depth)
+{
+  RenderedLabels result{cv::Mat::zeros(camera.height, camera.width, CV_8UC1),
+                        cv::Mat::zeros(camera.height, camera.width, CV_32FC1)};
+  const double size = voxels.voxel_size;
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d origin = pose.translation();
+      const Eigen::Vector3d ray = pose.linear() * camera.unproject(u, v, 1.0);
+      double nearest = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < voxels.size(); ++i) {
+        const Eigen::Vector3d lower = voxels.indices[i].cast<double>() * size;
+        bool too_near = false;
+        for (int corner = 0; corner < 8; ++corner) {
+          const Eigen::Vector3d offset(corner & 1, corner >> 1 & 1, corner >> 2);
+          too_near = too_near || (pose.inverse() * (lower + size * offset)).z() < 0.1;
+        }
+        if (too_near)
+          continue;
+        for (int axis = 0; axis < 3; ++axis)
+          for (const double plane : {lower[axis], lower[axis] + size}) {
+            const double depth = (plane - origin[axis]) / ray[axis];
+            const Eigen::Vector3d at = origin + depth * ray - lower;
+            const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+            if (depth > 0.0 && depth <= max_depth && depth < nearest && at[b] >= 0.0 &&
+                at[b] < size && at[c] >= 0.0 && at[c] < size) {
+              nearest = depth;
+              result.labels.at<Label>(v, u) =
+                  static_cast<Label>(voxels.cloud->points[i].label);
+              result.depth.at<float>(v, u) = static_cast<float>(depth);
+            }
+          }
+      }
+    }
+  return result;
+}
+
+void
+expectEqual(const RenderedLabels& result, const RenderedLabels& expected)
+{
+  EXPECT_EQ(cv::countNonZero(result.labels != expected.labels), 0);
+  EXPECT_LT(cv::norm(result.depth, expected.depth, cv::NORM_INF), 1e-5);
+}
+
+/** \brief A camera that looks along the world's x axis, z up. */
+Eigen::Isometry3d
+forwardPose()
+{
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return pose;
+}
+
+} // namespace
+
+TEST(RenderLabels, EqualsBruteForceFromAnywhere)
+{
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> index(-25, 25);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  std::set<VoxelIndex, VoxelIndexLess> indices;
+  while (indices.size() < 300)
+    indices.insert(VoxelIndex(index(random), index(random), index(random)));
+  const VoxelCloud voxels = makeVoxels({indices.begin(), indices.end()}, 0.2);
+  for (int trial = 0; trial < 12; ++trial) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    const Eigen::Vector4d turn(number(random), number(random), number(random), 0.2);
+    pose.linear() = Eigen::Quaterniond(turn.normalized()).matrix();
+    for (int axis = 0; axis < 3; ++axis)
+      pose.translation()[axis] = 3.0 * number(random);
+    const double max_depth = trial % 2 ? 4.0 : 100.0;
+    const RenderedLabels result = renderLabels(voxels, smallCamera(), pose, max_depth);
+    expectEqual(result, bruteForce(voxels, smallCamera(), pose, max_depth));
+  }
+  // Seen from afar most rays hit something.
+  Eigen::Isometry3d pose = forwardPose();
+  pose.translation() << -9.0, 0.013, -0.027; // no ray along an edge
+  const RenderedLabels result = renderLabels(voxels, smallCamera(), pose, 100.0);
+  EXPECT_GT(cv::countNonZero(result.labels), 300);
+  expectEqual(result, bruteForce(voxels, smallCamera(), pose, 100.0));
+}
+
+TEST(RenderLabels, DoesNotDependOnTheOrderOfVoxels)
+{
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> index(-12, 12);
+  std::set<VoxelIndex, VoxelIndexLess> indices;
+  while (indices.size() < 200)
+    indices.insert(VoxelIndex(20 + index(random), index(random), index(random)));
+  VoxelCloud voxels = makeVoxels({indices.begin(), indices.end()}, 0.1);
+  const RenderedLabels one = renderLabels(voxels, smallCamera(), forwardPose(), 40.0);
+  std::reverse(voxels.indices.begin(), voxels.indices.end());
+  std::reverse(voxels.cloud->begin(), voxels.cloud->end());
+  const RenderedLabels other = renderLabels(voxels, smallCamera(), forwardPose(), 40.0);
+  EXPECT_EQ(cv::countNonZero(one.labels != other.labels), 0);
+  EXPECT_EQ(cv::countNonZero(one.depth != other.depth), 0);
+}
+
+TEST(RenderLabels, ExactCubeHalfOpen)
+{
+  // One cube of 1 m from 4 m on, its lower faces on the optical axis: the ray of the
+  // principal point belongs to it, and of the cubes beside none.
+  StereoCamera camera = smallCamera();
+  camera.cx = 32.0;
+  camera.cy = 20.0;
+  camera.fx = camera.fy = 40.0;
+  const RenderedLabels result =
+      renderLabels(makeVoxels({{4, 0, 0}}, 1.0), camera, forwardPose(), 40.0);
+  // It covers y 0..1 (left) and z 0..1 (up): columns 22 to 32, rows 10 to 20.
+  EXPECT_EQ(result.labels.at<Label>(20, 32), 1);
+  EXPECT_EQ(result.depth.at<float>(20, 32), 4.0f);
+  EXPECT_EQ(result.labels.at<Label>(20, 33), 0);
+  EXPECT_EQ(result.labels.at<Label>(21, 32), 0);
+  EXPECT_EQ(result.labels.at<Label>(11, 23), 1);
+  EXPECT_EQ(result.labels.at<Label>(15, 21), 0);
+  for (const VoxelIndex& beside : {VoxelIndex(4, -1, 0), VoxelIndex(4, 0, -1)}) {
+    const RenderedLabels none =
+        renderLabels(makeVoxels({beside}, 1.0), camera, forwardPose(), 40.0);
+    EXPECT_EQ(none.labels.at<Label>(20, 32), 0);
+    EXPECT_GT(cv::countNonZero(none.labels), 50);
+  }
+}
+
+TEST(RenderLabels, DepthLimitsAndFarFromTheOrigin)
+{
+  Eigen::Isometry3d pose = forwardPose();
+  const auto seen = [&](const VoxelIndex& voxel, double max_depth) {
+    return cv::countNonZero(
+        renderLabels(makeVoxels({voxel}, 0.1), smallCamera(), pose, max_depth).depth);
+  };
+  EXPECT_GT(seen({10, 0, 0}, 1.0), 0); // its face lies at 1 m
+  EXPECT_EQ(seen({10, 0, 0}, 0.9999), 0);
+  EXPECT_GT(seen({1, 0, 0}, 40.0), 0);   // at 0.1 m
+  EXPECT_EQ(seen({0, 0, 0}, 40.0), 0);   // around the camera
+  EXPECT_EQ(seen({-10, 0, 0}, 40.0), 0); // behind it
+  const int near = seen({30, 1, 2}, 40.0);
+  pose.translation() << 1e5, -1e5, 100.0;
+  EXPECT_EQ(seen({1000030, -999999, 1002}, 40.0), near);
+}
+
+TEST(RenderLabels, EmptyAndInvalid)
+{
+  const RenderedLabels result =
+      renderLabels(VoxelCloud(), smallCamera(), forwardPose(), 40.0);
+  EXPECT_EQ(result.labels.size(), cv::Size(64, 41));
+  EXPECT_EQ(cv::countNonZero(result.labels), 0);
+  VoxelCloud voxels = makeVoxels({{10, 0, 0}}, 0.1);
+  EXPECT_THROW(renderLabels(voxels, smallCamera(), forwardPose(), 0.0),
+               InvalidParameterException);
+  EXPECT_THROW(renderLabels(voxels, StereoCamera(), forwardPose(), 40.0),
+               InvalidParameterException);
+  voxels.indices.push_back({1, 2, 3});
+  EXPECT_THROW(renderLabels(voxels, smallCamera(), forwardPose(), 40.0),
+               InvalidParameterException);
+}
+
+} // namespace pcl_semantic
