@@ -1,0 +1,31 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/stereo_camera.h>
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <opencv2/core/mat.hpp>
+
+namespace pcl_semantic {
+
+/** \brief Triangulates a disparity image: Z = f b / d.
+ * \param[in] disparity CV_32FC1 [px], 0 = none
+ * \param[in] image the left image, CV_8UC3 (BGR) or CV_8UC1, of the same size
+ * \param[in] camera its geometry; its size is checked where it is known
+ * \return organized cloud in the left camera's frame [m], one point a pixel; without
+ * disparity x, y, z are NaN and the colour is kept
+ * \throws InvalidParameterException as StereoCamera::validate()
+ * \throws BadInputException if sizes or types do not fit, or at a negative or
+ * non-finite disparity */
+pcl::PointCloud<pcl::PointXYZRGB>::Ptr disparityToCloud(const cv::Mat& disparity,
+                                                        const cv::Mat& image,
+                                                        const StereoCamera& camera);
+
+} // namespace pcl_semantic

@@ -1,0 +1,81 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/stereo/disparity_to_cloud.h>
+
+#include <cmath>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+void
+checkImages(const cv::Mat& disparity, const cv::Mat& image, const StereoCamera& camera)
+{
+  if (disparity.empty() || disparity.type() != CV_32FC1)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "disparity image: expected one channel of 32-bit floats");
+  if (image.type() != CV_8UC1 && image.type() != CV_8UC3)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "image of a disparity: expected 8-bit grey or 8-bit colour");
+  if (image.size() != disparity.size())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "image is " << image.cols << " x " << image.rows
+                                    << " pixels, its disparity " << disparity.cols
+                                    << " x " << disparity.rows);
+  const bool known = camera.width != 0 || camera.height != 0;
+  if (known && (camera.width != image.cols || camera.height != image.rows))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "image is " << image.cols << " x " << image.rows
+                                    << " pixels, the camera's " << camera.width << " x "
+                                    << camera.height);
+}
+
+void
+setColour(const cv::Mat& image, int u, int v, pcl::PointXYZRGB& point)
+{
+  if (image.channels() == 1) {
+    point.r = point.g = point.b = image.at<std::uint8_t>(v, u);
+    return;
+  }
+  const cv::Vec3b& bgr = image.at<cv::Vec3b>(v, u);
+  point.r = bgr[2];
+  point.g = bgr[1];
+  point.b = bgr[0];
+}
+
+} // namespace
+
+pcl::PointCloud<pcl::PointXYZRGB>::Ptr
+disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
+                 const StereoCamera& camera)
+{
+  camera.validate();
+  checkImages(disparity, image, camera);
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZRGB>(
+      static_cast<std::uint32_t>(image.cols), static_cast<std::uint32_t>(image.rows)));
+  cloud->is_dense = false;
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      pcl::PointXYZRGB& point = cloud->at(u, v);
+      setColour(image, u, v, point);
+      const float d = disparity.at<float>(v, u);
+      if (!std::isfinite(d) || d < 0.0f)
+        PCL_THROW_EXCEPTION(BadInputException, "disparity of pixel ("
+                                                   << u << ", " << v << ") is " << d
+                                                   << ", expected 0 or more");
+      if (d > 0.0f)
+        point.getVector3fMap() = camera.unproject(u, v, camera.depth(d)).cast<float>();
+      else
+        point.x = point.y = point.z = nan;
+    }
+  return cloud;
+}
+
+} // namespace pcl_semantic
