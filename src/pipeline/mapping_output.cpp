@@ -99,19 +99,31 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   writeVoxelCloud(path("map.pcd"), voxels, label_set_, VoxelColour::measured);
   writeVoxelCloud(path("map_classes.pcd"), voxels, label_set_, VoxelColour::classes);
 
-  Trajectory trajectory;
   std::vector<Eigen::Vector3d> positions;
   for (const WrittenFrame& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
     writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
              renderLabels(voxels, camera_, T_world_camera, config_.map.max_range).labels);
     positions.push_back(T_world_camera.translation());
-    trajectory.push_back(worldFromFirstCamera().inverse() * T_world_camera *
-                         T_camera0_camera_.inverse());
   }
-  writeKittiTrajectory(path("trajectory.txt"), trajectory);
+  writeKittiTrajectory(path("trajectory.txt"), trajectory());
   writePng(path("top_view.png"), drawTopView(voxels, positions, label_set_));
   writeSummary(voxels);
+}
+
+// Row n belongs to frame n, as in KITTI's files: a frame that was not mapped takes the
+// pose of the last one before it that was.
+Trajectory
+MappingOutput::trajectory() const
+{
+  Trajectory poses;
+  for (const WrittenFrame& frame : frames_) {
+    const Eigen::Isometry3d pose = worldFromFirstCamera().inverse() *
+                                   frame.T_world_camera * T_camera0_camera_.inverse();
+    poses.resize(std::size_t(frame.number), poses.empty() ? pose : poses.back());
+    poses.push_back(pose);
+  }
+  return poses;
 }
 
 void

@@ -48,6 +48,9 @@ private:
   std::string
   path(const std::string& name) const;
 
+  Trajectory
+  trajectory() const;
+
   void
   writeSummary(const VoxelCloud& voxels) const;
 

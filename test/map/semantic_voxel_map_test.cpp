@@ -1,0 +1,366 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/random_scan.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/map/ray_traversal.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+namespace {
+
+using namespace pcl_semantic;
+using test::LabelledScan;
+using test::makeRandomScan;
+using Key = std::tuple<int, int, int>;
+
+LabelSet
+threeClasses()
+{
+  return LabelSet(
+      {{"house", {200, 0, 0}}, {"sky", {0, 0, 200}, true}, {"road", {9, 9, 9}}});
+}
+
+SemanticVoxelMap::Parameters
+smallWindow()
+{
+  SemanticVoxelMap::Parameters parameters;
+  parameters.voxel_size = 0.25;
+  parameters.window = {16.0, 16.0, 8.0};
+  parameters.max_range = 6.0;
+  return parameters;
+}
+
+Eigen::Isometry3d
+poseAt(double x, double y, double z, double yaw = 0.0)
+{
+  Eigen::Isometry3d pose(
+      Eigen::AngleAxisd(yaw, Eigen::Vector3d(0.1, 0.2, 1.0).normalized()));
+  pose.translation() = Eigen::Vector3d(x, y, z);
+  return pose;
+}
+
+// The map as its description says, one voxel at a time, unbounded: no blocks, no
+// window, no bit masks. Rays are kept inside the window by the scans it is given.
+class PlainMap {
+public:
+  PlainMap(const LabelSet& label_set, const SemanticVoxelMap::Parameters& parameters)
+      : label_set_(label_set), parameters_(parameters), update_(parameters.fusion)
+  {}
+
+  void
+  integrate(const LabelledScan& scan, const Eigen::Isometry3d& pose)
+  {
+    std::set<Key> crossed;
+    std::map<Key, std::vector<std::size_t>> hits;
+    for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+      const Eigen::Vector3f point = scan.cloud[i].getVector3fMap();
+      const Label label = scan.distributions.mapLabel(Eigen::Index(i));
+      if (!point.allFinite() || point.cwiseAbs().maxCoeff() >= 1e6f ||
+          label_set_[label].sky)
+        continue;
+      const float reach = point.cwiseAbs().maxCoeff();
+      const float range = float(parameters_.max_range);
+      const double scale = reach <= range ? 1.0 : double(range / reach);
+      const QuantizedPoint from = quantize(pose.translation());
+      const QuantizedPoint to = quantize(pose * (point.cast<double>() * scale));
+      traverseSegment(from, to, [&](const VoxelIndex& v) {
+        crossed.insert({v.x(), v.y(), v.z()});
+        return true;
+      });
+      const VoxelIndex end = pcl_semantic::voxelOf(to);
+      if (reach <= range)
+        hits[{end.x(), end.y(), end.z()}].push_back(i);
+    }
+    for (const Key& key : crossed) {
+      StoredLogOdds& log_odds = log_odds_.try_emplace(key, kUnknown).first->second;
+      if (hits.count(key))
+        update_.hit(log_odds);
+      else
+        update_.miss(log_odds);
+    }
+    for (const auto& [key, points] : hits)
+      fuse(key, points, scan);
+  }
+
+  // Label distributions of the occupied voxels.
+  std::map<Key, std::vector<float>>
+  occupied() const
+  {
+    std::map<Key, std::vector<float>> result;
+    for (const auto& [key, fused] : fused_)
+      if (update_.isOccupied(log_odds_.at(key))) {
+        std::vector<float> p(fused.size(), 0.0f);
+        if (labelled_.count(key))
+          distributionFromLog(fused.data(), int(fused.size()), p.data());
+        result[key] = p;
+      }
+    return result;
+  }
+
+  const std::map<Key, StoredLogOdds>&
+  logOdds() const
+  {
+    return log_odds_;
+  }
+
+  bool
+  isOccupied(StoredLogOdds log_odds) const
+  {
+    return update_.isOccupied(log_odds);
+  }
+
+private:
+  QuantizedPoint
+  quantize(const Eigen::Vector3d& point) const
+  {
+    return (point * (1024.0 / parameters_.voxel_size))
+        .array()
+        .floor()
+        .cast<std::int64_t>();
+  }
+
+  void
+  fuse(const Key& key, const std::vector<std::size_t>& points, const LabelledScan& scan)
+  {
+    const int classes = label_set_.size();
+    auto& fused = fused_.try_emplace(key, classes, 0.0f).first->second;
+    std::vector<double> sums(classes, 0.0);
+    int count = 0;
+    for (const std::size_t i : points) {
+      const float* const p = scan.distributions.column(Eigen::Index(i));
+      if (mapLabel(p, classes) == kUnlabelled)
+        continue;
+      ++count;
+      for (int k = 0; k < classes; ++k)
+        sums[k] +=
+            std::log(std::max(double(p[k]), parameters_.fusion.label_min_probability));
+    }
+    if (count == 0)
+      return;
+    labelled_.insert(key);
+    std::vector<float> mean(classes);
+    for (int k = 0; k < classes; ++k)
+      mean[k] = float(sums[k] / count);
+    fuseLogLikelihood(mean.data(), classes,
+                      float(std::log(parameters_.fusion.label_max_ratio)),
+                      fused.data());
+  }
+
+  LabelSet label_set_;
+  SemanticVoxelMap::Parameters parameters_;
+  OccupancyUpdate update_;
+  std::map<Key, StoredLogOdds> log_odds_;
+  std::map<Key, std::vector<float>> fused_;
+  std::set<Key> labelled_;
+};
+
+void
+expectEqual(const VoxelCloud& voxels, const std::map<Key, std::vector<float>>& expected)
+{
+  ASSERT_EQ(voxels.size(), expected.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const VoxelIndex& index = voxels.indices[i];
+    const auto found = expected.find({index.x(), index.y(), index.z()});
+    ASSERT_NE(found, expected.end()) << index.transpose();
+    for (int k = 0; k < voxels.measured.classes(); ++k)
+      EXPECT_NEAR(voxels.measured.matrix()(k, Eigen::Index(i)), found->second[k], 1e-4);
+  }
+}
+
+TEST(SemanticVoxelMap, EqualsAPlainMapOverSeveralScans)
+{
+  const LabelSet label_set = threeClasses();
+  SemanticVoxelMap map(label_set, smallWindow());
+  PlainMap plain(label_set, smallWindow());
+  for (int scan = 0; scan < 6; ++scan) {
+    const LabelledScan points = makeRandomScan(400, 7.0f, 3, unsigned(scan));
+    const Eigen::Isometry3d pose =
+        poseAt(0.1 * scan, -0.05 * scan, 0.02 * scan, 0.3 * scan);
+    // Only points whose rays stay in the window: the plain map has none.
+    LabelledScan inside;
+    std::vector<Eigen::Index> kept;
+    for (std::size_t i = 0; i < points.cloud.size(); ++i)
+      if (std::abs((pose.linear().row(2) *
+                    points.cloud[i].getVector3fMap().cast<double>())(0)) < 3.5)
+        kept.push_back(Eigen::Index(i));
+    inside.distributions = LabelDistributions(3, Eigen::Index(kept.size()));
+    for (std::size_t j = 0; j < kept.size(); ++j) {
+      inside.cloud.push_back(points.cloud[std::size_t(kept[j])]);
+      inside.distributions.matrix().col(Eigen::Index(j)) =
+          points.distributions.matrix().col(kept[j]);
+    }
+    map.integrate(inside.cloud, pose, inside.distributions);
+    plain.integrate(inside, pose);
+  }
+  expectEqual(map.occupied(), plain.occupied());
+  int free_voxels = 0;
+  for (const auto& [key, log_odds] : plain.logOdds()) {
+    const auto& [x, y, z] = key;
+    const Eigen::Vector3d centre = (Eigen::Vector3d(x, y, z).array() + 0.5) * 0.25;
+    const Occupancy expected =
+        plain.isOccupied(log_odds) ? Occupancy::occupied : Occupancy::free;
+    free_voxels += expected == Occupancy::free;
+    ASSERT_EQ(map.occupancy(centre), expected) << x << " " << y << " " << z;
+  }
+  EXPECT_GT(free_voxels, 1000);
+  EXPECT_EQ(map.occupancy({7.9, 7.9, 3.9}), Occupancy::unknown);
+}
+
+// Everything a cloud holds, byte for byte.
+void
+expectIdentical(const VoxelCloud& a, const VoxelCloud& b)
+{
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_TRUE(a.measured.matrix() == b.measured.matrix());
+  EXPECT_EQ(a.observations, b.observations);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a.indices[i], b.indices[i]);
+    ASSERT_EQ((*a.cloud)[i].rgba, (*b.cloud)[i].rgba);
+    ASSERT_EQ((*a.cloud)[i].label, (*b.cloud)[i].label);
+  }
+}
+
+TEST(SemanticVoxelMap, OrderOfPointsAndNumberOfThreadsDoNotMatter)
+{
+  std::vector<VoxelCloud> results;
+  for (const int threads : {1, 2, 7}) {
+    setNumberOfThreads(threads);
+    SemanticVoxelMap map(threeClasses(), smallWindow());
+    for (unsigned scan = 0; scan < 3; ++scan) {
+      const LabelledScan points = test::shuffled(makeRandomScan(5000, 7.0f, 3, scan),
+                                                 scan + 10 * unsigned(threads));
+      map.integrate(points.cloud, poseAt(0.3 * scan, 0, 0), points.distributions);
+    }
+    results.push_back(map.occupied());
+  }
+  setNumberOfThreads(0);
+  EXPECT_GT(results[0].size(), 1000u);
+  expectIdentical(results[0], results[1]);
+  expectIdentical(results[0], results[2]);
+}
+
+TEST(SemanticVoxelMap, AVoxelThatLeavesTheWindowComesBack)
+{
+  const LabelledScan scan = makeRandomScan(2000, 5.0f, 3, 3);
+  SemanticVoxelMap map(threeClasses(), smallWindow());
+  map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  const VoxelCloud before = map.occupied();
+  const pcl::PointCloud<pcl::PointXYZRGB> nothing;
+  map.integrate(nothing, poseAt(100, -50, 3));
+  EXPECT_EQ(map.occupied().size(), 0u);
+  expectIdentical(before, map.occupiedEverywhere());
+  map.integrate(nothing, poseAt(0, 0, 0));
+  expectIdentical(before, map.occupied());
+}
+
+TEST(SemanticVoxelMap, AThousandKilometresAwayTheMapIsTheSame)
+{
+  const LabelledScan scan = makeRandomScan(2000, 5.0f, 3, 4);
+  SemanticVoxelMap near(threeClasses(), smallWindow());
+  SemanticVoxelMap far(threeClasses(), smallWindow());
+  near.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  far.integrate(scan.cloud, poseAt(1e6, -1e6, 0), scan.distributions);
+  const VoxelCloud a = near.occupied(), b = far.occupied();
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a.indices[i] + VoxelIndex(4000000, -4000000, 0), b.indices[i]);
+    ASSERT_EQ((*a.cloud)[i].getVector3fMap(), (*b.cloud)[i].getVector3fMap());
+  }
+  EXPECT_EQ(b.origin, Eigen::Vector3d(1e6, -1e6, 0));
+}
+
+TEST(SemanticVoxelMap, AHitWinsOverAMissOfTheSameScan)
+{
+  // Two points on one ray: the far one's ray goes through the near one's voxel.
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  cloud.push_back({2.0f, 0.1f, 0.1f});
+  cloud.push_back({4.0f, 0.2f, 0.2f});
+  SemanticVoxelMap map(threeClasses(), smallWindow());
+  const ScanCounts counts = map.integrate(cloud, poseAt(0, 0, 0));
+  EXPECT_EQ(counts.hit_voxels, 2u);
+  EXPECT_EQ(map.occupancy({2.0, 0.1, 0.1}), Occupancy::occupied);
+  EXPECT_EQ(map.occupancy({3.0, 0.15, 0.15}), Occupancy::free);
+  EXPECT_EQ(map.occupancy({5.0, 0.2, 0.2}), Occupancy::unknown);
+  EXPECT_EQ(map.label({2.0, 0.1, 0.1}), kUnlabelled);
+}
+
+TEST(SemanticVoxelMap, PointsBeyondTheRangeOnlyClear)
+{
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  cloud.push_back({50.0f, 0.1f, 0.1f});
+  SemanticVoxelMap map(threeClasses(), smallWindow());
+  EXPECT_EQ(map.integrate(cloud, poseAt(0, 0, 0)).hit_voxels, 0u);
+  EXPECT_EQ(map.occupied().size(), 0u);
+  EXPECT_EQ(map.occupancy({5.9, 0.01, 0.01}), Occupancy::free);
+  EXPECT_EQ(map.occupancy({6.3, 0.01, 0.01}), Occupancy::unknown);
+}
+
+TEST(SemanticVoxelMap, BadPointsAndSkyAreCountedAndSkipped)
+{
+  LabelledScan scan = makeRandomScan(5, 5.0f, 3, 5);
+  scan.cloud[0].x = std::nanf("");
+  scan.cloud[1].y = INFINITY;
+  scan.cloud[2].z = 1e30f;
+  for (int i = 0; i < 5; ++i)
+    scan.distributions.setLabel(i, i == 3 ? 2 : 1, 0.9f);
+  SemanticVoxelMap map(threeClasses(), smallWindow());
+  const ScanCounts counts =
+      map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  EXPECT_EQ(counts.points, 5u);
+  EXPECT_EQ(counts.invalid, 3u);
+  EXPECT_EQ(counts.sky, 1u);
+  EXPECT_EQ(counts.rays, 1u);
+  EXPECT_EQ(map.occupied().size(), 1u);
+}
+
+TEST(SemanticVoxelMap, RefinedDistributionsAreReadAndMeasurementsKept)
+{
+  const LabelledScan scan = makeRandomScan(500, 5.0f, 3, 6);
+  SemanticVoxelMap map(threeClasses(), smallWindow());
+  map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  const VoxelCloud before = map.occupied();
+  LabelDistributions refined(3, Eigen::Index(before.size()));
+  for (Eigen::Index i = 0; i < refined.size(); ++i)
+    refined.setLabel(i, 3, 0.8f);
+  map.setRefined(before, refined);
+  const VoxelCloud after = map.occupied();
+  EXPECT_TRUE(after.measured.matrix() == before.measured.matrix());
+  EXPECT_TRUE(after.refined.matrix() == refined.matrix());
+  const Eigen::Vector3d first = (before.indices[0].cast<double>().array() + 0.5) * 0.25;
+  EXPECT_EQ(map.label(first), 3);
+  EXPECT_THROW(map.setRefined(before, LabelDistributions(3, 1)),
+               InvalidParameterException);
+}
+
+TEST(SemanticVoxelMap, RefusesWhatDoesNotFit)
+{
+  const LabelledScan scan = makeRandomScan(10, 5.0f, 3, 7);
+  SemanticVoxelMap map(threeClasses(), smallWindow());
+  EXPECT_THROW(map.integrate(scan.cloud, poseAt(0, 0, 0), LabelDistributions(3, 9)),
+               InvalidParameterException);
+  EXPECT_THROW(map.integrate(scan.cloud, poseAt(0, 0, 0), LabelDistributions(4, 10)),
+               InvalidParameterException);
+  EXPECT_THROW(map.integrate(scan.cloud, poseAt(std::nan(""), 0, 0)),
+               BadInputException);
+  EXPECT_THROW(map.integrate(scan.cloud, poseAt(1e30, 0, 0)), BadInputException);
+  for (const double voxel_size : {0.0, -1.0, 1e-9, std::nan("")}) {
+    SemanticVoxelMap::Parameters parameters = smallWindow();
+    parameters.voxel_size = voxel_size;
+    EXPECT_THROW(SemanticVoxelMap(threeClasses(), parameters),
+                 InvalidParameterException);
+  }
+}
+
+} // namespace
