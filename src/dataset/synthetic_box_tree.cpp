@@ -50,6 +50,7 @@ BoxTree::build(int first, int last)
   }
   int axis = 0;
   centres.sizes().maxCoeff(&axis);
+  nodes_[node].axis = axis;
   const int middle = (first + last) / 2;
   std::sort(primitives_.begin() + first, primitives_.begin() + last,
             [axis](const Primitive& a, const Primitive& b) {
@@ -80,9 +81,10 @@ BoxTree::visit(const Ray& ray, double& distance, const Visit& leaf) const
     for (int i = node.first; i < node.first + node.count; ++i)
       if (leaf(primitives_[i]))
         return;
-    if (node.count == 0) {
-      stack[depth++] = node.first;
-      stack[depth++] = index + 1;
+    if (node.count == 0) { // the nearer child is looked into first
+      const bool forward = ray.direction[node.axis] > 0.0;
+      stack[depth++] = forward ? node.first : index + 1;
+      stack[depth++] = forward ? index + 1 : node.first;
     }
   }
 }
@@ -93,7 +95,7 @@ BoxTree::nearest(const Ray& ray, double& distance, Eigen::Vector3d& normal) cons
   const Primitive* found = nullptr;
   visit(ray, distance, [&](const Primitive& primitive) {
     Eigen::Vector3d candidate;
-    if (intersect(primitive, ray, distance, candidate)) {
+    if (intersect(primitive, ray, distance, &candidate)) {
       found = &primitive;
       normal = candidate;
     }
@@ -107,9 +109,8 @@ BoxTree::blocked(const Ray& ray, double distance) const
 {
   bool found = false;
   visit(ray, distance, [&](const Primitive& primitive) {
-    Eigen::Vector3d normal;
     double limit = distance;
-    return found = intersect(primitive, ray, limit, normal);
+    return found = intersect(primitive, ray, limit, nullptr);
   });
   return found;
 }

@@ -31,6 +31,7 @@ private:
     Eigen::AlignedBox3d box;
     int first = 0; ///< first primitive of a leaf, right child otherwise
     int count = 0; ///< primitives of a leaf, 0 otherwise; the left child is next
+    int axis = 0;  ///< along which the children lie
   };
 
   void build(int first, int last);

@@ -31,17 +31,23 @@ smoothStep(double x)
   return x * x * (3.0 - 2.0 * x);
 }
 
-double
-lattice(int x, int y, int z, std::uint32_t seed)
+/** \brief floor(), which the baseline instruction set has only as a call. */
+int
+integerPart(double x)
 {
-  return hash(x, y, z, seed) * (2.0 / 4294967295.0) - 1.0;
+  const int i = static_cast<int>(x);
+  return i - (x < i ? 1 : 0);
 }
 
+/** \brief Number in [-1, 1] of a lattice point, its coordinates already scattered. */
 double
-latticeRow(int x, int y, int z, double fx, std::uint32_t seed)
+lattice(std::uint32_t h)
 {
-  const double a = lattice(x, y, z, seed);
-  return a + fx * (lattice(x + 1, y, z, seed) - a);
+  h ^= h >> 15;
+  h *= 0x2C1B3C6Du;
+  h ^= h >> 12;
+  h *= 0x297A2D39u;
+  return static_cast<std::int32_t>(h ^ h >> 15) * (1.0 / 2147483648.0);
 }
 
 } // namespace
@@ -49,18 +55,25 @@ latticeRow(int x, int y, int z, double fx, std::uint32_t seed)
 double
 valueNoise(const Eigen::Vector3d& p, std::uint32_t seed)
 {
-  const int x = static_cast<int>(std::floor(p.x()));
-  const int y = static_cast<int>(std::floor(p.y()));
-  const int z = static_cast<int>(std::floor(p.z()));
+  // Called some thousand million times a sequence: scatter each coordinate only once.
+  constexpr std::uint32_t kX = 0x9E3779B1u;
+  constexpr std::uint32_t kY = 0x85EBCA77u;
+  constexpr std::uint32_t kZ = 0xC2B2AE3Du;
+  const int x = integerPart(p.x());
+  const int y = integerPart(p.y());
+  const int z = integerPart(p.z());
   const double fx = smoothStep(p.x() - x);
   const double fy = smoothStep(p.y() - y);
   const double fz = smoothStep(p.z() - z);
-  const double a = latticeRow(x, y, z, fx, seed);
-  const double b = latticeRow(x, y + 1, z, fx, seed);
-  const double c = latticeRow(x, y, z + 1, fx, seed);
-  const double d = latticeRow(x, y + 1, z + 1, fx, seed);
-  const double low = a + fy * (b - a);
-  return low + fz * (c + fy * (d - c) - low);
+  const std::uint32_t base = x * kX + y * kY + z * kZ + seed * 0x27D4EB2Fu;
+  const auto row = [fx](std::uint32_t h) {
+    const double a = lattice(h);
+    return a + fx * (lattice(h + kX) - a);
+  };
+  const double a = row(base);
+  const double low = a + fy * (row(base + kY) - a);
+  const double c = row(base + kZ);
+  return low + fz * (c + fy * (row(base + kY + kZ) - c) - low);
 }
 
 double

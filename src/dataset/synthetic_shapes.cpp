@@ -108,7 +108,7 @@ bushFunction(const Primitive& bush, const Vector3d& p)
   if (bush.square)
     radius = std::sqrt(std::sqrt(q.cwiseAbs2().squaredNorm()));
   const double gap = radius - 1.0;
-  if (gap > bush.roughness)
+  if (std::abs(gap) > bush.roughness)
     return gap;
   const double wavelength = bush.square ? 0.7 : 0.8 * bush.half.minCoeff();
   return gap - bush.roughness * fractalNoise(p, wavelength, bush.id);
@@ -117,17 +117,30 @@ bushFunction(const Primitive& bush, const Vector3d& p)
 Vector3d
 bushNormal(const Primitive& bush, const Vector3d& p)
 {
-  constexpr double step = 0.02;
+  constexpr double step = 0.03;
+  const double centre = bushFunction(bush, p);
   Vector3d gradient;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vector3d offset = step * Vector3d::Unit(axis);
-    gradient[axis] = bushFunction(bush, p + offset) - bushFunction(bush, p - offset);
-  }
+  for (int axis = 0; axis < 3; ++axis)
+    gradient[axis] = bushFunction(bush, p + step * Vector3d::Unit(axis)) - centre;
   return gradient.normalized();
 }
 
+/** \brief Part of the way from outside to inside a bush where its surface lies: both
+ * eyes must see the same one. */
+double
+bushSurface(const Primitive& bush, const Ray& ray, double outside, double inside)
+{
+  for (int k = 0; k < 10; ++k) {
+    const double middle = 0.5 * (outside + inside);
+    const bool is_inside =
+        bushFunction(bush, ray.origin + middle * ray.direction) < 0.0;
+    (is_inside ? inside : outside) = middle;
+  }
+  return inside;
+}
+
 bool
-intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d& normal)
+intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d* normal)
 {
   Primitive hull = bush;
   hull.half *= 1.0 + bush.roughness;
@@ -143,20 +156,17 @@ intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d&
   for (double t = begin; t < end;) {
     const double value = bushFunction(bush, ray.origin + t * ray.direction);
     if (value < 0.0) {
-      for (int k = 0; k < 12; ++k) { // bisect: both eyes must see the same surface
-        const double middle = 0.5 * (before + t);
-        const bool inside =
-            bushFunction(bush, ray.origin + middle * ray.direction) < 0.0;
-        (inside ? t : before) = middle;
+      if (normal) {
+        t = bushSurface(bush, ray, before, t);
+        *normal = bushNormal(bush, ray.origin + t * ray.direction);
       }
       distance = t;
-      normal = bushNormal(bush, ray.origin + t * ray.direction);
       return true;
     }
     if (value > bush.roughness + 0.05 && t > begin + smallest)
       return false; // left the hull
     before = t;
-    t += smallest * std::max(0.5 * value, 0.04);
+    t += smallest * std::max(0.6 * value, 0.05);
   }
   return false;
 }
@@ -176,17 +186,19 @@ Primitive::bounds() const
 
 bool
 intersect(const Primitive& primitive, const Ray& ray, double& distance,
-          Vector3d& normal)
+          Vector3d* normal)
 {
   const Ray local{primitive.toLocal(ray.origin - primitive.centre),
                   primitive.toLocal(ray.direction)};
+  Vector3d unused;
+  Vector3d& wanted = normal ? *normal : unused;
   switch (primitive.shape) {
   case Shape::box:
-    return intersectBox(primitive, local, distance, normal);
+    return intersectBox(primitive, local, distance, wanted);
   case Shape::cylinder:
-    return intersectCylinder(primitive, local, distance, normal);
+    return intersectCylinder(primitive, local, distance, wanted);
   case Shape::ellipsoid:
-    return intersectEllipsoid(primitive, local, distance, normal);
+    return intersectEllipsoid(primitive, local, distance, wanted);
   case Shape::bush:
     return intersectBush(primitive, local, distance, normal);
   }

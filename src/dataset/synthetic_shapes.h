@@ -85,9 +85,9 @@ struct Ray {
 /** \brief Where a ray enters a primitive.
  * \param[in,out] distance in multiples of the ray's direction; only entries in front of
  * the origin and before its old value count
- * \param[out] normal outward, the primitive's axes, length 1
- * \return whether there is one */
+ * \param[out] normal outward, the primitive's axes, length 1; null: not wanted, and
+ * then \a distance need not be exact either \return whether there is one */
 bool intersect(const Primitive& primitive, const Ray& ray, double& distance,
-               Eigen::Vector3d& normal);
+               Eigen::Vector3d* normal);
 
 } // namespace pcl_semantic::synthetic
