@@ -107,7 +107,7 @@ buildParkedCars(ObjectBuilder& builder, const RoadLine& road, double end,
   for (const double side : {1.0, -1.0}) {
     Random random(seed, parking + (side > 0.0 ? 1 : 0));
     for (double s = kBegin; s < end; s += random.uniform(5.6, 7.5)) {
-      if (random.chance(0.5))
+      if (random.chance(0.62))
         continue;
       builder.place(road, {s, side * random.uniform(4.05, 4.2)},
                     random.uniform(-0.03, 0.03));

@@ -143,7 +143,8 @@ private:
         continue;
       const std::uint32_t number = static_cast<std::uint32_t>(100 * (k + 1));
       const double blob = 0.75 * fractalNoise(place.image, 6.0, frame_seed_ + number) +
-                          0.35 * valueNoise(place.world * 0.6, seed_ + number);
+                          0.35 * (1.0 - 0.6 * place.far) *
+                              valueNoise(place.world * 0.6, seed_ + number);
       const double ease = 0.75 * (noise_ - 1.0) + confusion.weight + 0.12 * place.dark +
                           0.14 * place.border + 0.12 * place.far;
       if (blob + ease > 0.22)

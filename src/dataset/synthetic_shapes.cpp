@@ -8,6 +8,7 @@
 
 #include "synthetic_noise.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -108,10 +109,11 @@ bushFunction(const Primitive& bush, const Vector3d& p)
   if (bush.square)
     radius = std::sqrt(std::sqrt(q.cwiseAbs2().squaredNorm()));
   const double gap = radius - 1.0;
-  if (std::abs(gap) > bush.roughness)
+  if (std::abs(gap) > bush.reach())
     return gap;
   const double wavelength = bush.square ? 0.7 : 0.8 * bush.half.minCoeff();
-  return gap - bush.roughness * fractalNoise(p, wavelength, bush.id);
+  const double swelling = bush.roughness * fractalNoise(p, wavelength, bush.id);
+  return gap - std::clamp(swelling, -bush.reach(), bush.reach());
 }
 
 Vector3d
@@ -143,7 +145,7 @@ bool
 intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d* normal)
 {
   Primitive hull = bush;
-  hull.half *= 1.0 + bush.roughness;
+  hull.half *= 1.0 + bush.reach();
   double begin = distance;
   Vector3d unused;
   if (!(bush.square ? intersectBox(hull, ray, begin, unused)
@@ -163,10 +165,10 @@ intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d*
       distance = t;
       return true;
     }
-    if (value > bush.roughness + 0.05 && t > begin + smallest)
+    if (value > bush.reach() + 0.05 && t > begin + smallest)
       return false; // left the hull
     before = t;
-    t += smallest * std::max(0.6 * value, 0.05);
+    t += smallest * std::max(0.7 * value, 0.08);
   }
   return false;
 }
@@ -176,7 +178,7 @@ intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d*
 Eigen::AlignedBox3d
 Primitive::bounds() const
 {
-  const Vector3d size = half * (1.0 + roughness);
+  const Vector3d size = half * (1.0 + reach());
   const double c = std::abs(cosine);
   const double s = std::abs(sine);
   const Vector3d reach(c * size.x() + s * size.y(), s * size.x() + c * size.y(),

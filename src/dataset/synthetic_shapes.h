@@ -71,6 +71,14 @@ struct Primitive {
     return {cosine * v.x() - sine * v.y(), cosine * v.y() + sine * v.x(), v.z()};
   }
 
+  /** \brief Largest displacement of a bush: noise seldom comes near its limits, and a
+   * tight hull saves most of the work. */
+  double
+  reach() const
+  {
+    return 0.7 * roughness;
+  }
+
   /** \brief Box around the primitive, world axes. */
   Eigen::AlignedBox3d bounds() const;
 };
