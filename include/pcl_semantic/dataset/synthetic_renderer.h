@@ -1,0 +1,55 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/dataset/synthetic_scene.h>
+
+#include <opencv2/core/mat.hpp>
+
+namespace pcl_semantic {
+
+/** \brief What a stereo camera sees of the synthetic street, and the truth about it. */
+struct SyntheticView {
+  int frame = 0;
+  cv::Mat left;      ///< CV_8UC3 (BGR), camera 2
+  cv::Mat right;     ///< CV_8UC3 (BGR), camera 3
+  cv::Mat disparity; ///< CV_32FC1, of the left image [px], 0 = none (sky)
+  cv::Mat labels;    ///< CV_8UC1, SyntheticClass of the left image
+  StereoCamera camera;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity(); ///< left camera
+};
+
+/** \brief Renders the synthetic street by casting rays; the same bytes for any number
+ * of threads. */
+class SyntheticRenderer {
+public:
+  static constexpr double camera_2_offset = -0.06; ///< x of camera 2 in camera 0 [m]
+
+  /** \throws InvalidParameterException unless \a width x \a height lies within
+   * 64 x 32 and 4096 x 4096 */
+  SyntheticRenderer(const SyntheticScene& scene, int width, int height);
+
+  /** \brief KITTI's colour cameras, scaled to the width: baseline 0.54 m. */
+  const StereoCamera&
+  camera() const
+  {
+    return camera_;
+  }
+
+  /** \brief T_world_camera of the left camera (camera 2). */
+  Eigen::Isometry3d pose(int frame) const;
+
+  /** \throws InvalidParameterException if the scene has no such frame */
+  SyntheticView render(int frame) const;
+
+private:
+  SyntheticScene scene_;
+  StereoCamera camera_;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,22 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "synthetic_road.h"
+#include "synthetic_shapes.h"
+
+#include <vector>
+
+namespace pcl_semantic::synthetic {
+
+/** \brief Puts everything that stands along a road: houses and their fences, hedges and
+ * trees, parked cars, lamp posts, signs, people.
+ * \param[in] length how far along the road [m] */
+std::vector<Primitive> buildStreet(const RoadLine& road, double length,
+                                   std::uint32_t seed);
+
+} // namespace pcl_semantic::synthetic

@@ -1,0 +1,240 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/dataset/synthetic_labels.h>
+
+#include "synthetic_noise.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <opencv2/core.hpp>
+
+#include <array>
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Eigen::Vector3d;
+using synthetic::fractalNoise;
+using synthetic::valueNoise;
+
+/** \brief A mistake networks make. */
+struct Confusion {
+  Label truth;
+  Label taken_for;
+  double weight; ///< how readily: moves the threshold of its noise
+};
+
+constexpr std::array<Confusion, 16> kConfusions{{
+    {synthetic_sidewalk, synthetic_road, 0.34},
+    {synthetic_sidewalk, synthetic_vegetation, 0.05},
+    {synthetic_road, synthetic_sidewalk, 0.10},
+    {synthetic_road, synthetic_car, -0.05},
+    {synthetic_building, synthetic_vegetation, 0.10},
+    {synthetic_building, synthetic_fence, 0.08},
+    {synthetic_vegetation, synthetic_building, 0.08},
+    {synthetic_vegetation, synthetic_fence, 0.10},
+    {synthetic_fence, synthetic_vegetation, 0.24},
+    {synthetic_fence, synthetic_building, 0.22},
+    {synthetic_car, synthetic_building, 0.02},
+    {synthetic_car, synthetic_road, 0.00},
+    {synthetic_sign, synthetic_building, 0.30},
+    {synthetic_pole, synthetic_building, 0.30},
+    {synthetic_pedestrian, synthetic_vegetation, 0.25},
+    {synthetic_sky, synthetic_building, -0.12},
+}};
+
+/** \brief What is known of a pixel's surroundings when its mistakes are drawn. */
+struct Place {
+  Vector3d image;    ///< column, row [units of image width / 100], the frame in between
+  Vector3d world;    ///< [m]
+  double dark = 0.0; ///< 0 lit, 1 dark
+  double border = 0.0; ///< 1 where another class is near
+  double far = 0.0;    ///< 0 near, 1 beyond 40 m
+};
+
+class NoisyLabels {
+public:
+  NoisyLabels(const SyntheticView& view, std::uint32_t seed, double noise)
+      : view_(view), seed_(synthetic::hash(seed, 0x1abe1)),
+        frame_seed_(synthetic::hash(seed, 0x1abe1, view.frame + 1)), noise_(noise),
+        unit_(view.labels.cols / 100.0)
+  {}
+
+  /** \brief Most probable label of every pixel, mistakes included. */
+  cv::Mat
+  draw() const
+  {
+    cv::Mat labels(view_.labels.size(), CV_8UC1);
+#pragma omp parallel for schedule(dynamic, 4)
+    for (int v = 0; v < labels.rows; ++v)
+      for (int u = 0; u < labels.cols; ++u)
+        labels.at<Label>(v, u) = mistake(wander(u, v), u, v);
+    return labels;
+  }
+
+private:
+  Label
+  truthAt(double u, double v) const
+  {
+    const int column =
+        std::clamp(static_cast<int>(std::lround(u)), 0, view_.labels.cols - 1);
+    const int row =
+        std::clamp(static_cast<int>(std::lround(v)), 0, view_.labels.rows - 1);
+    return view_.labels.at<Label>(row, column);
+  }
+
+  Vector3d
+  imagePlace(int u, int v) const
+  {
+    return {u / unit_, v / unit_, 0.0};
+  }
+
+  /** \brief The true label a little to the side: borders wander by up to a hundredth of
+   * the image width, more than the width of most poles. */
+  Label
+  wander(int u, int v) const
+  {
+    const Vector3d place = imagePlace(u, v);
+    const double reach = 1.7 * noise_ * unit_;
+    const double du = fractalNoise(place, 3.5, frame_seed_ + 10);
+    const double dv = fractalNoise(place, 3.5, frame_seed_ + 20);
+    return truthAt(u + reach * du, v + 0.7 * reach * dv);
+  }
+
+  Place
+  placeOf(int u, int v, Label label) const
+  {
+    Place place;
+    place.image = imagePlace(u, v);
+    const double disparity = view_.disparity.at<float>(v, u);
+    if (disparity > 0.0) {
+      const double depth = view_.camera.depth(disparity);
+      place.world = view_.T_world_camera * view_.camera.unproject(u, v, depth);
+      place.far = std::min(1.0, depth / 40.0);
+    }
+    else
+      place.world = place.image;
+    const cv::Vec3b& pixel = view_.left.at<cv::Vec3b>(v, u);
+    place.dark = std::clamp(1.5 - (pixel[0] + pixel[1] + pixel[2]) / 160.0, 0.0, 1.0);
+    for (int k = 0; k < 8; ++k) {
+      constexpr std::array<int, 10> ring{2, 0, -2, 0, 2, 2, -2, -2, 2, 0};
+      if (truthAt(u + unit_ * ring[k], v + 0.7 * unit_ * ring[k + 1]) != label)
+        place.border += 0.125;
+    }
+    return place;
+  }
+
+  /** \brief Takes the label for another one where the noise of a mistake is high. */
+  Label
+  mistake(Label label, int u, int v) const
+  {
+    if (noise_ == 0.0)
+      return label;
+    const Place place = placeOf(u, v, label);
+    for (std::size_t k = 0; k < kConfusions.size(); ++k) {
+      const Confusion& confusion = kConfusions[k];
+      if (confusion.truth != label)
+        continue;
+      const std::uint32_t number = static_cast<std::uint32_t>(100 * (k + 1));
+      const double blob = 0.75 * fractalNoise(place.image, 6.0, frame_seed_ + number) +
+                          0.35 * (1.0 - 0.6 * place.far) *
+                              valueNoise(place.world * 0.6, seed_ + number);
+      const double ease = 0.75 * (noise_ - 1.0) + confusion.weight + 0.12 * place.dark +
+                          0.14 * place.border + 0.12 * place.far;
+      if (blob + ease > 0.22)
+        return confusion.taken_for;
+    }
+    return label;
+  }
+
+  const SyntheticView& view_;
+  std::uint32_t seed_;
+  std::uint32_t frame_seed_;
+  double noise_;
+  double unit_; ///< hundredth of the image width [px]
+};
+
+/** \brief The labels as planes of probability at a half and a quarter of the resolution
+ * networks work at would look: blurred by the binomial 1 4 6 4 1, twice. */
+void
+blur(cv::Mat& plane)
+{
+  constexpr std::array<float, 5> weights{0.0625f, 0.25f, 0.375f, 0.25f, 0.0625f};
+  cv::Mat across(plane.size(), CV_32FC1);
+  for (int v = 0; v < plane.rows; ++v)
+    for (int u = 0; u < plane.cols; ++u) {
+      float sum = 0.0f;
+      for (int k = -2; k <= 2; ++k)
+        sum +=
+            weights[k + 2] * plane.at<float>(v, std::clamp(u + k, 0, plane.cols - 1));
+      across.at<float>(v, u) = sum;
+    }
+  for (int v = 0; v < plane.rows; ++v)
+    for (int u = 0; u < plane.cols; ++u) {
+      float sum = 0.0f;
+      for (int k = -2; k <= 2; ++k)
+        sum +=
+            weights[k + 2] * across.at<float>(std::clamp(v + k, 0, plane.rows - 1), u);
+      plane.at<float>(v, u) = sum;
+    }
+}
+
+/** \brief Adds doubt to a column: mostly towards what the class is often confused with.
+ * \param[in] doubt share of the probability that moves away */
+void
+spread(float* column, Label label, float doubt)
+{
+  float total = 0.0f;
+  std::array<float, synthetic_classes> others;
+  others.fill(0.15f);
+  for (const Confusion& confusion : kConfusions)
+    if (confusion.truth == label)
+      others[confusion.taken_for - 1] += 1.0f;
+  for (const float other : others)
+    total += other;
+  for (int k = 0; k < synthetic_classes; ++k)
+    column[k] = (1.0f - doubt) * column[k] + doubt * others[k] / total;
+}
+
+} // namespace
+
+LabelDistributions
+syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
+                       double label_noise)
+{
+  if (!(label_noise >= 0.0 && label_noise <= 1.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "label noise " << label_noise << ", expected 0 to 1");
+  const cv::Mat labels = NoisyLabels(view, seed, label_noise).draw();
+  const int width = labels.cols;
+  const int height = labels.rows;
+  LabelDistributions result(synthetic_classes, Eigen::Index(width) * height);
+#pragma omp parallel for schedule(dynamic, 1)
+  for (int k = 0; k < synthetic_classes; ++k) {
+    cv::Mat plane(labels.size(), CV_32FC1);
+    for (std::size_t i = 0; i < labels.total(); ++i)
+      plane.ptr<float>()[i] = labels.ptr<Label>()[i] == k + 1 ? 1.0f : 0.0f;
+    if (label_noise > 0.0)
+      blur(plane);
+    for (std::size_t i = 0; i < labels.total(); ++i)
+      result.matrix()(k, i) = plane.ptr<float>()[i];
+  }
+  const std::uint32_t doubt_seed = synthetic::hash(seed, 0xd0b7, view.frame);
+#pragma omp parallel for
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
+    const Vector3d place(100.0 * (i % width) / width, 100.0 * (i / width) / width, 0.0);
+    const double unsure = 0.5 + 0.5 * valueNoise(place / 5.0, doubt_seed);
+    spread(result.column(i), labels.ptr<Label>()[i],
+           static_cast<float>(0.04 + 0.5 * label_noise * unsure));
+  }
+  result.normalize();
+  return result;
+}
+
+} // namespace pcl_semantic

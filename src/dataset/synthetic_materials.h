@@ -1,0 +1,22 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "synthetic_street.h"
+
+namespace pcl_semantic::synthetic {
+
+/** \brief Reflectance of a surface: red, green, blue, linear, 0..1.
+ * \param[in] footprint width of a pixel on the surface [m]; finer structure is left out
+ */
+Eigen::Vector3f surfaceColour(const Surface& surface, double footprint,
+                              std::uint32_t seed);
+
+/** \brief Light of the sky in a direction of length 1, world axes; linear, 0..1. */
+Eigen::Vector3f skyColour(const Eigen::Vector3d& direction, std::uint32_t seed);
+
+} // namespace pcl_semantic::synthetic

@@ -1,0 +1,213 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "synthetic_objects.h"
+
+#include "synthetic_street.h"
+
+#include <pcl_semantic/dataset/synthetic_scene.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace pcl_semantic::synthetic {
+
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+const Vector3f kSteel(0.34f, 0.36f, 0.37f);
+
+template <std::size_t N>
+const Vector3f&
+choose(const std::array<Vector3f, N>& colours, Random& random)
+{
+  return colours[random.bits() % N];
+}
+
+const std::array<Vector3f, 7> kPlaster{
+    Vector3f(0.62f, 0.56f, 0.46f), Vector3f(0.68f, 0.66f, 0.60f),
+    Vector3f(0.60f, 0.46f, 0.34f), Vector3f(0.45f, 0.22f, 0.16f),
+    Vector3f(0.52f, 0.54f, 0.55f), Vector3f(0.66f, 0.55f, 0.30f),
+    Vector3f(0.50f, 0.30f, 0.22f)};
+const std::array<Vector3f, 4> kTiles{
+    Vector3f(0.34f, 0.14f, 0.09f), Vector3f(0.22f, 0.12f, 0.10f),
+    Vector3f(0.14f, 0.14f, 0.16f), Vector3f(0.28f, 0.18f, 0.12f)};
+const std::array<Vector3f, 7> kPaint{
+    Vector3f(0.50f, 0.51f, 0.53f), Vector3f(0.10f, 0.10f, 0.12f),
+    Vector3f(0.70f, 0.70f, 0.70f), Vector3f(0.40f, 0.05f, 0.05f),
+    Vector3f(0.07f, 0.13f, 0.32f), Vector3f(0.22f, 0.24f, 0.26f),
+    Vector3f(0.10f, 0.22f, 0.16f)};
+const std::array<Vector3f, 4> kCloth{
+    Vector3f(0.30f, 0.08f, 0.07f), Vector3f(0.08f, 0.12f, 0.28f),
+    Vector3f(0.35f, 0.32f, 0.20f), Vector3f(0.12f, 0.25f, 0.15f)};
+
+} // namespace
+
+void
+ObjectBuilder::place(const RoadLine& road, const RoadPoint& point, double turned)
+{
+  ground_.head<2>() = road.position(point);
+  ground_.z() =
+      Street::road_height +
+      (std::abs(point.t) < RoadLine::half_width ? 0.0 : RoadLine::kerb_height);
+  sinCos(road.heading(point.s) + turned, sine_, cosine_);
+  object_ = hash(seed_, static_cast<std::uint32_t>(std::lround(point.s * 1000.0)),
+                 static_cast<std::uint32_t>(std::lround(point.t * 1000.0)));
+  parts_ = 0;
+}
+
+Primitive&
+ObjectBuilder::add(Shape shape, Material material, Label label, const Vector3d& bottom,
+                   const Vector3d& size, const Vector3f& colour)
+{
+  Primitive solid;
+  solid.shape = shape;
+  solid.material = material;
+  solid.label = label;
+  solid.id = std::max(hash(object_, ++parts_), 1u);
+  solid.cosine = cosine_;
+  solid.sine = sine_;
+  solid.half = 0.5 * size;
+  solid.centre = ground_ + solid.toWorld(bottom) + Vector3d(0.0, 0.0, solid.half.z());
+  solid.colour = colour;
+  primitives_.push_back(solid);
+  return primitives_.back();
+}
+
+void
+ObjectBuilder::house(double width, double depth, Random& random)
+{
+  const double height = 2.9 * (random.chance(0.35) ? 3 : 2) + 0.4;
+  const double roof_height = random.uniform(2.2, 3.4);
+  const Vector3f wall = choose(kPlaster, random);
+  const Vector3f roof = choose(kTiles, random);
+  const bool gable_to_street = random.chance(0.4);
+  add(Shape::box, Material::wall, synthetic_building, {0, 0, 0}, {width, depth, height},
+      wall);
+  add(Shape::box, Material::wall, synthetic_building, {0, 0, 0},
+      {width + 0.1, depth + 0.1, 0.5}, wall * 0.5f);
+  Primitive& cover = add(Shape::box, Material::roof, synthetic_building, {0, 0, height},
+                         {width + 0.6, depth + 0.6, roof_height}, roof);
+  if (gable_to_street)
+    cover.taper.x() = cover.half.x() - 0.1;
+  else
+    cover.taper.y() = cover.half.y() - 0.1;
+  add(Shape::box, Material::wall, synthetic_building,
+      {random.uniform(-0.3, 0.3) * width, 0, height + 0.5 * roof_height},
+      {0.7, 0.9, 0.5 * roof_height + 0.6}, Vector3f(0.36f, 0.20f, 0.16f));
+}
+
+void
+ObjectBuilder::tree(double height, Random& random)
+{
+  const double trunk = 0.32 * height;
+  const double reach = random.uniform(0.42, 0.55) * height;
+  const double hue = random.uniform(0.0, 1.0);
+  const Vector3f leaves(0.09f + 0.09f * float(hue), 0.20f + 0.03f * float(hue), 0.045f);
+  add(Shape::cylinder, Material::bark, synthetic_vegetation, {0, 0, 0},
+      {0.05 * height, 0.05 * height, trunk + 0.2 * height},
+      Vector3f(0.20f, 0.15f, 0.10f));
+  for (int k = 0; k < 3; ++k) {
+    const double size = reach * random.uniform(0.75, 1.15);
+    const Vector3d offset(0.35 * reach * random.uniform(-1.0, 1.0),
+                          0.35 * reach * random.uniform(-1.0, 1.0),
+                          trunk * random.uniform(0.75, 1.0) + 0.2 * height * k);
+    Primitive& crown = add(Shape::bush, Material::leaves, synthetic_vegetation, offset,
+                           {1.1 * size, 1.1 * size, 0.9 * size}, leaves);
+    crown.roughness = 0.42;
+  }
+}
+
+void
+ObjectBuilder::hedge(double length, double height)
+{
+  Primitive& bush =
+      add(Shape::bush, Material::leaves, synthetic_vegetation, {0, 0, -0.15},
+          {length, 0.8, height + 0.15}, Vector3f(0.08f, 0.17f, 0.05f));
+  bush.roughness = 0.16;
+  bush.square = true;
+}
+
+void
+ObjectBuilder::fence(double length, double height, const Vector3f& colour)
+{
+  add(Shape::box, Material::boards, synthetic_fence, {0, 0, 0.0},
+      {length, 0.05, height}, colour);
+  add(Shape::box, Material::boards, synthetic_fence, {-0.5 * length, 0, 0.0},
+      {0.12, 0.14, height + 0.12}, colour * 0.8f);
+}
+
+void
+ObjectBuilder::car(Random& random)
+{
+  const Vector3f paint = choose(kPaint, random);
+  const double length = random.uniform(3.8, 4.6);
+  const double width = random.uniform(1.68, 1.8);
+  const bool estate = random.chance(0.4);
+  const double front = random.chance(0.5) ? 1.0 : -1.0;
+  Primitive& body = add(Shape::box, Material::car_body, synthetic_car, {0, 0, 0.22},
+                        {length, width, 0.42}, paint);
+  body.taper.setConstant(-0.03);
+  Primitive& hood = add(Shape::box, Material::car_body, synthetic_car, {0, 0, 0.64},
+                        {length - 0.04, width + 0.02, 0.24}, paint);
+  hood.taper = {0.22, 0.12};
+  Primitive& cabin = add(Shape::box, Material::car_cabin, synthetic_car,
+                         {front * (estate ? -0.45 : -0.2), 0, 0.86},
+                         {(estate ? 0.68 : 0.6) * length, width - 0.14, 0.58}, paint);
+  cabin.taper = {estate ? 0.38 : 0.55, 0.16};
+  for (const double x : {-0.31, 0.31})
+    for (const double y : {-1.0, 1.0})
+      add(Shape::ellipsoid, Material::tyre, synthetic_car,
+          {x * length, y * (0.5 * width - 0.08), 0.0}, {0.62, 0.24, 0.62},
+          Vector3f(0.02f, 0.02f, 0.02f));
+}
+
+void
+ObjectBuilder::lampPost(double towards_road)
+{
+  add(Shape::cylinder, Material::metal, synthetic_pole, {0, 0, 0}, {0.16, 0.16, 6.2},
+      kSteel);
+  add(Shape::cylinder, Material::metal, synthetic_pole, {0, 0, 0}, {0.28, 0.28, 1.0},
+      kSteel);
+  add(Shape::box, Material::metal, synthetic_pole, {0, towards_road * 0.7, 6.1},
+      {0.09, 1.5, 0.09}, kSteel);
+  add(Shape::box, Material::metal, synthetic_pole, {0, towards_road * 1.5, 6.02},
+      {0.28, 0.7, 0.14}, Vector3f(0.5f, 0.5f, 0.5f));
+}
+
+void
+ObjectBuilder::trafficSign(Random& random)
+{
+  const bool round = random.chance(0.5);
+  const Vector3f colour = random.chance(0.5) ? Vector3f(0.05f, 0.14f, 0.50f)
+                                             : Vector3f(0.55f, 0.04f, 0.04f);
+  add(Shape::cylinder, Material::metal, synthetic_pole, {0, 0, 0}, {0.09, 0.09, 2.75},
+      kSteel);
+  add(round ? Shape::ellipsoid : Shape::box, Material::sign, synthetic_sign,
+      {-0.07, 0, 2.0}, {0.05, 0.72, 0.72}, colour);
+}
+
+void
+ObjectBuilder::pedestrian(Random& random)
+{
+  const Vector3f coat = choose(kCloth, random);
+  const Label label = synthetic_pedestrian;
+  const double stride = random.uniform(0.1, 0.22);
+  for (const double side : {-1.0, 1.0}) {
+    add(Shape::ellipsoid, Material::cloth, label, {side * stride, side * 0.1, 0.0},
+        {0.2, 0.2, 0.95}, Vector3f(0.06f, 0.07f, 0.12f));
+    add(Shape::ellipsoid, Material::cloth, label, {-side * stride, side * 0.27, 0.75},
+        {0.14, 0.14, 0.7}, coat * 0.9f);
+  }
+  add(Shape::ellipsoid, Material::cloth, label, {0, 0, 0.75}, {0.34, 0.5, 0.8}, coat);
+  add(Shape::ellipsoid, Material::cloth, label, {0, 0, 1.5}, {0.22, 0.19, 0.27},
+      Vector3f(0.50f, 0.33f, 0.24f));
+}
+
+} // namespace pcl_semantic::synthetic

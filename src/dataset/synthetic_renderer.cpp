@@ -1,0 +1,208 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/dataset/synthetic_renderer.h>
+
+#include "synthetic_materials.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <opencv2/core.hpp>
+
+#include <cmath>
+#include <vector>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using synthetic::Ray;
+using synthetic::Street;
+using synthetic::Surface;
+
+/** \brief What the ray of a pixel found. */
+struct Sample {
+  Vector3f light = Vector3f::Zero(); ///< red, green, blue, linear
+  double depth = 0.0;                ///< along the optical axis [m], 0 = sky
+  std::uint32_t id = 0;              ///< solid, 0 = ground, 1 = sky
+  Label label = synthetic_sky;
+};
+
+/** \brief One camera looking at the street. */
+class Eye {
+public:
+  Eye(const Street& street, const StereoCamera& camera, const Eigen::Isometry3d& pose)
+      : street_(street), camera_(camera), pose_(pose)
+  {
+    const std::uint32_t seed = street.seed();
+    const double side = synthetic::uniform(seed, 0x50a) < 0.5 ? 1.0 : -1.0;
+    to_sun_ =
+        Vector3d(-0.45, side * (0.5 + 0.4 * synthetic::uniform(seed, 0x50b)), 0.72)
+            .normalized();
+  }
+
+  /** \brief Casts one ray through pixel coordinates. */
+  Sample
+  look(double u, double v) const
+  {
+    // Depth 1 along the optical axis, so that the distance of a hit is its depth.
+    const Ray ray{pose_.translation(), pose_.linear() * camera_.unproject(u, v, 1.0)};
+    Surface surface;
+    Sample sample;
+    if (!street_.nearest(ray, surface)) {
+      sample.id = 1;
+      sample.light = synthetic::skyColour(ray.direction.normalized(), street_.seed());
+      return sample;
+    }
+    sample.depth = surface.distance;
+    sample.id = surface.id;
+    sample.label = surface.label;
+    sample.light = shade(surface);
+    return sample;
+  }
+
+private:
+  Vector3f
+  shade(const Surface& surface) const
+  {
+    const double footprint = surface.distance / camera_.fx;
+    const Vector3f colour =
+        synthetic::surfaceColour(surface, footprint, street_.seed());
+    const double facing = surface.normal.dot(to_sun_);
+    const Vector3d start = surface.point + 0.02 * surface.normal;
+    const bool lit = facing > 0.0 && !street_.inShadow(start, to_sun_);
+    const float direct = lit ? static_cast<float>(facing) : 0.0f;
+    const float ambient = static_cast<float>(0.36 + 0.12 * surface.normal.z());
+    const Vector3f light = Vector3f(0.88f, 0.97f, 1.12f) * ambient +
+                           Vector3f(1.42f, 1.34f, 1.18f) * direct;
+    const float haze =
+        static_cast<float>(surface.distance / (surface.distance + 420.0));
+    return colour.cwiseProduct(light) * (1.0f - haze) +
+           Vector3f(0.62f, 0.70f, 0.78f) * haze;
+  }
+
+  const Street& street_;
+  const StereoCamera& camera_;
+  Eigen::Isometry3d pose_;
+  Vector3d to_sun_;
+};
+
+/** \brief Whether one ray is not enough for a pixel that looks so unlike another. */
+bool
+differ(const Sample& a, const Sample& b)
+{
+  return a.id != b.id || (a.light - b.light).cwiseAbs().maxCoeff() > 0.12f;
+}
+
+/** \brief Mean of four more rays where a pixel lies on an edge, so that poles and
+ * window frames are not jagged. */
+Vector3f
+smoothed(const Eye& eye, const std::vector<Sample>& samples, int width, int u, int v)
+{
+  const int index = v * width + u;
+  const int height = static_cast<int>(samples.size()) / width;
+  const Sample& centre = samples[index];
+  const bool edge = (u > 0 && differ(centre, samples[index - 1])) ||
+                    (u + 1 < width && differ(centre, samples[index + 1])) ||
+                    (v > 0 && differ(centre, samples[index - width])) ||
+                    (v + 1 < height && differ(centre, samples[index + width]));
+  if (!edge)
+    return centre.light;
+  Vector3f sum = eye.look(u - 0.375, v - 0.125).light;
+  sum += eye.look(u + 0.125, v - 0.375).light;
+  sum += eye.look(u - 0.125, v + 0.375).light;
+  sum += eye.look(u + 0.375, v + 0.125).light;
+  return 0.25f * sum;
+}
+
+/** \brief Exposure, display curve and the noise of a sensor. */
+cv::Vec3b
+toPixel(const Vector3f& light, std::uint32_t noise)
+{
+  cv::Vec3b pixel;
+  for (int channel = 0; channel < 3; ++channel) {
+    const float value = 255.0f * std::sqrt(std::max(light[2 - channel], 0.0f));
+    const float jitter =
+        static_cast<float>(noise >> (8 * channel) & 0xff) / 85.0f - 1.5f;
+    pixel[channel] = cv::saturate_cast<std::uint8_t>(value + jitter);
+  }
+  return pixel;
+}
+
+/** \brief Renders one eye. \param[in] noise_seed of the sensor noise */
+cv::Mat
+renderEye(const Eye& eye, int width, int height, std::uint32_t noise_seed,
+          std::vector<Sample>& samples)
+{
+  samples.resize(static_cast<std::size_t>(width) * height);
+  cv::Mat image(height, width, CV_8UC3);
+#pragma omp parallel
+  {
+#pragma omp for schedule(dynamic, 4)
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u)
+        samples[static_cast<std::size_t>(v) * width + u] = eye.look(u, v);
+#pragma omp for schedule(dynamic, 4)
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u)
+        image.at<cv::Vec3b>(v, u) = toPixel(smoothed(eye, samples, width, u, v),
+                                            synthetic::hash(u, v, noise_seed));
+  }
+  return image;
+}
+
+} // namespace
+
+SyntheticRenderer::SyntheticRenderer(const SyntheticScene& scene, int width, int height)
+    : scene_(scene)
+{
+  if (width < 64 || height < 32 || width > 4096 || height > 4096)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "image size " << width << "x" << height
+                                      << ", expected 64x32 to 4096x4096");
+  camera_.fx = camera_.fy = 718.0 * width / 1241.0;
+  camera_.cx = 607.0 * width / 1241.0;
+  camera_.cy = 185.0 * height / 376.0;
+  camera_.baseline = 0.54;
+  camera_.width = width;
+  camera_.height = height;
+}
+
+Eigen::Isometry3d
+SyntheticRenderer::pose(int frame) const
+{
+  return scene_.pose(frame) * Eigen::Translation3d(camera_2_offset, 0.0, 0.0);
+}
+
+SyntheticView
+SyntheticRenderer::render(int frame) const
+{
+  SyntheticView view;
+  view.frame = frame;
+  view.camera = camera_;
+  view.T_world_camera = pose(frame);
+  const Eigen::Isometry3d right_pose =
+      view.T_world_camera * Eigen::Translation3d(camera_.baseline, 0.0, 0.0);
+  const std::uint32_t noise = synthetic::hash(scene_.seed(), frame, 0xca3);
+  std::vector<Sample> samples;
+  view.right = renderEye(Eye(scene_.street(), camera_, right_pose), camera_.width,
+                         camera_.height, noise + 1, samples);
+  view.left = renderEye(Eye(scene_.street(), camera_, view.T_world_camera),
+                        camera_.width, camera_.height, noise, samples);
+  view.disparity.create(camera_.height, camera_.width, CV_32FC1);
+  view.labels.create(camera_.height, camera_.width, CV_8UC1);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double depth = samples[i].depth;
+    const double disparity = depth > 0.0 ? camera_.fx * camera_.baseline / depth : 0.0;
+    view.disparity.ptr<float>()[i] = static_cast<float>(disparity);
+    view.labels.ptr<Label>()[i] = samples[i].label;
+  }
+  return view;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,210 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "synthetic_shapes.h"
+
+#include "synthetic_noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pcl_semantic::synthetic {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNear = 1e-4; // entries closer than this are the surface we came from
+
+bool
+intersectBox(const Primitive& box, const Ray& ray, double& distance, Vector3d& normal)
+{
+  // Sides lean inward by taper / height: |x| + lean * z <= half - taper / 2.
+  const Eigen::Vector2d lean = box.taper / (2.0 * box.half.z());
+  double enter = -std::numeric_limits<double>::infinity();
+  double leave = distance;
+  for (int plane = 0; plane < 6; ++plane) {
+    const int axis = plane / 2;
+    Vector3d n = Vector3d::Zero();
+    n[axis] = plane % 2 ? 1.0 : -1.0;
+    double offset = box.half[axis];
+    if (axis < 2) {
+      n.z() = lean[axis];
+      offset -= 0.5 * box.taper[axis];
+    }
+    const double speed = n.dot(ray.direction);
+    const double gap = offset - n.dot(ray.origin);
+    if (speed == 0.0) {
+      if (gap < 0.0)
+        return false;
+      continue;
+    }
+    const double t = gap / speed;
+    if (speed > 0.0)
+      leave = std::min(leave, t);
+    else if (t > enter) {
+      enter = t;
+      normal = n;
+    }
+  }
+  if (enter < kNear || enter >= leave)
+    return false;
+  normal.normalize();
+  distance = enter;
+  return true;
+}
+
+/** \brief First root of a t^2 + 2 b t + c = 0. */
+bool
+firstRoot(double a, double b, double c, double& root)
+{
+  const double discriminant = b * b - a * c;
+  if (discriminant <= 0.0 || a == 0.0)
+    return false;
+  root = (-b - std::sqrt(discriminant)) / a;
+  return true;
+}
+
+bool
+intersectCylinder(const Primitive& body, const Ray& ray, double& distance, Vector3d& n)
+{
+  const Eigen::Vector2d o = ray.origin.head<2>();
+  const Eigen::Vector2d d = ray.direction.head<2>();
+  double t = 0.0;
+  const double square = body.half.x() * body.half.x();
+  if (!firstRoot(d.squaredNorm(), o.dot(d), o.squaredNorm() - square, t))
+    return false;
+  const Vector3d p = ray.origin + t * ray.direction;
+  if (t < kNear || t >= distance || std::abs(p.z()) > body.half.z())
+    return false;
+  n = Vector3d(p.x(), p.y(), 0.0) / body.half.x();
+  distance = t;
+  return true;
+}
+
+bool
+intersectEllipsoid(const Primitive& body, const Ray& ray, double& distance, Vector3d& n)
+{
+  const Vector3d o = ray.origin.cwiseQuotient(body.half);
+  const Vector3d d = ray.direction.cwiseQuotient(body.half);
+  double t = 0.0;
+  if (!firstRoot(d.squaredNorm(), o.dot(d), o.squaredNorm() - 1.0, t) || t < kNear ||
+      t >= distance)
+    return false;
+  n = (o + t * d).cwiseQuotient(body.half).normalized();
+  distance = t;
+  return true;
+}
+
+/** \brief Negative inside a bush; roughly the distance relative to the half extents. */
+double
+bushFunction(const Primitive& bush, const Vector3d& p)
+{
+  const Vector3d q = p.cwiseQuotient(bush.half);
+  double radius = q.norm();
+  if (bush.square)
+    radius = std::sqrt(std::sqrt(q.cwiseAbs2().squaredNorm()));
+  const double gap = radius - 1.0;
+  if (std::abs(gap) > bush.reach())
+    return gap;
+  const double wavelength = bush.square ? 0.7 : 0.8 * bush.half.minCoeff();
+  const double swelling = bush.roughness * fractalNoise(p, wavelength, bush.id);
+  return gap - std::clamp(swelling, -bush.reach(), bush.reach());
+}
+
+Vector3d
+bushNormal(const Primitive& bush, const Vector3d& p)
+{
+  constexpr double step = 0.03;
+  const double centre = bushFunction(bush, p);
+  Vector3d gradient;
+  for (int axis = 0; axis < 3; ++axis)
+    gradient[axis] = bushFunction(bush, p + step * Vector3d::Unit(axis)) - centre;
+  return gradient.normalized();
+}
+
+/** \brief Part of the way from outside to inside a bush where its surface lies: both
+ * eyes must see the same one. */
+double
+bushSurface(const Primitive& bush, const Ray& ray, double outside, double inside)
+{
+  for (int k = 0; k < 10; ++k) {
+    const double middle = 0.5 * (outside + inside);
+    const bool is_inside =
+        bushFunction(bush, ray.origin + middle * ray.direction) < 0.0;
+    (is_inside ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+bool
+intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d* normal)
+{
+  Primitive hull = bush;
+  hull.half *= 1.0 + bush.reach();
+  double begin = distance;
+  Vector3d unused;
+  if (!(bush.square ? intersectBox(hull, ray, begin, unused)
+                    : intersectEllipsoid(hull, ray, begin, unused)))
+    return false;
+  const double smallest = bush.half.minCoeff() / ray.direction.norm();
+  const double end =
+      std::min(distance, begin + 2.5 * hull.half.norm() / ray.direction.norm());
+  double before = begin;
+  for (double t = begin; t < end;) {
+    const double value = bushFunction(bush, ray.origin + t * ray.direction);
+    if (value < 0.0) {
+      if (normal) {
+        t = bushSurface(bush, ray, before, t);
+        *normal = bushNormal(bush, ray.origin + t * ray.direction);
+      }
+      distance = t;
+      return true;
+    }
+    if (value > bush.reach() + 0.05 && t > begin + smallest)
+      return false; // left the hull
+    before = t;
+    t += smallest * std::max(0.7 * value, 0.08);
+  }
+  return false;
+}
+
+} // namespace
+
+Eigen::AlignedBox3d
+Primitive::bounds() const
+{
+  const Vector3d size = half * (1.0 + reach());
+  const double c = std::abs(cosine);
+  const double s = std::abs(sine);
+  const Vector3d reach(c * size.x() + s * size.y(), s * size.x() + c * size.y(),
+                       size.z());
+  return {centre - reach, centre + reach};
+}
+
+bool
+intersect(const Primitive& primitive, const Ray& ray, double& distance,
+          Vector3d* normal)
+{
+  const Ray local{primitive.toLocal(ray.origin - primitive.centre),
+                  primitive.toLocal(ray.direction)};
+  Vector3d unused;
+  Vector3d& wanted = normal ? *normal : unused;
+  switch (primitive.shape) {
+  case Shape::box:
+    return intersectBox(primitive, local, distance, wanted);
+  case Shape::cylinder:
+    return intersectCylinder(primitive, local, distance, wanted);
+  case Shape::ellipsoid:
+    return intersectEllipsoid(primitive, local, distance, wanted);
+  case Shape::bush:
+    return intersectBush(primitive, local, distance, normal);
+  }
+  return false;
+}
+
+} // namespace pcl_semantic::synthetic

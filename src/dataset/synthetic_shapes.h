@@ -1,0 +1,101 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+
+#include <Eigen/Geometry>
+
+#include <cstdint>
+
+namespace pcl_semantic::synthetic {
+
+/** \brief What a surface looks like (synthetic_materials.h). */
+enum class Material : std::uint8_t {
+  asphalt,
+  paving,
+  kerb,
+  grass,
+  wall,
+  roof,
+  boards,
+  bark,
+  leaves,
+  car_body,
+  car_cabin,
+  tyre,
+  metal,
+  sign,
+  cloth
+};
+
+/** \brief What a primitive is made of. */
+enum class Shape : std::uint8_t {
+  box,      ///< six planes; the taper makes wedges, cabins and gable roofs of it
+  cylinder, ///< upright, round
+  ellipsoid,
+  bush ///< ellipsoid or rounded box with a surface displaced by noise
+};
+
+/** \brief A solid, turned about the vertical; objects of the street consist of a few.
+ */
+struct Primitive {
+  Shape shape = Shape::box;
+  Material material = Material::wall;
+  Label label = kUnlabelled;
+  std::uint32_t id = 0;                             ///< seeds texture and displacement
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero(); ///< world frame [m]
+  Eigen::Vector3d half = Eigen::Vector3d::Ones(); ///< half extents in its own axes [m]
+  double cosine = 1.0;                            ///< of its heading
+  double sine = 0.0;
+  Eigen::Vector2d taper = Eigen::Vector2d::Zero(); ///< loss of half x, y at the top [m]
+  double roughness = 0.0; ///< bush: displacement relative to the half extents
+  bool square = false;    ///< bush: rounded box instead of an ellipsoid
+  Eigen::Vector3f colour = Eigen::Vector3f::Constant(0.5f); ///< red, green, blue
+
+  /** \brief Turns a world vector into the primitive's axes. */
+  Eigen::Vector3d
+  toLocal(const Eigen::Vector3d& v) const
+  {
+    return {cosine * v.x() + sine * v.y(), cosine * v.y() - sine * v.x(), v.z()};
+  }
+
+  /** \brief Turns a vector of the primitive's axes into the world. */
+  Eigen::Vector3d
+  toWorld(const Eigen::Vector3d& v) const
+  {
+    return {cosine * v.x() - sine * v.y(), cosine * v.y() + sine * v.x(), v.z()};
+  }
+
+  /** \brief Largest displacement of a bush: noise seldom comes near its limits, and a
+   * tight hull saves most of the work. */
+  double
+  reach() const
+  {
+    return 0.7 * roughness;
+  }
+
+  /** \brief Box around the primitive, world axes. */
+  Eigen::AlignedBox3d bounds() const;
+};
+
+/** \brief A half line origin + distance * direction; direction need not have length 1.
+ */
+struct Ray {
+  Eigen::Vector3d origin;
+  Eigen::Vector3d direction;
+};
+
+/** \brief Where a ray enters a primitive.
+ * \param[in,out] distance in multiples of the ray's direction; only entries in front of
+ * the origin and before its old value count
+ * \param[out] normal outward, the primitive's axes, length 1; null: not wanted, and
+ * then \a distance need not be exact either \return whether there is one */
+bool intersect(const Primitive& primitive, const Ray& ray, double& distance,
+               Eigen::Vector3d* normal);
+
+} // namespace pcl_semantic::synthetic
