@@ -1,0 +1,38 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/evaluation/confusion_matrix.h>
+
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief Scores as an aligned table of text, figures in percent. */
+std::string scoresTable(const Scores& scores, const LabelSet& label_set);
+
+/** \brief The two header lines that belong to scoresMarkdownRow. */
+std::string scoresMarkdownHeader(const Scores& scores, const LabelSet& label_set);
+
+/** \brief One row of a Markdown table in percent: name, exclusive IoU of each class and
+ * their mean, global accuracy, mean inclusive IoU, coverage; "-" for what is not there.
+ */
+std::string scoresMarkdownRow(const Scores& scores, const std::string& name);
+
+/** \brief Scores as JSON; ratios are 0..1, null where there is none. */
+std::string scoresJson(const Scores& scores, const LabelSet& label_set);
+
+/** \brief All counts as CSV: a row a true label, a column a predicted one. */
+std::string confusionCsv(const ConfusionMatrix& confusion, const LabelSet& label_set);
+
+/** \brief Picture of a confusion matrix: a row an evaluated class of the truth, a
+ * column a predicted one ("uncovered" and "other" last), each row in percent of its
+ * pixels. \return CV_8UC3 (BGR) */
+cv::Mat drawConfusion(const ConfusionMatrix& confusion, const LabelSet& label_set,
+                      const std::vector<Label>& evaluated);
+
+} // namespace pcl_semantic

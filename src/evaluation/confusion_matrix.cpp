@@ -1,0 +1,160 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/evaluation/confusion_matrix.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+double
+ratio(std::uint64_t numerator, std::uint64_t denominator)
+{
+  return denominator ? double(numerator) / double(denominator)
+                     : std::numeric_limits<double>::quiet_NaN();
+}
+
+/** \brief Refuses a label image of another size or type, or with labels beyond
+ * \a largest. */
+void
+checkImage(const cv::Mat& image, const cv::Mat& truth, int largest, const char* name)
+{
+  if (image.type() != CV_8UC1)
+    PCL_THROW_EXCEPTION(BadInputException, name << " is no 8-bit grey image");
+  if (image.size() != truth.size())
+    PCL_THROW_EXCEPTION(BadInputException, name << " has " << image.cols << " x "
+                                                << image.rows << " pixels, the truth "
+                                                << truth.cols << " x " << truth.rows);
+  double highest = 0.0;
+  cv::minMaxLoc(image, nullptr, &highest);
+  if (highest > largest)
+    PCL_THROW_EXCEPTION(BadInputException, name << " holds the label " << highest
+                                                << ", expected 0 to " << largest);
+}
+
+ClassScores
+scoresOf(const ConfusionMatrix& confusion, Label label,
+         const std::vector<Label>& evaluated)
+{
+  ClassScores scores;
+  scores.label = label;
+  for (int prediction = 0; prediction <= confusion.classes(); ++prediction)
+    scores.pixels += confusion(label, static_cast<Label>(prediction));
+  scores.covered = scores.pixels - confusion(label, kUnlabelled);
+  std::uint64_t predicted = 0;
+  for (const Label truth : evaluated)
+    predicted += confusion(truth, label);
+  const std::uint64_t right = confusion(label, label);
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  scores.iou_exclusive =
+      scores.covered ? ratio(right, scores.covered + predicted - right) : none;
+  scores.iou_inclusive =
+      scores.pixels ? ratio(right, scores.pixels + predicted - right) : none;
+  scores.recall = ratio(right, scores.covered);
+  scores.precision = ratio(right, predicted);
+  return scores;
+}
+
+/** \brief Mean of a figure over the classes for which \a present holds; a figure that
+ * is no number (the precision of a class never predicted) counts as 0. */
+template <typename Present>
+double
+meanOf(const std::vector<ClassScores>& classes, double ClassScores::*figure,
+       const Present& present)
+{
+  double sum = 0.0;
+  std::uint64_t count = 0;
+  for (const ClassScores& scores : classes)
+    if (present(scores)) {
+      sum += std::isnan(scores.*figure) ? 0.0 : scores.*figure;
+      ++count;
+    }
+  return count ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+} // namespace
+
+ConfusionMatrix::ConfusionMatrix(int classes) : classes_(classes)
+{
+  if (classes < 1 || classes > 255)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "number of classes is " << classes << ", expected 1 to 255");
+  counts_.assign(std::size_t(classes + 1) * (classes + 1), 0);
+}
+
+void
+ConfusionMatrix::add(const cv::Mat& truth, const cv::Mat& prediction,
+                     const cv::Mat& covered_by)
+{
+  checkImage(truth, truth, classes_, "the truth");
+  checkImage(prediction, truth, classes_, "the prediction");
+  if (!covered_by.empty())
+    checkImage(covered_by, truth, 255, "the image of covered pixels");
+  for (int row = 0; row < truth.rows; ++row) {
+    const std::uint8_t* const truths = truth.ptr(row);
+    const std::uint8_t* const predictions = prediction.ptr(row);
+    const std::uint8_t* const covered =
+        covered_by.empty() ? nullptr : covered_by.ptr(row);
+    for (int column = 0; column < truth.cols; ++column)
+      if (!covered || covered[column])
+        ++counts_[std::size_t(truths[column]) * (classes_ + 1) + predictions[column]];
+  }
+}
+
+ConfusionMatrix&
+ConfusionMatrix::operator+=(const ConfusionMatrix& other)
+{
+  if (other.classes_ != classes_)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a confusion matrix of "
+                            << other.classes_ << " classes cannot be added to one of "
+                            << classes_);
+  std::transform(other.counts_.begin(), other.counts_.end(), counts_.begin(),
+                 counts_.begin(), std::plus<>());
+  return *this;
+}
+
+Scores
+computeScores(const ConfusionMatrix& confusion, const std::vector<Label>& evaluated)
+{
+  for (const Label label : evaluated)
+    if (label == kUnlabelled || label > confusion.classes())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "class " << int(label)
+                                   << " cannot be evaluated, expected 1 to "
+                                   << confusion.classes());
+  Scores scores;
+  std::uint64_t right = 0;
+  double weighted = 0.0;
+  ClassScores& mean = scores.mean;
+  for (const Label label : evaluated) {
+    scores.classes.push_back(scoresOf(confusion, label, evaluated));
+    const ClassScores& latest = scores.classes.back();
+    mean.pixels += latest.pixels;
+    mean.covered += latest.covered;
+    right += confusion(label, label);
+    if (latest.covered)
+      weighted += double(latest.covered) * latest.iou_exclusive;
+  }
+  const auto present = [](const ClassScores& c) { return c.pixels > 0; };
+  const auto covered = [](const ClassScores& c) { return c.covered > 0; };
+  const std::vector<ClassScores>& classes = scores.classes;
+  mean.iou_exclusive = meanOf(classes, &ClassScores::iou_exclusive, covered);
+  mean.iou_inclusive = meanOf(classes, &ClassScores::iou_inclusive, present);
+  mean.recall = meanOf(classes, &ClassScores::recall, covered);
+  mean.precision = meanOf(classes, &ClassScores::precision, covered);
+  scores.global_accuracy = ratio(right, mean.covered);
+  scores.frequency_weighted_iou = weighted / double(mean.covered); // 0 / 0 is NaN
+  scores.coverage = ratio(mean.covered, mean.pixels);
+  return scores;
+}
+
+} // namespace pcl_semantic

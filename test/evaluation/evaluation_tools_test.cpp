@@ -1,0 +1,179 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/run_tool.h"
+#include "support/scratch_folder.h"
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/image_file.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cstdlib>
+#include <fstream>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string data = std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data";
+const std::string label_set = " --label-set " + data + "/label_sets/kitti11.yaml";
+const std::string label_mapping =
+    " --label-mapping " + data + "/label_mappings/semantic_kitti_to_kitti11.yaml";
+
+void
+expectFails(const std::string& arguments, int code, const std::string& part)
+{
+  const ToolResult result = runTool(arguments);
+  EXPECT_EQ(result.code, code) << result.text;
+  EXPECT_NE(result.text.find(part), std::string::npos) << result.text;
+  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1) << result.text;
+}
+
+void
+writeImage(const std::string& folder, const std::string& name, const cv::Mat1b& image)
+{
+  fs::create_directories(folder);
+  writePng(folder + "/" + name, image);
+}
+
+class EvaluateTool : public testing::Test {
+protected:
+  EvaluateTool()
+  {
+    // Two folders of truth, to be pooled: 6 pixels of road and 2 of building.
+    const cv::Mat1b road(2, 3, Label(3)), building(2, 2, Label(1));
+    writeImage(folder_ / "t1", "000000.png", road);
+    writeImage(folder_ / "p1", "000000.png", road);
+    writeImage(folder_ / "t2", "000004.png", building);
+    writeImage(folder_ / "p2", "000004.png", (cv::Mat1b(2, 2) << 1, 3, 0, 2));
+    writeImage(folder_ / "c1", "000000.png", road);
+    writeImage(folder_ / "c2", "000004.png", (cv::Mat1b(2, 2) << 7, 0, 0, 0));
+  }
+
+  std::string
+  pair(const std::string& number) const
+  {
+    return " --prediction " + folder_ / ("p" + number) + " --truth " +
+           folder_ / ("t" + number);
+  }
+
+  ScratchFolder folder_;
+};
+
+} // namespace
+
+TEST_F(EvaluateTool, PoolsAndWrites)
+{
+  const std::string both = "evaluate" + pair("1") + pair("2") + label_set;
+  const ToolResult row =
+      runTool(both + " --header --row both --output " + (folder_ / "out"));
+  EXPECT_EQ(row.code, 0) << row.text;
+  // Road: 6 right, 1 false positive. Building: 1 right, 2 wrong, 1 uncovered.
+  EXPECT_NE(row.text.find("| both | 33.3 | 85.7 | - |"), std::string::npos) << row.text;
+  EXPECT_NE(row.text.find("| 59.5 | 77.8 | 55.4 | 90.0 |"), std::string::npos)
+      << row.text;
+  EXPECT_EQ(
+      row.text.rfind("| | building | road | vegetation | sidewalk | car | sign |", 0),
+      0u);
+  std::ifstream stream(folder_ / "out/metrics.json");
+  EXPECT_NEAR(nlohmann::json::parse(stream)["coverage"], 0.9, 1e-12);
+  EXPECT_TRUE(fs::exists(folder_ / "out/confusion.csv"));
+  EXPECT_GT(readPng(folder_ / "out/confusion.png", ImageKind::grey_or_colour).cols,
+            100);
+
+  const ToolResult covered =
+      runTool(both + " --row x --covered-by " + (folder_ / "c1") + " --covered-by " +
+              (folder_ / "c2"));
+  EXPECT_NE(covered.text.find("| x | 100.0 | 100.0 |"), std::string::npos)
+      << covered.text;
+  const ToolResult without = runTool(both + " --row x --ignore 3,building,sky");
+  EXPECT_EQ(without.text.rfind("| x | - | - |", 0), 0u) << without.text;
+  const ToolResult table = runTool(both);
+  EXPECT_NE(table.text.find("coverage"), std::string::npos) << table.text;
+}
+
+TEST_F(EvaluateTool, RefusesBadInput)
+{
+  const std::string one = "evaluate" + pair("1") + label_set;
+  expectFails("evaluate" + pair("1"), 2, "label-set");
+  expectFails(one + " --misspelt", 2, "misspelt");
+  expectFails(one + " --ignore 12", 2, "'12'");
+  expectFails(one + " --ignore skye", 2, "'skye'");
+  expectFails(one + " --truth " + (folder_ / "t2"), 2, "1, 2 and 0 times");
+  expectFails("evaluate --prediction " + (folder_ / "p1") + " --truth " +
+                  (folder_ / "t2") + label_set,
+              3, "p1/000004.png: is missing");
+  expectFails(one + " --covered-by " + (folder_ / "c2"), 3, "c2/000000.png");
+  expectFails(one + " --output /dev/null/x", 5, "/dev/null/x");
+  writeTextFile(folder_ / "p1/000000.png", "no image");
+  expectFails(one, 3, "p1/000000.png");
+  writeImage(folder_ / "p1", "000000.png", cv::Mat1b(2, 3, Label(12)));
+  expectFails(one, 3, "label 12");
+}
+
+TEST(LidarTruthTool, ProjectsAGeneratedScan)
+{
+  const ScratchFolder folder;
+  const cv::Mat1b grey(40, 60, std::uint8_t(90));
+  for (const char* camera : {"image_0/", "image_1/"})
+    writeImage(folder / camera, "000002.png", grey);
+  writeTextFile(folder / "calib.txt",
+                "P0: 50 0 30 0 0 50 20 0 0 0 1 0\nP1: 50 0 30 -25 0 50 20 0 0 0 1 0\n"
+                "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  fs::create_directories(folder / "velodyne");
+  fs::create_directories(folder / "labels");
+  const float points[] = {10, 2, 1, 0, 50, 0, 0, 0}; // the second is too far
+  const std::uint32_t labels[] = {40 | 9u << 16, 40};
+  std::ofstream(folder / "velodyne/000002.bin", std::ios::binary)
+      .write(reinterpret_cast<const char*>(points), sizeof(points));
+  std::ofstream(folder / "labels/000002.label", std::ios::binary)
+      .write(reinterpret_cast<const char*>(labels), sizeof(labels));
+
+  const std::string command = "lidar_truth " + folder.str() + label_set +
+                              label_mapping + " --output " + (folder / "truth");
+  const ToolResult result = runTool(command);
+  EXPECT_EQ(result.code, 0) << result.text;
+  const cv::Mat1b truth = readPng(folder / "truth/000002.png", ImageKind::labels);
+  EXPECT_EQ(cv::countNonZero(truth), 1);
+  EXPECT_EQ(truth(15, 20), 3);
+
+  expectFails(command + " --frames 10:5", 2, "10:5");
+  expectFails(command + " --frames 3:5", 3, "3:5");
+  expectFails(command + " --max-depth nan", 2, "max-depth");
+  fs::resize_file(folder / "labels/000002.label", 7);
+  fs::remove_all(folder / "truth");
+  expectFails(command, 3, "000002.label: has 7 bytes");
+  EXPECT_FALSE(fs::exists(folder / "truth/000002.png"));
+}
+
+TEST(LidarTruthTool, AgreesWithTheHandMadeImage)
+{
+  const char* recordings = std::getenv("PCL_SEMANTIC_DATA");
+  if (!recordings)
+    GTEST_SKIP() << "skipped: PCL_SEMANTIC_DATA is not set";
+  const ScratchFolder folder;
+  const std::string sequence = std::string(recordings) + "/kitti/05";
+  const ToolResult result =
+      runTool("lidar_truth " + sequence + label_set + label_mapping +
+              " --frames 0:1 --output " + (folder / "truth"));
+  ASSERT_EQ(result.code, 0) << result.text;
+  const ToolResult scores = runTool(
+      "evaluate --prediction " + sequence + "/gt --truth " + (folder / "truth") +
+      label_set + " --ignore sky,7,8,sidewalk --output " + (folder / "out"));
+  ASSERT_EQ(scores.code, 0) << scores.text;
+  std::ifstream stream(folder / "out/metrics.json");
+  const auto json = nlohmann::json::parse(stream);
+  EXPECT_EQ(json["classes"][0]["name"], "building");
+  EXPECT_GT(json["classes"][0]["iou_exclusive"], 0.9);
+  EXPECT_EQ(json["classes"][1]["name"], "road");
+  EXPECT_GT(json["classes"][1]["recall"], 0.99);
+}
+
+} // namespace pcl_semantic
