@@ -189,8 +189,8 @@ TEST(Sgbm, MiddleburyCones)
       bad += t > 0.0f && d > 0.0f && std::abs(d - t) > 1.0f;
     }
   RecordProperty("valid_percent", 100 * valid / known);
-  EXPECT_GT(valid, 0.75 * known);
-  EXPECT_LT(bad, 0.06 * valid)
+  EXPECT_GT(valid, 0.85 * known);
+  EXPECT_LT(bad, 0.07 * valid)
       << double(bad) / valid << " of " << double(valid) / known;
 }
 

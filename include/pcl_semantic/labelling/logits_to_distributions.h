@@ -1,0 +1,40 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_distributions.h>
+
+#include <opencv2/core/mat.hpp>
+
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief What becomes of the output channels of a segmentation network. */
+struct ChannelClasses {
+  std::vector<Label>
+      labels;          ///< of each channel; kUnlabelled: its probability is dropped
+  int classes = 0;     ///< L, at least the largest of \a labels
+  bool softmax = true; ///< channels are logits; else non-negative probabilities
+};
+
+/** \brief Class distributions of an image's pixels from the output of a network.
+ *
+ * Every channel is resized bilinearly (pixel centres at half integers, as cv::resize),
+ * then soft-max over the channels. Channels of one class add, channels without class
+ * are dropped and the rest renormalised; a pixel with less than half left is
+ * unlabelled. The result does not depend on the number of threads. \param[in] logits
+ * CV_32F, channels x height x width, finite \param[in] size of the image [px]
+ * \param[in] channels one entry a channel
+ * \param[in] threads 0 = all
+ * \return L x (width * height), pixels row by row
+ * \throws InvalidParameterException if the sizes do not fit each other */
+LabelDistributions distributionsFromLogits(const cv::Mat& logits, const cv::Size& size,
+                                           const ChannelClasses& channels,
+                                           unsigned threads = 0);
+
+} // namespace pcl_semantic

@@ -1,0 +1,39 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/labelling/label_predictor.h>
+
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief Takes the label distributions of a frame from a folder: NNNNNN.bin, .npy or
+ * .png, in the formats of readDistributions(). */
+class StoredPredictor : public LabelPredictor {
+public:
+  /** \param[in] folder where the files lie
+   * \param[in] classes L
+   * \param[in] png_confidence probability of the class that a .png states, in (0, 1]
+   * \throws InvalidParameterException if \a classes or \a png_confidence is out of
+   * range \throws BadInputException if there is no such folder */
+  StoredPredictor(const std::string& folder, int classes, float png_confidence);
+
+  /** \throws BadInputException if the frame has no file, more than one, or one that
+   * does not fit its image */
+  LabelDistributions predict(const StereoFrame& frame) override;
+
+private:
+  /** \brief The one file of a frame. */
+  std::string findFile(int frame) const;
+
+  std::string folder_;
+  int classes_;
+  float png_confidence_;
+};
+
+} // namespace pcl_semantic

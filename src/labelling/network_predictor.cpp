@@ -1,0 +1,161 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/labelling/network_predictor.h>
+#include <pcl_semantic/labelling/onnx_check.h>
+
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+// OpenCV's importer prints several lines of its own before it throws.
+class QuietOpenCv {
+public:
+  QuietOpenCv()
+      : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT))
+  {}
+  ~QuietOpenCv() { cv::utils::logging::setLogLevel(level_); }
+  QuietOpenCv(const QuietOpenCv&) = delete;
+  QuietOpenCv& operator=(const QuietOpenCv&) = delete;
+
+private:
+  cv::utils::logging::LogLevel level_;
+};
+
+std::string
+firstLine(const cv::Exception& error)
+{
+  const std::string text = error.err.substr(0, 300);
+  return text.substr(0, text.find_first_of("\r\n"));
+}
+
+cv::dnn::Net
+loadNetwork(const std::string& path)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  checkOnnx(bytes, path);
+  try {
+    const QuietOpenCv quiet;
+    cv::dnn::Net network = cv::dnn::readNetFromONNX(bytes);
+    network.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+    network.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
+    return network;
+  }
+  catch (const cv::Exception& error) {
+    PCL_THROW_EXCEPTION(BadModelException, path << ": OpenCV cannot load the network: "
+                                                << firstLine(error));
+  }
+}
+
+// N x 3 x H x W: (RGB / 255 - mean) / deviation.
+cv::Mat
+makeInput(const cv::Mat& image, const NetworkDescription& description)
+{
+  const cv::Size size(description.input_width, description.input_height);
+  cv::Mat resized;
+  cv::resize(image, resized, size, 0.0, 0.0, cv::INTER_LINEAR);
+  const int shape[] = {1, 3, size.height, size.width};
+  cv::Mat input(4, shape, CV_32FC1);
+  for (int channel = 0; channel < 3; ++channel) {
+    cv::Mat plane(size, CV_32FC1, input.ptr<float>(0, channel)), values = resized;
+    if (resized.channels() == 3)
+      cv::extractChannel(resized, values, 2 - channel);
+    const double deviation = description.deviation[channel];
+    values.convertTo(plane, CV_32FC1, 1.0 / (255.0 * deviation),
+                     -description.mean[channel] / deviation);
+  }
+  return input;
+}
+
+// The answer as channels x height x width.
+cv::Mat
+checkOutput(const cv::Mat& output, const NetworkDescription& description, int frame)
+{
+  const int channels = static_cast<int>(description.channels.size());
+  const std::string who = "frame " + std::to_string(frame) + ": output '" +
+                          description.output_name + "' of the network ";
+  if (output.dims != 4 || output.type() != CV_32FC1 || output.empty() ||
+      output.size[0] != 1 || !output.isContinuous())
+    PCL_THROW_EXCEPTION(BadModelException,
+                        who << "has " << output.dims
+                            << " axes, expected 1 x channels x height x width");
+  if (output.size[1] != channels)
+    PCL_THROW_EXCEPTION(BadModelException, who << "has " << output.size[1]
+                                               << " channels, its description names "
+                                               << channels);
+  const float lowest = description.softmax ? -std::numeric_limits<float>::max() : 0.0f;
+  const float* const values = output.ptr<float>();
+  for (std::size_t i = 0; i < output.total(); ++i)
+    if (!(values[i] >= lowest) || !std::isfinite(values[i]))
+      PCL_THROW_EXCEPTION(
+          BadModelException,
+          who << "holds " << values[i] << ", expected "
+              << (description.softmax ? "finite numbers" : "probabilities"));
+  const int shape[] = {channels, output.size[2], output.size[3]};
+  return output.reshape(1, 3, shape);
+}
+
+} // namespace
+
+struct NetworkPredictor::Network {
+  std::string path;
+  cv::dnn::Net net;
+};
+
+NetworkPredictor::NetworkPredictor(const NetworkDescription& description,
+                                   const LabelSet& label_set,
+                                   const std::string& model_path)
+    : description_(description), network_(std::make_unique<Network>())
+{
+  channels_.classes = label_set.size();
+  channels_.softmax = description.softmax;
+  for (const std::string& name : description.channels) {
+    channels_.labels.push_back(name == "-" ? kUnlabelled : label_set.find(name));
+    if (name != "-" && channels_.labels.back() == kUnlabelled)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "class '" << name
+                                    << "' of the network is not in the label set");
+  }
+  network_->path = model_path.empty() ? description.model_path : model_path;
+  network_->net = loadNetwork(network_->path);
+}
+
+NetworkPredictor::~NetworkPredictor() = default;
+
+LabelDistributions
+NetworkPredictor::predict(const StereoFrame& frame)
+{
+  if (frame.left.empty() ||
+      (frame.left.type() != CV_8UC1 && frame.left.type() != CV_8UC3))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "frame "
+                            << frame.number
+                            << ": left image: expected 8-bit grey or 8-bit colour");
+  cv::Mat output;
+  try {
+    const QuietOpenCv quiet;
+    network_->net.setInput(makeInput(frame.left, description_),
+                           description_.input_name);
+    output = network_->net.forward(description_.output_name);
+  }
+  catch (const cv::Exception& error) {
+    PCL_THROW_EXCEPTION(BadModelException,
+                        "frame " << frame.number << ": " << network_->path
+                                 << ": the network fails: " << firstLine(error));
+  }
+  const cv::Mat logits = checkOutput(output, description_, frame.number);
+  return distributionsFromLogits(logits, frame.left.size(), channels_, threads_);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,65 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/distribution_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/labelling/stored_predictor.h>
+
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+StoredPredictor::StoredPredictor(const std::string& folder, int classes,
+                                 float png_confidence)
+    : folder_(folder), classes_(classes), png_confidence_(png_confidence)
+{
+  if (classes < 1 || classes > 255)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "number of classes is " << classes << ", expected 1 to 255");
+  if (!(png_confidence > 0.0f && png_confidence <= 1.0f))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "confidence of stored labels is "
+                            << png_confidence << ", expected more than 0, up to 1");
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    PCL_THROW_EXCEPTION(BadInputException, folder << ": is no folder of stored labels");
+}
+
+std::string
+StoredPredictor::findFile(int frame) const
+{
+  std::string found;
+  for (const char* extension : {".bin", ".npy", ".png"}) {
+    const std::string name = frameFileName(frame, extension);
+    const std::string path = (fs::path(folder_) / name).string();
+    std::error_code error;
+    if (!fs::exists(path, error))
+      continue;
+    if (!found.empty())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          folder_ << ": frame " << frame << " has two files of labels, "
+                                  << fs::path(found).filename().string() << " and "
+                                  << name);
+    found = path;
+  }
+  if (found.empty())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        folder_ << ": frame " << frame << " has no labels: expected "
+                                << frameFileName(frame, ".bin") << ", .npy or .png");
+  return found;
+}
+
+LabelDistributions
+StoredPredictor::predict(const StereoFrame& frame)
+{
+  return readDistributions(findFile(frame.number), frame.left.cols, frame.left.rows,
+                           classes_, png_confidence_);
+}
+
+} // namespace pcl_semantic
