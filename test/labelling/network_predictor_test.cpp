@@ -1,0 +1,298 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/labelling/network_predictor.h>
+
+#include <support/onnx_writer.h>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+
+namespace pcl_semantic {
+namespace {
+
+namespace fs = std::filesystem;
+
+using test::floatTensor;
+using test::PointwiseNetwork;
+
+const LabelSet label_set({{"road", {}, false, false},
+                          {"sky", {}, true, false},
+                          {"car", {}, false, true}});
+
+class NetworkPredictorTest : public ::testing::Test {
+protected:
+  void
+  SetUp() override
+  {
+    const auto* const info = ::testing::UnitTest::GetInstance()->current_test_info();
+    path_ = (fs::path(::testing::TempDir()) / (std::string(info->name()) + ".onnx"))
+                .string();
+    network_.weights = {2, -1, 0.5f, -2, 1, 1, 0.25f, 0.5f, -3, 1, 1, 1};
+    network_.bias = {0.1f, -0.2f, 0.3f, 1.5f};
+    description_.input_name = "image";
+    description_.input_width = network_.width;
+    description_.input_height = network_.height;
+    description_.output_name = "logits";
+    description_.mean = {0.4f, 0.5f, 0.6f};
+    description_.deviation = {0.2f, 0.3f, 0.4f};
+    description_.channels = {"car", "road", "car", "-"};
+    frame_.number = 42;
+    frame_.left.create(15, 21, CV_8UC3);
+    cv::RNG(9).fill(frame_.left, cv::RNG::UNIFORM, 0, 256);
+  }
+
+  void
+  TearDown() override
+  {
+    fs::remove(path_);
+  }
+
+  void
+  write(const std::string& content)
+  {
+    std::ofstream(path_, std::ios::binary) << content;
+  }
+
+  LabelDistributions
+  predict(const std::string& content)
+  {
+    write(content);
+    return NetworkPredictor(description_, label_set, path_).predict(frame_);
+  }
+
+  // BadModelException of one line that names the file or, after loading, the frame.
+  void
+  expectRefused(const std::string& content, const std::string& named)
+  {
+    try {
+      predict(content);
+      ADD_FAILURE() << "accepted";
+    }
+    catch (const BadModelException& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find(named), std::string::npos) << message;
+      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+  }
+
+  // Logits of one pixel of the resized image: the 1 x 1 convolution in double
+  // precision.
+  double
+  logit(int channel, const cv::Vec3b& bgr) const
+  {
+    double sum = network_.bias[channel];
+    for (int k = 0; k < 3; ++k)
+      sum += network_.weights[3 * channel + k] *
+             (bgr[2 - k] / 255.0 - description_.mean[k]) / description_.deviation[k];
+    return sum;
+  }
+
+  Eigen::MatrixXd
+  plain(const cv::Mat& image) const
+  {
+    cv::Mat resized;
+    cv::resize(image, resized, cv::Size(network_.width, network_.height));
+    std::vector<cv::Mat> logits(network_.channels);
+    for (int c = 0; c < network_.channels; ++c) {
+      cv::Mat plane(resized.size(), CV_64FC1);
+      for (int v = 0; v < resized.rows; ++v)
+        for (int u = 0; u < resized.cols; ++u)
+          plane.at<double>(v, u) = logit(c, resized.at<cv::Vec3b>(v, u));
+      cv::resize(plane, logits[c], image.size());
+    }
+    Eigen::MatrixXd result =
+        Eigen::MatrixXd::Zero(label_set.size(), image.size().area());
+    for (int j = 0; j < image.size().area(); ++j) {
+      double total = 0.0;
+      for (int c = 0; c < network_.channels; ++c) {
+        const double mass =
+            std::exp(logits[c].at<double>(j / image.cols, j % image.cols));
+        total += mass;
+        if (description_.channels[c] != "-")
+          result(label_set.find(description_.channels[c]) - 1, j) += mass;
+      }
+      const double kept = result.col(j).sum();
+      result.col(j) *= kept < 0.5 * total ? 0.0 : 1.0 / kept;
+    }
+    return result;
+  }
+
+  std::string path_;
+  PointwiseNetwork network_;
+  NetworkDescription description_;
+  StereoFrame frame_;
+};
+
+TEST_F(NetworkPredictorTest, EqualsThePlainComputation)
+{
+  const LabelDistributions labels = predict(network_.file());
+  const Eigen::MatrixXd expected = plain(frame_.left);
+  ASSERT_EQ(labels.classes(), 3);
+  ASSERT_EQ(labels.size(), frame_.left.size().area());
+  EXPECT_LT((labels.matrix().cast<double>() - expected).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_TRUE((labels.matrix().row(1).array() == 0.0f).all()) << "no channel is sky";
+  const auto empty = (expected.colwise().sum().array() == 0.0).count();
+  EXPECT_GT(empty, 0) << "both sides of the half-left rule are tried";
+  EXPECT_LT(empty, expected.cols() / 2);
+}
+
+TEST_F(NetworkPredictorTest, GreyImageIsAColourImageOfEqualChannels)
+{
+  cv::Mat grey, colour;
+  cv::cvtColor(frame_.left, grey, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(grey, colour, cv::COLOR_GRAY2BGR);
+  frame_.left = grey;
+  const LabelDistributions from_grey = predict(network_.file());
+  frame_.left = colour;
+  EXPECT_EQ(from_grey.matrix(), predict(network_.file()).matrix());
+}
+
+TEST_F(NetworkPredictorTest, ModelOfTheDescription)
+{
+  write(network_.file());
+  description_.model_path = path_;
+  EXPECT_NO_THROW(NetworkPredictor(description_, label_set).predict(frame_));
+}
+
+TEST_F(NetworkPredictorTest, RefusesFilesThatAreNoNetwork)
+{
+  expectRefused("", path_);
+  std::mt19937 random(2);
+  for (int trial = 0; trial < 50; ++trial) {
+    std::string content(1 + random() % 500, '\0');
+    for (char& byte : content)
+      byte = static_cast<char>(random());
+    expectRefused(content, path_);
+  }
+  EXPECT_THROW(NetworkPredictor(description_, label_set, path_ + ".none"),
+               BadInputException);
+}
+
+TEST_F(NetworkPredictorTest, RefusesEveryTruncation)
+{
+  const std::string content = network_.file();
+  for (std::size_t size = 0; size < content.size(); ++size)
+    expectRefused(content.substr(0, size), path_);
+}
+
+TEST_F(NetworkPredictorTest, RefusesTensorsThatOpenCvWouldReadBeyond)
+{
+  const auto bias = floatTensor("bias", {4}, network_.bias);
+  for (const std::uint64_t dim :
+       {std::uint64_t(5), std::uint64_t(1) << 28, std::uint64_t(1) << 40})
+    expectRefused(network_.withTensors(
+                      floatTensor("weights", {dim, 3, 1, 1}, network_.weights), bias),
+                  path_);
+}
+
+TEST_F(NetworkPredictorTest, RefusesAnUnknownOperation)
+{
+  std::string content = network_.file();
+  content.replace(content.find("Conv"), 4, "Vonc");
+  expectRefused(content, path_);
+}
+
+TEST_F(NetworkPredictorTest, RefusesAnotherNumberOfChannels)
+{
+  description_.channels.push_back("sky");
+  expectRefused(network_.file(), "frame 42");
+}
+
+TEST_F(NetworkPredictorTest, RefusesUnknownInputOrOutput)
+{
+  description_.output_name = "probabilities";
+  expectRefused(network_.file(), "frame 42");
+  description_.output_name = "logits";
+  description_.input_name = "picture";
+  expectRefused(network_.file(), "frame 42");
+}
+
+TEST_F(NetworkPredictorTest, RefusesNonFiniteOutput)
+{
+  network_.bias[2] = std::numeric_limits<float>::quiet_NaN();
+  expectRefused(network_.file(), "frame 42");
+  network_.bias[2] = std::numeric_limits<float>::infinity();
+  expectRefused(network_.file(), "frame 42");
+}
+
+TEST_F(NetworkPredictorTest, RefusesNegativeProbabilities)
+{
+  description_.softmax = false;
+  expectRefused(network_.file(), "frame 42");
+}
+
+TEST_F(NetworkPredictorTest, RefusesImagesOfOtherTypes)
+{
+  write(network_.file());
+  NetworkPredictor predictor(description_, label_set, path_);
+  for (const cv::Mat& image :
+       {cv::Mat(), cv::Mat(4, 4, CV_16UC1), cv::Mat(4, 4, CV_8UC4)}) {
+    frame_.left = image;
+    EXPECT_THROW(predictor.predict(frame_), BadInputException);
+  }
+}
+
+TEST_F(NetworkPredictorTest, RefusesAClassThatTheLabelSetDoesNotHave)
+{
+  write(network_.file());
+  description_.channels[1] = "tram";
+  EXPECT_THROW(NetworkPredictor(description_, label_set, path_),
+               InvalidParameterException);
+}
+
+// The street of KITTI sequence 15 against labels made by hand: 88 % of the pixels are
+// right; the network takes the pavement for road.
+TEST(NetworkPredictorData, KittiStreet)
+{
+  const char* const data = std::getenv("PCL_SEMANTIC_DATA");
+  if (!data)
+    GTEST_SKIP() << "skipped: PCL_SEMANTIC_DATA is not set";
+  const std::string root = data;
+  const NetworkDescription description =
+      readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
+                             "/data/networks/espnetv2_city_1280x480.yaml");
+  const LabelSet classes = readLabelSet(description.label_set_path);
+  NetworkPredictor predictor(description, classes,
+                             root + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
+  StereoFrame frame;
+  frame.left =
+      readPng(root + "/kitti/15/image_2/000000.png", ImageKind::grey_or_colour);
+  const LabelDistributions labels = predictor.predict(frame);
+  const cv::Mat truth = readPng(root + "/kitti/15/gt/000000.png", ImageKind::labels);
+  ASSERT_EQ(labels.size(), Eigen::Index(truth.total()));
+
+  const Label road = classes.find("road");
+  int known = 0, right = 0, roads = 0, right_roads = 0;
+  for (int j = 0; j < int(truth.total()); ++j) {
+    const Label expected = truth.ptr(j / truth.cols)[j % truth.cols];
+    const bool equal = labels.mapLabel(j) == expected;
+    known += expected != kUnlabelled;
+    right += expected != kUnlabelled && equal;
+    roads += expected == road;
+    right_roads += expected == road && equal;
+  }
+  EXPECT_GT(right, 0.86 * known) << right << " of " << known;
+  EXPECT_GT(right_roads, 0.97 * roads) << right_roads << " of " << roads;
+
+  cv::setNumThreads(1);
+  predictor.setNumberOfThreads(1);
+  EXPECT_EQ(predictor.predict(frame).matrix(), labels.matrix()) << "one thread";
+  cv::setNumThreads(-1);
+}
+
+} // namespace
+} // namespace pcl_semantic
