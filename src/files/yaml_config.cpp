@@ -58,18 +58,39 @@ struct YamlMap::Impl {
   }
 };
 
+namespace {
+
+// The text of a file for yaml-cpp. It would pass over a second document in silence.
+std::string
+readDocument(const std::string& path)
+{
+  std::string text;
+  bool begun = false;
+  for (const TextLine& line : readLines(path)) {
+    const bool is_directive = line.text.rfind("%YAML", 0) == 0;
+    const bool is_marker = line.text.rfind("---", 0) == 0;
+    if (is_marker && begun)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          placeOf(path, line.number)
+                              << ": a second document begins, expected one");
+    begun = begun || is_marker ||
+            !(line.text.empty() || is_directive || line.text[0] == '#');
+    text += (is_directive ? "" : line.text) + "\n";
+  }
+  return text;
+}
+
+} // namespace
+
 YamlMap
 YamlMap::load(const std::string& path)
 {
-  std::string text;
-  for (const TextLine& line : readLines(path))
-    text += (line.text.rfind("%YAML", 0) == 0 ? "" : line.text) + "\n";
+  const std::string text = readDocument(path);
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() != 1 || documents[0].IsNull())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          path << ": expected one document of 'key: value' lines");
-    return YamlMap(Impl::make(path, documents[0]));
+    const YAML::Node document = YAML::Load(text);
+    if (document.IsNull()) // has no line
+      PCL_THROW_EXCEPTION(BadInputException, path << ": expected 'key: value' lines");
+    return YamlMap(Impl::make(path, document));
   }
   catch (const YAML::Exception& error) {
     PCL_THROW_EXCEPTION(BadInputException, placeOf(path, error.mark.line + 1)

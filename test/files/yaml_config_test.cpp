@@ -132,7 +132,9 @@ TEST(YamlMap, RefusesWhatIsNoMapping)
 
 TEST(YamlMap, RefusesASecondDocument)
 {
-  EXPECT_TRUE(holds(refusal("a: 1\n---\nb: 2\n"), "a.yaml"));
+  EXPECT_TRUE(holds(refusal("a: 1\n---\nb: 2\n"), "a.yaml line 2"));
+  EXPECT_TRUE(holds(refusal("---\n---\nb: 2\n"), "a.yaml line 2"));
+  EXPECT_NO_THROW(load("# a comment\n\n---\nb: 2\n"));
 }
 
 TEST(YamlMap, NamesTheLineOfBrokenSyntax)
