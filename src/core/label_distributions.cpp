@@ -18,17 +18,15 @@ namespace {
 bool
 normalizeColumn(float* column, int classes)
 {
-  float sum = 0.0f;
+  double sum = 0.0; // the sum of large floats would overflow
   for (int k = 0; k < classes; ++k) {
     if (!(column[k] >= 0.0f) || !std::isfinite(column[k]))
       return false;
     sum += column[k];
   }
-  if (!std::isfinite(sum))
-    return false;
-  if (sum > 0.0f)
+  if (sum > 0.0)
     for (int k = 0; k < classes; ++k)
-      column[k] /= sum;
+      column[k] = static_cast<float>(column[k] / sum);
   return true;
 }
 
@@ -38,7 +36,7 @@ LabelDistributions::LabelDistributions(int classes, Eigen::Index count)
 {
   if (classes < 1 || classes > 255)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                       "distributions need 1 to 255 classes, not " << classes);
+                        "distributions need 1 to 255 classes, not " << classes);
   matrix_ = Matrix::Zero(classes, count);
 }
 
@@ -46,7 +44,7 @@ LabelDistributions::LabelDistributions(Matrix weights) : matrix_(std::move(weigh
 {
   if (matrix_.rows() < 1 || matrix_.rows() > 255)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                       "distributions need 1 to 255 classes, not " << matrix_.rows());
+                        "distributions need 1 to 255 classes, not " << matrix_.rows());
   normalize();
 }
 
@@ -56,7 +54,10 @@ LabelDistributions::setLabel(Eigen::Index j, Label label, float confidence)
   const int L = classes();
   if (label > L)
     PCL_THROW_EXCEPTION(BadInputException,
-                       "label " << int(label) << " is beyond the " << L << " classes");
+                        "label " << int(label) << " is beyond the " << L << " classes");
+  if (!(confidence >= 0.0f && confidence <= 1.0f))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "confidence is " << confidence << ", expected 0 to 1");
   float* const p = column(j);
   if (label == kUnlabelled) {
     std::fill_n(p, L, 0.0f);
@@ -76,10 +77,10 @@ LabelDistributions::normalize()
     if (!normalizeColumn(column(j), classes()))
       bad = std::min(bad, j);
   if (bad < size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                       "the label distribution of point " << bad
-                                                          << " has a negative or "
-                                                             "non-finite probability");
+    PCL_THROW_EXCEPTION(BadInputException, "the label distribution of point "
+                                               << bad
+                                               << " has a negative or "
+                                                  "non-finite probability");
 }
 
 Label
@@ -113,9 +114,7 @@ mapLabel(const float* distribution, int classes)
 }
 
 void
-fuseLogLikelihood(const float* log_likelihood,
-                  int classes,
-                  float max_log_ratio,
+fuseLogLikelihood(const float* log_likelihood, int classes, float max_log_ratio,
                   float* log_distribution)
 {
   float largest = log_distribution[0] + log_likelihood[0];

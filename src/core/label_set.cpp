@@ -15,12 +15,12 @@ LabelSet::LabelSet(std::vector<LabelClass> classes) : classes_(std::move(classes
 {
   if (classes_.empty() || classes_.size() > 255)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                       "a label set needs 1 to 255 classes, not " << classes_.size());
+                        "a label set needs 1 to 255 classes, not " << classes_.size());
   std::set<std::string> names;
   for (const LabelClass& c : classes_)
     if (c.name.empty() || !names.insert(c.name).second)
       PCL_THROW_EXCEPTION(InvalidParameterException,
-                         "class name '" << c.name << "' is empty or used twice");
+                          "class name '" << c.name << "' is empty or used twice");
 }
 
 const LabelClass&
@@ -31,8 +31,8 @@ LabelSet::operator[](Label label) const
     return unlabelled;
   if (label > size())
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                       "label " << int(label) << " is beyond the " << size()
-                                << " classes of the label set");
+                        "label " << int(label) << " is beyond the " << size()
+                                 << " classes of the label set");
   return classes_[label - 1];
 }
 
@@ -51,7 +51,7 @@ LabelMapping::set(std::uint32_t id, Label label)
   constexpr std::uint32_t largest_id = 65535;
   if (id > largest_id)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                       "label id " << id << " is beyond " << largest_id);
+                        "label id " << id << " is beyond " << largest_id);
   if (id >= labels_.size())
     labels_.resize(id + 1, kUnlabelled);
   labels_[id] = label;

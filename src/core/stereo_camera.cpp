@@ -17,14 +17,14 @@ StereoCamera::validate() const
   for (const double value : {fx, fy, cx, cy, baseline})
     if (!std::isfinite(value))
       PCL_THROW_EXCEPTION(InvalidParameterException,
-                         "the camera has a parameter that is not a finite number");
+                          "the camera has a parameter that is not a finite number");
   if (fx <= 0.0 || fy <= 0.0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                       "focal lengths are " << fx << " and " << fy
-                                            << " px, expected more than 0");
+    PCL_THROW_EXCEPTION(InvalidParameterException, "focal lengths are "
+                                                       << fx << " and " << fy
+                                                       << " px, expected more than 0");
   if (baseline <= 0.0)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                       "baseline is " << baseline << " m, expected more than 0");
+                        "baseline is " << baseline << " m, expected more than 0");
 }
 
 } // namespace pcl_semantic

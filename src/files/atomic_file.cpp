@@ -11,6 +11,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <locale>
 #include <system_error>
 #include <unistd.h>
 
@@ -42,14 +43,21 @@ synchronize(const fs::path& path, int flags)
 } // namespace
 
 AtomicFile::AtomicFile(const std::string& path)
-: path_(path),
-  temporary_path_((folderOf(path) / ("." + fs::path(path).filename().string() + "." +
-                                     std::to_string(::getpid()) + ".tmp"))
-                      .string())
+    : path_(path),
+      temporary_path_((folderOf(path) / ("." + fs::path(path).filename().string() +
+                                         "." + std::to_string(::getpid()) + ".tmp"))
+                          .string())
 {
-  if (fs::is_directory(path_))
+  // Renaming onto /dev/stdout or a pipe would replace it.
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path_, ignored);
+  if (fs::is_directory(status))
     PCL_THROW_EXCEPTION(OutputException,
                         path_ << ": cannot be written: it is a folder");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    PCL_THROW_EXCEPTION(OutputException,
+                        path_ << ": cannot be written: it is no regular file");
+  stream_.imbue(std::locale::classic());
   stream_.open(temporary_path_, std::ios::binary | std::ios::trunc);
   if (!stream_)
     PCL_THROW_EXCEPTION(OutputException,
@@ -68,8 +76,9 @@ AtomicFile::commit()
 {
   stream_.close();
   if (stream_.fail() || !synchronize(temporary_path_, O_RDONLY))
-    PCL_THROW_EXCEPTION(OutputException,
-                        path_ << ": could not be written completely (is the disk full?)");
+    PCL_THROW_EXCEPTION(
+        OutputException,
+        path_ << ": could not be written completely (is the disk full?)");
   std::error_code error;
   fs::rename(temporary_path_, path_, error);
   if (error)
@@ -94,7 +103,7 @@ makeOutputFolder(const std::string& path)
   if (error)
     PCL_THROW_EXCEPTION(OutputException,
                         path << ": cannot be made: " << error.message());
-  AtomicFile probe((fs::path(path) / "probe").string());
+  AtomicFile probe((fs::path(path) / "pcl_semantic_probe").string());
 }
 
 } // namespace pcl_semantic

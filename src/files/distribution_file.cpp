@@ -28,8 +28,8 @@ readBin(const std::string& path, int width, int height, int classes)
   if (bytes.size() != expected)
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": has " << bytes.size() << " bytes, expected "
-                             << expected << " (" << width << " x " << height << " pixels x "
-                             << classes << " classes x 4)");
+                             << expected << " (" << width << " x " << height
+                             << " pixels x " << classes << " classes x 4)");
   std::memcpy(values.data(), bytes.data(), expected);
   return values;
 }
@@ -43,8 +43,8 @@ readNpyMatrix(const std::string& path, int width, int height, int classes)
                         path << ": has shape (" << array.height << ", " << array.width
                              << ", " << array.depth << "), expected (" << height << ", "
                              << width << ", " << classes << ")");
-  return Eigen::Map<const LabelDistributions::Matrix>(
-      array.values.data(), classes, Eigen::Index(width) * height);
+  return Eigen::Map<const LabelDistributions::Matrix>(array.values.data(), classes,
+                                                      Eigen::Index(width) * height);
 }
 
 LabelDistributions
@@ -52,17 +52,17 @@ readIds(const std::string& path, int width, int height, int classes, float confi
 {
   const cv::Mat ids = readPng(path, ImageKind::labels);
   if (ids.cols != width || ids.rows != height)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": is " << ids.cols << " x " << ids.rows
-                             << " pixels, expected " << width << " x " << height);
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is " << ids.cols << " x "
+                                                << ids.rows << " pixels, expected "
+                                                << width << " x " << height);
   LabelDistributions distributions(classes, Eigen::Index(width) * height);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u) {
       const int id = ids.at<std::uint8_t>(v, u);
       if (id > classes)
-        PCL_THROW_EXCEPTION(BadInputException,
-                            path << ": pixel (" << u << ", " << v << ") has class " << id
-                                 << ", expected 0 to " << classes);
+        PCL_THROW_EXCEPTION(BadInputException, path << ": pixel (" << u << ", " << v
+                                                    << ") has class " << id
+                                                    << ", expected 0 to " << classes);
       distributions.setLabel(Eigen::Index(v) * width + u, Label(id), confidence);
     }
   return distributions;
@@ -80,8 +80,9 @@ checkSums(const LabelDistributions::Matrix& values, const std::string& path, int
       continue;
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": pixel (" << j % width << ", " << j / width << ") "
-                             << (valid ? "has probabilities that sum to "
-                                       : "has a negative or non-finite probability; sum ")
+                             << (valid
+                                     ? "has probabilities that sum to "
+                                     : "has a negative or non-finite probability; sum ")
                              << sum << ", expected 1");
   }
 }
@@ -89,8 +90,8 @@ checkSums(const LabelDistributions::Matrix& values, const std::string& path, int
 } // namespace
 
 LabelDistributions
-readDistributions(
-    const std::string& path, int width, int height, int classes, float confidence)
+readDistributions(const std::string& path, int width, int height, int classes,
+                  float confidence)
 {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".png")

@@ -12,13 +12,62 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
+#include <array>
 
 namespace pcl_semantic {
 
 namespace {
 
 constexpr std::uint8_t signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-constexpr std::uint8_t last_chunk[] = {'I', 'E', 'N', 'D', 0xAE, 0x42, 0x60, 0x82};
+constexpr std::size_t chunk_frame = 12; // length, name and check sum around the data
+
+std::uint32_t
+bigEndian(const std::uint8_t* bytes)
+{
+  return std::uint32_t(bytes[0]) << 24 | std::uint32_t(bytes[1]) << 16 |
+         std::uint32_t(bytes[2]) << 8 | std::uint32_t(bytes[3]);
+}
+
+std::array<std::uint32_t, 256>
+makeCrcTable()
+{
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t i = 0; i < 256; ++i) {
+    table[i] = i;
+    for (int bit = 0; bit < 8; ++bit)
+      table[i] = table[i] >> 1 ^ (table[i] & 1u ? 0xEDB88320u : 0u);
+  }
+  return table;
+}
+
+std::uint32_t
+crc32(const std::uint8_t* bytes, std::size_t size)
+{
+  static const std::array<std::uint32_t, 256> table = makeCrcTable();
+  std::uint32_t crc = 0xFFFFFFFFu;
+  for (std::size_t i = 0; i < size; ++i)
+    crc = crc >> 8 ^ table[(crc ^ bytes[i]) & 255u];
+  return ~crc;
+}
+
+// Follows the chunks to the last one: OpenCV would print libpng's complaint about a
+// damaged file, and keep the rows above the damage of some.
+bool
+isWhole(const std::vector<std::uint8_t>& bytes)
+{
+  std::size_t at = sizeof(signature);
+  while (at + chunk_frame <= bytes.size()) {
+    const std::size_t length = bigEndian(&bytes[at]);
+    if (length > bytes.size() - at - chunk_frame ||
+        crc32(&bytes[at + 4], length + 4) != bigEndian(&bytes[at + 8 + length]))
+      return false;
+    const bool is_last = std::equal(&bytes[at + 4], &bytes[at + 8], "IEND");
+    at += chunk_frame + length;
+    if (is_last)
+      return at == bytes.size();
+  }
+  return false;
+}
 
 bool
 hasKind(const cv::Mat& image, ImageKind kind)
@@ -54,11 +103,18 @@ cv::Mat
 readPng(const std::string& path, ImageKind kind)
 {
   const std::vector<std::uint8_t> bytes = readBytes(path);
-  if (bytes.size() < 16 || !std::equal(std::begin(signature), std::end(signature), bytes.begin()))
+  constexpr std::size_t bit_depth = 24; // where the header chunk holds it
+  if (bytes.size() <= bit_depth ||
+      !std::equal(std::begin(signature), std::end(signature), bytes.begin()))
     PCL_THROW_EXCEPTION(BadInputException, path << ": is not a PNG image");
-  if (!std::equal(std::begin(last_chunk), std::end(last_chunk), bytes.end() - 8))
+  if (!isWhole(bytes))
     PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": the PNG image is damaged: its end is missing");
+                        path << ": the PNG image is damaged or not complete");
+  // Decoders stretch fewer bits to 0..255, which makes other class ids of them.
+  if (kind == ImageKind::labels && bytes[bit_depth] < 8)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": has " << int(bytes[bit_depth])
+                                                << " bit(s) a pixel, expected "
+                                                << describe(kind));
   cv::Mat image;
   try {
     image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
@@ -73,9 +129,8 @@ readPng(const std::string& path, ImageKind kind)
                              << 8 * image.elemSize1() << " bits, expected "
                              << describe(kind));
   if (image.cols < 2 || image.rows < 2)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": is only " << image.cols << " x " << image.rows
-                             << " pixels");
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is only " << image.cols << " x "
+                                                << image.rows << " pixels");
   return image;
 }
 
@@ -83,7 +138,8 @@ void
 writePng(const std::string& path, const cv::Mat& image)
 {
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", image, bytes);
+  if (image.empty() || !cv::imencode(".png", image, bytes))
+    PCL_THROW_EXCEPTION(OutputException, path << ": cannot be encoded as PNG");
   AtomicFile file(path);
   file.stream().write(reinterpret_cast<const char*>(bytes.data()),
                       std::streamsize(bytes.size()));

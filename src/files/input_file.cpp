@@ -24,13 +24,18 @@ namespace fs = std::filesystem;
 std::vector<std::uint8_t>
 readBytes(const std::string& path)
 {
-  if (fs::is_directory(path))
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored))
     PCL_THROW_EXCEPTION(BadInputException, path << ": is a folder, expected a file");
   std::ifstream stream(path, std::ios::binary | std::ios::ate);
   if (!stream)
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": cannot be read: " << std::strerror(errno));
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(stream.tellg()));
+  const std::streamoff size = stream.tellg();
+  if (size < 0)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": cannot be read: it is no regular file");
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   stream.seekg(0);
   stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()));
   if (!stream)
@@ -61,7 +66,8 @@ parseNumber(const std::string& text, const std::string& where)
   const char* const end = text.data() + text.size();
   const char* const begin = text.data() + (!text.empty() && text[0] == '+' ? 1 : 0);
   const auto [rest, error] = std::from_chars(begin, end, value);
-  if (error != std::errc() || rest != end)
+  const bool two_signs = begin != text.data() && begin != end && *begin == '-';
+  if (error != std::errc() || rest != end || two_signs)
     PCL_THROW_EXCEPTION(BadInputException,
                         where << ": '" << text << "' is not a number");
   return value;

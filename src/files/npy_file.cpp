@@ -31,9 +31,8 @@ readHeader(const std::string& path, const std::vector<std::uint8_t>& bytes)
     PCL_THROW_EXCEPTION(BadInputException, path << ": is not a NumPy file");
   const int version = bytes[6];
   if (version != 1 && version != 2)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has NumPy format version " << version
-                             << ", expected 1 or 2");
+    PCL_THROW_EXCEPTION(BadInputException, path << ": has NumPy format version "
+                                                << version << ", expected 1 or 2");
   std::size_t length = bytes[8] + 256u * bytes[9];
   std::size_t offset = 10;
   if (version == 2) {
@@ -43,8 +42,15 @@ readHeader(const std::string& path, const std::vector<std::uint8_t>& bytes)
   if (length > bytes.size() - offset)
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": the NumPy header is longer than the file");
-  return {std::string(bytes.begin() + long(offset), bytes.begin() + long(offset + length)),
-          offset + length};
+  // NumPy writes 128 bytes; the regular expressions recurse once a character.
+  constexpr std::size_t longest = 1024;
+  if (length > longest)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": the NumPy header has " << length
+                                                << " bytes, expected at most "
+                                                << longest);
+  return {
+      std::string(bytes.begin() + long(offset), bytes.begin() + long(offset + length)),
+      offset + length};
 }
 
 } // namespace
@@ -56,8 +62,8 @@ readNpy(const std::string& path)
   const Header header = readHeader(path, bytes);
 
   std::smatch match;
-  if (!std::regex_search(
-          header.text, match, std::regex("'descr'\\s*:\\s*'([^']*)'")) ||
+  if (!std::regex_search(header.text, match,
+                         std::regex("'descr'\\s*:\\s*'([^'\\n]*)'")) ||
       (match[1] != "<f4" && match[1] != "<f2"))
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": has type '" << match[1]
@@ -67,9 +73,9 @@ readNpy(const std::string& path)
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": is in Fortran order, expected C order");
   if (!std::regex_search(
-          header.text,
-          match,
-          std::regex("'shape'\\s*:\\s*\\((\\d{1,6}),\\s*(\\d{1,6}),\\s*(\\d{1,6}),?\\s*\\)")))
+          header.text, match,
+          std::regex(
+              "'shape'\\s*:\\s*\\((\\d{1,6}),\\s*(\\d{1,6}),\\s*(\\d{1,6}),?\\s*\\)")))
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": expected an array of three axes (rows, columns, "
                                 "classes)");

@@ -17,7 +17,8 @@ PcdTable::pointSize() const
 {
   std::size_t size = 0;
   for (const PcdField& field : fields)
-    size += static_cast<std::size_t>(field.size) * static_cast<std::size_t>(field.count);
+    size +=
+        static_cast<std::size_t>(field.size) * static_cast<std::size_t>(field.count);
   return size;
 }
 
@@ -27,8 +28,8 @@ writePcd(const std::string& path, const PcdTable& table)
   if (table.fields.empty() || table.data.size() != table.points * table.pointSize())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         path << ": " << table.data.size()
-                             << " bytes of data do not fit the fields of " << table.points
-                             << " points");
+                             << " bytes of data do not fit the fields of "
+                             << table.points << " points");
   AtomicFile file(path);
   std::ostream& stream = file.stream();
   const auto line = [&](const char* name,

@@ -11,6 +11,7 @@
 
 #include <Eigen/SVD>
 
+#include <locale>
 #include <sstream>
 
 namespace pcl_semantic {
@@ -41,8 +42,8 @@ parsePose(const TextLine& line, const std::string& path)
     PCL_THROW_EXCEPTION(BadInputException,
                         where << ": the left 3 x 3 block is no rotation");
   if (deviation > rounding) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
-        pose.linear(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(pose.linear(), Eigen::ComputeFullU |
+                                                                   Eigen::ComputeFullV);
     pose.linear() = svd.matrixU() * svd.matrixV().transpose();
   }
   return pose;
@@ -66,6 +67,7 @@ void
 writeKittiTrajectory(const std::string& path, const Trajectory& trajectory)
 {
   std::ostringstream text;
+  text.imbue(std::locale::classic());
   text.precision(17);
   for (const Eigen::Isometry3d& pose : trajectory) {
     const RowMajor34 rows = pose.matrix().topRows<3>();

@@ -42,34 +42,59 @@ struct YamlMap::Impl {
     impl->path = path;
     impl->node.reset(node);
     if (!node.IsMap())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          impl->place(node) << ": expected 'key: value' lines");
+      PCL_THROW_EXCEPTION(BadInputException, impl->place(node)
+                                                 << ": expected 'key: value' lines");
     std::set<std::string> keys;
     for (const auto& entry : node) {
       if (!entry.first.IsScalar())
-        PCL_THROW_EXCEPTION(BadInputException,
-                            impl->place(entry.first) << ": a key has to be a word");
+        PCL_THROW_EXCEPTION(BadInputException, impl->place(entry.first)
+                                                   << ": a key has to be a word");
       if (!keys.insert(entry.first.Scalar()).second)
-        PCL_THROW_EXCEPTION(BadInputException,
-                            impl->place(entry.first)
-                                << ": key '" << entry.first.Scalar() << "' is there twice");
+        PCL_THROW_EXCEPTION(BadInputException, impl->place(entry.first)
+                                                   << ": key '" << entry.first.Scalar()
+                                                   << "' is there twice");
     }
     return impl;
   }
 };
 
+namespace {
+
+// The text of a file for yaml-cpp. It would pass over a second document in silence.
+std::string
+readDocument(const std::string& path)
+{
+  std::string text;
+  bool begun = false;
+  for (const TextLine& line : readLines(path)) {
+    const bool is_directive = line.text.rfind("%YAML", 0) == 0;
+    const bool is_marker = line.text.rfind("---", 0) == 0;
+    if (is_marker && begun)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          placeOf(path, line.number)
+                              << ": a second document begins, expected one");
+    begun = begun || is_marker ||
+            !(line.text.empty() || is_directive || line.text[0] == '#');
+    text += (is_directive ? "" : line.text) + "\n";
+  }
+  return text;
+}
+
+} // namespace
+
 YamlMap
 YamlMap::load(const std::string& path)
 {
-  std::string text;
-  for (const TextLine& line : readLines(path))
-    text += (line.text.rfind("%YAML", 0) == 0 ? "" : line.text) + "\n";
+  const std::string text = readDocument(path);
   try {
-    return YamlMap(Impl::make(path, YAML::Load(text)));
+    const YAML::Node document = YAML::Load(text);
+    if (document.IsNull()) // has no line
+      PCL_THROW_EXCEPTION(BadInputException, path << ": expected 'key: value' lines");
+    return YamlMap(Impl::make(path, document));
   }
   catch (const YAML::Exception& error) {
-    PCL_THROW_EXCEPTION(BadInputException,
-                        placeOf(path, error.mark.line + 1) << ": " << error.msg);
+    PCL_THROW_EXCEPTION(BadInputException, placeOf(path, error.mark.line + 1)
+                                               << ": " << error.msg);
   }
 }
 
@@ -87,30 +112,27 @@ YamlMap::get(const std::string& key, T& value) const
   if (!has(key))
     return false;
   try {
-    value = impl_->node[key].as<T>();
+    // yaml-cpp would give the word "null" for a value that is not there.
+    const YAML::Node node = impl_->node[key];
+    if (node.IsNull())
+      throw YAML::TypedBadConversion<T>(node.Mark());
+    value = node.as<T>();
   }
   catch (const YAML::Exception&) {
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where(key) << ": the value of '" << key
-                                   << "' is not of the expected type");
+    PCL_THROW_EXCEPTION(BadInputException, where(key)
+                                               << ": the value of '" << key
+                                               << "' is not of the expected type");
   }
   return true;
 }
 
-template bool
-YamlMap::get(const std::string&, bool&) const;
-template bool
-YamlMap::get(const std::string&, int&) const;
-template bool
-YamlMap::get(const std::string&, double&) const;
-template bool
-YamlMap::get(const std::string&, std::string&) const;
-template bool
-YamlMap::get(const std::string&, std::vector<int>&) const;
-template bool
-YamlMap::get(const std::string&, std::vector<double>&) const;
-template bool
-YamlMap::get(const std::string&, std::vector<std::string>&) const;
+template bool YamlMap::get(const std::string&, bool&) const;
+template bool YamlMap::get(const std::string&, int&) const;
+template bool YamlMap::get(const std::string&, double&) const;
+template bool YamlMap::get(const std::string&, std::string&) const;
+template bool YamlMap::get(const std::string&, std::vector<int>&) const;
+template bool YamlMap::get(const std::string&, std::vector<double>&) const;
+template bool YamlMap::get(const std::string&, std::vector<std::string>&) const;
 
 std::vector<YamlMap>
 YamlMap::requireList(const std::string& key) const
@@ -119,8 +141,8 @@ YamlMap::requireList(const std::string& key) const
     throwMissing(key);
   const YAML::Node list = impl_->node[key];
   if (!list.IsSequence())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where(key) << ": '" << key << "' has to be a list");
+    PCL_THROW_EXCEPTION(BadInputException, where(key)
+                                               << ": '" << key << "' has to be a list");
   std::vector<YamlMap> maps;
   for (const YAML::Node& entry : list)
     maps.push_back(YamlMap(Impl::make(impl_->path, entry)));
@@ -155,16 +177,16 @@ YamlMap::refuseUnknownKeys() const
 {
   for (const auto& entry : impl_->node)
     if (!impl_->asked.count(entry.first.Scalar()))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          impl_->place(entry.first)
-                              << ": key '" << entry.first.Scalar() << "' is not known");
+      PCL_THROW_EXCEPTION(BadInputException, impl_->place(entry.first)
+                                                 << ": key '" << entry.first.Scalar()
+                                                 << "' is not known");
 }
 
 void
 YamlMap::throwMissing(const std::string& key) const
 {
-  PCL_THROW_EXCEPTION(BadInputException,
-                      impl_->place(impl_->node) << ": key '" << key << "' is missing");
+  PCL_THROW_EXCEPTION(BadInputException, impl_->place(impl_->node)
+                                             << ": key '" << key << "' is missing");
 }
 
 } // namespace pcl_semantic

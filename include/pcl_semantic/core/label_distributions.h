@@ -78,7 +78,8 @@ public:
   /** \brief Puts all of \a confidence on \a label and spreads the rest evenly over the
    * other classes; kUnlabelled clears the column.
    * \param[in] confidence 0..1
-   * \throws BadInputException if \a label is beyond L */
+   * \throws BadInputException if \a label is beyond L
+   * \throws InvalidParameterException if \a confidence is not within 0..1 */
   void
   setLabel(Eigen::Index j, Label label, float confidence);
 

@@ -1,0 +1,100 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/label_set.h>
+
+#include <gtest/gtest.h>
+
+using namespace pcl_semantic;
+using pcl_semantic::test::holds;
+using pcl_semantic::test::thrownMessage;
+
+namespace {
+
+std::vector<LabelClass>
+classesNamed(int count)
+{
+  std::vector<LabelClass> classes(count);
+  for (int i = 0; i < count; ++i)
+    classes[i].name = "class" + std::to_string(i + 1);
+  return classes;
+}
+
+} // namespace
+
+TEST(LabelSet, LabelsCountFromOne)
+{
+  const LabelSet set(
+      {{"road", {1, 2, 3}, false, false}, {"sky", {4, 5, 6}, true, false}});
+  EXPECT_EQ(set.size(), 2);
+  EXPECT_EQ(set[1].name, "road");
+  EXPECT_EQ(set[2].name, "sky");
+  EXPECT_TRUE(set[2].sky);
+  EXPECT_EQ(set[2].colour[2], 6);
+  EXPECT_EQ(set.find("road"), 1);
+  EXPECT_EQ(set.find("sky"), 2);
+}
+
+TEST(LabelSet, ZeroIsUnlabelledAndBlack)
+{
+  const LabelSet set(classesNamed(3));
+  EXPECT_EQ(set[kUnlabelled].name, "unlabelled");
+  EXPECT_EQ(set[kUnlabelled].colour, (std::array<std::uint8_t, 3>{0, 0, 0}));
+  EXPECT_EQ(set.find("no such class"), kUnlabelled);
+}
+
+TEST(LabelSet, RefusesLabelsBeyondItsClasses)
+{
+  const LabelSet set(classesNamed(3));
+  const std::string message =
+      thrownMessage<InvalidParameterException>([&] { (void)set[4]; });
+  EXPECT_TRUE(holds(message, "4"));
+  EXPECT_TRUE(holds(message, "3"));
+}
+
+TEST(LabelSet, HasOneTo255Classes)
+{
+  thrownMessage<InvalidParameterException>([] { LabelSet(std::vector<LabelClass>()); });
+  const LabelSet largest(classesNamed(255));
+  EXPECT_EQ(largest.size(), 255);
+  EXPECT_EQ(largest[255].name, "class255");
+  EXPECT_EQ(largest.find("class255"), 255);
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([] { LabelSet(classesNamed(256)); }),
+      "256"));
+}
+
+TEST(LabelSet, RefusesEmptyAndRepeatedNames)
+{
+  auto classes = classesNamed(3);
+  classes[2].name = "class1";
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { LabelSet set(classes); }),
+            "class1"));
+  classes[2].name = "";
+  thrownMessage<InvalidParameterException>([&] { LabelSet set(classes); });
+}
+
+TEST(LabelMapping, MapsWhatIsSetAndNothingElse)
+{
+  LabelMapping mapping;
+  EXPECT_EQ(mapping(0), kUnlabelled);
+  EXPECT_EQ(mapping(4000000000u), kUnlabelled);
+  mapping.set(259, 6);
+  mapping.set(40, 3);
+  EXPECT_EQ(mapping(259), 6);
+  EXPECT_EQ(mapping(40), 3);
+  EXPECT_EQ(mapping(41), kUnlabelled);
+  EXPECT_EQ(mapping(260), kUnlabelled);
+  mapping.set(40, 5);
+  EXPECT_EQ(mapping(40), 5);
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { mapping.set(65536, 1); }),
+            "65536"));
+}

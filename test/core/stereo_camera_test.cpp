@@ -1,0 +1,89 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/stereo_camera.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+using namespace pcl_semantic;
+using pcl_semantic::test::holds;
+using pcl_semantic::test::thrownMessage;
+
+namespace {
+
+StereoCamera
+someCamera()
+{
+  StereoCamera camera;
+  camera.fx = 707.0;
+  camera.fy = 650.0;
+  camera.cx = 601.9;
+  camera.cy = 183.1;
+  camera.baseline = 0.5379;
+  camera.width = 1241;
+  camera.height = 376;
+  return camera;
+}
+
+} // namespace
+
+TEST(StereoCamera, DepthOfADisparity)
+{
+  const StereoCamera camera = someCamera();
+  EXPECT_DOUBLE_EQ(camera.depth(38.03), 707.0 * 0.5379 / 38.03);
+  EXPECT_GT(camera.depth(1.0), camera.depth(2.0));
+}
+
+TEST(StereoCamera, AxesAreRightDownForward)
+{
+  const StereoCamera camera = someCamera();
+  EXPECT_TRUE(camera.unproject(camera.cx, camera.cy, 7.0)
+                  .isApprox(Eigen::Vector3d(0.0, 0.0, 7.0)));
+  // One focal length right of the principal point lies as far right as forward.
+  EXPECT_TRUE(camera.unproject(camera.cx + 707.0, camera.cy, 7.0)
+                  .isApprox(Eigen::Vector3d(7.0, 0.0, 7.0)));
+  EXPECT_TRUE(camera.unproject(camera.cx, camera.cy + 650.0, 7.0)
+                  .isApprox(Eigen::Vector3d(0.0, 7.0, 7.0)));
+}
+
+TEST(StereoCamera, ProjectUndoesUnproject)
+{
+  const StereoCamera camera = someCamera();
+  for (double u = -10.0; u < 1300.0; u += 130.7)
+    for (double v = -10.0; v < 400.0; v += 41.3)
+      for (const double depth : {0.3, 5.0, 80.0})
+        EXPECT_LT(
+            (camera.project(camera.unproject(u, v, depth)) - Eigen::Vector2d(u, v))
+                .norm(),
+            1e-9);
+}
+
+TEST(StereoCamera, ValidateNamesWhatIsWrong)
+{
+  EXPECT_NO_THROW(someCamera().validate());
+  StereoCamera camera = someCamera();
+  camera.baseline = -0.54;
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] { camera.validate(); }), "-0.54"));
+  camera = someCamera();
+  camera.fy = 0.0;
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] { camera.validate(); }), "focal"));
+  for (double StereoCamera::*const member :
+       {&StereoCamera::fx, &StereoCamera::fy, &StereoCamera::cx, &StereoCamera::cy,
+        &StereoCamera::baseline})
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()}) {
+      camera = someCamera();
+      camera.*member = bad;
+      thrownMessage<InvalidParameterException>([&] { camera.validate(); });
+    }
+}

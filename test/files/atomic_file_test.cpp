@@ -1,0 +1,138 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/full_disk.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
+
+#include <gtest/gtest.h>
+
+#include <locale>
+#include <sys/stat.h>
+
+using namespace pcl_semantic;
+using namespace pcl_semantic::test;
+
+TEST(AtomicFile, AppearsWithCommitOnly)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.txt");
+  {
+    AtomicFile file(path);
+    file.stream() << "hello" << std::flush;
+    EXPECT_FALSE(std::filesystem::exists(path));
+    file.commit();
+    EXPECT_EQ(bytesOf(path), "hello");
+  }
+  EXPECT_EQ(bytesOf(path), "hello");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(AtomicFile, WithoutCommitTheOldContentStays)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.txt", "old");
+  {
+    AtomicFile file(path);
+    file.stream() << "new" << std::flush;
+  }
+  EXPECT_EQ(bytesOf(path), "old");
+  EXPECT_EQ(folder.entries(), 1u);
+  writeTextFile(path, "newer");
+  EXPECT_EQ(bytesOf(path), "newer");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(AtomicFile, AFullDiskLeavesTheOldContent)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.txt", "old");
+  {
+    const FullDisk full(65536);
+    const std::string message = thrownMessage<OutputException>(
+        [&] { writeTextFile(path, std::string(1000000, 'x')); });
+    EXPECT_TRUE(holds(message, path));
+    // The last bytes fail only when the stream is closed.
+    thrownMessage<OutputException>(
+        [&] { writeTextFile(path, std::string(65537, 'x')); });
+  }
+  EXPECT_EQ(bytesOf(path), "old");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(AtomicFile, RefusesWhatCannotBeWritten)
+{
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "");
+  for (const std::string& path : {folder.path(), folder.path("no_such_folder/a.txt"),
+                                  file + "/a.txt", folder.path(std::string(300, 'x'))})
+    EXPECT_TRUE(
+        holds(thrownMessage<OutputException>([&] { AtomicFile atomic(path); }), path));
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(AtomicFile, DoesNotReplaceADevice)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("pipe");
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  EXPECT_TRUE(
+      holds(thrownMessage<OutputException>([&] { writeTextFile(path, "x"); }), path));
+  EXPECT_TRUE(std::filesystem::is_fifo(path));
+}
+
+TEST(AtomicFile, WritesNumbersInTheClassicLocale)
+{
+  struct Comma : std::numpunct<char> {
+    char
+    do_decimal_point() const override
+    {
+      return ',';
+    }
+    char
+    do_thousands_sep() const override
+    {
+      return '.';
+    }
+    std::string
+    do_grouping() const override
+    {
+      return "\3";
+    }
+  };
+  const TemporaryFolder folder;
+  const std::locale before =
+      std::locale::global(std::locale(std::locale::classic(), new Comma));
+  {
+    AtomicFile file(folder.path("a.txt"));
+    file.stream() << 12345 << ' ' << 1.5;
+    file.commit();
+  }
+  std::locale::global(before);
+  EXPECT_EQ(bytesOf(folder.path("a.txt")), "12345 1.5");
+}
+
+TEST(MakeOutputFolder, MakesTheParentsAndLeavesNothing)
+{
+  const TemporaryFolder folder;
+  for (const char* const name : {"a/b/c", "a/b/c", "d/"}) {
+    makeOutputFolder(folder.path(name));
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path(name))) << name;
+  }
+}
+
+TEST(MakeOutputFolder, RefusesWhatIsNoFolder)
+{
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "x");
+  for (const std::string& path : {file, file + "/a"})
+    EXPECT_TRUE(
+        holds(thrownMessage<OutputException>([&] { makeOutputFolder(path); }), path));
+  EXPECT_EQ(bytesOf(file), "x");
+}

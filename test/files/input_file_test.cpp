@@ -1,0 +1,114 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+using namespace pcl_semantic;
+using namespace pcl_semantic::test;
+
+TEST(ReadBytes, GivesTheBytes)
+{
+  const TemporaryFolder folder;
+  const std::string bytes("a\0\r\n\xFF", 5);
+  const auto read = readBytes(folder.write("a.bin", bytes));
+  EXPECT_EQ(std::string(read.begin(), read.end()), bytes);
+  EXPECT_TRUE(readBytes(folder.write("empty", "")).empty());
+}
+
+TEST(ReadBytes, RefusesWhatIsNoFile)
+{
+  const TemporaryFolder folder;
+  for (const std::string& path :
+       {folder.path(), folder.path("missing"), folder.path(std::string(300, 'x'))})
+    EXPECT_TRUE(
+        holds(thrownMessage<BadInputException>([&] { readBytes(path); }), path));
+}
+
+TEST(ReadBytes, RefusesAPipe)
+{
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const std::string path = "/proc/self/fd/" + std::to_string(ends[0]);
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readBytes(path); }), path));
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
+TEST(ReadLines, AcceptsEveryEditor)
+{
+  const TemporaryFolder folder;
+  const auto lines = readLines(folder.write("a.txt", "\xEF\xBB\xBF"
+                                                     "one\r\n\r\n  two \t\r\nthree"));
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[0].text, "one");
+  EXPECT_EQ(lines[1].text, "");
+  EXPECT_EQ(lines[2].text, "  two");
+  EXPECT_EQ(lines[3].text, "three");
+  EXPECT_EQ(lines[3].number, 4);
+  EXPECT_TRUE(readLines(folder.write("empty", "")).empty());
+}
+
+TEST(ParseNumber, TakesTheWholeTextOrNothing)
+{
+  EXPECT_EQ(parseNumber("-1.5e3", "here"), -1500.0);
+  EXPECT_EQ(parseNumber("+7", "here"), 7.0);
+  for (const char* const text :
+       {"", "+", "-", "+-7", "++7", "1,5", "1.5m", " 1", "0x10"})
+    EXPECT_TRUE(holds(
+        thrownMessage<BadInputException>([&] { parseNumber(text, "f.txt line 3"); }),
+        "f.txt line 3"))
+        << text;
+}
+
+TEST(ParseNumbers, AreFinite)
+{
+  EXPECT_EQ(parseNumbers(" 1 2\t-3.5e-2 ", "here"),
+            (std::vector<double>{1.0, 2.0, -0.035}));
+  EXPECT_TRUE(parseNumbers("", "here").empty());
+  for (const char* const text : {"1 nan", "inf", "1 -inf 2", "1e999"})
+    thrownMessage<BadInputException>([&] { parseNumbers(text, "here"); });
+}
+
+TEST(ListFrameFiles, AreInTheOrderOfTheirNumbers)
+{
+  const TemporaryFolder folder;
+  for (const char* const name : {"000010.png", "2.png", "000003.bin", "000004.jpg",
+                                 "a.png", "-1.png", "5a.png", "notes.txt"})
+    folder.write(name, "");
+  const auto files = listFrameFiles(folder.path(), {".png", ".bin"});
+  ASSERT_EQ(files.size(), 3u);
+  EXPECT_EQ(files[0].frame, 2);
+  EXPECT_EQ(files[1].frame, 3);
+  EXPECT_EQ(files[2].frame, 10);
+  EXPECT_EQ(files[2].path, folder.path("000010.png"));
+}
+
+TEST(ListFrameFiles, RefusesAFrameThatIsThereTwice)
+{
+  const TemporaryFolder folder;
+  folder.write("000003.png", "");
+  folder.write("000003.bin", "");
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] {
+                      listFrameFiles(folder.path(), {".png", ".bin"});
+                    }),
+                    "frame 3"));
+  EXPECT_EQ(listFrameFiles(folder.path(), {".png"}).size(), 1u);
+  thrownMessage<BadInputException>([&] { listFrameFiles(folder.path("none"), {}); });
+}
+
+TEST(FrameFileName, HasSixDigits)
+{
+  EXPECT_EQ(frameFileName(12, ".png"), "000012.png");
+  EXPECT_EQ(frameFileName(1234567, ".bin"), "1234567.bin");
+}

@@ -1,0 +1,127 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/label_set_file.h>
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+using namespace pcl_semantic;
+using namespace pcl_semantic::test;
+
+namespace {
+
+const std::string data_folder = std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data/";
+
+std::string
+setRefusal(const std::string& text)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("set.yaml", text);
+  return thrownMessage<BadInputException>([&] { readLabelSet(path); });
+}
+
+std::string
+mappingRefusal(const std::string& text)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("mapping.yaml", text);
+  const LabelSet set({{"road", {}, false, false}, {"car", {}, false, false}});
+  return thrownMessage<BadInputException>([&] { readLabelMapping(path, set); });
+}
+
+} // namespace
+
+TEST(LabelSetFile, ThePapersElevenClasses)
+{
+  const LabelSet set = readLabelSet(data_folder + "label_sets/kitti11.yaml");
+  const char* const names[] = {"building", "sky",   "road",       "vegetation",
+                               "sidewalk", "car",   "pedestrian", "cyclist",
+                               "sign",     "fence", "pole"};
+  ASSERT_EQ(set.size(), 11);
+  for (int label = 1; label <= 11; ++label)
+    EXPECT_EQ(set[Label(label)].name, names[label - 1]);
+  EXPECT_EQ(set[8].colour, (std::array<std::uint8_t, 3>{0, 128, 192}));
+  for (int label = 1; label <= 11; ++label) {
+    EXPECT_EQ(set[Label(label)].sky, label == 2);
+    EXPECT_EQ(set[Label(label)].dynamic, label >= 6 && label <= 8);
+  }
+}
+
+TEST(LabelSetFile, AllShippedSetsHaveDistinctColours)
+{
+  for (const char* const name : {"kitti11", "cityscapes19", "semantic_kitti19"}) {
+    const LabelSet set = readLabelSet(data_folder + "label_sets/" + name + ".yaml");
+    EXPECT_EQ(set.size(), name == std::string("kitti11") ? 11 : 19);
+    std::set<std::array<std::uint8_t, 3>> colours;
+    for (int label = 0; label <= set.size(); ++label)
+      EXPECT_TRUE(colours.insert(set[Label(label)].colour).second)
+          << name << " " << set[Label(label)].name;
+  }
+}
+
+TEST(LabelSetFile, NamesTheLineOfAMistake)
+{
+  const std::string good = "classes:\n  - {name: road, colour: [1, 2, 3]}\n";
+  EXPECT_TRUE(holds(setRefusal(good + "  - {name: a, colour: [1, 2]}\n"), "line 3"));
+  EXPECT_TRUE(holds(setRefusal(good + "  - {name: a, colour: [1, 2, 256]}\n"), "256"));
+  EXPECT_TRUE(
+      holds(setRefusal(good + "  - {name: a, colour: [1, 2, -1]}\n"), "line 3"));
+  EXPECT_TRUE(holds(setRefusal(good + "  - {colour: [1, 2, 3]}\n"), "name"));
+  EXPECT_TRUE(
+      holds(setRefusal(good + "  - {name: road, colour: [1, 2, 4]}\n"), "road"));
+  EXPECT_TRUE(
+      holds(setRefusal(good + "  - {name: a, color: [1, 2, 3]}\n"), "set.yaml line 3"));
+  EXPECT_TRUE(holds(setRefusal(good + "skies: 3\n"), "skies"));
+  EXPECT_TRUE(holds(setRefusal("classes: []\n"), "set.yaml line 1"));
+  EXPECT_TRUE(holds(setRefusal("classes:\n  - road\n"), "line 2"));
+}
+
+// The table of the SemanticKITTI ids that the evaluation uses.
+TEST(LabelMappingFile, SemanticKittiToThePapersClasses)
+{
+  const LabelSet set = readLabelSet(data_folder + "label_sets/kitti11.yaml");
+  const LabelMapping mapping = readLabelMapping(
+      data_folder + "label_mappings/semantic_kitti_to_kitti11.yaml", set);
+  const std::pair<Label, std::vector<std::uint32_t>> expected[] = {
+      {6, {10, 13, 16, 18, 20, 252, 256, 257, 258, 259}},
+      {8, {11, 15, 31, 32, 253, 255}},
+      {7, {30, 254}},
+      {3, {40, 44, 60}},
+      {5, {48}},
+      {1, {50}},
+      {10, {51}},
+      {4, {70, 71, 72}},
+      {11, {80}},
+      {9, {81}}};
+  std::vector<Label> labels(1000, kUnlabelled);
+  for (const auto& [label, ids] : expected)
+    for (const std::uint32_t id : ids)
+      labels[id] = label;
+  for (std::uint32_t id = 0; id < labels.size(); ++id)
+    EXPECT_EQ(mapping(id), labels[id]) << id;
+}
+
+TEST(LabelMappingFile, NamesTheLineOfAMistake)
+{
+  EXPECT_TRUE(holds(mappingRefusal("classes:\n  road: [1]\n  lorry: [2]\n"), "line 3"));
+  EXPECT_TRUE(holds(mappingRefusal("classes:\n  road: [65536]\n"), "65536"));
+  EXPECT_TRUE(holds(mappingRefusal("classes:\n  road: [-1]\n"), "mapping.yaml line 2"));
+  EXPECT_TRUE(holds(mappingRefusal("classes:\n  road: 7\n"), "line 2"));
+  EXPECT_TRUE(holds(mappingRefusal("classes:\n  road: [7]\nextra: 1\n"), "extra"));
+  EXPECT_TRUE(holds(mappingRefusal("a: 1\n"), "classes"));
+}
+
+TEST(LabelMappingFile, RefusesAnIdOfTwoClasses)
+{
+  EXPECT_TRUE(holds(mappingRefusal("classes:\n  road: [7]\n  car: [8, 7]\n"),
+                    "mapping.yaml line 3"));
+}

@@ -1,0 +1,145 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/npy_file.h>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+
+using namespace pcl_semantic;
+using namespace pcl_semantic::test;
+
+namespace {
+
+// An .npy file of version 1 as NumPy writes it, padded to 64 bytes.
+std::string
+npy(const std::string& type, const std::string& shape, const std::string& data,
+    const std::string& order = "False")
+{
+  std::string header = "{'descr': '" + type + "', 'fortran_order': " + order +
+                       ", 'shape': " + shape + ", }";
+  header.append(64 - (10 + header.size() + 1) % 64, ' ');
+  header += '\n';
+  return std::string("\x93NUMPY\x01\x00", 8) + char(header.size() & 255) +
+         char(header.size() >> 8) + header + data;
+}
+
+std::string
+floats(int count)
+{
+  std::string data(std::size_t(count) * 4, '\0');
+  for (int i = 0; i < count; ++i) {
+    const float value = 0.25f * float(i) - 1.0f;
+    std::memcpy(data.data() + 4 * i, &value, 4);
+  }
+  return data;
+}
+
+std::string
+refusal(const std::string& bytes)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.npy", bytes);
+  const std::string message = thrownMessage<BadInputException>([&] { readNpy(path); });
+  EXPECT_TRUE(holds(message, path));
+  return message;
+}
+
+} // namespace
+
+TEST(ReadNpy, ReadsFloat32)
+{
+  const TemporaryFolder folder;
+  const NpyArray array =
+      readNpy(folder.write("a.npy", npy("<f4", "(2, 3, 4)", floats(24))));
+  EXPECT_EQ(array.height, 2);
+  EXPECT_EQ(array.width, 3);
+  EXPECT_EQ(array.depth, 4);
+  ASSERT_EQ(array.values.size(), 24u);
+  for (int i = 0; i < 24; ++i)
+    EXPECT_EQ(array.values[i], 0.25f * float(i) - 1.0f);
+}
+
+TEST(ReadNpy, ReadsFloat16)
+{
+  const TemporaryFolder folder;
+  // 1, -2, 0.5, 65504, the smallest subnormal, 1/3 rounded
+  const std::uint16_t halves[] = {0x3C00, 0xC000, 0x3800, 0x7BFF, 0x0001, 0x3555};
+  const std::string data(reinterpret_cast<const char*>(halves), sizeof(halves));
+  const NpyArray array = readNpy(folder.write("a.npy", npy("<f2", "(1, 2, 3)", data)));
+  EXPECT_EQ(array.values, (std::vector<float>{1.0f, -2.0f, 0.5f, 65504.0f,
+                                              5.9604645e-8f, 0.33325195f}));
+}
+
+TEST(ReadNpy, SaysWhatDiffers)
+{
+  EXPECT_TRUE(holds(refusal(npy("<f8", "(2, 3, 4)", floats(48))), "<f8"));
+  EXPECT_TRUE(holds(refusal(npy(">f4", "(2, 3, 4)", floats(24))), ">f4"));
+  EXPECT_TRUE(holds(refusal(npy("<f4", "(2, 3, 4)", floats(24), "True")), "Fortran"));
+  for (const char* const shape :
+       {"(24,)", "(6, 4)", "(1, 2, 3, 4)", "()", "(-2, 3, 4)"})
+    EXPECT_TRUE(holds(refusal(npy("<f4", shape, floats(24))), "three axes"));
+}
+
+TEST(ReadNpy, RefusesSizesThatDoNotFitTheFile)
+{
+  refusal(npy("<f4", "(2, 3, 4)", floats(24).substr(1)));
+  refusal(npy("<f4", "(2, 3, 4)", floats(24) + "x"));
+  refusal(npy("<f4", "(2147483648, 2147483648, 4)", floats(24)));
+  refusal(npy("<f4", "(999999, 999999, 999999)", floats(24)));
+  refusal(npy("<f4", "(99999999999999999999, 1, 1)", floats(24)));
+}
+
+TEST(ReadNpy, RefusesEveryTruncation)
+{
+  const std::string whole = npy("<f4", "(2, 3, 4)", floats(24));
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    refusal(whole.substr(0, size));
+}
+
+TEST(ReadNpy, RefusesAHeaderLengthBeyondTheFile)
+{
+  std::string bytes = npy("<f4", "(2, 3, 4)", floats(24));
+  bytes[8] = bytes[9] = '\xFF';
+  refusal(bytes);
+  bytes[6] = '\x02';
+  bytes[10] = bytes[11] = '\xFF';
+  refusal(bytes);
+  bytes[6] = '\x07';
+  EXPECT_TRUE(holds(refusal(bytes), "version 7"));
+}
+
+// A header of a megabyte must not exhaust the stack.
+TEST(ReadNpy, RefusesAHugeHeader)
+{
+  std::string header = "{'descr': '" + std::string(4000000, 'f');
+  const std::size_t size = header.size();
+  refusal(std::string("\x93NUMPY\x02\x00", 8) + char(size & 255) +
+          char(size >> 8 & 255) + char(size >> 16 & 255) + char(size >> 24) + header);
+}
+
+TEST(ReadNpy, RandomDamageIsRefusedOrHarmless)
+{
+  const std::string whole = npy("<f4", "(2, 3, 4)", floats(24));
+  const TemporaryFolder folder;
+  std::mt19937 random(5);
+  for (int i = 0; i < 300; ++i) {
+    std::string bytes = whole;
+    for (int n = 0; n < 3; ++n)
+      bytes[random() % 128] = char(random());
+    try {
+      EXPECT_EQ(readNpy(folder.write("a.npy", bytes)).values.size(), 24u);
+    }
+    catch (const BadInputException&) {
+    }
+  }
+}

@@ -1,0 +1,179 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/yaml_config.h>
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+using namespace pcl_semantic;
+using namespace pcl_semantic::test;
+
+namespace {
+
+YamlMap
+load(const std::string& text)
+{
+  const TemporaryFolder folder;
+  return YamlMap::load(folder.write("a.yaml", text));
+}
+
+std::string
+refusal(const std::string& text)
+{
+  return thrownMessage<BadInputException>([&] { load(text); });
+}
+
+template <typename T>
+std::string
+typeRefusal(const std::string& value)
+{
+  const YamlMap map = load("first: 1\nkey: " + value + "\n");
+  return thrownMessage<BadInputException>([&] {
+    T result{};
+    map.get("key", result);
+  });
+}
+
+} // namespace
+
+TEST(YamlMap, ReadsEveryType)
+{
+  const YamlMap map =
+      load("flag: true\ncount: -3\nsize: 1.5e-1\nname: a b\nids: [1, 2]\n"
+           "sizes: [0.5, 2]\nnames:\n  - x\n  - y\n");
+  EXPECT_TRUE(map.require<bool>("flag"));
+  EXPECT_EQ(map.require<int>("count"), -3);
+  EXPECT_EQ(map.require<double>("size"), 0.15);
+  EXPECT_EQ(map.require<std::string>("name"), "a b");
+  EXPECT_EQ(map.require<std::vector<int>>("ids"), (std::vector<int>{1, 2}));
+  EXPECT_EQ(map.require<std::vector<double>>("sizes"), (std::vector<double>{0.5, 2.0}));
+  EXPECT_EQ(map.require<std::vector<std::string>>("names"),
+            (std::vector<std::string>{"x", "y"}));
+  EXPECT_NO_THROW(map.refuseUnknownKeys());
+  EXPECT_EQ(map.keys().size(), 7u);
+  EXPECT_EQ(map.keys()[3], "name");
+}
+
+TEST(YamlMap, AMissingKeyLeavesTheValue)
+{
+  const YamlMap map = load("a: 1\n");
+  double value = 7.0;
+  EXPECT_FALSE(map.get("b", value));
+  EXPECT_EQ(value, 7.0);
+  EXPECT_FALSE(map.has("b"));
+  EXPECT_TRUE(holds(
+      thrownMessage<BadInputException>([&] { map.require<double>("voxel_size"); }),
+      "voxel_size"));
+  EXPECT_EQ(map.keys().size(), 1u);
+}
+
+TEST(YamlMap, NamesTheLineOfAnUnknownKey)
+{
+  const YamlMap map = load("# a comment\nvoxel_size: 0.1\n\nvoxle_size: 0.2\n");
+  double value = 0.0;
+  map.get("voxel_size", value);
+  const std::string message =
+      thrownMessage<BadInputException>([&] { map.refuseUnknownKeys(); });
+  EXPECT_TRUE(holds(message, "a.yaml line 4"));
+  EXPECT_TRUE(holds(message, "voxle_size"));
+}
+
+TEST(YamlMap, NamesTheLineOfADuplicateKey)
+{
+  const std::string message = refusal("a: 1\nb: 2\na: 3\n");
+  EXPECT_TRUE(holds(message, "a.yaml line 3"));
+  EXPECT_TRUE(holds(message, "'a'"));
+}
+
+TEST(YamlMap, NamesTheLineOfAWrongType)
+{
+  for (const std::string& message :
+       {typeRefusal<double>("wide"), typeRefusal<double>("\"1,5\""),
+        typeRefusal<double>("[1]"), typeRefusal<double>("1.5 m"),
+        typeRefusal<int>("1.5"), typeRefusal<int>("99999999999"), typeRefusal<int>(""),
+        typeRefusal<bool>("7"), typeRefusal<std::string>("[a]"),
+        typeRefusal<std::string>(""), typeRefusal<std::vector<int>>("3"),
+        typeRefusal<std::vector<int>>("[1, x]"),
+        typeRefusal<std::vector<int>>("{a: 1}")}) {
+    EXPECT_TRUE(holds(message, "a.yaml line 2"));
+    EXPECT_TRUE(holds(message, "'key'"));
+  }
+}
+
+TEST(YamlMap, AcceptsTheHeaderOfOpenCV)
+{
+  const YamlMap map = load("%YAML:1.0\r\n---\r\na: 1\r\nb: 2\r\n");
+  EXPECT_EQ(map.require<int>("a"), 1);
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { map.refuseUnknownKeys(); }),
+                    "a.yaml line 4"));
+  EXPECT_EQ(load("%YAML 1.2\n---\na: 1\n").require<int>("a"), 1);
+  EXPECT_EQ(load("\xEF\xBB\xBF%YAML:1.0\na: 1\n").require<int>("a"), 1);
+}
+
+TEST(YamlMap, RefusesWhatIsNoMapping)
+{
+  for (const char* const text :
+       {"", "# only a comment\n", "---\n", "word\n", "- a\n- b\n"}) {
+    const std::string message = refusal(text);
+    EXPECT_TRUE(holds(message, "a.yaml")) << text;
+    EXPECT_FALSE(holds(message, "line 0")) << text;
+  }
+  EXPECT_TRUE(holds(refusal("? [a]\n: 1\n"), "a.yaml"));
+}
+
+TEST(YamlMap, RefusesASecondDocument)
+{
+  EXPECT_TRUE(holds(refusal("a: 1\n---\nb: 2\n"), "a.yaml line 2"));
+  EXPECT_TRUE(holds(refusal("---\n---\nb: 2\n"), "a.yaml line 2"));
+  EXPECT_NO_THROW(load("# a comment\n\n---\nb: 2\n"));
+}
+
+TEST(YamlMap, NamesTheLineOfBrokenSyntax)
+{
+  EXPECT_TRUE(holds(refusal("a: 1\nb: [1, 2\nc: 3\n"), "a.yaml line"));
+  EXPECT_TRUE(holds(refusal("a: 1\n  b: 2\n"), "a.yaml line 2"));
+  EXPECT_TRUE(holds(refusal("a: *nowhere\n"), "a.yaml line 1"));
+  EXPECT_TRUE(holds(refusal("a: " + std::string(100000, '[')), "a.yaml line"));
+}
+
+TEST(YamlMap, RandomBytesAreRefusedOrHarmless)
+{
+  std::mt19937 random(11);
+  const std::string alphabet = "ab:-[]{}\"'#&*!|>%@,\n\n  \t\\\xFF";
+  const TemporaryFolder folder;
+  for (int i = 0; i < 500; ++i) {
+    std::string text;
+    for (unsigned n = random() % 60; n > 0; --n)
+      text += alphabet[random() % alphabet.size()];
+    try {
+      YamlMap::load(folder.write("a.yaml", text)).refuseUnknownKeys();
+    }
+    catch (const BadInputException&) {
+    }
+  }
+}
+
+TEST(YamlMap, ListsAndMapsKeepTheirLines)
+{
+  const YamlMap map = load("list:\n  - {a: 1}\n  - {a: 2, b: 3}\nmap:\n  c: 4\n");
+  const std::vector<YamlMap> list = map.requireList("list");
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list[1].require<int>("a"), 2);
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { list[1].refuseUnknownKeys(); }),
+            "line 3"));
+  EXPECT_EQ(map.requireMap("map").require<int>("c"), 4);
+  EXPECT_TRUE(holds(map.requireMap("map").where("c"), "line 5"));
+  thrownMessage<BadInputException>([&] { map.requireList("map"); });
+  thrownMessage<BadInputException>([&] { map.requireMap("list"); });
+  thrownMessage<BadInputException>([&] { map.requireList("none"); });
+}

@@ -1,0 +1,76 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace pcl_semantic::test {
+
+/** \brief An empty folder of its own for a test; removed with all it holds. */
+class TemporaryFolder {
+public:
+  TemporaryFolder()
+  {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "pcl_semantic_XXXXXX").string();
+    if (!::mkdtemp(name.data()))
+      ADD_FAILURE() << "no temporary folder " << name;
+    path_ = name;
+  }
+
+  ~TemporaryFolder()
+  {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  /** \brief The folder itself, or the path of \a name in it. */
+  std::string
+  path(const std::string& name = "") const
+  {
+    return name.empty() ? path_ : path_ + "/" + name;
+  }
+
+  /** \brief Writes \a bytes as they are. \return the path of the file */
+  std::string
+  write(const std::string& name, const std::string& bytes) const
+  {
+    std::ofstream(path(name), std::ios::binary) << bytes;
+    return path(name);
+  }
+
+  /** \brief Number of files and folders in it, hidden ones too. */
+  std::size_t
+  entries() const
+  {
+    return std::size_t(std::distance(std::filesystem::directory_iterator(path_),
+                                     std::filesystem::directory_iterator()));
+  }
+
+private:
+  std::string path_;
+};
+
+/** \brief The bytes of a file; a failed test if it cannot be read. */
+inline std::string
+bytesOf(const std::string& path)
+{
+  std::ifstream stream(path, std::ios::binary);
+  EXPECT_TRUE(stream.good()) << path;
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+} // namespace pcl_semantic::test

@@ -1,0 +1,49 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <exception>
+#include <string>
+
+namespace pcl_semantic::test {
+
+/** \brief Runs \a body, which has to throw exactly an \a Error, and gives its message,
+ * which has to be a single line. Anything else is a failed test and an empty message.
+ */
+template <typename Error, typename Body>
+std::string
+thrownMessage(Body&& body)
+{
+  try {
+    body();
+  }
+  catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_FALSE(message.empty());
+    return message;
+  }
+  catch (const std::exception& error) {
+    ADD_FAILURE() << "another exception came: " << error.what();
+    return {};
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
+}
+
+/** \brief EXPECT that \a message holds \a part. */
+inline ::testing::AssertionResult
+holds(const std::string& message, const std::string& part)
+{
+  if (message.find(part) != std::string::npos)
+    return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "'" << message << "' lacks '" << part << "'";
+}
+
+} // namespace pcl_semantic::test
