@@ -12,6 +12,7 @@
 
 #include <opencv2/core.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -160,29 +161,50 @@ private:
   double unit_; ///< hundredth of the image width [px]
 };
 
-/** \brief The labels as planes of probability at a half and a quarter of the resolution
- * networks work at would look: blurred by the binomial 1 4 6 4 1, twice. */
+/** \brief Blurs a plane by the binomial 1 4 6 4 1: networks answer at a lower
+ * resolution than the image's. Written out so that it rounds alike on every machine.
+ * \param[out] across of the same size, for intermediate results */
 void
-blur(cv::Mat& plane)
+blur(cv::Mat& plane, cv::Mat& across)
 {
   constexpr std::array<float, 5> weights{0.0625f, 0.25f, 0.375f, 0.25f, 0.0625f};
-  cv::Mat across(plane.size(), CV_32FC1);
-  for (int v = 0; v < plane.rows; ++v)
-    for (int u = 0; u < plane.cols; ++u) {
+  const int columns = plane.cols;
+  const int rows = plane.rows;
+#pragma omp parallel for
+  for (int v = 0; v < rows; ++v)
+    for (int u = 0; u < columns; ++u) {
       float sum = 0.0f;
       for (int k = -2; k <= 2; ++k)
-        sum +=
-            weights[k + 2] * plane.at<float>(v, std::clamp(u + k, 0, plane.cols - 1));
-      across.at<float>(v, u) = sum;
+        sum += weights[k + 2] * plane.ptr<float>(v)[std::clamp(u + k, 0, columns - 1)];
+      across.ptr<float>(v)[u] = sum;
     }
-  for (int v = 0; v < plane.rows; ++v)
-    for (int u = 0; u < plane.cols; ++u) {
+#pragma omp parallel for
+  for (int v = 0; v < rows; ++v)
+    for (int u = 0; u < columns; ++u) {
       float sum = 0.0f;
       for (int k = -2; k <= 2; ++k)
-        sum +=
-            weights[k + 2] * across.at<float>(std::clamp(v + k, 0, plane.rows - 1), u);
-      plane.at<float>(v, u) = sum;
+        sum += weights[k + 2] * across.ptr<float>(std::clamp(v + k, 0, rows - 1))[u];
+      plane.ptr<float>(v)[u] = sum;
     }
+}
+
+/** \brief All probability on the labels, softened where they change. */
+LabelDistributions
+softened(const cv::Mat& labels, bool soft)
+{
+  const Eigen::Index count = static_cast<Eigen::Index>(labels.total());
+  LabelDistributions result(synthetic_classes, count);
+  cv::Mat plane(labels.size(), CV_32FC1);
+  cv::Mat across(labels.size(), CV_32FC1);
+  for (int k = 0; k < synthetic_classes; ++k) {
+    for (Eigen::Index i = 0; i < count; ++i)
+      plane.ptr<float>()[i] = labels.ptr<Label>()[i] == k + 1 ? 1.0f : 0.0f;
+    if (soft)
+      blur(plane, across);
+    for (Eigen::Index i = 0; i < count; ++i)
+      result.column(i)[k] = plane.ptr<float>()[i];
+  }
+  return result;
 }
 
 /** \brief Adds doubt to a column: mostly towards what the class is often confused with.
@@ -213,18 +235,7 @@ syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
                         "label noise " << label_noise << ", expected 0 to 1");
   const cv::Mat labels = NoisyLabels(view, seed, label_noise).draw();
   const int width = labels.cols;
-  const int height = labels.rows;
-  LabelDistributions result(synthetic_classes, Eigen::Index(width) * height);
-#pragma omp parallel for schedule(dynamic, 1)
-  for (int k = 0; k < synthetic_classes; ++k) {
-    cv::Mat plane(labels.size(), CV_32FC1);
-    for (std::size_t i = 0; i < labels.total(); ++i)
-      plane.ptr<float>()[i] = labels.ptr<Label>()[i] == k + 1 ? 1.0f : 0.0f;
-    if (label_noise > 0.0)
-      blur(plane);
-    for (std::size_t i = 0; i < labels.total(); ++i)
-      result.matrix()(k, i) = plane.ptr<float>()[i];
-  }
+  LabelDistributions result = softened(labels, label_noise > 0.0);
   const std::uint32_t doubt_seed = synthetic::hash(seed, 0xd0b7, view.frame);
 #pragma omp parallel for
   for (Eigen::Index i = 0; i < result.size(); ++i) {

@@ -96,7 +96,7 @@ private:
 bool
 differ(const Sample& a, const Sample& b)
 {
-  return a.id != b.id || (a.light - b.light).cwiseAbs().maxCoeff() > 0.12f;
+  return a.id != b.id || (a.light - b.light).cwiseAbs().maxCoeff() > 0.15f;
 }
 
 /** \brief Mean of four more rays where a pixel lies on an edge, so that poles and

@@ -155,13 +155,15 @@ intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d*
   const double end =
       std::min(distance, begin + 2.5 * hull.half.norm() / ray.direction.norm());
   double before = begin;
-  for (double t = begin; t < end;) {
+  for (double t = begin; before < end;) {
     const double value = bushFunction(bush, ray.origin + t * ray.direction);
     if (value < 0.0) {
-      if (normal) {
+      if (normal || t >= distance)
         t = bushSurface(bush, ray, before, t);
+      if (t >= distance)
+        return false;
+      if (normal)
         *normal = bushNormal(bush, ray.origin + t * ray.direction);
-      }
       distance = t;
       return true;
     }
@@ -178,12 +180,13 @@ intersectBush(const Primitive& bush, const Ray& ray, double& distance, Vector3d*
 Eigen::AlignedBox3d
 Primitive::bounds() const
 {
-  const Vector3d size = half * (1.0 + reach());
+  Vector3d size = half * (1.0 + reach());
+  size.head<2>() -= taper.cwiseMin(0.0); // wider at the top
   const double c = std::abs(cosine);
   const double s = std::abs(sine);
-  const Vector3d reach(c * size.x() + s * size.y(), s * size.x() + c * size.y(),
-                       size.z());
-  return {centre - reach, centre + reach};
+  const Vector3d extent(c * size.x() + s * size.y(), s * size.x() + c * size.y(),
+                        size.z());
+  return {centre - extent, centre + extent};
 }
 
 bool

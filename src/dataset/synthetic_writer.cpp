@@ -90,6 +90,7 @@ SyntheticWriter::writeFrame(const SyntheticView& view,
   const std::string png = "/" + frameFileName(view.frame, ".png");
   cv::Mat disparity;
   view.disparity.convertTo(disparity, CV_16UC1, 256.0);
+  disparity.setTo(0, view.disparity > 255.99); // beyond the format: none
   writePng(folder_ + "/image_2" + png, view.left);
   writePng(folder_ + "/image_3" + png, view.right);
   writePng(folder_ + "/disparity" + png, disparity);
