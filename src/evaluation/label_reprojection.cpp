@@ -100,21 +100,25 @@ sortedFootprints(const View& view)
   return footprints;
 }
 
-/** \brief Some rows of the image: the nearest cube of each pixel. */
+/** \brief Some rows of the image: the nearest cube of each pixel. The constructor takes
+ * all memory that is needed, so that nothing throws once the threads work. */
 class Band {
 public:
   Band(const View& view, int first_row, int end_row)
-      : view_(view), first_row_(first_row), end_row_(end_row), width_(view.camera.width)
+      : view_(view), first_row_(first_row), end_row_(end_row),
+        width_(view.camera.width),
+        depths_(pixelOf(end_row, 0), std::numeric_limits<double>::infinity()),
+        nearest_(depths_.size()), inverse_directions_(depths_.size())
+  {}
+
+  void
+  castRays()
   {
-    const std::size_t pixels = std::size_t(end_row - first_row) * width_;
-    depths_.assign(pixels, std::numeric_limits<double>::infinity());
-    nearest_.assign(pixels, 0);
-    inverse_directions_.resize(pixels);
-    for (int row = first_row; row < end_row; ++row)
+    for (int row = first_row_; row < end_row_; ++row)
       for (int column = 0; column < width_; ++column) {
         // With a direction of camera z = 1 the ray parameter is the depth.
         const Eigen::Vector3d direction =
-            view.T_world_camera.linear() * view.camera.unproject(column, row, 1.0);
+            view_.T_world_camera.linear() * view_.camera.unproject(column, row, 1.0);
         for (int axis = 0; axis < 3; ++axis)
           inverse_directions_[pixelOf(row, column)][axis] =
               // Finite, so that 0 times it is 0: a ray along the border of two cubes
@@ -126,6 +130,8 @@ public:
   void
   draw(const Footprint& footprint)
   {
+    if (footprint.last_row < first_row_ || footprint.first_row >= end_row_)
+      return;
     const VoxelIndex& index = view_.voxels.indices[footprint.voxel];
     const Eigen::Vector3d lower = view_.lowerCorner(index);
     const Eigen::Vector3d upper = view_.lowerCorner(index + VoxelIndex::Ones());
@@ -221,17 +227,17 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
   RenderedLabels result;
   result.labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
   result.depth = cv::Mat::zeros(camera.height, camera.width, CV_32FC1);
-  // Each band of rows is one thread's alone: nothing depends on their number.
-  const int bands = (camera.height + rows_of_band - 1) / rows_of_band;
+  std::vector<Band> bands;
+  for (int row = 0; row < camera.height; row += rows_of_band)
+    bands.emplace_back(view, row, std::min(row + rows_of_band, camera.height));
+  const auto count = static_cast<std::ptrdiff_t>(bands.size());
+  // Each band is one thread's alone: nothing depends on their number.
 #pragma omp parallel for schedule(dynamic)
-  for (int i = 0; i < bands; ++i) {
-    const int first_row = i * rows_of_band;
-    const int end_row = std::min(first_row + rows_of_band, camera.height);
-    Band band(view, first_row, end_row);
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    bands[i].castRays();
     for (const Footprint& footprint : footprints)
-      if (footprint.last_row >= first_row && footprint.first_row < end_row)
-        band.draw(footprint);
-    band.copyTo(result);
+      bands[i].draw(footprint);
+    bands[i].copyTo(result);
   }
   return result;
 }
