@@ -1,0 +1,139 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/random_scan.h"
+#include "support/scratch_folder.h"
+
+#include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/io/voxel_cloud_file.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
+
+#include <pcl/conversions.h>
+#include <pcl/io/pcd_io.h>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace {
+
+using namespace pcl_semantic;
+
+LabelSet
+twoClasses()
+{
+  return LabelSet({{"house", {200, 10, 20}}, {"road", {30, 40, 50}}});
+}
+
+VoxelCloud
+makeVoxels()
+{
+  SemanticVoxelMap map(twoClasses(), SemanticVoxelMap::Parameters());
+  const test::LabelledScan scan = test::makeRandomScan(500, 3.0f, 2, 1);
+  map.integrate(scan.cloud, Eigen::Isometry3d::Identity(), scan.distributions);
+  return map.occupied();
+}
+
+TEST(VoxelCloudFile, PclReadsWhatWasWritten)
+{
+  const test::ScratchFolder folder;
+  const VoxelCloud voxels = makeVoxels();
+  const std::string path = folder.file("map.pcd");
+  writeVoxelCloud(path, voxels, twoClasses(), VoxelColour::measured);
+
+  pcl::PCLPointCloud2 read;
+  ASSERT_EQ(pcl::io::loadPCDFile(path, read), 0);
+  std::string names;
+  for (const pcl::PCLPointField& field : read.fields)
+    names += field.name + ":" + std::to_string(field.count) + " ";
+  EXPECT_EQ(names, "x:1 y:1 z:1 rgba:1 label:1 probability:2 entropy:1 observations:1 ");
+
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
+  pcl::fromPCLPointCloud2(read, cloud);
+  ASSERT_EQ(cloud.size(), voxels.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    EXPECT_EQ(cloud[i].getVector3fMap(), (*voxels.cloud)[i].getVector3fMap());
+    EXPECT_EQ(cloud[i].label, (*voxels.cloud)[i].label);
+    EXPECT_EQ(cloud[i].rgba & 0xFFFFFFu, (*voxels.cloud)[i].rgba & 0xFFFFFFu);
+    float values[3]; // two probabilities and the entropy
+    std::memcpy(values, &read.data[i * read.point_step + read.fields[5].offset], 12);
+    EXPECT_EQ(values[0], voxels.refined.matrix()(0, Eigen::Index(i)));
+    EXPECT_EQ(values[1], voxels.refined.matrix()(1, Eigen::Index(i)));
+    EXPECT_EQ(values[2], voxels.refined.entropy(Eigen::Index(i)));
+  }
+}
+
+TEST(VoxelCloudFile, ClassesGiveTheirColours)
+{
+  const test::ScratchFolder folder;
+  const VoxelCloud voxels = makeVoxels();
+  writeVoxelCloud(folder.file("map.pcd"), voxels, twoClasses(), VoxelColour::classes);
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder.file("map.pcd"), cloud), 0);
+  for (const pcl::PointXYZRGBL& point : cloud) {
+    const auto colour = twoClasses()[Label(point.label)].colour;
+    ASSERT_EQ(point.r, colour[0]);
+    ASSERT_EQ(point.g, colour[1]);
+    ASSERT_EQ(point.b, colour[2]);
+  }
+}
+
+TEST(VoxelCloudFile, AnEmptyMapIsAValidFile)
+{
+  const test::ScratchFolder folder;
+  VoxelCloud empty;
+  empty.refined = LabelDistributions(2, 0);
+  writeVoxelCloud(folder.file("map.pcd"), empty, twoClasses(), VoxelColour::measured);
+  pcl::PCLPointCloud2 read;
+  EXPECT_EQ(pcl::io::loadPCDFile(folder.file("map.pcd"), read), 0);
+  EXPECT_EQ(read.width * read.height, 0u);
+}
+
+TEST(MapPictures, LabelsGetTheirColoursAndUnlabelledIsBlack)
+{
+  const cv::Mat labels = (cv::Mat_<std::uint8_t>(1, 3) << 0, 1, 2);
+  const cv::Mat colours = colourLabels(labels, twoClasses());
+  EXPECT_EQ(colours.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));
+  EXPECT_EQ(colours.at<cv::Vec3b>(0, 1), cv::Vec3b(20, 10, 200));
+  EXPECT_EQ(colours.at<cv::Vec3b>(0, 2), cv::Vec3b(50, 40, 30));
+}
+
+TEST(MapPictures, TheOverlayShowsTheImageWhereNothingIsLabelled)
+{
+  cv::Mat image(20, 300, CV_8UC1, cv::Scalar(77));
+  cv::Mat labels = cv::Mat::zeros(20, 300, CV_8UC1);
+  labels.colRange(0, 100) = 1;
+  const cv::Mat overlay = drawOverlay(image, labels, twoClasses());
+  EXPECT_GT(overlay.rows, 20); // the legend is below
+  EXPECT_EQ(overlay.cols, 300);
+  EXPECT_EQ(overlay.at<cv::Vec3b>(5, 200), cv::Vec3b(77, 77, 77));
+  const cv::Vec3b house = overlay.at<cv::Vec3b>(5, 50);
+  EXPECT_GT(house[2], house[0] + 50);
+}
+
+TEST(MapPictures, TheTopViewShowsTheHighestClassInItsPlace)
+{
+  // Two voxels above each other, and one ahead and to the left.
+  VoxelCloud voxels;
+  voxels.voxel_size = 0.1;
+  voxels.indices = {{0, 0, 0}, {0, 0, 5}, {60, 60, 0}};
+  for (const unsigned label : {1u, 2u, 1u}) {
+    pcl::PointXYZRGBL point;
+    point.label = label;
+    voxels.cloud->push_back(point);
+  }
+  const cv::Mat view = drawTopView(voxels, {}, twoClasses());
+  const int side = 61 * 8;
+  ASSERT_GE(view.rows, side);
+  ASSERT_EQ(view.cols, side);
+  const cv::Vec3b ahead_left = view.at<cv::Vec3b>(4, 4);
+  EXPECT_GT(ahead_left[2], 100); // house is red
+  const cv::Vec3b start = view.at<cv::Vec3b>(side - 4, side - 4);
+  EXPECT_LT(start[2], 60); // road covers the house below it
+  EXPECT_GT(start[0], 40);
+}
+
+} // namespace
