@@ -8,7 +8,11 @@ function(pcl_semantic_compiler_options target)
     <pcl/point_cloud.h> <pcl/point_types.h> <opencv2/core.hpp> <Eigen/Geometry>
     <algorithm> <cmath> <filesystem> <functional> <memory> <string> <vector>)
   if(PCL_SEMANTIC_SANITIZE)
-    target_compile_options(${target} PRIVATE
+    # Under the address sanitizer Eigen would take its own allocator, and memory that
+    # passes between us and Debian's PCL would be freed by the wrong one.
+    target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+    # GCC 12 takes parts of <regex> for uninitialized when it instruments them.
+    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized
       -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
     target_link_options(${target} PRIVATE -fsanitize=address,undefined)
   endif()
