@@ -16,8 +16,8 @@
 #include <random>
 
 using namespace pcl_semantic;
-using pcl_semantic::test::holds;
-using pcl_semantic::test::thrownMessage;
+using pcl_semantic::holds;
+using pcl_semantic::thrownMessage;
 
 namespace {
 

@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 using namespace pcl_semantic;
-using pcl_semantic::test::holds;
-using pcl_semantic::test::thrownMessage;
+using pcl_semantic::holds;
+using pcl_semantic::thrownMessage;
 
 namespace {
 

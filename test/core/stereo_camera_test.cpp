@@ -14,8 +14,8 @@
 #include <limits>
 
 using namespace pcl_semantic;
-using pcl_semantic::test::holds;
-using pcl_semantic::test::thrownMessage;
+using pcl_semantic::holds;
+using pcl_semantic::thrownMessage;
 
 namespace {
 

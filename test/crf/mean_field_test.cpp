@@ -14,7 +14,6 @@
 namespace {
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 struct Problem {
   Eigen::Matrix3Xf positions;
@@ -22,8 +21,8 @@ struct Problem {
   CrfModel model;
 
   explicit Problem(Eigen::Index count, int labels, float weight, unsigned seed)
-  : positions(makeVoxelPositions(count, seed)),
-    terms({{weight, 0.2f, Eigen::MatrixXf()}})
+      : positions(makeVoxelPositions(count, seed)),
+        terms({{weight, 0.2f, Eigen::MatrixXf()}})
   {
     model.unary = makeRandomMatrix(labels, count, 0.0f, 3.0f, seed + 1);
     model.kernels.push_back(std::make_shared<TruncatedKernel>(positions, terms, 10.0f));
@@ -34,11 +33,13 @@ TEST(MeanField, UpdatesEqualAPlainImplementation)
 {
   const Problem problem(500, 6, 5.0f, 1);
   MeanField inference(problem.model);
-  const Eigen::MatrixXd kernel = makeKernelMatrix(problem.positions, problem.terms, 2.0);
+  const Eigen::MatrixXd kernel =
+      makeKernelMatrix(problem.positions, problem.terms, 2.0);
   for (int iteration = 0; iteration <= 5; ++iteration) {
     const Eigen::MatrixXd expected =
         plainMeanField(problem.model.unary.cast<double>(), kernel, iteration);
-    EXPECT_LT((inference.marginals().cast<double>() - expected).cwiseAbs().maxCoeff(), 1e-4)
+    EXPECT_LT((inference.marginals().cast<double>() - expected).cwiseAbs().maxCoeff(),
+              1e-4)
         << "after " << iteration << " updates";
     inference.update();
   }
@@ -84,7 +85,8 @@ errorAgainstEnumeration(float weight)
 
 TEST(MeanField, ApproachesTheExactMarginalsAsCouplingsVanish)
 {
-  // Mean field is exact to first order: halving the couplings at least thirds the error.
+  // Mean field is exact to first order: halving the couplings at least thirds the
+  // error.
   const double strong = errorAgainstEnumeration(0.8f);
   const double weak = errorAgainstEnumeration(0.4f);
   EXPECT_GT(strong, 1e-4);
@@ -97,10 +99,11 @@ TEST(MeanField, WithoutKernelsTheUnaryIsTheAnswer)
   model.unary = makeRandomMatrix(4, 20, 0.0f, 5.0f, 3);
   MeanField inference(model);
   inference.update();
-  EXPECT_LT((inference.marginals().cast<double>() - softMax(-model.unary.cast<double>()))
-                .cwiseAbs()
-                .maxCoeff(),
-            1e-6);
+  EXPECT_LT(
+      (inference.marginals().cast<double>() - softMax(-model.unary.cast<double>()))
+          .cwiseAbs()
+          .maxCoeff(),
+      1e-6);
 }
 
 TEST(MeanField, RefusesWhatDoesNotFit)

@@ -18,7 +18,6 @@
 namespace {
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 std::vector<GaussianTerm>
 twoTerms(Eigen::Index count)
@@ -44,11 +43,13 @@ TEST(NeighbourSearch, FindsExactlyThePairsWithinTheRadius)
     ASSERT_EQ(lists.starts.size(), 401u);
     for (Eigen::Index i = 0; i < 400; ++i) {
       std::vector<std::int32_t> found(lists.neighbours.begin() + long(lists.starts[i]),
-                                      lists.neighbours.begin() + long(lists.starts[i + 1]));
+                                      lists.neighbours.begin() +
+                                          long(lists.starts[i + 1]));
       std::sort(found.begin(), found.end());
       std::vector<std::int32_t> expected;
       for (Eigen::Index j = 0; j < 400; ++j)
-        if (j != i && (positions.col(j) - positions.col(i)).squaredNorm() <= radius * radius)
+        if (j != i &&
+            (positions.col(j) - positions.col(i)).squaredNorm() <= radius * radius)
           expected.push_back(std::int32_t(j));
       ASSERT_EQ(found, expected) << "point " << i << " radius " << radius;
     }
@@ -102,7 +103,8 @@ TEST(TruncatedKernel, SameBitsForAnyNumberOfThreads)
   std::vector<Eigen::MatrixXf> results;
   for (const int threads : {1, 2, 7}) {
     setNumberOfThreads(threads);
-    results.push_back(product(TruncatedKernel(positions, twoTerms(count), 2.5f), values));
+    results.push_back(
+        product(TruncatedKernel(positions, twoTerms(count), 2.5f), values));
   }
   setNumberOfThreads(0);
   EXPECT_TRUE(results[0] == results[1]);

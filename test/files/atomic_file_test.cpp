@@ -17,7 +17,6 @@
 #include <sys/stat.h>
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 TEST(AtomicFile, AppearsWithCommitOnly)
 {

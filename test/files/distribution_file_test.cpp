@@ -18,7 +18,6 @@
 #include <limits>
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 namespace {
 

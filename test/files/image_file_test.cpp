@@ -16,7 +16,6 @@
 #include <opencv2/imgcodecs.hpp>
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 namespace {
 

@@ -15,7 +15,6 @@
 #include <unistd.h>
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 TEST(ReadBytes, GivesTheBytes)
 {

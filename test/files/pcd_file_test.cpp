@@ -18,7 +18,6 @@
 #include <cstring>
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 namespace {
 

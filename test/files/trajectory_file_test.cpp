@@ -17,7 +17,6 @@
 #include <sstream>
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 namespace {
 

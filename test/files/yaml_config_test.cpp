@@ -15,7 +15,6 @@
 #include <random>
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 
 namespace {
 

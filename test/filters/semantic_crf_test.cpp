@@ -14,7 +14,6 @@
 namespace {
 
 using namespace pcl_semantic;
-using namespace pcl_semantic::test;
 using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
 
 struct LabelledCloud {
@@ -44,7 +43,8 @@ makeCloud(Eigen::Index count, unsigned seed)
 
 // The filter's answer, written out: eq. (6) over the given points and plain mean field.
 Eigen::MatrixXd
-expectedMarginals(const LabelledCloud& input, const pcl::Indices& indices, int iterations)
+expectedMarginals(const LabelledCloud& input, const pcl::Indices& indices,
+                  int iterations)
 {
   const SemanticCRFParameters parameters;
   const auto count = Eigen::Index(indices.size());
@@ -61,8 +61,7 @@ expectedMarginals(const LabelledCloud& input, const pcl::Indices& indices, int i
   const std::vector<GaussianTerm> terms{{3.0f, 0.2f, Eigen::MatrixXf()},
                                         {8.0f, 0.2f, colours / 8.0f}};
   return plainMeanField(
-      unary,
-      makeKernelMatrix(positions, terms, 0.2 * parameters.radius + 1e-6),
+      unary, makeKernelMatrix(positions, terms, 0.2 * parameters.radius + 1e-6),
       iterations);
 }
 
@@ -73,7 +72,8 @@ TEST(SemanticCRF, EqualsThePlainModel)
     SemanticCRF<pcl::PointXYZRGBL> crf;
     SemanticCRFParameters parameters;
     parameters.iterations = iterations;
-    parameters.radius = 2.45; // between grid distances: rounding cannot decide on a pair
+    parameters.radius =
+        2.45; // between grid distances: rounding cannot decide on a pair
     crf.setParameters(parameters);
     crf.setInputCloud(input.cloud);
     crf.setLabelDistributions(input.distributions);
@@ -83,8 +83,7 @@ TEST(SemanticCRF, EqualsThePlainModel)
     for (std::size_t i = 0; i < all.size(); ++i)
       all[i] = pcl::index_t(i);
     const Eigen::MatrixXd expected = expectedMarginals(input, all, iterations);
-    const Eigen::MatrixXd refined =
-        crf.getLabelDistributions().matrix().cast<double>();
+    const Eigen::MatrixXd refined = crf.getLabelDistributions().matrix().cast<double>();
     EXPECT_LT((refined - expected).cwiseAbs().maxCoeff(), 1e-3);
     for (std::size_t i = 0; i < output.size(); ++i)
       EXPECT_EQ(output[i].label, crf.getLabelDistributions().mapLabel(Eigen::Index(i)));

@@ -32,16 +32,16 @@ VoxelCloud
 makeVoxels()
 {
   SemanticVoxelMap map(twoClasses(), SemanticVoxelMap::Parameters());
-  const test::LabelledScan scan = test::makeRandomScan(500, 3.0f, 2, 1);
+  const LabelledScan scan = makeRandomScan(500, 3.0f, 2, 1);
   map.integrate(scan.cloud, Eigen::Isometry3d::Identity(), scan.distributions);
   return map.occupied();
 }
 
 TEST(VoxelCloudFile, PclReadsWhatWasWritten)
 {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   const VoxelCloud voxels = makeVoxels();
-  const std::string path = folder.file("map.pcd");
+  const std::string path = (folder / "map.pcd");
   writeVoxelCloud(path, voxels, twoClasses(), VoxelColour::measured);
 
   pcl::PCLPointCloud2 read;
@@ -49,7 +49,8 @@ TEST(VoxelCloudFile, PclReadsWhatWasWritten)
   std::string names;
   for (const pcl::PCLPointField& field : read.fields)
     names += field.name + ":" + std::to_string(field.count) + " ";
-  EXPECT_EQ(names, "x:1 y:1 z:1 rgba:1 label:1 probability:2 entropy:1 observations:1 ");
+  EXPECT_EQ(names,
+            "x:1 y:1 z:1 rgba:1 label:1 probability:2 entropy:1 observations:1 ");
 
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
   pcl::fromPCLPointCloud2(read, cloud);
@@ -68,11 +69,11 @@ TEST(VoxelCloudFile, PclReadsWhatWasWritten)
 
 TEST(VoxelCloudFile, ClassesGiveTheirColours)
 {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   const VoxelCloud voxels = makeVoxels();
-  writeVoxelCloud(folder.file("map.pcd"), voxels, twoClasses(), VoxelColour::classes);
+  writeVoxelCloud((folder / "map.pcd"), voxels, twoClasses(), VoxelColour::classes);
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile(folder.file("map.pcd"), cloud), 0);
+  ASSERT_EQ(pcl::io::loadPCDFile((folder / "map.pcd"), cloud), 0);
   for (const pcl::PointXYZRGBL& point : cloud) {
     const auto colour = twoClasses()[Label(point.label)].colour;
     ASSERT_EQ(point.r, colour[0]);
@@ -83,12 +84,12 @@ TEST(VoxelCloudFile, ClassesGiveTheirColours)
 
 TEST(VoxelCloudFile, AnEmptyMapIsAValidFile)
 {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   VoxelCloud empty;
   empty.refined = LabelDistributions(2, 0);
-  writeVoxelCloud(folder.file("map.pcd"), empty, twoClasses(), VoxelColour::measured);
+  writeVoxelCloud((folder / "map.pcd"), empty, twoClasses(), VoxelColour::measured);
   pcl::PCLPointCloud2 read;
-  EXPECT_EQ(pcl::io::loadPCDFile(folder.file("map.pcd"), read), 0);
+  EXPECT_EQ(pcl::io::loadPCDFile((folder / "map.pcd"), read), 0);
   EXPECT_EQ(read.width * read.height, 0u);
 }
 

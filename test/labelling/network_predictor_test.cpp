@@ -26,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using test::floatTensor;
-using test::PointwiseNetwork;
 
 const LabelSet label_set({{"road", {}, false, false},
                           {"sky", {}, true, false},

@@ -16,9 +16,6 @@
 namespace pcl_semantic {
 namespace {
 
-using test::floatTensor;
-using test::Message;
-using test::PointwiseNetwork;
 
 void
 check(const std::string& file)
@@ -121,7 +118,7 @@ TEST(OnnxCheck, LooksIntoConstantsOfNodes)
   const auto graph = [](const Message& attribute) {
     const Message node =
         Message().bytes(2, "out").bytes(4, "Constant").message(5, attribute);
-    return test::onnxModel(Message().message(1, node));
+    return onnxModel(Message().message(1, node));
   };
   const auto attribute = [](const Message& tensor) {
     return Message().bytes(1, "value").message(5, tensor).number(20, 4);
@@ -139,8 +136,8 @@ TEST(OnnxCheck, LooksIntoConstantsOfNodes)
 TEST(OnnxCheck, RefusesWhatIsNoNetwork)
 {
   expectRefused("", "empty file");
-  expectRefused(test::onnxModel(Message()), "no nodes");
-  expectRefused(test::onnxModel(Message().message(1, Message())), "empty node");
+  expectRefused(onnxModel(Message()), "no nodes");
+  expectRefused(onnxModel(Message().message(1, Message())), "empty node");
   const std::string file = makeNetwork().file();
   expectRefused(file + file, "two graphs");
   expectRefused(std::string(11, '\xFF'), "endless number");

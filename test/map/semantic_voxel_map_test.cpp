@@ -21,8 +21,6 @@
 namespace {
 
 using namespace pcl_semantic;
-using test::LabelledScan;
-using test::makeRandomScan;
 using Key = std::tuple<int, int, int>;
 
 LabelSet
@@ -227,7 +225,7 @@ TEST(SemanticVoxelMap, OrderOfPointsAndNumberOfThreadsDoNotMatter)
     setNumberOfThreads(threads);
     SemanticVoxelMap map(threeClasses(), smallWindow());
     for (unsigned scan = 0; scan < 3; ++scan) {
-      const LabelledScan points = test::shuffled(makeRandomScan(5000, 7.0f, 3, scan),
+      const LabelledScan points = shuffled(makeRandomScan(5000, 7.0f, 3, scan),
                                                  scan + 10 * unsigned(threads));
       map.integrate(points.cloud, poseAt(0.3 * scan, 0, 0), points.distributions);
     }

@@ -28,13 +28,16 @@ TEST(TrajectoryPoses, TurnsKittiFramesIntoTheWorld)
   StereoFrame frame;
   const Eigen::Isometry3d first = poses.pose(frame);
   EXPECT_TRUE(first.translation().isApprox(Eigen::Vector3d(0.0, 0.06, 0.0), 1e-12));
-  EXPECT_TRUE((first * Eigen::Vector3d(0, 0, 10)).isApprox(Eigen::Vector3d(10, 0.06, 0)));
-  EXPECT_TRUE((first * Eigen::Vector3d(0, 1, 0)).isApprox(Eigen::Vector3d(0, 0.06, -1)));
+  EXPECT_TRUE(
+      (first * Eigen::Vector3d(0, 0, 10)).isApprox(Eigen::Vector3d(10, 0.06, 0)));
+  EXPECT_TRUE(
+      (first * Eigen::Vector3d(0, 1, 0)).isApprox(Eigen::Vector3d(0, 0.06, -1)));
 
   frame.number = 1;
   const Eigen::Isometry3d second = poses.pose(frame);
   // What is ahead of the turned camera lies to the left in the world: +y.
-  EXPECT_TRUE((second.linear() * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(
+      (second.linear() * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitY()));
   EXPECT_TRUE(second.translation().isApprox(Eigen::Vector3d(4.94, 0.0, 0.0)));
 }
 

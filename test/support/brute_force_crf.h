@@ -12,7 +12,7 @@
 #include <limits>
 #include <random>
 
-namespace pcl_semantic::test {
+namespace pcl_semantic {
 
 /** \brief A kernel matrix written straight from eq. (6) in double precision: all pairs
  * within \a radius, each term normalised as D^-1/2 K D^-1/2, its diagonal left out. */
@@ -60,7 +60,8 @@ softMax(Eigen::MatrixXd values)
 
 /** \brief Parallel mean-field updates of a Potts model, in double precision. */
 inline Eigen::MatrixXd
-plainMeanField(const Eigen::MatrixXd& unary, const Eigen::MatrixXd& kernel, int iterations)
+plainMeanField(const Eigen::MatrixXd& unary, const Eigen::MatrixXd& kernel,
+               int iterations)
 {
   Eigen::MatrixXd marginals = softMax(-unary);
   for (int i = 0; i < iterations; ++i)
@@ -82,11 +83,12 @@ makeVoxelPositions(Eigen::Index count, unsigned seed)
 
 /** \brief Uniform random numbers. */
 inline Eigen::MatrixXf
-makeRandomMatrix(Eigen::Index rows, Eigen::Index columns, float low, float high, unsigned seed)
+makeRandomMatrix(Eigen::Index rows, Eigen::Index columns, float low, float high,
+                 unsigned seed)
 {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> value(low, high);
   return Eigen::MatrixXf::NullaryExpr(rows, columns, [&] { return value(random); });
 }
 
-} // namespace pcl_semantic::test
+} // namespace pcl_semantic

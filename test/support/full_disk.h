@@ -11,7 +11,7 @@
 #include <csignal>
 #include <sys/resource.h>
 
-namespace pcl_semantic::test {
+namespace pcl_semantic {
 
 /** \brief As long as it lives, no file of this process may grow beyond a size: what a
  * full disk does, without one. */
@@ -40,4 +40,4 @@ private:
   void (*handler_)(int) = SIG_DFL;
 };
 
-} // namespace pcl_semantic::test
+} // namespace pcl_semantic

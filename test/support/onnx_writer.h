@@ -12,7 +12,7 @@
 #include <vector>
 
 /** \brief Writes small ONNX files, byte by byte, also wrong ones. */
-namespace pcl_semantic::test {
+namespace pcl_semantic {
 
 /** \brief A protocol buffer message under construction. */
 class Message {
@@ -135,4 +135,4 @@ struct PointwiseNetwork {
   }
 };
 
-} // namespace pcl_semantic::test
+} // namespace pcl_semantic

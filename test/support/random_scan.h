@@ -13,7 +13,7 @@
 
 #include <random>
 
-namespace pcl_semantic::test {
+namespace pcl_semantic {
 
 /** \brief A coloured cloud around the sensor with a label distribution a point. */
 struct LabelledScan {
@@ -62,4 +62,4 @@ shuffled(const LabelledScan& scan, unsigned seed)
   return result;
 }
 
-} // namespace pcl_semantic::test
+} // namespace pcl_semantic

@@ -14,7 +14,7 @@
 #include <iterator>
 #include <string>
 
-namespace pcl_semantic::test {
+namespace pcl_semantic {
 
 /** \brief An empty folder of its own for a test; removed with all it holds. */
 class TemporaryFolder {
@@ -73,4 +73,4 @@ bytesOf(const std::string& path)
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-} // namespace pcl_semantic::test
+} // namespace pcl_semantic

@@ -11,7 +11,7 @@
 #include <exception>
 #include <string>
 
-namespace pcl_semantic::test {
+namespace pcl_semantic {
 
 /** \brief Runs \a body, which has to throw exactly an \a Error, and gives its message,
  * which has to be a single line. Anything else is a failed test and an empty message.
@@ -46,4 +46,4 @@ holds(const std::string& message, const std::string& part)
   return ::testing::AssertionFailure() << "'" << message << "' lacks '" << part << "'";
 }
 
-} // namespace pcl_semantic::test
+} // namespace pcl_semantic

@@ -1,0 +1,111 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/scratch_folder.h"
+
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace {
+
+using namespace pcl_semantic;
+
+std::string
+writeConfig(const ScratchFolder& folder, const std::string& text)
+{
+  const std::string path = folder / "config.yaml";
+  writeTextFile(path, text);
+  return path;
+}
+
+// What is wrong with a config file.
+std::string
+complaintAbout(const std::string& text)
+{
+  const ScratchFolder folder;
+  const std::string path = writeConfig(folder, text);
+  MapperConfig config;
+  return complaint([&] { readMapperConfig(path, config); });
+}
+
+TEST(MapperConfig, SetsWhatTheFileNamesAndKeepsTheRest)
+{
+  const ScratchFolder folder;
+  MapperConfig config;
+  config.crf_every = 5;
+  readMapperConfig(writeConfig(folder,
+                               "voxel_size: 0.2\nwindow: [25, 26, 8]\ncrf: none\n"
+                               "pixel_fusion: product\ndisparities: 64\n"),
+                   config);
+  EXPECT_EQ(config.map.voxel_size, 0.2);
+  EXPECT_EQ(config.map.window, Eigen::Vector3d(25, 26, 8));
+  EXPECT_EQ(config.crf, "none");
+  EXPECT_EQ(config.map.fusion.pixel_fusion, PixelFusion::product);
+  EXPECT_EQ(config.disparities, 64);
+  EXPECT_EQ(config.crf_every, 5);
+}
+
+TEST(MapperConfig, WhatIsPrintedIsReadBackTheSame)
+{
+  MapperConfig config;
+  config.map.voxel_size = 0.05;
+  config.map.window = {10.5, 11, 12};
+  config.crf_parameters.iterations = 5;
+  config.pixel_fusion = "product";
+  const ScratchFolder folder;
+  MapperConfig read;
+  readMapperConfig(writeConfig(folder, printMapperConfig(config)), read);
+  EXPECT_EQ(printMapperConfig(read), printMapperConfig(config));
+  EXPECT_NE(printMapperConfig(read), printMapperConfig(MapperConfig()));
+}
+
+TEST(MapperConfig, NamesAreUniqueAndExplained)
+{
+  MapperConfig config;
+  std::set<std::string> names;
+  for (const ConfigParameter& parameter : parametersOf(config)) {
+    EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
+    EXPECT_FALSE(parameter.help.empty());
+    EXPECT_EQ(parameter.option().find('_'), std::string::npos);
+  }
+}
+
+TEST(MapperConfig, MistakesAreNamedWithTheirLine)
+{
+  expectSays(complaintAbout("voxel_size: 0.1\nvoxel_sise: 0.2\n"),
+             "line 2: key 'voxel_sise' is not known");
+  expectSays(complaintAbout("crf: dense\ncrf: none\n"), "line 2");
+  expectSays(complaintAbout("crf_every: often\n"), "line 1: 'often' is not a number");
+  expectSays(complaintAbout("crf_every: 1.5\n"), "line 1: '1.5' is no integer");
+  expectSays(complaintAbout("window: [1, 2]\n"), "line 1");
+  expectSays(complaintAbout("window: 1,5\n"), "line 1");
+}
+
+TEST(MapperConfig, ValuesOutOfRangeAreRefused)
+{
+  expectSays(complaintAbout("voxel_size: 0\n"), "voxel_size is 0 m");
+  expectSays(complaintAbout("voxel_size: .nan\n"), "voxel_size is nan");
+  expectSays(complaintAbout("crf: densest\n"), "crf is 'densest', expected dense or none");
+  expectSays(complaintAbout("crf_every: 0\n"), "crf_every is 0");
+  expectSays(complaintAbout("label_confidence: 1.5\n"), "label_confidence is 1.5");
+  expectSays(complaintAbout("hit_probability: 0.4\n"), "hit_probability is 0.4");
+}
+
+TEST(MapperConfig, ThePresetsAreValid)
+{
+  for (const char* name : {"paper.yaml"}) {
+    MapperConfig config;
+    readMapperConfig(std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data/presets/" + name,
+                     config);
+    EXPECT_EQ(config.map.window, Eigen::Vector3d(25, 25, 8));
+  }
+}
+
+} // namespace

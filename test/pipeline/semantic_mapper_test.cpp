@@ -1,0 +1,194 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/dataset/synthetic_labels.h>
+#include <pcl_semantic/dataset/synthetic_renderer.h>
+#include <pcl_semantic/evaluation/confusion_matrix.h>
+#include <pcl_semantic/evaluation/depth_lookup.h>
+#include <pcl_semantic/evaluation/label_reprojection.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace pcl_semantic;
+
+constexpr int frames = 5;
+
+// The street itself says where the camera is and what it sees.
+class StreetPoses : public PoseSource {
+public:
+  explicit StreetPoses(const SyntheticRenderer& street) : street_(street) {}
+
+  Eigen::Isometry3d
+  pose(const StereoFrame& frame) override
+  {
+    return street_.pose(frame.number);
+  }
+
+private:
+  const SyntheticRenderer& street_;
+};
+
+class StreetLabels : public LabelPredictor {
+public:
+  explicit StreetLabels(const std::vector<SyntheticView>& views) : views_(views) {}
+
+  LabelDistributions
+  predict(const StereoFrame& frame) override
+  {
+    return syntheticDistributions(views_[std::size_t(frame.number)], 3);
+  }
+
+private:
+  const std::vector<SyntheticView>& views_;
+};
+
+class Street : public testing::Test {
+protected:
+  static void
+  SetUpTestSuite()
+  {
+    renderer_ = std::make_unique<SyntheticRenderer>(SyntheticScene(3, frames), 416, 128);
+    for (int i = 0; i < frames; ++i)
+      views_.push_back(renderer_->render(i));
+  }
+
+  static void
+  TearDownTestSuite()
+  {
+    renderer_.reset();
+    views_.clear();
+  }
+
+  static SemanticMapper
+  makeMapper(const MapperConfig& config)
+  {
+    return SemanticMapper(
+        renderer_->camera(),
+        readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"),
+        config,
+        std::make_unique<StreetLabels>(views_),
+        std::make_unique<StreetPoses>(*renderer_));
+  }
+
+  static StereoFrame
+  frame(int i)
+  {
+    return {i, 0.1 * i, views_[std::size_t(i)].left, views_[std::size_t(i)].right};
+  }
+
+  static std::unique_ptr<SyntheticRenderer> renderer_;
+  static std::vector<SyntheticView> views_;
+};
+
+std::unique_ptr<SyntheticRenderer> Street::renderer_;
+std::vector<SyntheticView> Street::views_;
+
+double
+meanIoU(const cv::Mat& prediction, const cv::Mat& truth, const cv::Mat& covered_by)
+{
+  ConfusionMatrix confusion(synthetic_classes);
+  cv::Mat masked_truth = truth.clone();
+  masked_truth.setTo(0, covered_by == 0);
+  confusion.add(masked_truth, prediction);
+  return computeScores(confusion, {1, 3, 4, 5, 6, 9, 10, 11}).mean_exclusive_iou;
+}
+
+TEST_F(Street, TheMapLabelsBetterThanTheNetwork)
+{
+  SemanticMapper mapper = makeMapper(MapperConfig());
+  double network = 0.0, mapped = 0.0, covered = 0.0;
+  for (int i = 0; i < frames; ++i) {
+    const MappedFrame result = mapper.process(frame(i));
+    const SyntheticView& view = views_[std::size_t(i)];
+    const cv::Mat labels =
+        renderLabels(result.voxels, view.camera, result.T_world_camera, 40.0).labels;
+    const cv::Mat at_depth =
+        labelsAtDepth(mapper.map(), *result.cloud, result.T_world_camera, 40.0);
+    cv::Mat network_labels(view.labels.size(), CV_8UC1);
+    for (Eigen::Index j = 0; j < result.network.size(); ++j)
+      network_labels.data[j] = result.network.mapLabel(j);
+    if (i == 0)
+      continue; // nothing to fuse yet
+    network += meanIoU(network_labels, view.labels, at_depth);
+    mapped += meanIoU(at_depth, view.labels, at_depth);
+    covered += double(cv::countNonZero(labels)) / double(labels.total());
+  }
+  EXPECT_GT(mapped, network + 0.03 * (frames - 1)) << "less than 3 points gained";
+  EXPECT_GT(covered / (frames - 1), 0.5);
+}
+
+TEST_F(Street, TheCallbackSeesEveryFrameAndTheMapAsItStands)
+{
+  MapperConfig config;
+  config.crf = "none";
+  SemanticMapper mapper = makeMapper(config);
+  std::vector<int> seen;
+  mapper.setCallback([&](const MappedFrame& mapped, const SemanticVoxelMap& map) {
+    seen.push_back(mapped.frame.number);
+    EXPECT_EQ(map.occupied().size(), mapped.voxels.size());
+  });
+  mapper.process(frame(0));
+  mapper.process(frame(2));
+  EXPECT_EQ(seen, (std::vector<int>{0, 2}));
+}
+
+TEST_F(Street, TheCrfRunsEveryNthFrameAndKeepsTheMeasurements)
+{
+  MapperConfig config;
+  config.crf_every = 2;
+  SemanticMapper mapper = makeMapper(config);
+  const MappedFrame with = mapper.process(frame(0));
+  EXPECT_FALSE(with.voxels.refined.matrix() == with.voxels.measured.matrix());
+  const MappedFrame without = mapper.process(frame(1));
+  for (const auto& [stage, seconds] : without.times.seconds())
+    EXPECT_NE(stage, "crf");
+}
+
+TEST_F(Street, SameMapForAnyNumberOfThreads)
+{
+  std::vector<VoxelCloud> maps;
+  for (const int threads : {1, 2, 7}) {
+    MapperConfig config;
+    config.threads = threads;
+    SemanticMapper mapper = makeMapper(config);
+    for (int i = 0; i < 2; ++i)
+      mapper.process(frame(i));
+    maps.push_back(mapper.map().occupied());
+  }
+  setNumberOfThreads(0);
+  for (const VoxelCloud& other : {maps[1], maps[2]}) {
+    ASSERT_EQ(other.size(), maps[0].size());
+    EXPECT_TRUE(other.refined.matrix() == maps[0].refined.matrix());
+    EXPECT_TRUE(other.measured.matrix() == maps[0].measured.matrix());
+  }
+}
+
+TEST_F(Street, ABlankPairIsMappedAsNothing)
+{
+  SemanticMapper mapper = makeMapper(MapperConfig());
+  const cv::Mat blank(128, 416, CV_8UC3, cv::Scalar(80, 80, 80));
+  const MappedFrame result = mapper.process({0, 0.0, blank, blank});
+  EXPECT_EQ(result.counts.rays, 0u);
+  EXPECT_EQ(result.voxels.size(), 0u);
+}
+
+TEST_F(Street, RefusesAConfigThatCannotWork)
+{
+  MapperConfig config;
+  config.crf = "densest";
+  EXPECT_THROW(makeMapper(config), InvalidParameterException);
+  config = MapperConfig();
+  config.disparities = 100;
+  EXPECT_THROW(makeMapper(config), InvalidParameterException);
+}
+
+} // namespace
