@@ -7,6 +7,7 @@
 #include "synthetic_materials.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace pcl_semantic::synthetic {
@@ -102,7 +103,35 @@ windowColour(const Cell& cell, double width, double height)
                  : Vector3f(0.8f * glass, 0.95f * glass, 1.1f * glass);
 }
 
-/** \brief Plaster or bricks; windows in rows, a door in the middle. */
+/** \brief Windows in rows with their sills, a door in the middle of the front.
+ * \param[in] u along the wall, 0 to \a length [m]
+ * \param[in] v height over the ground [m]
+ * \return whether there is any of them here */
+bool
+opening(const Primitive& house, bool front, double u, double v, double length,
+        Vector3f& c)
+{
+  const double from_door = std::abs(u - 0.5 * length);
+  if (front && from_door < 0.55 && v < 2.25) {
+    c = Vector3f(0.16f, 0.09f, 0.06f);
+    return true;
+  }
+  if ((front && v < 2.9 && from_door < 1.2) || v < 0.95 ||
+      v > 2.0 * house.half.z() - 1.0)
+    return false;
+  const int columns = std::max(1, static_cast<int>(length / 2.7));
+  Cell cell = cellOf(u, v - 0.95, length / columns, 2.9, house.id);
+  cell.u -= 0.5 * length / columns - 0.55;
+  if (cell.v < 1.35 && cell.u > 0.0 && cell.u < 1.1)
+    c = windowColour(cell, 1.1, 1.35);
+  else if (cell.v < 0.1 && cell.u > -0.12 && cell.u < 1.22)
+    c = house.colour * 0.6f;
+  else
+    return false;
+  return true;
+}
+
+/** \brief Plaster or bricks around the openings. */
 Vector3f
 wall(const Surface& surface, double footprint)
 {
@@ -111,24 +140,12 @@ wall(const Surface& surface, double footprint)
   const double length = 2.0 * (front ? house.half.x() : house.half.y());
   const double u = (front ? surface.local.x() : surface.local.y()) + 0.5 * length;
   const double v = surface.local.z() + house.half.z();
-  const bool bricks = house.id % 3 == 0;
-  if (house.half.z() > 1.5) {
-    if (front && std::abs(u - 0.5 * length) < 0.55 && v < 2.25)
-      return Vector3f(0.16f, 0.09f, 0.06f);
-    const int columns = std::max(1, static_cast<int>(length / 2.7));
-    Cell cell = cellOf(u, v - 0.95, length / columns, 2.9, house.id);
-    cell.u -= 0.5 * length / columns - 0.55;
-    const bool at_door = front && v < 2.9 && std::abs(u - 0.5 * length) < 1.2;
-    if (!at_door && v > 0.95 && v < 2.0 * house.half.z() - 1.0 && cell.v < 1.35) {
-      if (cell.u > 0.0 && cell.u < 1.1)
-        return windowColour(cell, 1.1, 1.35);
-      if (cell.u > -0.12 && cell.u < 1.22 && cell.v < 0.1)
-        return house.colour * 0.6f; // sill
-    }
-  }
+  Vector3f colour;
+  if (house.half.z() > 1.5 && opening(house, front, u, v, length, colour))
+    return colour;
   const double stain = 0.06 * valueNoise(surface.local * 0.8, house.id);
-  Vector3f colour = house.colour * static_cast<float>(1.0 + stain);
-  if (bricks && resolved(0.06, footprint)) {
+  colour = house.colour * static_cast<float>(1.0 + stain);
+  if (house.id % 3 == 0 && resolved(0.06, footprint)) {
     const double row = std::floor(v / 0.085);
     const Cell brick =
         cellOf(u + 0.125 * (static_cast<int>(row) & 1), v, 0.25, 0.085, house.id);
@@ -253,32 +270,9 @@ plainColour(const Surface& surface, double footprint, std::uint32_t seed)
   }
 }
 
-/** \brief How strongly the grain of a material varies its brightness. */
-double
-grain(Material material)
-{
-  switch (material) {
-  case Material::leaves:
-    return 0.75;
-  case Material::grass:
-    return 0.45;
-  case Material::asphalt:
-    return 0.30;
-  case Material::bark:
-    return 0.5;
-  case Material::paving:
-  case Material::boards:
-  case Material::roof:
-    return 0.22;
-  case Material::wall:
-    return 0.13;
-  case Material::car_body:
-  case Material::car_cabin:
-    return 0.06;
-  default:
-    return 0.15;
-  }
-}
+/** \brief How strongly the grain varies the brightness, in the order of Material. */
+constexpr std::array<double, 15> kGrain{0.30, 0.22, 0.15, 0.45, 0.13, 0.22, 0.22, 0.5,
+                                        0.75, 0.06, 0.06, 0.15, 0.15, 0.15, 0.15};
 
 } // namespace
 
@@ -288,21 +282,8 @@ surfaceColour(const Surface& surface, double footprint, std::uint32_t seed)
   const Vector3f colour = plainColour(surface, footprint, seed);
   const Vector3d& p = surface.solid ? surface.local : surface.point;
   const double detail = detailNoise(p, footprint, seed + surface.id);
-  return colour * static_cast<float>(1.0 + grain(surface.material) * detail);
-}
-
-Vector3f
-skyColour(const Vector3d& direction, std::uint32_t seed)
-{
-  const double up = std::max(direction.z(), 0.0);
-  const float height = static_cast<float>(std::min(1.0, 2.2 * up));
-  const Vector3f clear = Vector3f(0.62f, 0.74f, 0.86f) * (1.0f - height) +
-                         Vector3f(0.20f, 0.38f, 0.74f) * height;
-  const Vector3d plane(direction.x() / (up + 0.12), direction.y() / (up + 0.12), 0.0);
-  const double cloud =
-      fractalNoise(plane, 1.6, seed) + 0.3 * valueNoise(plane * 5.0, seed + 9);
-  const float cover = static_cast<float>(std::clamp(1.3 * cloud + 0.15, 0.0, 1.0));
-  return clear * (1.0f - cover) + Vector3f(0.88f, 0.89f, 0.90f) * cover;
+  return colour *
+         static_cast<float>(1.0 + kGrain[static_cast<int>(surface.material)] * detail);
 }
 
 } // namespace pcl_semantic::synthetic

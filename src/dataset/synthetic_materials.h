@@ -16,7 +16,4 @@ namespace pcl_semantic::synthetic {
 Eigen::Vector3f surfaceColour(const Surface& surface, double footprint,
                               std::uint32_t seed);
 
-/** \brief Light of the sky in a direction of length 1, world axes; linear, 0..1. */
-Eigen::Vector3f skyColour(const Eigen::Vector3d& direction, std::uint32_t seed);
-
 } // namespace pcl_semantic::synthetic

@@ -38,7 +38,7 @@ calibrationLine(const std::string& name, const std::array<double, 12>& matrix)
 std::array<double, 12>
 projection(const StereoCamera& camera, double x)
 {
-  return {camera.fx, 0.0,       camera.cx, -camera.fx * x,
+  return {camera.fx, 0.0,       camera.cx, 0.0 - camera.fx * x,
           0.0,       camera.fy, camera.cy, 0.0,
           0.0,       0.0,       1.0,       0.0};
 }

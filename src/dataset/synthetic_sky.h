@@ -1,0 +1,18 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+
+namespace pcl_semantic::synthetic {
+
+/** \brief Light of the sky in a direction of length 1, world axes; linear, 0..1. */
+Eigen::Vector3f skyColour(const Eigen::Vector3d& direction, std::uint32_t seed);
+
+} // namespace pcl_semantic::synthetic
