@@ -58,6 +58,10 @@ loadNetwork(const std::string& path)
     PCL_THROW_EXCEPTION(BadModelException, path << ": OpenCV cannot load the network: "
                                                 << firstLine(error));
   }
+  catch (const std::logic_error& error) { // std::length_error of a nonsensical size
+    PCL_THROW_EXCEPTION(BadModelException,
+                        path << ": OpenCV cannot load the network: " << error.what());
+  }
 }
 
 // N x 3 x H x W: (RGB / 255 - mean) / deviation.

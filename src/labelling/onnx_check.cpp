@@ -35,6 +35,7 @@ constexpr std::uint32_t name = 1, integer = 3, integers = 8, tensor = 5, graph =
                         tensors = 10, graphs = 11, sparse_tensor = 22,
                         sparse_tensors = 23;
 }
+
 struct Node {
   std::string name;
   std::string operation;
