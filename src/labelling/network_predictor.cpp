@@ -14,6 +14,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 
 namespace pcl_semantic {
 
@@ -55,6 +57,10 @@ loadNetwork(const std::string& path)
   catch (const cv::Exception& error) {
     PCL_THROW_EXCEPTION(BadModelException, path << ": OpenCV cannot load the network: "
                                                 << firstLine(error));
+  }
+  catch (const std::logic_error& error) { // std::length_error of a nonsensical size
+    PCL_THROW_EXCEPTION(BadModelException,
+                        path << ": OpenCV cannot load the network: " << error.what());
   }
 }
 
@@ -142,6 +148,8 @@ NetworkPredictor::predict(const StereoFrame& frame)
                         "frame "
                             << frame.number
                             << ": left image: expected 8-bit grey or 8-bit colour");
+  const std::string who = "frame " + std::to_string(frame.number) + ": " +
+                          network_->path + ": the network fails: ";
   cv::Mat output;
   try {
     const QuietOpenCv quiet;
@@ -150,9 +158,10 @@ NetworkPredictor::predict(const StereoFrame& frame)
     output = network_->net.forward(description_.output_name);
   }
   catch (const cv::Exception& error) {
-    PCL_THROW_EXCEPTION(BadModelException,
-                        "frame " << frame.number << ": " << network_->path
-                                 << ": the network fails: " << firstLine(error));
+    PCL_THROW_EXCEPTION(BadModelException, who << firstLine(error));
+  }
+  catch (const std::logic_error& error) { // std::length_error of a nonsensical size
+    PCL_THROW_EXCEPTION(BadModelException, who << error.what());
   }
   const cv::Mat logits = checkOutput(output, description_, frame.number);
   return distributionsFromLogits(logits, frame.left.size(), channels_, threads_);

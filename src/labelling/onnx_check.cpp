@@ -4,12 +4,14 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "onnx_tensor.h"
 #include "wire_reader.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/onnx_check.h>
 
 #include <limits>
+#include <set>
 
 namespace pcl_semantic {
 
@@ -20,45 +22,25 @@ namespace model_field {
 constexpr std::uint32_t graph = 7;
 }
 namespace graph_field {
-constexpr std::uint32_t node = 1, initializer = 5, sparse_initializer = 15;
+constexpr std::uint32_t node = 1, initializer = 5, input = 11, sparse_initializer = 15;
 }
 namespace node_field {
 constexpr std::uint32_t input = 1, output = 2, name = 3, operation = 4, attribute = 5;
 }
+namespace value_field {
+constexpr std::uint32_t name = 1;
+}
 namespace attribute_field {
-constexpr std::uint32_t tensor = 5, graph = 6, tensors = 10, graphs = 11,
-                        sparse_tensor = 22, sparse_tensors = 23;
-}
-namespace tensor_field {
-constexpr std::uint32_t dims = 1, type = 2, segment = 3, float_data = 4, int32_data = 5,
-                        string_data = 6, int64_data = 7, name = 8, raw_data = 9,
-                        double_data = 10, uint64_data = 11, external_data = 13,
-                        location = 14;
+constexpr std::uint32_t name = 1, integer = 3, integers = 8, tensor = 5, graph = 6,
+                        tensors = 10, graphs = 11, sparse_tensor = 22,
+                        sparse_tensors = 23;
 }
 
-// How the elements of a tensor are stored if not as raw bytes.
-struct ElementType {
-  std::uint64_t type;
-  std::uint64_t size; // in raw_data [bytes]
-  std::uint32_t field;
-};
-
-constexpr ElementType element_types[] = {{1, 4, tensor_field::float_data},  // float
-                                         {2, 1, tensor_field::int32_data},  // uint8
-                                         {3, 1, tensor_field::int32_data},  // int8
-                                         {6, 4, tensor_field::int32_data},  // int32
-                                         {7, 8, tensor_field::int64_data},  // int64
-                                         {9, 1, tensor_field::int32_data},  // bool
-                                         {10, 2, tensor_field::int32_data}, // float16
-                                         {11, 8, tensor_field::double_data}};
-
-struct Tensor {
+struct Node {
   std::string name;
-  std::vector<std::uint64_t> dims;
-  std::uint64_t type = 0;
-  std::uint64_t raw_bytes = 0;
-  std::uint32_t typed_field = 0; // the field that holds the elements, if not raw
-  std::uint64_t typed_elements = 0;
+  std::string operation;
+  std::vector<std::string> inputs;
+  std::vector<std::string> outputs;
 };
 
 class OnnxChecker {
@@ -86,75 +68,104 @@ private:
     PCL_THROW_EXCEPTION(BadModelException, path_ << ": " << why);
   }
 
-  // A field of another type than its number says is passed over by the reader proper.
-  void
-  requireType(const WireField& field, WireField::Type type) const
-  {
-    if (field.type != type)
-      refuse("is no ONNX file, or damaged: wrong type of field " +
-             std::to_string(field.number));
-  }
-
   void
   checkGraph(WireReader graph) const
   {
-    int nodes = 0;
+    std::vector<Node> nodes;
+    std::set<std::string> known; // names that a node may take as input
     for (WireField field; graph.next(field);)
-      if (field.number == graph_field::node) {
-        checkNode(WireReader(field, path_));
-        ++nodes;
-      }
-      else if (field.number == graph_field::initializer)
-        checkTensor(readTensor(WireReader(field, path_)));
-      else if (field.number == graph_field::sparse_initializer)
+      switch (field.number) {
+      case graph_field::node:
+        nodes.push_back(readNode(WireReader(field, path_)));
+        break;
+      case graph_field::initializer:
+        known.insert(checkOnnxTensor(WireReader(field, path_), path_));
+        break;
+      case graph_field::input:
+        known.insert(readName(WireReader(field, path_)));
+        break;
+      case graph_field::sparse_initializer:
         refuse("has sparse tensors, which are not supported");
-    if (nodes == 0)
+      }
+    if (nodes.empty())
       refuse("the network has no nodes");
+    for (const Node& node : nodes)
+      checkNode(node, known);
   }
 
-  void
-  checkNode(WireReader node) const
+  std::string
+  readName(WireReader value) const
   {
-    std::string name, operation;
-    int inputs = 0, outputs = 0;
-    for (WireField field; node.next(field);)
+    std::string name;
+    for (WireField field; value.next(field);)
+      if (field.number == value_field::name)
+        name = textOf(field);
+    return name;
+  }
+
+  Node
+  readNode(WireReader message) const
+  {
+    Node node;
+    for (WireField field; message.next(field);)
       switch (field.number) {
       case node_field::input:
-        requireType(field, WireField::bytes);
-        ++inputs;
+        requireType(field, WireField::bytes, path_);
+        node.inputs.push_back(textOf(field));
         break;
       case node_field::output:
-        requireType(field, WireField::bytes);
-        ++outputs;
+        requireType(field, WireField::bytes, path_);
+        node.outputs.push_back(textOf(field));
         break;
       case node_field::name:
-        name = text(field);
+        node.name = printable(textOf(field));
         break;
       case node_field::operation:
-        operation = text(field);
+        node.operation = printable(textOf(field));
         break;
       case node_field::attribute:
         checkAttribute(WireReader(field, path_));
         break;
       }
-    if (operation.empty() || outputs == 0 || (inputs == 0 && operation != "Constant"))
-      refuse("node '" + name + "' (" + operation +
-             ") lacks operation, inputs or outputs");
+    return node;
+  }
+
+  // Nodes come in the order of execution: an input is there before its node.
+  void
+  checkNode(const Node& node, std::set<std::string>& known) const
+  {
+    const std::string who = "node '" + node.name + "' (" + node.operation + ") ";
+    if (node.operation.empty() || node.outputs.empty() ||
+        (node.inputs.empty() && node.operation != "Constant"))
+      refuse(who + "lacks operation, inputs or outputs");
+    for (std::size_t i = 0; i < node.inputs.size(); ++i)
+      if (!node.inputs[i].empty() && known.count(node.inputs[i]) == 0)
+        refuse(who + "takes an input that nothing gives: number " + std::to_string(i));
+    known.insert(node.outputs.begin(), node.outputs.end());
   }
 
   void
   checkAttribute(WireReader attribute) const
   {
     int single_tensors = 0;
+    std::string name;
+    std::vector<std::uint64_t> integers;
     for (WireField field; attribute.next(field);)
       switch (field.number) {
+      case attribute_field::name:
+        name = printable(textOf(field));
+        break;
+      case attribute_field::integer:
+      case attribute_field::integers:
+        readIntegers(field, integers);
+        break;
       case attribute_field::tensor:
         // Two would be merged into one, dimensions and all.
         if (++single_tensors > 1)
           refuse("has an attribute with two values");
         [[fallthrough]];
       case attribute_field::tensors:
-        checkTensor(readTensor(WireReader(field, path_)));
+        checkOnnxTensor(WireReader(field, path_), path_);
         break;
       case attribute_field::graph:
       case attribute_field::graphs:
@@ -163,123 +174,34 @@ private:
       case attribute_field::sparse_tensors:
         refuse("has sparse tensors, which are not supported");
       }
+    checkSizes(name, integers);
   }
 
-  Tensor
-  readTensor(WireReader message) const
-  {
-    Tensor tensor;
-    for (WireField field; message.next(field);)
-      switch (field.number) {
-      case tensor_field::dims:
-        readDims(field, tensor);
-        break;
-      case tensor_field::type:
-        tensor.type = field.value;
-        break;
-      case tensor_field::name:
-        tensor.name = text(field);
-        break;
-      case tensor_field::raw_data:
-        requireType(field, WireField::bytes);
-        tensor.raw_bytes = field.size;
-        break;
-      case tensor_field::float_data:
-      case tensor_field::int32_data:
-      case tensor_field::int64_data:
-      case tensor_field::double_data:
-        countElements(field, tensor);
-        break;
-      case tensor_field::segment:
-      case tensor_field::string_data:
-      case tensor_field::uint64_data:
-      case tensor_field::external_data:
-      case tensor_field::location:
-        if (field.type != WireField::varint || field.value != 0)
-          refuse(
-              "tensor '" + tensor.name +
-              "' has external, segmented, text or uint64 data, which is not supported");
-        break;
-      }
-    return tensor;
-  }
-
-  // Repeated numbers come one a field, or packed into one.
   void
-  readDims(const WireField& field, Tensor& tensor) const
+  readIntegers(const WireField& field, std::vector<std::uint64_t>& integers) const
   {
     if (field.type == WireField::varint) {
-      tensor.dims.push_back(field.value);
+      integers.push_back(field.value);
       return;
     }
     for (WireReader packed(field, path_); !packed.atEnd();)
-      tensor.dims.push_back(packed.readVarint());
+      integers.push_back(packed.readVarint());
   }
 
+  // OpenCV divides by these.
   void
-  countElements(const WireField& field, Tensor& tensor) const
+  checkSizes(const std::string& name, const std::vector<std::uint64_t>& integers) const
   {
-    if (tensor.typed_field != 0 && tensor.typed_field != field.number)
-      refuse("tensor '" + tensor.name + "' has data of two types");
-    tensor.typed_field = field.number;
-    const bool floats = field.number == tensor_field::float_data;
-    const bool doubles = field.number == tensor_field::double_data;
-    if (field.type != WireField::bytes) {
-      requireType(field, floats    ? WireField::fixed32
-                         : doubles ? WireField::fixed64
-                                   : WireField::varint);
-      ++tensor.typed_elements;
-    }
-    else if (floats || doubles) {
-      const std::size_t size = floats ? 4 : 8;
-      if (field.size % size != 0)
-        refuse("tensor '" + tensor.name + "' has a cut-off number");
-      tensor.typed_elements += field.size / size;
-    }
-    else
-      for (WireReader packed(field, path_); !packed.atEnd(); ++tensor.typed_elements)
-        packed.readVarint();
-  }
-
-  void
-  checkTensor(const Tensor& tensor) const
-  {
-    const std::string who = "tensor '" + tensor.name + "' ";
-    std::uint64_t elements = 1;
-    constexpr std::uint64_t limit = std::numeric_limits<std::int32_t>::max();
-    for (const std::uint64_t dim : tensor.dims) {
-      if (dim > limit || (dim != 0 && elements > limit / dim))
-        refuse(who + "has impossible dimensions");
-      elements *= dim;
-    }
-    for (const ElementType& type : element_types) {
-      if (type.type != tensor.type)
-        continue;
-      if (tensor.typed_field != 0 &&
-          (tensor.typed_field != type.field || tensor.raw_bytes != 0))
-        refuse(who + "has data of two types");
-      if (tensor.raw_bytes % type.size != 0)
-        refuse(who + "has a cut-off number");
-      const std::uint64_t stored = tensor.raw_bytes / type.size + tensor.typed_elements;
-      if (stored != elements)
-        refuse(who + "has " + std::to_string(stored) +
-               " elements, its dimensions state " + std::to_string(elements));
+    if (name != "group" && name != "kernel_shape" && name != "strides" &&
+        name != "dilations")
       return;
-    }
-    refuse(who + "has data type " + std::to_string(tensor.type) +
-           ", which is not supported");
-  }
-
-  // Names go into messages: one line, printable, short.
-  std::string
-  text(const WireField& field) const
-  {
-    constexpr std::size_t longest = 80;
-    std::string result;
-    for (std::size_t i = 0; i < std::min(field.size, longest); ++i)
-      result +=
-          field.data[i] >= 0x20 && field.data[i] < 0x7F ? char(field.data[i]) : '?';
-    return result;
+    constexpr std::uint64_t largest = std::numeric_limits<std::int16_t>::max();
+    for (const std::uint64_t value : integers)
+      if (value == 0 || value > largest)
+        refuse("attribute '" + name + "' is not within 1 to " +
+               std::to_string(largest));
+    if (integers.empty())
+      refuse("attribute '" + name + "' has no value");
   }
 
   const std::string& path_;

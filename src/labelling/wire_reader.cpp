@@ -13,10 +13,7 @@ namespace pcl_semantic {
 WireReader::WireReader(const WireField& field, const std::string& path)
     : WireReader(field.data, field.size, path)
 {
-  if (field.type != WireField::bytes)
-    PCL_THROW_EXCEPTION(BadModelException,
-                        path << ": is no ONNX file, or damaged: field " << field.number
-                             << " is no message");
+  requireType(field, WireField::bytes, path);
 }
 
 bool
@@ -81,6 +78,32 @@ WireReader::take(std::uint64_t size, WireField& field)
   field.data = at_;
   field.size = static_cast<std::size_t>(size);
   at_ += size;
+}
+
+void
+requireType(const WireField& field, WireField::Type type, const std::string& path)
+{
+  if (field.type != type)
+    PCL_THROW_EXCEPTION(BadModelException,
+                        path << ": is no ONNX file, or damaged: wrong type of field "
+                             << field.number);
+}
+
+std::string
+textOf(const WireField& field)
+{
+  return std::string(field.data, field.data + field.size);
+}
+
+std::string
+printable(const std::string& text)
+{
+  constexpr std::size_t longest = 80;
+  std::string result = text.substr(0, longest);
+  for (char& c : result)
+    if (c < 0x20 || c > 0x7E)
+      c = '?';
+  return result;
 }
 
 } // namespace pcl_semantic

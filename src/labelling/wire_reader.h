@@ -58,4 +58,14 @@ private:
   const std::string& path_;
 };
 
+/** \brief A field of another type than its number says would be passed over by the
+ * reader proper. \throws BadModelException */
+void requireType(const WireField& field, WireField::Type type, const std::string& path);
+
+/** \brief The text of a field of type bytes. */
+std::string textOf(const WireField& field);
+
+/** \brief A text from the file as messages may show it: one line, printable, short. */
+std::string printable(const std::string& text);
+
 } // namespace pcl_semantic

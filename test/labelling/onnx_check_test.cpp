@@ -51,7 +51,9 @@ makeNetwork()
 std::string
 withWeights(const Message& tensor)
 {
-  return makeNetwork().withTensors(tensor, floatTensor("bias", {2}, {7, 8}));
+  Message named = tensor;
+  return makeNetwork().withTensors(named.bytes(8, "weights"),
+                                   floatTensor("bias", {2}, {7, 8}));
 }
 
 TEST(OnnxCheck, AcceptsEveryWayToStoreATensor)
@@ -143,6 +145,51 @@ TEST(OnnxCheck, RefusesWhatIsNoNetwork)
   expectRefused(std::string(11, '\xFF'), "endless number");
   expectRefused(std::string("\x0B", 1), "group");
   expectRefused(std::string("\x00\x00", 2), "field 0");
+}
+
+TEST(OnnxCheck, RefusesInputsThatNothingGives)
+{
+  const auto replaced = [](const std::string& from, const std::string& to) {
+    std::string file = makeNetwork().file();
+    file.replace(file.find(from), from.size(), to);
+    return file;
+  };
+  expectRefused(replaced("weights", "heights"), "weights of no tensor");
+  expectRefused(replaced("image", "imago"), "input of nothing");
+  const auto relu = [](const std::string& from, const std::string& to) {
+    return Message().bytes(1, from).bytes(2, to).bytes(4, "Relu");
+  };
+  const Message input = test::floatValue("image", {1, 3, 6, 8});
+  const Message first = relu("image", "a"), second = relu("a", "b");
+  EXPECT_NO_THROW(check(test::onnxModel(
+      Message().message(11, input).message(1, first).message(1, second))));
+  expectRefused(test::onnxModel(
+                    Message().message(11, input).message(1, second).message(1, first)),
+                "node before its input");
+  expectRefused(
+      test::onnxModel(Message().message(11, input).message(1, relu("b", "b"))), "loop");
+}
+
+TEST(OnnxCheck, RefusesSizesThatOpenCvWouldDivideBy)
+{
+  const auto model = [](const std::string& name, std::uint64_t value) {
+    const Message attribute = Message().bytes(1, name).number(3, value).number(20, 2);
+    const Message node = Message()
+                             .bytes(1, "image")
+                             .bytes(2, "out")
+                             .bytes(4, "Conv")
+                             .message(5, attribute);
+    return test::onnxModel(Message()
+                               .message(11, test::floatValue("image", {1, 3, 6, 8}))
+                               .message(1, node));
+  };
+  EXPECT_NO_THROW(check(model("axis", 0)));
+  for (const char* name : {"group", "kernel_shape", "strides", "dilations"}) {
+    EXPECT_NO_THROW(check(model(name, 1)));
+    expectRefused(model(name, 0), name);
+    expectRefused(model(name, std::uint64_t(-1)), name);
+    expectRefused(model(name, std::uint64_t(1) << 32), name);
+  }
 }
 
 TEST(OnnxCheck, RefusesRandomBytes)
