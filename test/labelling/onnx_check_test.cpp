@@ -159,15 +159,15 @@ TEST(OnnxCheck, RefusesInputsThatNothingGives)
   const auto relu = [](const std::string& from, const std::string& to) {
     return Message().bytes(1, from).bytes(2, to).bytes(4, "Relu");
   };
-  const Message input = test::floatValue("image", {1, 3, 6, 8});
+  const Message input = floatValue("image", {1, 3, 6, 8});
   const Message first = relu("image", "a"), second = relu("a", "b");
-  EXPECT_NO_THROW(check(test::onnxModel(
+  EXPECT_NO_THROW(check(onnxModel(
       Message().message(11, input).message(1, first).message(1, second))));
-  expectRefused(test::onnxModel(
+  expectRefused(onnxModel(
                     Message().message(11, input).message(1, second).message(1, first)),
                 "node before its input");
   expectRefused(
-      test::onnxModel(Message().message(11, input).message(1, relu("b", "b"))), "loop");
+      onnxModel(Message().message(11, input).message(1, relu("b", "b"))), "loop");
 }
 
 TEST(OnnxCheck, RefusesSizesThatOpenCvWouldDivideBy)
@@ -179,8 +179,8 @@ TEST(OnnxCheck, RefusesSizesThatOpenCvWouldDivideBy)
                              .bytes(2, "out")
                              .bytes(4, "Conv")
                              .message(5, attribute);
-    return test::onnxModel(Message()
-                               .message(11, test::floatValue("image", {1, 3, 6, 8}))
+    return onnxModel(Message()
+                               .message(11, floatValue("image", {1, 3, 6, 8}))
                                .message(1, node));
   };
   EXPECT_NO_THROW(check(model("axis", 0)));

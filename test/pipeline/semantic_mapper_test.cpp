@@ -99,7 +99,7 @@ meanIoU(const cv::Mat& prediction, const cv::Mat& truth, const cv::Mat& covered_
   cv::Mat masked_truth = truth.clone();
   masked_truth.setTo(0, covered_by == 0);
   confusion.add(masked_truth, prediction);
-  return computeScores(confusion, {1, 3, 4, 5, 6, 9, 10, 11}).mean_exclusive_iou;
+  return computeScores(confusion, {1, 3, 4, 5, 6, 9, 10, 11}).mean.iou_exclusive;
 }
 
 TEST_F(Street, TheMapLabelsBetterThanTheNetwork)
