@@ -49,8 +49,9 @@ describeOptions(Arguments& arguments)
       "model", po::value(&arguments.model), "the network itself (.onnx)")(
       "poses", po::value(&arguments.poses)->default_value("sequence"),
       "KITTI trajectory file, or 'sequence' for its own poses.txt")(
-      "frames", po::value(&arguments.frames), "A:B, frames numbered A <= n < B")(
-      "config", po::value(&arguments.config), "parameters as YAML; options override it")(
+      "frames", po::value(&arguments.frames),
+      "A:B, frames numbered A <= n < B")("config", po::value(&arguments.config),
+                                         "parameters as YAML; options override it")(
       "print-config", po::bool_switch(&arguments.print_config),
       "print the effective parameters as YAML and end");
   return options;
@@ -62,10 +63,9 @@ parseArguments(int argc, char** argv, Arguments& arguments)
   po::options_description options = describeOptions(arguments);
   po::options_description parameters("Parameters");
   for (const ConfigParameter& parameter : parametersOf(arguments.parameters))
-    parameters.add_options()(
-        parameter.option().c_str(),
-        po::value<std::string>()->value_name(parameter.text()),
-        parameter.help.c_str());
+    parameters.add_options()(parameter.option().c_str(),
+                             po::value<std::string>()->value_name(parameter.text()),
+                             parameter.help.c_str());
   options.add(parameters);
   po::variables_map values;
   const tool::Usage usage{
@@ -130,10 +130,9 @@ makeLabelling(const Arguments& arguments)
   const LabelSet label_set =
       readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
                                                : arguments.label_set);
-  return {label_set,
-          std::make_unique<StoredPredictor>(arguments.labels,
-                                            label_set.size(),
-                                            float(arguments.parameters.label_confidence))};
+  return {label_set, std::make_unique<StoredPredictor>(
+                         arguments.labels, label_set.size(),
+                         float(arguments.parameters.label_confidence))};
 }
 
 std::unique_ptr<PoseSource>

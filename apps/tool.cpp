@@ -41,9 +41,7 @@ fail(const std::string& name, const std::string& message, ExitCode code)
 } // namespace
 
 bool
-parseCommandLine(int argc,
-                 char** argv,
-                 const Usage& usage,
+parseCommandLine(int argc, char** argv, const Usage& usage,
                  const po::options_description& options,
                  const po::positional_options_description& positional,
                  po::variables_map& values)
@@ -84,9 +82,8 @@ int
 run(const std::string& name, const std::function<int()>& body)
 {
   // OpenCV and PCL would otherwise print their own lines beside ours.
-  cv::redirectError([](int, const char*, const char*, const char*, int, void*) {
-    return 0;
-  });
+  cv::redirectError(
+      [](int, const char*, const char*, const char*, int, void*) { return 0; });
   try {
     return body();
   }
@@ -126,7 +123,7 @@ interrupted()
 }
 
 ProgressBar::ProgressBar(std::string what, std::size_t total)
-: what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) == 1)
+    : what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) == 1)
 {}
 
 ProgressBar::~ProgressBar()
@@ -145,14 +142,9 @@ ProgressBar::step()
   constexpr int width = 30;
   const int filled = static_cast<int>(width * done_ / total_);
   const double rate = double(done_) / seconds;
-  std::fprintf(stderr,
-               "\r%s [%s%s] %zu/%zu  %.1f frames/s  %.0f s left ",
-               what_.c_str(),
-               std::string(filled, '#').c_str(),
-               std::string(width - filled, '.').c_str(),
-               done_,
-               total_,
-               rate,
+  std::fprintf(stderr, "\r%s [%s%s] %zu/%zu  %.1f frames/s  %.0f s left ",
+               what_.c_str(), std::string(filled, '#').c_str(),
+               std::string(width - filled, '.').c_str(), done_, total_, rate,
                double(total_ - done_) / rate);
   std::fflush(stderr);
   drawn_ = true;

@@ -39,26 +39,20 @@ struct Usage {
 /** \brief Parses the command line; adds `--help` and `--version`.
  * \return false if the help or the version was printed and nothing is left to do
  * \throws InvalidParameterException at unknown options, missing or unreadable values */
-bool
-parseCommandLine(int argc,
-                 char** argv,
-                 const Usage& usage,
-                 const po::options_description& options,
-                 const po::positional_options_description& positional,
-                 po::variables_map& values);
+bool parseCommandLine(int argc, char** argv, const Usage& usage,
+                      const po::options_description& options,
+                      const po::positional_options_description& positional,
+                      po::variables_map& values);
 
 /** \brief Runs the body of a tool and turns what it throws into one line on standard
  * error and the exit code that belongs to it. */
-int
-run(const std::string& name, const std::function<int()>& body);
+int run(const std::string& name, const std::function<int()>& body);
 
 /** \brief From now on SIGINT and SIGTERM only set a flag; a second one ends at once. */
-void
-catchInterrupts();
+void catchInterrupts();
 
 /** \brief Whether SIGINT or SIGTERM came since catchInterrupts(). */
-bool
-interrupted();
+bool interrupted();
 
 /** \brief A progress bar on standard error: only on a terminal, and only for work that
  * takes longer than a second. */
@@ -70,8 +64,7 @@ public:
   ~ProgressBar();
 
   /** \brief One step is done. */
-  void
-  step();
+  void step();
 
 private:
   using Clock = std::chrono::steady_clock;

@@ -105,8 +105,10 @@ findNeighbours(const Eigen::Matrix3Xf& positions, float radius)
   lists.starts.assign(static_cast<std::size_t>(count) + 1, 0);
   if (count == 0)
     return lists;
-  const CellGrid grid(positions, radius);
-  const float limit = radius * radius;
+  // On a grid many pairs lie at the radius exactly: rounding must not decide on them.
+  const float reach = radius * 1.0001f;
+  const CellGrid grid(positions, reach);
+  const float limit = reach * reach;
   const auto search = [&](Eigen::Index i, auto&& found) {
     const Eigen::Vector3f centre = positions.col(i);
     grid.forEachNear(grid.cellOf(centre), [&](std::int32_t j) {

@@ -12,8 +12,7 @@ namespace pcl_semantic {
 cv::Mat
 labelsAtDepth(const SemanticVoxelMap& map,
               const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-              const Eigen::Isometry3d& T_world_camera,
-              double max_depth)
+              const Eigen::Isometry3d& T_world_camera, double max_depth)
 {
   if (!cloud.isOrganized())
     PCL_THROW_EXCEPTION(InvalidParameterException,

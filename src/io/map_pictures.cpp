@@ -29,8 +29,8 @@ bgr(const LabelClass& label_class)
 void
 drawText(cv::Mat& picture, const std::string& text, cv::Point at)
 {
-  cv::putText(
-      picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, text_colour, 1, cv::LINE_AA);
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, text_colour, 1,
+              cv::LINE_AA);
 }
 
 // A strip of swatches and names, as many rows as the width needs.
@@ -46,7 +46,8 @@ drawLegend(const LabelSet& label_set, int width)
   cv::Point at(gap, gap);
   for (int label = 1; label <= label_set.size(); ++label) {
     const std::string& name = label_set[Label(label)].name;
-    const int text = cv::getTextSize(name, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, nullptr).width;
+    const int text =
+        cv::getTextSize(name, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, nullptr).width;
     const int advance = swatch + text + 3 * gap;
     if (at.x > gap && at.x + advance > width)
       at = {gap, at.y + row_height};
@@ -56,10 +57,8 @@ drawLegend(const LabelSet& label_set, int width)
   cv::Mat legend(at.y + row_height, width, CV_8UC3, background);
   for (const Entry& entry : entries) {
     const LabelClass& label_class = label_set[entry.label];
-    cv::rectangle(legend,
-                  cv::Rect(entry.at.x, entry.at.y, swatch, swatch),
-                  cv::Scalar(bgr(label_class)),
-                  cv::FILLED);
+    cv::rectangle(legend, cv::Rect(entry.at.x, entry.at.y, swatch, swatch),
+                  cv::Scalar(bgr(label_class)), cv::FILLED);
     drawText(legend, label_class.name, entry.at + cv::Point(swatch + 6, swatch - 2));
   }
   return legend;
@@ -69,8 +68,8 @@ drawLegend(const LabelSet& label_set, int width)
 struct TopViewGrid {
   VoxelIndex low = VoxelIndex::Zero();
   VoxelIndex high = VoxelIndex::Zero();
-  int scale = 1;  // pixels a voxel, if positive step is 1
-  int step = 1;   // voxels a pixel
+  int scale = 1; // pixels a voxel, if positive step is 1
+  int step = 1;  // voxels a pixel
 
   explicit TopViewGrid(const std::vector<VoxelIndex>& indices)
   {
@@ -102,12 +101,11 @@ struct TopViewGrid {
 };
 
 void
-drawColumns(cv::Mat& picture,
-            const TopViewGrid& grid,
-            const VoxelCloud& voxels,
+drawColumns(cv::Mat& picture, const TopViewGrid& grid, const VoxelCloud& voxels,
             const LabelSet& label_set)
 {
-  cv::Mat highest(picture.size(), CV_32SC1, cv::Scalar(std::numeric_limits<int>::min()));
+  cv::Mat highest(picture.size(), CV_32SC1,
+                  cv::Scalar(std::numeric_limits<int>::min()));
   const float height = float(std::max(1, grid.high.z() - grid.low.z()));
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const VoxelIndex& index = voxels.indices[i];
@@ -169,8 +167,7 @@ drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_s
 }
 
 cv::Mat
-drawTopView(const VoxelCloud& voxels,
-            const std::vector<Eigen::Vector3d>& path,
+drawTopView(const VoxelCloud& voxels, const std::vector<Eigen::Vector3d>& path,
             const LabelSet& label_set)
 {
   const TopViewGrid grid(voxels.indices);

@@ -39,27 +39,22 @@ private:
 std::uint32_t
 packColour(const std::array<std::uint8_t, 3>& rgb)
 {
-  return 0xFF000000u | std::uint32_t(rgb[0]) << 16 | std::uint32_t(rgb[1]) << 8 | rgb[2];
+  return 0xFF000000u | std::uint32_t(rgb[0]) << 16 | std::uint32_t(rgb[1]) << 8 |
+         rgb[2];
 }
 
 } // namespace
 
 void
-writeVoxelCloud(const std::string& path,
-                const VoxelCloud& voxels,
-                const LabelSet& label_set,
-                VoxelColour colour)
+writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
+                const LabelSet& label_set, VoxelColour colour)
 {
   const int classes = label_set.size();
   PcdTable table;
-  table.fields = {{"x"},
-                  {"y"},
-                  {"z"},
-                  {"rgba", 'U'},
-                  {"label", 'U'},
-                  {"probability", 'F', 4, classes},
-                  {"entropy"},
-                  {"observations", 'U'}};
+  table.fields = {{"x"},          {"y"},
+                  {"z"},          {"rgba", 'U'},
+                  {"label", 'U'}, {"probability", 'F', 4, classes},
+                  {"entropy"},    {"observations", 'U'}};
   table.points = voxels.size();
   table.data.resize(table.points * table.pointSize());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
@@ -67,8 +62,9 @@ writeVoxelCloud(const std::string& path,
     const auto column = static_cast<Eigen::Index>(i);
     RowWriter row(table.data.data() + i * table.pointSize());
     row.put(point.data, 3);
-    row.put(colour == VoxelColour::classes ? packColour(label_set[Label(point.label)].colour)
-                                           : packColour({point.r, point.g, point.b}));
+    row.put(colour == VoxelColour::classes
+                ? packColour(label_set[Label(point.label)].colour)
+                : packColour({point.r, point.g, point.b}));
     row.put(std::uint32_t(point.label));
     row.put(voxels.refined.column(column), std::size_t(classes));
     row.put(voxels.refined.entropy(column));

@@ -11,7 +11,7 @@ namespace pcl_semantic {
 
 TrajectoryPoses::TrajectoryPoses(Trajectory trajectory,
                                  const Eigen::Isometry3d& T_camera0_camera)
-: trajectory_(std::move(trajectory)), T_camera0_camera_(T_camera0_camera)
+    : trajectory_(std::move(trajectory)), T_camera0_camera_(T_camera0_camera)
 {}
 
 Eigen::Isometry3d

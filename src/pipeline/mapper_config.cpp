@@ -17,12 +17,10 @@ namespace pcl_semantic {
 
 namespace {
 
-template <typename... Visitors>
-struct Overloaded : Visitors... {
+template <typename... Visitors> struct Overloaded : Visitors... {
   using Visitors::operator()...;
 };
-template <typename... Visitors>
-Overloaded(Visitors...) -> Overloaded<Visitors...>;
+template <typename... Visitors> Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
 int
 parseInteger(const std::string& text, const std::string& where)
@@ -53,8 +51,7 @@ printNumber(double value)
 }
 
 void
-requireChoice(const std::string& value,
-              const std::vector<std::string>& choices,
+requireChoice(const std::string& value, const std::vector<std::string>& choices,
               const char* name)
 {
   if (std::count(choices.begin(), choices.end(), value))
@@ -120,8 +117,8 @@ ConfigParameter::text() const
                                [](const double* v) { return printNumber(*v); },
                                [](const std::string* v) { return *v; },
                                [](const Eigen::Vector3d* v) {
-                                 return printNumber(v->x()) + "," + printNumber(v->y()) +
-                                        "," + printNumber(v->z());
+                                 return printNumber(v->x()) + "," +
+                                        printNumber(v->y()) + "," + printNumber(v->z());
                                }},
                     value);
 }

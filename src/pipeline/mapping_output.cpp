@@ -52,16 +52,11 @@ toJson(const Eigen::Vector3d& vector)
 
 } // namespace
 
-MappingOutput::MappingOutput(const std::string& folder,
-                             const StereoCamera& camera,
-                             const LabelSet& label_set,
-                             const MapperConfig& config,
+MappingOutput::MappingOutput(const std::string& folder, const StereoCamera& camera,
+                             const LabelSet& label_set, const MapperConfig& config,
                              const Eigen::Isometry3d& T_camera0_camera)
-: folder_(folder),
-  camera_(camera),
-  label_set_(label_set),
-  config_(config),
-  T_camera0_camera_(T_camera0_camera)
+    : folder_(folder), camera_(camera), label_set_(label_set), config_(config),
+      T_camera0_camera_(T_camera0_camera)
 {
   for (const char* name :
        {"labels", "labels_at_depth", "network_labels", "final_labels", "overlay"})
@@ -102,8 +97,9 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   std::vector<Eigen::Vector3d> positions;
   for (const WrittenFrame& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
-    writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
-             renderLabels(voxels, camera_, T_world_camera, config_.map.max_range).labels);
+    writePng(
+        path("final_labels/" + frameFileName(frame.number, ".png")),
+        renderLabels(voxels, camera_, T_world_camera, config_.map.max_range).labels);
     positions.push_back(T_world_camera.translation());
   }
   writeKittiTrajectory(path("trajectory.txt"), trajectory());

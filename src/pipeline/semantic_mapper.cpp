@@ -33,17 +33,13 @@ validated(MapperConfig config)
 
 } // namespace
 
-SemanticMapper::SemanticMapper(const StereoCamera& camera,
-                               const LabelSet& label_set,
+SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label_set,
                                MapperConfig config,
                                std::unique_ptr<LabelPredictor> predictor,
                                std::unique_ptr<PoseSource> poses)
-: camera_(camera),
-  config_(validated(std::move(config))),
-  stereo_(makeStereo(config_)),
-  predictor_(std::move(predictor)),
-  poses_(std::move(poses)),
-  map_(label_set, config_.map)
+    : camera_(camera), config_(validated(std::move(config))),
+      stereo_(makeStereo(config_)), predictor_(std::move(predictor)),
+      poses_(std::move(poses)), map_(label_set, config_.map)
 {
   camera_.validate();
   setNumberOfThreads(config_.threads);

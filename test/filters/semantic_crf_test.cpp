@@ -61,7 +61,7 @@ expectedMarginals(const LabelledCloud& input, const pcl::Indices& indices,
   const std::vector<GaussianTerm> terms{{3.0f, 0.2f, Eigen::MatrixXf()},
                                         {8.0f, 0.2f, colours / 8.0f}};
   return plainMeanField(
-      unary, makeKernelMatrix(positions, terms, 0.2 * parameters.radius + 1e-6),
+      unary, makeKernelMatrix(positions, terms, 0.2 * parameters.radius + 1e-5),
       iterations);
 }
 

@@ -26,7 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-
 const LabelSet label_set({{"road", {}, false, false},
                           {"sky", {}, true, false},
                           {"car", {}, false, true}});

@@ -16,7 +16,6 @@
 namespace pcl_semantic {
 namespace {
 
-
 void
 check(const std::string& file)
 {
@@ -161,13 +160,13 @@ TEST(OnnxCheck, RefusesInputsThatNothingGives)
   };
   const Message input = floatValue("image", {1, 3, 6, 8});
   const Message first = relu("image", "a"), second = relu("a", "b");
-  EXPECT_NO_THROW(check(onnxModel(
-      Message().message(11, input).message(1, first).message(1, second))));
-  expectRefused(onnxModel(
-                    Message().message(11, input).message(1, second).message(1, first)),
-                "node before its input");
+  EXPECT_NO_THROW(check(
+      onnxModel(Message().message(11, input).message(1, first).message(1, second))));
   expectRefused(
-      onnxModel(Message().message(11, input).message(1, relu("b", "b"))), "loop");
+      onnxModel(Message().message(11, input).message(1, second).message(1, first)),
+      "node before its input");
+  expectRefused(onnxModel(Message().message(11, input).message(1, relu("b", "b"))),
+                "loop");
 }
 
 TEST(OnnxCheck, RefusesSizesThatOpenCvWouldDivideBy)
@@ -179,9 +178,8 @@ TEST(OnnxCheck, RefusesSizesThatOpenCvWouldDivideBy)
                              .bytes(2, "out")
                              .bytes(4, "Conv")
                              .message(5, attribute);
-    return onnxModel(Message()
-                               .message(11, floatValue("image", {1, 3, 6, 8}))
-                               .message(1, node));
+    return onnxModel(
+        Message().message(11, floatValue("image", {1, 3, 6, 8})).message(1, node));
   };
   EXPECT_NO_THROW(check(model("axis", 0)));
   for (const char* name : {"group", "kernel_shape", "strides", "dilations"}) {

@@ -181,7 +181,8 @@ TEST(SemanticVoxelMap, EqualsAPlainMapOverSeveralScans)
 {
   const LabelSet label_set = threeClasses();
   SemanticVoxelMap::Parameters parameters = smallWindow();
-  parameters.window = {24.0, 24.0, 24.0}; // holds every ray: the plain map has no window
+  parameters.window = {24.0, 24.0,
+                       24.0}; // holds every ray: the plain map has no window
   SemanticVoxelMap map(label_set, parameters);
   PlainMap plain(label_set, parameters);
   for (int i = 0; i < 6; ++i) {
@@ -225,8 +226,8 @@ TEST(SemanticVoxelMap, OrderOfPointsAndNumberOfThreadsDoNotMatter)
     setNumberOfThreads(threads);
     SemanticVoxelMap map(threeClasses(), smallWindow());
     for (unsigned scan = 0; scan < 3; ++scan) {
-      const LabelledScan points = shuffled(makeRandomScan(5000, 7.0f, 3, scan),
-                                                 scan + 10 * unsigned(threads));
+      const LabelledScan points =
+          shuffled(makeRandomScan(5000, 7.0f, 3, scan), scan + 10 * unsigned(threads));
       map.integrate(points.cloud, poseAt(0.3 * scan, 0, 0), points.distributions);
     }
     results.push_back(map.occupied());

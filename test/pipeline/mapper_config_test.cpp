@@ -92,7 +92,8 @@ TEST(MapperConfig, ValuesOutOfRangeAreRefused)
 {
   expectSays(complaintAbout("voxel_size: 0\n"), "voxel_size is 0 m");
   expectSays(complaintAbout("voxel_size: .nan\n"), "voxel_size is nan");
-  expectSays(complaintAbout("crf: densest\n"), "crf is 'densest', expected dense or none");
+  expectSays(complaintAbout("crf: densest\n"),
+             "crf is 'densest', expected dense or none");
   expectSays(complaintAbout("crf_every: 0\n"), "crf_every is 0");
   expectSays(complaintAbout("label_confidence: 1.5\n"), "label_confidence is 1.5");
   expectSays(complaintAbout("hit_probability: 0.4\n"), "hit_probability is 0.4");

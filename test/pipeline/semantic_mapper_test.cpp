@@ -56,7 +56,8 @@ protected:
   static void
   SetUpTestSuite()
   {
-    renderer_ = std::make_unique<SyntheticRenderer>(SyntheticScene(3, frames), 416, 128);
+    renderer_ =
+        std::make_unique<SyntheticRenderer>(SyntheticScene(3, frames), 416, 128);
     for (int i = 0; i < frames; ++i)
       views_.push_back(renderer_->render(i));
   }
@@ -73,8 +74,7 @@ protected:
   {
     return SemanticMapper(
         renderer_->camera(),
-        readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"),
-        config,
+        readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"), config,
         std::make_unique<StreetLabels>(views_),
         std::make_unique<StreetPoses>(*renderer_));
   }

@@ -17,11 +17,10 @@ namespace pcl_semantic {
 class Exception : public pcl::PCLException {
 public:
   /** \brief The arguments that PCL_THROW_EXCEPTION gives. */
-  explicit Exception(const std::string& message,
-                     const char* source_file = nullptr,
-                     const char* function = nullptr,
-                     unsigned source_line = 0)
-  : pcl::PCLException(message, source_file, function, source_line), message_(message)
+  explicit Exception(const std::string& message, const char* source_file = nullptr,
+                     const char* function = nullptr, unsigned source_line = 0)
+      : pcl::PCLException(message, source_file, function, source_line),
+        message_(message)
   {}
 
   const char*

@@ -80,43 +80,35 @@ public:
    * \param[in] confidence 0..1
    * \throws BadInputException if \a label is beyond L
    * \throws InvalidParameterException if \a confidence is not within 0..1 */
-  void
-  setLabel(Eigen::Index j, Label label, float confidence);
+  void setLabel(Eigen::Index j, Label label, float confidence);
 
   /** \brief Makes every column sum to one; all-zero columns stay zero.
-   * \throws BadInputException that names the column, at a negative or non-finite value */
-  void
-  normalize();
+   * \throws BadInputException that names the column, at a negative or non-finite value
+   */
+  void normalize();
 
   /** \brief The class of largest probability (the smallest number of equals);
    * kUnlabelled for an all-zero column. */
-  Label
-  mapLabel(Eigen::Index j) const;
+  Label mapLabel(Eigen::Index j) const;
 
   /** \brief Shannon entropy of column \a j [nat]; log L for an unlabelled column. */
-  float
-  entropy(Eigen::Index j) const;
+  float entropy(Eigen::Index j) const;
 
 private:
   Matrix matrix_;
 };
 
 /** \brief MAP label of \a classes probabilities; kUnlabelled if all are zero. */
-Label
-mapLabel(const float* distribution, int classes);
+Label mapLabel(const float* distribution, int classes);
 
 /** \brief Multiplies a distribution by a likelihood in log space, eq. (1) of the paper:
  * \a log_distribution += \a log_likelihood, shifted so that its largest entry is 0 and
  * clamped from below at -\a max_log_ratio, so that later evidence can still turn it. */
-void
-fuseLogLikelihood(const float* log_likelihood,
-                  int classes,
-                  float max_log_ratio,
-                  float* log_distribution);
+void fuseLogLikelihood(const float* log_likelihood, int classes, float max_log_ratio,
+                       float* log_distribution);
 
 /** \brief Distribution from unnormalised log-probabilities (soft-max, computed without
  * overflow). \a log_values and \a distribution may be the same array. */
-void
-distributionFromLog(const float* log_values, int classes, float* distribution);
+void distributionFromLog(const float* log_values, int classes, float* distribution);
 
 } // namespace pcl_semantic

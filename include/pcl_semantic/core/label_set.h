@@ -47,12 +47,10 @@ public:
   /** \brief The class of a label.
    * \param[in] label 0 (black, "unlabelled") to L
    * \throws InvalidParameterException beyond L */
-  const LabelClass&
-  operator[](Label label) const;
+  const LabelClass& operator[](Label label) const;
 
   /** \brief The label of a name; kUnlabelled if no class is called so. */
-  Label
-  find(const std::string& name) const;
+  Label find(const std::string& name) const;
 
 private:
   std::vector<LabelClass> classes_;
@@ -62,8 +60,7 @@ private:
 class LabelMapping {
 public:
   /** \brief Every id that is not set maps to unlabelled. */
-  void
-  set(std::uint32_t id, Label label);
+  void set(std::uint32_t id, Label label);
 
   Label
   operator()(std::uint32_t id) const

@@ -25,10 +25,9 @@ struct StereoCamera {
   int width = 0;         ///< columns of an image [px]; 0 = not known
   int height = 0;        ///< rows of an image [px]; 0 = not known
 
-  /** \throws InvalidParameterException unless focal lengths and baseline are positive and
-   * everything is finite */
-  void
-  validate() const;
+  /** \throws InvalidParameterException unless focal lengths and baseline are positive
+   * and everything is finite */
+  void validate() const;
 
   /** \brief Depth of a disparity: Z = f b / d [m]. */
   double

@@ -12,7 +12,6 @@ namespace pcl_semantic {
  * thread's loops; results do not depend on it.
  * \param[in] threads 0 = all processors
  * \throws InvalidParameterException if it is negative or beyond 1024 */
-void
-setNumberOfThreads(int threads);
+void setNumberOfThreads(int threads);
 
 } // namespace pcl_semantic

@@ -21,7 +21,8 @@ struct NeighbourLists {
   std::vector<std::int32_t> neighbours; ///< without the point itself
 };
 
-/** \brief Finds all pairs of points within a radius, by sorting the points into cells.
+/** \brief Finds all pairs of points within a radius (and up to 1e-4 of it beyond), by
+ * sorting the points into cells.
  * \param[in] positions 3 x N, finite
  * \param[in] radius positive, in the unit of the positions
  * \throws InvalidParameterException at more than 2^31 pairs, or positions too far apart

@@ -19,21 +19,17 @@ public:
   virtual ~FrameSequence() = default;
 
   /** \brief Number of frames that are present. */
-  virtual std::size_t
-  size() const = 0;
+  virtual std::size_t size() const = 0;
 
   /** \brief Number of the i-th frame in the whole sequence; may have gaps. */
-  virtual int
-  frameNumber(std::size_t i) const = 0;
+  virtual int frameNumber(std::size_t i) const = 0;
 
   /** \brief Reads the images of the i-th frame.
    * \throws BadInputException if an image is missing, damaged or of another size */
-  virtual StereoFrame
-  frame(std::size_t i) const = 0;
+  virtual StereoFrame frame(std::size_t i) const = 0;
 
   /** \brief The stereo pair that took the images, their size filled in. */
-  virtual const StereoCamera&
-  camera() const = 0;
+  virtual const StereoCamera& camera() const = 0;
 };
 
 } // namespace pcl_semantic

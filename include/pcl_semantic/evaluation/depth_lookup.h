@@ -20,10 +20,8 @@ namespace pcl_semantic {
  * \param[in] max_depth points with a larger z are not looked up [m]
  * \return CV_8UC1 of the cloud's size; 0 = no depth, or no occupied voxel there
  * \throws InvalidParameterException if the cloud is not organized */
-cv::Mat
-labelsAtDepth(const SemanticVoxelMap& map,
-              const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-              const Eigen::Isometry3d& T_world_camera,
-              double max_depth);
+cv::Mat labelsAtDepth(const SemanticVoxelMap& map,
+                      const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+                      const Eigen::Isometry3d& T_world_camera, double max_depth);
 
 } // namespace pcl_semantic

@@ -13,17 +13,16 @@ namespace pcl_semantic {
 
 /** \brief A file that appears under its name whole or not at all.
  *
- * What is written goes to a temporary name in the same folder; commit() brings it to the
- * disk and renames it. Without commit() the temporary file is removed and whatever had
- * the final name before stays. */
+ * What is written goes to a temporary name in the same folder; commit() brings it to
+ * the disk and renames it. Without commit() the temporary file is removed and whatever
+ * had the final name before stays. */
 class AtomicFile {
 public:
   /** \throws OutputException if the folder cannot be written */
   explicit AtomicFile(const std::string& path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
-  AtomicFile&
-  operator=(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
 
   std::ostream&
   stream()
@@ -32,8 +31,7 @@ public:
   }
 
   /** \throws OutputException if anything written so far did not reach the disk */
-  void
-  commit();
+  void commit();
 
 private:
   std::string path_;
@@ -42,12 +40,10 @@ private:
 };
 
 /** \brief Writes a text file through AtomicFile. \throws OutputException */
-void
-writeTextFile(const std::string& path, const std::string& text);
+void writeTextFile(const std::string& path, const std::string& text);
 
 /** \brief Makes a folder and its parents and checks that a file can be written there.
  * \throws OutputException */
-void
-makeOutputFolder(const std::string& path);
+void makeOutputFolder(const std::string& path);
 
 } // namespace pcl_semantic

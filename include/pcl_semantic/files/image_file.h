@@ -23,11 +23,9 @@ enum class ImageKind {
  * convert 16 bits and transparency silently.
  * \throws BadInputException if it is missing, no PNG, damaged, smaller than 2 x 2 or of
  * another kind */
-cv::Mat
-readPng(const std::string& path, ImageKind kind);
+cv::Mat readPng(const std::string& path, ImageKind kind);
 
 /** \brief Writes a PNG file. \throws OutputException; nothing is left behind then */
-void
-writePng(const std::string& path, const cv::Mat& image);
+void writePng(const std::string& path, const cv::Mat& image);
 
 } // namespace pcl_semantic

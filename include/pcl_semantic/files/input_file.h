@@ -13,8 +13,7 @@
 namespace pcl_semantic {
 
 /** \brief The bytes of a file. \throws BadInputException if it cannot be read */
-std::vector<std::uint8_t>
-readBytes(const std::string& path);
+std::vector<std::uint8_t> readBytes(const std::string& path);
 
 /** \brief A line of a text file and its number, counted from 1. */
 struct TextLine {
@@ -24,26 +23,21 @@ struct TextLine {
 
 /** \brief The lines of a text file without byte-order mark, carriage returns and
  * trailing blanks. \throws BadInputException if it cannot be read */
-std::vector<TextLine>
-readLines(const std::string& path);
+std::vector<TextLine> readLines(const std::string& path);
 
 /** \brief A number in the C locale; the whole of \a text must be one.
  * \throws BadInputException with \a where in front */
-double
-parseNumber(const std::string& text, const std::string& where);
+double parseNumber(const std::string& text, const std::string& where);
 
 /** \brief The blank-separated finite numbers of a line.
  * \throws BadInputException with \a where in front */
-std::vector<double>
-parseNumbers(const std::string& text, const std::string& where);
+std::vector<double> parseNumbers(const std::string& text, const std::string& where);
 
 /** \brief "PATH line N", for messages. */
-std::string
-placeOf(const std::string& path, int line);
+std::string placeOf(const std::string& path, int line);
 
 /** \brief File name of a frame: six digits and an extension ("000012.png"). */
-std::string
-frameFileName(int frame, const std::string& extension);
+std::string frameFileName(int frame, const std::string& extension);
 
 /** \brief A file of a folder that is named by its frame number. */
 struct FrameFile {
@@ -54,7 +48,7 @@ struct FrameFile {
 /** \brief The files of a folder named by a number and one of the \a extensions
  * (".png"), in the order of their numbers; others are passed over.
  * \throws BadInputException if the folder cannot be read */
-std::vector<FrameFile>
-listFrameFiles(const std::string& folder, const std::vector<std::string>& extensions);
+std::vector<FrameFile> listFrameFiles(const std::string& folder,
+                                      const std::vector<std::string>& extensions);
 
 } // namespace pcl_semantic

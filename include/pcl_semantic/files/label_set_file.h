@@ -14,13 +14,11 @@ namespace pcl_semantic {
 
 /** \brief Reads a label set (`data/label_sets/\*.yaml`).
  * \throws BadInputException with file and line */
-LabelSet
-readLabelSet(const std::string& path);
+LabelSet readLabelSet(const std::string& path);
 
 /** \brief Reads a mapping of ids to the classes of \a label_set
  * (`data/label_mappings/\*.yaml`).
  * \throws BadInputException with file and line, at an unknown class for example */
-LabelMapping
-readLabelMapping(const std::string& path, const LabelSet& label_set);
+LabelMapping readLabelMapping(const std::string& path, const LabelSet& label_set);
 
 } // namespace pcl_semantic

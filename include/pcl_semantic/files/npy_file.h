@@ -21,7 +21,6 @@ struct NpyArray {
 
 /** \brief Reads an `.npy` file: little-endian float32 or float16, C order, three axes.
  * \throws BadInputException that says what differs */
-NpyArray
-readNpy(const std::string& path);
+NpyArray readNpy(const std::string& path);
 
 } // namespace pcl_semantic

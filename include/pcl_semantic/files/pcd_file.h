@@ -27,15 +27,13 @@ struct PcdTable {
   std::vector<std::uint8_t> data; ///< points x the sizes of the fields, packed
 
   /** \brief Bytes of one point. */
-  std::size_t
-  pointSize() const;
+  std::size_t pointSize() const;
 };
 
-/** \brief Writes a binary, unorganized `.pcd` (version 0.7, identity viewpoint) whole or
- * not at all. PCL's own writer leaves an empty file behind when the disk is full.
+/** \brief Writes a binary, unorganized `.pcd` (version 0.7, identity viewpoint) whole
+ * or not at all. PCL's own writer leaves an empty file behind when the disk is full.
  * \throws InvalidParameterException if the data do not fit the fields
  * \throws OutputException if it cannot be written */
-void
-writePcd(const std::string& path, const PcdTable& table);
+void writePcd(const std::string& path, const PcdTable& table);
 
 } // namespace pcl_semantic

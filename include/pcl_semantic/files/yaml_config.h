@@ -12,27 +12,23 @@
 
 namespace pcl_semantic {
 
-/** \brief A mapping of a YAML file, read strictly: unknown and duplicate keys, and values
- * of another type than asked for, are refused with file and line.
+/** \brief A mapping of a YAML file, read strictly: unknown and duplicate keys, and
+ * values of another type than asked for, are refused with file and line.
  *
  * Ask for every key that may occur, then call refuseUnknownKeys(). */
 class YamlMap {
 public:
   /** \brief Reads a file, with or without OpenCV's `%YAML:1.0` line.
    * \throws BadInputException if it cannot be read, is no YAML or no mapping */
-  static YamlMap
-  load(const std::string& path);
+  static YamlMap load(const std::string& path);
 
-  bool
-  has(const std::string& key) const;
+  bool has(const std::string& key) const;
 
   /** \brief Sets \a value if the key is there. T is bool, int, double, std::string or a
    * vector of int, double or std::string.
    * \return whether the key is there
    * \throws BadInputException if the value cannot be read as T */
-  template <typename T>
-  bool
-  get(const std::string& key, T& value) const;
+  template <typename T> bool get(const std::string& key, T& value) const;
 
   /** \brief The value of a key that has to be there. \throws BadInputException */
   template <typename T>
@@ -46,32 +42,26 @@ public:
   }
 
   /** \brief The mappings in a list. \throws BadInputException if the key is missing */
-  std::vector<YamlMap>
-  requireList(const std::string& key) const;
+  std::vector<YamlMap> requireList(const std::string& key) const;
 
   /** \brief The mapping under a key. \throws BadInputException if it is missing */
-  YamlMap
-  requireMap(const std::string& key) const;
+  YamlMap requireMap(const std::string& key) const;
 
   /** \brief All keys in the order of the file. */
-  std::vector<std::string>
-  keys() const;
+  std::vector<std::string> keys() const;
 
   /** \brief "FILE line N" of a key, or of the mapping itself if it is not there. */
-  std::string
-  where(const std::string& key) const;
+  std::string where(const std::string& key) const;
 
   /** \throws BadInputException at the first key that was never asked for */
-  void
-  refuseUnknownKeys() const;
+  void refuseUnknownKeys() const;
 
 private:
   struct Impl;
 
   explicit YamlMap(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
-  [[noreturn]] void
-  throwMissing(const std::string& key) const;
+  [[noreturn]] void throwMissing(const std::string& key) const;
 
   std::shared_ptr<Impl> impl_;
 };

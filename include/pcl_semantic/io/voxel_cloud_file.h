@@ -23,10 +23,7 @@ enum class VoxelColour {
  * VoxelCloud::origin] rgba label probability (COUNT L, refined) entropy [nat]
  * observations.
  * \throws OutputException */
-void
-writeVoxelCloud(const std::string& path,
-                const VoxelCloud& voxels,
-                const LabelSet& label_set,
-                VoxelColour colour);
+void writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
+                     const LabelSet& label_set, VoxelColour colour);
 
 } // namespace pcl_semantic

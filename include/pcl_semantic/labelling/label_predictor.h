@@ -19,8 +19,7 @@ public:
   /** \return L x (width * height), pixels row by row, normalised; all-zero columns are
    * unlabelled
    * \throws BadInputException or BadModelException that names the frame */
-  virtual LabelDistributions
-  predict(const StereoFrame& frame) = 0;
+  virtual LabelDistributions predict(const StereoFrame& frame) = 0;
 };
 
 } // namespace pcl_semantic

@@ -12,8 +12,8 @@
 
 namespace pcl_semantic {
 
-/** \brief The one rotation between KITTI's frames and ours: takes points in the frame of
- * the first camera 0 (x right, y down, z forward) to the world (x forward, y left,
+/** \brief The one rotation between KITTI's frames and ours: takes points in the frame
+ * of the first camera 0 (x right, y down, z forward) to the world (x forward, y left,
  * z up), both with their origin at the first pose. */
 inline Eigen::Isometry3d
 worldFromFirstCamera()
@@ -30,8 +30,7 @@ public:
 
   /** \brief T_world_camera, the pose of the frame's left camera in the world [m].
    * \throws BadInputException that names the frame, if there is no pose for it */
-  virtual Eigen::Isometry3d
-  pose(const StereoFrame& frame) = 0;
+  virtual Eigen::Isometry3d pose(const StereoFrame& frame) = 0;
 };
 
 } // namespace pcl_semantic

@@ -18,8 +18,7 @@ public:
    * \param[in] T_camera0_camera the camera that takes the images, in camera 0 */
   TrajectoryPoses(Trajectory trajectory, const Eigen::Isometry3d& T_camera0_camera);
 
-  Eigen::Isometry3d
-  pose(const StereoFrame& frame) override;
+  Eigen::Isometry3d pose(const StereoFrame& frame) override;
 
 private:
   Trajectory trajectory_;

@@ -15,28 +15,25 @@
 
 namespace pcl_semantic {
 
-/** \brief Writes what mapping a sequence leaves behind into a folder: pictures and label
- * images a frame, the map and its summary at the end (README, "What it writes"). */
+/** \brief Writes what mapping a sequence leaves behind into a folder: pictures and
+ * label images a frame, the map and its summary at the end (README, "What it writes").
+ */
 class MappingOutput {
 public:
   /** \brief Makes the folders.
    * \param[in] T_camera0_camera the camera that takes the images, in KITTI's camera 0
    * \throws OutputException */
-  MappingOutput(const std::string& folder,
-                const StereoCamera& camera,
-                const LabelSet& label_set,
-                const MapperConfig& config,
+  MappingOutput(const std::string& folder, const StereoCamera& camera,
+                const LabelSet& label_set, const MapperConfig& config,
                 const Eigen::Isometry3d& T_camera0_camera);
 
   /** \brief labels, labels_at_depth, network_labels and overlay of a frame.
    * \throws OutputException */
-  void
-  writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
+  void writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
 
   /** \brief map.pcd, map_classes.pcd, final_labels, top_view.png, trajectory.txt,
    * summary.json. \throws OutputException */
-  void
-  finish(const SemanticVoxelMap& map);
+  void finish(const SemanticVoxelMap& map);
 
 private:
   struct WrittenFrame {
@@ -45,14 +42,11 @@ private:
     ScanCounts counts;
   };
 
-  std::string
-  path(const std::string& name) const;
+  std::string path(const std::string& name) const;
 
-  Trajectory
-  trajectory() const;
+  Trajectory trajectory() const;
 
-  void
-  writeSummary(const VoxelCloud& voxels) const;
+  void writeSummary(const VoxelCloud& voxels) const;
 
   std::string folder_;
   StereoCamera camera_;

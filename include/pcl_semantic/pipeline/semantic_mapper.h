@@ -23,12 +23,12 @@ namespace pcl_semantic {
 /** \brief What became of one frame. */
 struct MappedFrame {
   StereoFrame frame;
-  cv::Mat disparity;                             ///< CV_32FC1 [px], 0 = none
-  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud;  ///< organized, camera frame [m]
-  LabelDistributions network;                    ///< L x pixels, of the left image
+  cv::Mat disparity;                            ///< CV_32FC1 [px], 0 = none
+  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< organized, camera frame [m]
+  LabelDistributions network;                   ///< L x pixels, of the left image
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  ScanCounts counts;  ///< of the scan that went into the map
-  VoxelCloud voxels;  ///< the occupied voxels of the window after this frame
+  ScanCounts counts; ///< of the scan that went into the map
+  VoxelCloud voxels; ///< the occupied voxels of the window after this frame
   StageTimes times;
 };
 
@@ -43,10 +43,8 @@ public:
    * \param[in] predictor labels of the pixels
    * \param[in] poses of the left camera
    * \throws InvalidParameterException */
-  SemanticMapper(const StereoCamera& camera,
-                 const LabelSet& label_set,
-                 MapperConfig config,
-                 std::unique_ptr<LabelPredictor> predictor,
+  SemanticMapper(const StereoCamera& camera, const LabelSet& label_set,
+                 MapperConfig config, std::unique_ptr<LabelPredictor> predictor,
                  std::unique_ptr<PoseSource> poses);
 
   void
@@ -57,8 +55,7 @@ public:
 
   /** \brief Takes in one frame: disparity, cloud, labels, pose, map, CRF.
    * \throws BadInputException or BadModelException that names the frame */
-  MappedFrame
-  process(const StereoFrame& frame);
+  MappedFrame process(const StereoFrame& frame);
 
   const SemanticVoxelMap&
   map() const
@@ -67,8 +64,7 @@ public:
   }
 
 private:
-  void
-  refine(VoxelCloud& voxels);
+  void refine(VoxelCloud& voxels);
 
   StereoCamera camera_;
   MapperConfig config_;

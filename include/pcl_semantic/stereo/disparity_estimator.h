@@ -19,8 +19,7 @@ public:
    * \param[in] right as left
    * \return CV_32FC1 of the same size: disparity [px], 0 = none
    * \throws BadInputException if the images do not fit each other */
-  virtual cv::Mat
-  estimate(const cv::Mat& left, const cv::Mat& right) = 0;
+  virtual cv::Mat estimate(const cv::Mat& left, const cv::Mat& right) = 0;
 };
 
 } // namespace pcl_semantic
