@@ -91,7 +91,7 @@ TEST(MapperConfig, MistakesAreNamedWithTheirLine)
 TEST(MapperConfig, ValuesOutOfRangeAreRefused)
 {
   expectSays(complaintAbout("voxel_size: 0\n"), "voxel_size is 0 m");
-  expectSays(complaintAbout("voxel_size: .nan\n"), "voxel_size is nan");
+  expectSays(complaintAbout("voxel_size: .nan\n"), "'.nan' is not a number");
   expectSays(complaintAbout("crf: densest\n"),
              "crf is 'densest', expected dense or none");
   expectSays(complaintAbout("crf_every: 0\n"), "crf_every is 0");
