@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "mapper_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -61,12 +62,7 @@ bool
 parseArguments(int argc, char** argv, Arguments& arguments)
 {
   po::options_description options = describeOptions(arguments);
-  po::options_description parameters("Parameters");
-  for (const ConfigParameter& parameter : parametersOf(arguments.parameters))
-    parameters.add_options()(parameter.option().c_str(),
-                             po::value<std::string>()->value_name(parameter.text()),
-                             parameter.help.c_str());
-  options.add(parameters);
+  tool::addParameters(arguments.parameters, options);
   po::variables_map values;
   const tool::Usage usage{
       "pcl_semantic_map",
@@ -79,18 +75,7 @@ parseArguments(int argc, char** argv, Arguments& arguments)
   positional.add("sequence", 1);
   if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
     return false;
-  if (!arguments.config.empty())
-    readMapperConfig(arguments.config, arguments.parameters);
-  for (ConfigParameter& parameter : parametersOf(arguments.parameters))
-    if (values.count(parameter.option()))
-      try {
-        parameter.set(values[parameter.option()].as<std::string>(),
-                      "--" + parameter.option());
-      }
-      catch (const BadInputException& error) {
-        PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
-      }
-  arguments.parameters.validate();
+  tool::readParameters(arguments.config, values, arguments.parameters);
   return true;
 }
 

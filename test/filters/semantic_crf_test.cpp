@@ -72,8 +72,6 @@ TEST(SemanticCRF, EqualsThePlainModel)
     SemanticCRF<pcl::PointXYZRGBL> crf;
     SemanticCRFParameters parameters;
     parameters.iterations = iterations;
-    parameters.radius =
-        2.45; // between grid distances: rounding cannot decide on a pair
     crf.setParameters(parameters);
     crf.setInputCloud(input.cloud);
     crf.setLabelDistributions(input.distributions);

@@ -93,33 +93,7 @@ public:
    * \param[in] enter called with (index) for each position that enters; gives the block
    * that lies there or null */
   template <typename Leave, typename Enter>
-  void
-  scrollTo(const BlockIndex& origin, Leave&& leave, Enter&& enter)
-  {
-    for (int axis = 0; axis < 3; ++axis) {
-      const int shift = origin[axis] - origin_[axis];
-      if (shift == 0)
-        continue;
-      const int thickness = std::min(std::abs(shift), size_[axis]);
-      BlockIndex slab = origin_;
-      slab[axis] += shift > 0 ? 0 : size_[axis] - thickness;
-      forEachInSlab(slab, axis, thickness, [&](const BlockIndex& block) {
-        if (auto& held = blocks_[slotOf(block)])
-          leave(block, std::move(held));
-      });
-      origin_[axis] = origin[axis];
-      slab[axis] = origin[axis] + (shift > 0 ? size_[axis] - thickness : 0);
-      // What enters now may leave again along a later axis: wait until it is certain.
-      forEachInSlab(slab, axis, thickness, [&](const BlockIndex& block) {
-        bool stays = true;
-        for (int later = axis + 1; later < 3; ++later)
-          stays &= block[later] >= origin[later] &&
-                   block[later] < origin[later] + size_[later];
-        if (stays)
-          blocks_[slotOf(block)] = enter(block);
-      });
-    }
-  }
+  void scrollTo(const BlockIndex& origin, Leave&& leave, Enter&& enter);
 
   /** \brief Calls \a visit(index, block) for every block of the window, in the order z,
    * y, x of their indices. */
@@ -142,16 +116,8 @@ private:
   }
 
   template <typename Visit>
-  void
-  forEachInSlab(const BlockIndex& first, int axis, int thickness, Visit&& visit) const
-  {
-    BlockIndex extent = size_;
-    extent[axis] = thickness;
-    for (int z = 0; z < extent.z(); ++z)
-      for (int y = 0; y < extent.y(); ++y)
-        for (int x = 0; x < extent.x(); ++x)
-          visit(BlockIndex(first + BlockIndex(x, y, z)));
-  }
+  void forEachInSlab(const BlockIndex& first, int axis, int thickness,
+                     Visit&& visit) const;
 
   Eigen::Vector3i size_;
   BlockIndex origin_ = BlockIndex::Zero();
@@ -159,3 +125,5 @@ private:
 };
 
 } // namespace pcl_semantic
+
+#include <pcl_semantic/map/impl/scrolling_voxel_grid.hpp>

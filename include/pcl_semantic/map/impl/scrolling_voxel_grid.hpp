@@ -1,0 +1,62 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/map/scrolling_voxel_grid.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+namespace pcl_semantic {
+
+template <typename Block>
+template <typename Leave, typename Enter>
+void
+ScrollingVoxelGrid<Block>::scrollTo(const BlockIndex& origin, Leave&& leave,
+                                    Enter&& enter)
+{
+  for (int axis = 0; axis < 3; ++axis) {
+    const int shift = origin[axis] - origin_[axis];
+    if (shift == 0)
+      continue;
+    const int thickness = std::min(std::abs(shift), size_[axis]);
+    BlockIndex slab = origin_;
+    slab[axis] += shift > 0 ? 0 : size_[axis] - thickness;
+    forEachInSlab(slab, axis, thickness, [&](const BlockIndex& block) {
+      if (auto& held = blocks_[slotOf(block)])
+        leave(block, std::move(held));
+    });
+    origin_[axis] = origin[axis];
+    slab[axis] = origin[axis] + (shift > 0 ? size_[axis] - thickness : 0);
+    // What enters now may leave again along a later axis: wait until it is certain.
+    forEachInSlab(slab, axis, thickness, [&](const BlockIndex& block) {
+      bool stays = true;
+      for (int later = axis + 1; later < 3; ++later)
+        stays &= block[later] >= origin[later] &&
+                 block[later] < origin[later] + size_[later];
+      if (stays)
+        blocks_[slotOf(block)] = enter(block);
+    });
+  }
+}
+
+template <typename Block>
+template <typename Visit>
+void
+ScrollingVoxelGrid<Block>::forEachInSlab(const BlockIndex& first, int axis,
+                                         int thickness, Visit&& visit) const
+{
+  BlockIndex extent = size_;
+  extent[axis] = thickness;
+  for (int z = 0; z < extent.z(); ++z)
+    for (int y = 0; y < extent.y(); ++y)
+      for (int x = 0; x < extent.x(); ++x)
+        visit(BlockIndex(first + BlockIndex(x, y, z)));
+}
+
+} // namespace pcl_semantic

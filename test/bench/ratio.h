@@ -1,0 +1,42 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Median wall time of a few runs [s], after one that is not counted. */
+template <typename Work>
+double
+medianSeconds(int runs, Work&& work)
+{
+  work();
+  std::vector<double> seconds;
+  for (int i = 0; i < runs; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    seconds.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+            .count());
+  }
+  std::sort(seconds.begin(), seconds.end());
+  return seconds[seconds.size() / 2];
+}
+
+/** \brief One figure of a benchmark; larger is better. */
+inline void
+printRatio(const std::string& name, double value, double target)
+{
+  std::printf("ratio %s %.2f target %g\n", name.c_str(), value, target);
+}
+
+} // namespace pcl_semantic
