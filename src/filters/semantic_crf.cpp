@@ -9,9 +9,6 @@
 #include <pcl_semantic/crf/truncated_kernel.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
-#include <pcl/filters/impl/filter.hpp>
-#include <pcl/impl/pcl_base.hpp>
-
 #include <cmath>
 
 namespace pcl_semantic {

@@ -7,10 +7,24 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/version.h>
 
 #include <cmath>
 #include <iostream>
+
+/** \brief A point type of the user's own: a laser return with a label. */
+struct LaserPoint {
+  PCL_ADD_POINT4D;
+  float range;
+  std::uint32_t label;
+  PCL_MAKE_ALIGNED_OPERATOR_NEW
+};
+
+POINT_CLOUD_REGISTER_POINT_STRUCT(LaserPoint,
+                                  (float, x, x)(float, y, y)(float, z, z)(
+                                      float, range, range)(std::uint32_t, label, label))
 
 namespace ps = pcl_semantic;
 
@@ -53,6 +67,37 @@ checkErrors()
   }
 }
 
+// A wall of points, all labelled 2 but one: into a map, and through the filter.
+void
+checkMapAndFilter()
+{
+  pcl::PointCloud<LaserPoint>::Ptr cloud(new pcl::PointCloud<LaserPoint>);
+  for (int y = -5; y <= 5; ++y)
+    for (int z = -5; z <= 5; ++z) {
+      LaserPoint point{};
+      point.getVector3fMap() << 4.05f, 0.1f * float(y) + 0.05f, 0.1f * float(z) + 0.05f;
+      cloud->push_back(point);
+    }
+  ps::LabelDistributions labels(2, Eigen::Index(cloud->size()));
+  for (Eigen::Index i = 0; i < labels.size(); ++i)
+    labels.setLabel(i, i == 60 ? 1 : 2, 0.8f);
+
+  ps::SemanticVoxelMap map(ps::LabelSet({{"road", {}}, {"wall", {}}}),
+                           ps::SemanticVoxelMap::Parameters());
+  map.integrate(*cloud, Eigen::Isometry3d::Identity(), labels);
+  check(map.occupied().size() == cloud->size(), "a voxel a point");
+  check(map.label({4.05, 0.15, 0.15}) == 2, "label of a place in the map");
+  check(map.occupancy({2.0, 0.0, 0.0}) == ps::Occupancy::free, "free space");
+
+  ps::SemanticCRF<LaserPoint> crf;
+  crf.setInputCloud(cloud);
+  crf.setLabelDistributions(labels);
+  pcl::PointCloud<LaserPoint> refined;
+  crf.filter(refined);
+  check(refined.size() == cloud->size(), "the filter keeps all points");
+  check(refined[60].label == 2, "the odd one out takes the label of its neighbours");
+}
+
 } // namespace
 
 int
@@ -60,6 +105,7 @@ main()
 {
   checkDistributions();
   checkErrors();
+  checkMapAndFilter();
   std::cout << "downstream of pcl_semantic " << PCL_SEMANTIC_VERSION << ": "
             << (failures == 0 ? "works" : "fails") << "\n";
   return failures == 0 ? 0 : 1;

@@ -12,6 +12,10 @@
 #include <pcl/common/point_tests.h>
 #include <pcl/type_traits.h>
 
+// PCL instantiates its base classes for its own point types only.
+#include <pcl/filters/impl/filter.hpp>
+#include <pcl/impl/pcl_base.hpp>
+
 namespace pcl_semantic {
 
 template <typename PointT>
