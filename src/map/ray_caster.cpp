@@ -30,12 +30,15 @@ quantize(const Eigen::Vector3d& point, double voxel_size)
 }
 
 // Sets the bits of crossed voxels. Words are shared between threads; setting a bit
-// twice changes nothing, so the result does not depend on who comes first.
+// twice changes nothing, so the result does not depend on who comes first. The bits of
+// one word are gathered first: a ray stays in a word for several voxels.
 class CrossingMarker {
 public:
-  CrossingMarker(const RayCaster::Grid& grid, std::vector<std::uint64_t>& crossed,
-                 std::vector<std::uint8_t>& touched, std::size_t words)
-      : grid_(grid), crossed_(crossed), touched_(touched), words_(words)
+  CrossingMarker(const RayCaster::Grid& grid,
+                 std::vector<std::uint64_t>& crossed,
+                 std::vector<std::uint8_t>& touched,
+                 std::size_t words)
+  : grid_(grid), crossed_(crossed), touched_(touched), words_(words)
   {}
 
   bool
@@ -46,11 +49,22 @@ public:
       if (!enter(block))
         return false; // the window is convex: a ray that left it does not come back
     const int place = voxelInBlock(voxel);
-    const std::uint64_t bit = std::uint64_t(1) << (place & 63);
     std::uint64_t* const word = block_words_ + (place >> 6);
-    if (!(__atomic_load_n(word, __ATOMIC_RELAXED) & bit))
-      __atomic_fetch_or(word, bit, __ATOMIC_RELAXED);
+    if (word != word_) {
+      flush();
+      word_ = word;
+    }
+    bits_ |= std::uint64_t(1) << (place & 63);
     return true;
+  }
+
+  // Brings the gathered bits into their word; to be called after each ray.
+  void
+  flush()
+  {
+    if (bits_ & ~(word_ ? __atomic_load_n(word_, __ATOMIC_RELAXED) : bits_))
+      __atomic_fetch_or(word_, bits_, __ATOMIC_RELAXED);
+    bits_ = 0;
   }
 
 private:
@@ -72,6 +86,8 @@ private:
   std::size_t words_;
   VoxelIndex block_ = VoxelIndex::Zero();
   std::uint64_t* block_words_ = nullptr;
+  std::uint64_t* word_ = nullptr;
+  std::uint64_t bits_ = 0;
 };
 
 bool
@@ -134,6 +150,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
       const QuantizedPoint end =
           quantize(T_world_sensor * in_sensor, settings.voxel_size);
       traverseSegment(start, end, mark);
+      mark.flush();
       const VoxelIndex voxel = voxelOf(end);
       const VoxelIndex block = blockOf(voxel);
       if (in_range && grid.contains(block))
@@ -144,14 +161,10 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   }
   std::sort(hits_.begin(), hits_.end());
 
-  const VoxelIndex size = grid.size();
-  for (int z = 0; z < size.z(); ++z)
-    for (int y = 0; y < size.y(); ++y)
-      for (int x = 0; x < size.x(); ++x) {
-        const VoxelIndex block = grid.origin() + VoxelIndex(x, y, z);
-        if (touched_[grid.slotOf(block)])
-          crossed_blocks_.push_back(block);
-      }
+  grid.forEachSlot([&](const VoxelIndex& block, std::size_t slot) {
+    if (touched_[slot])
+      crossed_blocks_.push_back(block);
+  });
   return {scan.points.size(), rays, invalid, sky, 0};
 }
 

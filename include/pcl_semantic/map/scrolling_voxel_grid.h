@@ -95,15 +95,24 @@ public:
   template <typename Leave, typename Enter>
   void scrollTo(const BlockIndex& origin, Leave&& leave, Enter&& enter);
 
-  /** \brief Calls \a visit(index, block) for every block of the window, in the order z,
-   * y, x of their indices. */
+  /** \brief Calls \a visit(index, slot) for every position of the window, in the order
+   * z, y, x of the indices. */
+  template <typename Visit>
+  void
+  forEachSlot(Visit&& visit) const
+  {
+    forEachInSlab(origin_, 0, size_.x(), visit);
+  }
+
+  /** \brief Calls \a visit(index, block) for every block of the window, in that order.
+   */
   template <typename Visit>
   void
   forEach(Visit&& visit) const
   {
-    forEachInSlab(origin_, 0, size_.x(), [&](const BlockIndex& block) {
-      if (const auto& held = blocks_[slotOf(block)])
-        visit(block, *held);
+    forEachSlot([&](const BlockIndex& block, std::size_t slot) {
+      if (blocks_[slot])
+        visit(block, *blocks_[slot]);
     });
   }
 

@@ -27,21 +27,23 @@ ScrollingVoxelGrid<Block>::scrollTo(const BlockIndex& origin, Leave&& leave,
     const int thickness = std::min(std::abs(shift), size_[axis]);
     BlockIndex slab = origin_;
     slab[axis] += shift > 0 ? 0 : size_[axis] - thickness;
-    forEachInSlab(slab, axis, thickness, [&](const BlockIndex& block) {
-      if (auto& held = blocks_[slotOf(block)])
-        leave(block, std::move(held));
-    });
+    forEachInSlab(slab, axis, thickness,
+                  [&](const BlockIndex& block, std::size_t slot) {
+                    if (blocks_[slot])
+                      leave(block, std::move(blocks_[slot]));
+                  });
     origin_[axis] = origin[axis];
     slab[axis] = origin[axis] + (shift > 0 ? size_[axis] - thickness : 0);
     // What enters now may leave again along a later axis: wait until it is certain.
-    forEachInSlab(slab, axis, thickness, [&](const BlockIndex& block) {
-      bool stays = true;
-      for (int later = axis + 1; later < 3; ++later)
-        stays &= block[later] >= origin[later] &&
-                 block[later] < origin[later] + size_[later];
-      if (stays)
-        blocks_[slotOf(block)] = enter(block);
-    });
+    forEachInSlab(slab, axis, thickness,
+                  [&](const BlockIndex& block, std::size_t slot) {
+                    bool stays = true;
+                    for (int later = axis + 1; later < 3; ++later)
+                      stays &= block[later] >= origin[later] &&
+                               block[later] < origin[later] + size_[later];
+                    if (stays)
+                      blocks_[slot] = enter(block);
+                  });
   }
 }
 
@@ -54,9 +56,15 @@ ScrollingVoxelGrid<Block>::forEachInSlab(const BlockIndex& first, int axis,
   BlockIndex extent = size_;
   extent[axis] = thickness;
   for (int z = 0; z < extent.z(); ++z)
-    for (int y = 0; y < extent.y(); ++y)
-      for (int x = 0; x < extent.x(); ++x)
-        visit(BlockIndex(first + BlockIndex(x, y, z)));
+    for (int y = 0; y < extent.y(); ++y) {
+      const std::size_t row =
+          slotOf(first + BlockIndex(0, y, z)) - wrap(first.x(), size_.x());
+      std::size_t column = wrap(first.x(), size_.x());
+      for (int x = 0; x < extent.x(); ++x) {
+        visit(BlockIndex(first + BlockIndex(x, y, z)), row + column);
+        column = column + 1 == std::size_t(size_.x()) ? 0 : column + 1;
+      }
+    }
 }
 
 } // namespace pcl_semantic
