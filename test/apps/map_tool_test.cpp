@@ -5,7 +5,6 @@
  */
 
 #include "support/run_tool.h"
-#include "support/scratch_folder.h"
 
 #include <gtest/gtest.h>
 
