@@ -10,11 +10,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <set>
 
 namespace pcl_semantic {
 
-/** \brief Maps a street with options; the run has to succeed. */
+/** \brief Maps a street with options; the run has to succeed and to print the
+ * three lines that name its results, nothing else. */
 inline void
 mapStreet(const std::string& street, const std::string& output,
           const std::string& options)
@@ -22,6 +24,7 @@ mapStreet(const std::string& street, const std::string& output,
   const ToolResult result = runTool("map " + street + " --labels " + street +
                                     "/labels --output " + output + " " + options);
   EXPECT_EQ(result.code, 0) << result.text;
+  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 3) << result.text;
 }
 
 /** \brief All files below a folder, without its own path. */
