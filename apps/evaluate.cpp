@@ -42,8 +42,8 @@ const tool::Usage usage{
     "covers (is not 0); inclusive ones take uncovered pixels for misses. Folders may "
     "be\n"
     "given several times, in the same order: they are evaluated as one.",
-    "pcl_semantic_evaluate --prediction out/labels --truth sequences/05/gt \\\n"
-    "    --label-set data/label_sets/kitti11.yaml --output out/evaluation"};
+    "pcl_semantic_evaluate --prediction /tmp/map/labels --truth /tmp/street/gt \\\n"
+    "    --label-set data/label_sets/kitti11.yaml --output /tmp/evaluation"};
 
 bool
 parse(int argc, char** argv, Options& options)

@@ -37,7 +37,7 @@ const tool::Usage usage{
     "SEQUENCE --output DIR --label-set FILE --label-mapping FILE [options]",
     "Projects the labelled laser scans of a KITTI sequence (velodyne/*.bin, "
     "labels/*.label)\ninto its left images: sparse 8-bit truth images, 0 = no truth.",
-    "pcl_semantic_lidar_truth sequences/05 --output truth/05 \\\n"
+    "pcl_semantic_lidar_truth sequences/05 --output /tmp/truth \\\n"
     "    --label-set data/label_sets/kitti11.yaml \\\n"
     "    --label-mapping data/label_mappings/semantic_kitti_to_kitti11.yaml"};
 

@@ -95,6 +95,9 @@ requireArguments(const Arguments& arguments)
   std::error_code error;
   if (std::filesystem::equivalent(arguments.sequence, arguments.output, error))
     fail("--output is the sequence itself");
+  if (std::filesystem::equivalent(arguments.labels, arguments.output + "/labels",
+                                  error))
+    fail("--labels is where --output puts its own labels");
 }
 
 struct Labelling {
@@ -130,7 +133,7 @@ makePoses(const Arguments& arguments, const KittiSequence& sequence)
                         arguments.sequence
                             << ": has no poses.txt; give a trajectory with --poses");
   return std::make_unique<TrajectoryPoses>(readKittiTrajectory(path),
-                                           sequence.T_camera0_camera());
+                                           sequence.T_camera0_camera(), path);
 }
 
 int

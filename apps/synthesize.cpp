@@ -51,7 +51,7 @@ parseOptions(int argc, char** argv, Options& options)
       "odometry benchmark, with true disparity, true labels and label distributions "
       "as\n"
       "a network would give them.",
-      "pcl_semantic_synthesize street --frames 20 --seed 7"};
+      "pcl_semantic_synthesize /tmp/street --seed 7"};
   po::variables_map values;
   return tool::parseCommandLine(argc, argv, usage, visible, positional, values);
 }

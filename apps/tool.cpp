@@ -85,7 +85,10 @@ run(const std::string& name, const std::function<int()>& body)
   cv::redirectError(
       [](int, const char*, const char*, const char*, int, void*) { return 0; });
   try {
-    return body();
+    const int code = body();
+    if (!std::cout.flush())
+      return fail(name, "standard output cannot be written", exit_output_failed);
+    return code;
   }
   catch (const InvalidParameterException& error) {
     return fail(name, error.what(), exit_usage);

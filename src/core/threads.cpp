@@ -9,6 +9,7 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include <algorithm>
 #include <omp.h>
 
 namespace pcl_semantic {
@@ -21,7 +22,8 @@ setNumberOfThreads(int threads)
                         "threads is " << threads << ", expected 0 (all) to 1024");
   const int count = threads == 0 ? omp_get_num_procs() : threads;
   omp_set_num_threads(count);
-  cv::setNumThreads(count);
+  // TBB complains on standard error when asked for more than there are.
+  cv::setNumThreads(std::min(count, cv::getNumberOfCPUs()));
 }
 
 } // namespace pcl_semantic

@@ -58,9 +58,7 @@ SemanticMapper::process(const StereoFrame& frame)
       "cloud", [&] { return disparityToCloud(result.disparity, frame.left, camera_); });
   result.network =
       times.measure("labelling", [&] { return predictor_->predict(frame); });
-  result.counts = times.measure("map", [&] {
-    return map_.integrate(*result.cloud, result.T_world_camera, result.network);
-  });
+  result.counts = times.measure("map", [&] { return integrate(result); });
   result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
   if (config_.crf != "none" && frames_ % config_.crf_every == 0)
     times.measure("crf", [&] { refine(result.voxels); });
@@ -68,6 +66,18 @@ SemanticMapper::process(const StereoFrame& frame)
   if (callback_)
     callback_(result, map_);
   return result;
+}
+
+ScanCounts
+SemanticMapper::integrate(const MappedFrame& mapped)
+{
+  try {
+    return map_.integrate(*mapped.cloud, mapped.T_world_camera, mapped.network);
+  }
+  catch (const BadInputException& error) { // a map knows nothing of frames
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "frame " << mapped.frame.number << ": " << error.what());
+  }
 }
 
 void

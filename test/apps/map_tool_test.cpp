@@ -3,22 +3,142 @@
  *
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
+#include "support/mapped_street.h"
 
-#include "support/run_tool.h"
-#include "support/scratch_folder.h"
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
 
-#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
-namespace {
+#include <cstring>
 
-using namespace pcl_semantic;
+namespace pcl_semantic {
 
-TEST(MapTool, HelpAndUsage)
+namespace fs = std::filesystem;
+
+TEST(MapTool, FramesKeepTheirNumbers)
 {
-  const ToolResult help = runTool("map --help");
-  EXPECT_EQ(help.code, 0);
-  EXPECT_NE(help.text.find("--voxel-size"), std::string::npos);
-  EXPECT_EQ(runTool("map").code, 2);
+  const TemporaryFolder folder;
+  mapStreet(tinyStreet(), folder.path("part"), "--frames 1:3 --crf none");
+  EXPECT_EQ(filesIn(folder.path("part")), filesOfMap({"000001", "000002"}));
+
+  copyStreet(folder.path("street"));
+  fs::remove(folder.path("street/image_2/000001.png"));
+  fs::remove(folder.path("street/image_3/000001.png"));
+  mapStreet(folder.path("street"), folder.path("gap"), "--crf none");
+  EXPECT_EQ(filesIn(folder.path("gap")), filesOfMap({"000000", "000002"}));
+  const Trajectory poses = readKittiTrajectory(folder.path("gap/trajectory.txt"));
+  ASSERT_EQ(poses.size(), 3u);
+  const Trajectory truth = readKittiTrajectory(tinyStreet() + "/poses.txt");
+  EXPECT_TRUE(poses[2].isApprox(truth[2], 1e-9));
+  EXPECT_EQ(readJson(folder.path("gap/summary.json"))["frame_numbers"],
+            nlohmann::json({0, 2}));
 }
 
-} // namespace
+TEST(MapTool, CrfAndThreads)
+{
+  const TemporaryFolder folder;
+  const auto mapWith = [&](const std::string& options) {
+    mapStreet(tinyStreet(), folder.path("out"), "--frames 0:2 " + options);
+    return bytesOf(folder.path("out/map.pcd"));
+  };
+  const std::string dense = mapWith("--threads 1");
+  EXPECT_TRUE(dense == mapWith("--threads 3 --crf dense"));
+  EXPECT_FALSE(dense == mapWith("--crf none"));
+}
+
+TEST(MapTool, StoredLabelsOfEveryKind)
+{
+  const TemporaryFolder folder;
+  copyStreet(folder.path("street"));
+  const std::string stored = folder.path("street/labels/000000");
+  const auto mapLabels = [&] {
+    mapStreet(folder.path("street"), folder.path("out"), "--frames 0:1 --crf none");
+    return readPng(folder.path("out/network_labels/000000.png"), ImageKind::labels);
+  };
+  const cv::Mat labels = mapLabels();
+  const std::string map = bytesOf(folder.path("out/map.pcd"));
+  const std::string bytes = bytesOf(stored + ".bin");
+  fs::remove(stored + ".bin");
+
+  std::ofstream(stored + ".npy") << npyBytes("<f4", "(64, 208, 11)", bytes);
+  EXPECT_EQ(cv::norm(mapLabels(), labels, cv::NORM_L1), 0.0);
+  EXPECT_TRUE(bytesOf(folder.path("out/map.pcd")) == map);
+
+  std::string halves;
+  for (std::size_t i = 0; i < bytes.size(); i += sizeof(float)) {
+    float value = 0.0f;
+    std::memcpy(&value, &bytes[i], sizeof(value));
+    const cv::float16_t half(value);
+    halves.append(reinterpret_cast<const char*>(&half), sizeof(half));
+  }
+  std::ofstream(stored + ".npy") << npyBytes("<f2", "(64, 208, 11)", halves);
+  EXPECT_LT(cv::countNonZero(mapLabels() != labels), 208 * 64 / 100);
+  fs::remove(stored + ".npy");
+
+  fs::copy(folder.path("street/gt/000000.png"), stored + ".png");
+  EXPECT_EQ(
+      cv::norm(mapLabels(), readPng(stored + ".png", ImageKind::labels), cv::NORM_L1),
+      0.0);
+}
+
+TEST(MapTool, ConfigurationFileAndOptions)
+{
+  const TemporaryFolder folder;
+  const std::string config =
+      folder.write("config.yaml", "voxel_size: 0.2\nwindow: [20, 20, 8]\ncrf: none\n");
+  const ToolResult printed =
+      runTool("map --config " + config + " --voxel-size 0.25 --print-config");
+  EXPECT_EQ(printed.code, 0);
+  for (const char* line :
+       {"voxel_size: 0.25 ", "window: [20,20,8] ", "crf: none ", "max_depth: 40 "})
+    EXPECT_NE(("\n" + printed.text).find(std::string("\n") + line), std::string::npos)
+        << line << "\n"
+        << printed.text;
+  const std::string whole = folder.write("whole.yaml", printed.text);
+  EXPECT_EQ(runTool("map --print-config --config " + whole).text, printed.text);
+
+  mapStreet(tinyStreet(), folder.path("out"),
+            "--frames 0:1 --config " + config + " --voxel-size 0.25");
+  const nlohmann::json summary = readJson(folder.path("out/summary.json"));
+  EXPECT_EQ(summary["voxel_size"], 0.25);
+  EXPECT_EQ(summary["options"]["window"], "20,20,8");
+}
+
+TEST(MapTool, AnInterruptEndsAfterTheFrame)
+{
+  constexpr int frames = 30;
+  const TemporaryFolder folder;
+  copyStreet(folder.path("street"));
+  const auto name = [&](int frame, const std::string& kind, const char* extension) {
+    return folder.path("street/" + kind + "/" + frameFileName(frame, extension));
+  };
+  for (int frame = 3; frame < frames; ++frame) {
+    fs::copy(name(frame % 3, "image_2", ".png"), name(frame, "image_2", ".png"));
+    fs::copy(name(frame % 3, "image_3", ".png"), name(frame, "image_3", ".png"));
+    fs::copy(name(frame % 3, "labels", ".bin"), name(frame, "labels", ".bin"));
+  }
+  fs::remove(folder.path("street/times.txt"));
+  std::ofstream poses(folder.path("street/poses.txt"));
+  for (int frame = 0; frame < frames; ++frame)
+    poses << "1 0 0 0 0 1 0 0 0 0 1 " << frame % 3 << "\n";
+  poses.close();
+
+  const std::string out = folder.path("out");
+  const ToolResult result =
+      runShell(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " +
+               folder.path("street") + " --labels " + folder.path("street/labels") +
+               " --output " + out + " 2>&1 & while kill -0 $! && ! test -e " + out +
+               "/labels/000000.png; do sleep 0.02; done; kill -INT $!; wait $!");
+  EXPECT_EQ(result.code, 130) << result.text;
+  const nlohmann::json summary = readJson(out + "/summary.json");
+  EXPECT_GE(summary["frames"], 1);
+  EXPECT_LT(summary["frames"], frames);
+  std::vector<std::string> names;
+  for (int frame = 0; frame < summary["frames"]; ++frame)
+    names.push_back(frameFileName(frame, ""));
+  EXPECT_EQ(filesIn(out), filesOfMap(names));
+}
+
+} // namespace pcl_semantic

@@ -8,7 +8,7 @@
 // PCL users have today. Same kernels, weights and updates on both sides.
 
 #include "bench/ratio.h"
-#include "support/street_map.h"
+#include "support/street_scans.h"
 
 #include <pcl_semantic/filters/semantic_crf.h>
 

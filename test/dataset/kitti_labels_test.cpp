@@ -4,8 +4,10 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "support/scratch_folder.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/dataset/semantic_kitti_labels.h>
 #include <pcl_semantic/dataset/velodyne_scan.h>
@@ -29,9 +31,9 @@ writeArray(const std::string& path, const std::vector<T>& values, std::size_t by
 
 TEST(VelodyneScan, ReadsPoints)
 {
-  const ScratchFolder folder;
-  writeArray<float>(folder / "a.bin", {1, 2, 3, 0.5f, -4, 5, -6, 0.25f}, 32);
-  const auto scan = readVelodyneScan(folder / "a.bin");
+  const TemporaryFolder folder;
+  writeArray<float>(folder.path("a.bin"), {1, 2, 3, 0.5f, -4, 5, -6, 0.25f}, 32);
+  const auto scan = readVelodyneScan(folder.path("a.bin"));
   ASSERT_EQ(scan->size(), 2u);
   EXPECT_EQ((*scan)[1].x, -4.0f);
   EXPECT_EQ((*scan)[1].y, 5.0f);
@@ -41,17 +43,18 @@ TEST(VelodyneScan, ReadsPoints)
 
 TEST(VelodyneScan, RefusesDamagedFiles)
 {
-  const ScratchFolder folder;
-  const std::string path = folder / "a.bin";
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.bin");
   const auto read = [&] { readVelodyneScan(path); };
-  expectSays(complaint(read), "cannot be read");
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(read), "cannot be read"));
   writeArray<float>(path, {}, 0);
-  expectSays(complaint(read), "has 0 bytes");
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(read), "has 0 bytes"));
   writeArray<float>(path, {1, 2, 3, 4, 5, 6, 7, 8}, 31);
-  expectSays(complaint(read), "has 31 bytes, expected a multiple of 16");
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(read),
+                    "has 31 bytes, expected a multiple of 16"));
   writeArray<float>(path,
                     {1, 2, 3, 4, 5, std::numeric_limits<float>::quiet_NaN(), 7, 8}, 32);
-  expectSays(complaint(read), "point 1");
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(read), "point 1"));
 }
 
 TEST(SemanticKittiLabels, MapsTheLower16Bits)
@@ -59,18 +62,20 @@ TEST(SemanticKittiLabels, MapsTheLower16Bits)
   LabelMapping mapping;
   mapping.set(40, 3);
   mapping.set(259, 6);
-  const ScratchFolder folder;
-  writeArray<std::uint32_t>(folder / "a.label", {40, 259u | 7u << 16, 41, 40u << 16},
-                            16);
-  EXPECT_EQ(readSemanticKittiLabels(folder / "a.label", mapping, 4),
+  const TemporaryFolder folder;
+  writeArray<std::uint32_t>(folder.path("a.label"),
+                            {40, 259u | 7u << 16, 41, 40u << 16}, 16);
+  EXPECT_EQ(readSemanticKittiLabels(folder.path("a.label"), mapping, 4),
             (std::vector<Label>{3, 6, 0, 0}));
-  expectSays(
-      complaint([&] { readSemanticKittiLabels(folder / "a.label", mapping, 5); }),
-      "has 16 bytes, expected 20");
-  writeArray<std::uint32_t>(folder / "a.label", {40, 40}, 7);
-  expectSays(
-      complaint([&] { readSemanticKittiLabels(folder / "a.label", mapping, 2); }),
-      "has 7 bytes, expected 8");
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] {
+                      readSemanticKittiLabels(folder.path("a.label"), mapping, 5);
+                    }),
+                    "has 16 bytes, expected 20"));
+  writeArray<std::uint32_t>(folder.path("a.label"), {40, 40}, 7);
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] {
+                      readSemanticKittiLabels(folder.path("a.label"), mapping, 2);
+                    }),
+                    "has 7 bytes, expected 8"));
 }
 
 TEST(FrameRange, HalfOpen)

@@ -4,8 +4,10 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "support/scratch_folder.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -48,38 +50,38 @@ calibration(const std::map<std::string, std::string>& other = {},
 }
 
 void
-writeFrames(const ScratchFolder& folder, const std::string& name,
+writeFrames(const TemporaryFolder& folder, const std::string& name,
             const std::vector<int>& frames, int type = CV_8UC3)
 {
-  fs::create_directories(folder / name);
+  fs::create_directories(folder.path(name));
   for (const int frame : frames)
-    writePng(folder / name + "/" + frameFileName(frame, ".png"),
+    writePng(folder.path(name) + "/" + frameFileName(frame, ".png"),
              cv::Mat(80, 120, type, cv::Scalar::all(frame)));
 }
 
 void
-writeSequence(const ScratchFolder& folder, const std::vector<int>& frames)
+writeSequence(const TemporaryFolder& folder, const std::vector<int>& frames)
 {
   writeFrames(folder, "image_2", frames);
   writeFrames(folder, "image_3", frames);
-  writeTextFile(folder / "calib.txt", calibration());
+  writeTextFile(folder.path("calib.txt"), calibration());
 }
 
 std::string
 calibrationComplaint(const std::string& text)
 {
-  const ScratchFolder folder;
-  writeTextFile(folder / "calib.txt", text);
-  return complaint(
-      [&] { readKittiCalibration(folder / "calib.txt", KittiCameras::colour); });
+  const TemporaryFolder folder;
+  writeTextFile(folder.path("calib.txt"), text);
+  return thrownMessage<BadInputException>(
+      [&] { readKittiCalibration(folder.path("calib.txt"), KittiCameras::colour); });
 }
 
 } // namespace
 
 TEST(KittiCalibration, GeometryOfBothPairs)
 {
-  const ScratchFolder folder;
-  const std::string path = folder / "calib.txt";
+  const TemporaryFolder folder;
+  const std::string path = folder.path("calib.txt");
   writeTextFile(path, calibration());
   const KittiCalibration grey = readKittiCalibration(path, KittiCameras::grey);
   EXPECT_DOUBLE_EQ(grey.camera.baseline, 0.2);
@@ -112,12 +114,12 @@ TEST(KittiCalibration, GeometryOfBothPairs)
 
 TEST(KittiCalibration, AcceptsWindowsTextAndOtherRows)
 {
-  const ScratchFolder folder;
-  writeTextFile(folder / "calib.txt", "\xEF\xBB\xBF" +
-                                          calibration({{"Tr", ""}}, "  \r\n") +
-                                          "\r\nS_02: 1 2\r\n");
+  const TemporaryFolder folder;
+  writeTextFile(folder.path("calib.txt"), "\xEF\xBB\xBF" +
+                                              calibration({{"Tr", ""}}, "  \r\n") +
+                                              "\r\nS_02: 1 2\r\n");
   const KittiCalibration result =
-      readKittiCalibration(folder / "calib.txt", KittiCameras::colour);
+      readKittiCalibration(folder.path("calib.txt"), KittiCameras::colour);
   EXPECT_DOUBLE_EQ(result.camera.fx, 500.0);
   EXPECT_FALSE(result.T_camera0_velodyne.has_value());
 }
@@ -126,40 +128,42 @@ TEST(KittiCalibration, RefusesWithTheLine)
 {
   using Rows = std::map<std::string, std::string>;
   const std::string good = "500 0 60 1 0 400 40 0 0 0 1 ";
-  expectSays(calibrationComplaint(calibration(Rows{{"P1", good}})),
-             "calib.txt line 2: P1: has 11 numbers, expected 12");
-  expectSays(calibrationComplaint(calibration(Rows{{"P2", good + "nan"}})),
-             "calib.txt line 3: P2: 'nan'");
-  expectSays(calibrationComplaint(calibration(Rows{{"P2", good + "1,5"}})), "'1,5'");
-  expectSays(
+  EXPECT_TRUE(holds(calibrationComplaint(calibration(Rows{{"P1", good}})),
+                    "calib.txt line 2: P1: has 11 numbers, expected 12"));
+  EXPECT_TRUE(holds(calibrationComplaint(calibration(Rows{{"P2", good + "nan"}})),
+                    "calib.txt line 3: P2: 'nan'"));
+  EXPECT_TRUE(
+      holds(calibrationComplaint(calibration(Rows{{"P2", good + "1,5"}})), "'1,5'"));
+  EXPECT_TRUE(holds(
       calibrationComplaint(calibration(Rows{{"P2", "-500 0 60 1 0 400 40 0 0 0 1 0"}})),
-      "line 3: P2: focal lengths are -500");
-  expectSays(
+      "line 3: P2: focal lengths are -500"));
+  EXPECT_TRUE(holds(
       calibrationComplaint(calibration(Rows{{"P2", "500 3 60 1 0 400 40 0 0 0 1 0"}})),
-      "line 3: P2: the left 3 x 3 block");
-  expectSays(calibrationComplaint(
-                 calibration(Rows{{"P3", "500 0 61 -220 0 400 40 0 0 0 1 0"}})),
-             "line 4: P3: the camera matrix differs");
-  expectSays(calibrationComplaint(
-                 calibration(Rows{{"P3", "500 0 60 220 0 400 40 0 0 0 1 0"}})),
-             "line 4: P3: baseline is -");
-  expectSays(calibrationComplaint(calibration(Rows{{"P3", ""}})), "has no row 'P3:'");
-  expectSays(calibrationComplaint(calibration() + "P2: " + good + "0\n"),
-             "is there twice");
-  expectSays(
-      calibrationComplaint(calibration(Rows{{"Tr", "0 1 0 0 0 0 -1 0 1 0 0 0"}})),
-      "line 5: Tr: the left 3 x 3 block is no rotation");
+      "line 3: P2: the left 3 x 3 block"));
+  EXPECT_TRUE(holds(calibrationComplaint(
+                        calibration(Rows{{"P3", "500 0 61 -220 0 400 40 0 0 0 1 0"}})),
+                    "line 4: P3: the camera matrix differs"));
+  EXPECT_TRUE(holds(calibrationComplaint(
+                        calibration(Rows{{"P3", "500 0 60 220 0 400 40 0 0 0 1 0"}})),
+                    "line 4: P3: baseline is -"));
+  EXPECT_TRUE(
+      holds(calibrationComplaint(calibration(Rows{{"P3", ""}})), "has no row 'P3:'"));
+  EXPECT_TRUE(holds(calibrationComplaint(calibration() + "P2: " + good + "0\n"),
+                    "is there twice"));
+  EXPECT_TRUE(
+      holds(calibrationComplaint(calibration(Rows{{"Tr", "0 1 0 0 0 0 -1 0 1 0 0 0"}})),
+            "line 5: Tr: the left 3 x 3 block is no rotation"));
 }
 
 TEST(KittiSequence, GapsAndTimesByFrameNumber)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   writeSequence(folder, {3, 10});
   std::string times;
   for (int row = 0; row < 12; ++row)
     times += std::to_string(row * row) + "\n";
-  writeTextFile(folder / "times.txt", times);
-  const KittiSequence sequence(folder.str());
+  writeTextFile(folder.path("times.txt"), times);
+  const KittiSequence sequence(folder.path());
   ASSERT_EQ(sequence.size(), 2u);
   EXPECT_EQ(sequence.frameNumber(0), 3);
   EXPECT_EQ(sequence.frameNumber(1), 10);
@@ -176,78 +180,95 @@ TEST(KittiSequence, GapsAndTimesByFrameNumber)
 
 TEST(KittiSequence, WithoutTimesTenFramesASecond)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   writeSequence(folder, {4});
-  EXPECT_DOUBLE_EQ(KittiSequence(folder.str()).frame(0).timestamp, 0.4);
+  EXPECT_DOUBLE_EQ(KittiSequence(folder.path()).frame(0).timestamp, 0.4);
 }
 
 TEST(KittiSequence, ChoosesCameras)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   writeFrames(folder, "image_0", {0}, CV_8UC1);
   writeFrames(folder, "image_1", {0}, CV_8UC1);
-  writeTextFile(folder / "calib.txt", calibration());
-  const KittiSequence grey(folder.str());
+  writeTextFile(folder.path("calib.txt"), calibration());
+  const KittiSequence grey(folder.path());
   EXPECT_DOUBLE_EQ(grey.camera().baseline, 0.2);
   EXPECT_EQ(grey.frame(0).left.type(), CV_8UC1);
-  expectSays(complaint([&] { KittiSequence(folder.str(), KittiCameras::colour); }),
-             "image_2");
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(
+                        [&] { KittiSequence(folder.path(), KittiCameras::colour); }),
+                    "image_2"));
   writeFrames(folder, "image_2", {0});
   writeFrames(folder, "image_3", {0});
-  EXPECT_NEAR(KittiSequence(folder.str()).camera().baseline, 0.5, 1e-12);
-  EXPECT_DOUBLE_EQ(KittiSequence(folder.str(), KittiCameras::grey).camera().baseline,
+  EXPECT_NEAR(KittiSequence(folder.path()).camera().baseline, 0.5, 1e-12);
+  EXPECT_DOUBLE_EQ(KittiSequence(folder.path(), KittiCameras::grey).camera().baseline,
                    0.2);
 }
 
 TEST(KittiSequence, RefusesMissingPartners)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   writeSequence(folder, {0, 1, 2, 7});
-  fs::remove(folder / "image_3/000001.png");
-  expectSays(complaint([&] { KittiSequence{folder.str()}; }),
-             "image_3/000001.png: is missing");
-  fs::remove(folder / "image_2/000001.png");
-  EXPECT_EQ(KittiSequence(folder.str()).size(), 3u);
-  fs::remove(folder / "image_2/000007.png");
-  expectSays(complaint([&] { KittiSequence{folder.str()}; }),
-             "image_2/000007.png: is missing");
-  fs::remove_all(folder / "image_2");
-  fs::create_directories(folder / "image_2");
-  expectSays(complaint([&] { KittiSequence{folder.str()}; }), "holds no images");
-  expectSays(complaint([&] { KittiSequence{folder / "nothing"}; }), "is no folder");
+  fs::remove(folder.path("image_3/000001.png"));
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
+            "image_3/000001.png: is missing"));
+  fs::remove(folder.path("image_2/000001.png"));
+  EXPECT_EQ(KittiSequence(folder.path()).size(), 3u);
+  fs::remove(folder.path("image_2/000007.png"));
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
+            "image_2/000007.png: is missing"));
+  fs::remove_all(folder.path("image_2"));
+  fs::create_directories(folder.path("image_2"));
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
+            "holds no images"));
+  EXPECT_TRUE(holds(
+      thrownMessage<BadInputException>([&] { KittiSequence{folder.path("nothing")}; }),
+      "is no folder"));
 }
 
 TEST(KittiSequence, RefusesBadTimes)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   writeSequence(folder, {0, 2});
-  writeTextFile(folder / "times.txt", "0\n0.1\n");
-  expectSays(complaint([&] { KittiSequence{folder.str()}; }),
-             "times.txt: has 2 times, but frame 2");
-  writeTextFile(folder / "times.txt", "0\n0.1 0.2\n0.3\n\n");
-  expectSays(complaint([&] { KittiSequence{folder.str()}; }), "times.txt line 2");
-  writeTextFile(folder / "times.txt", "0\n\n0.3\n"); // would shift the rows
-  expectSays(complaint([&] { KittiSequence{folder.str()}; }), "times.txt line 2");
-  writeTextFile(folder / "times.txt", "0\n0.1\ninf\n");
-  expectSays(complaint([&] { KittiSequence{folder.str()}; }), "times.txt line 3");
+  writeTextFile(folder.path("times.txt"), "0\n0.1\n");
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
+            "times.txt: has 2 times, but frame 2"));
+  writeTextFile(folder.path("times.txt"), "0\n0.1 0.2\n0.3\n\n");
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
+            "times.txt line 2"));
+  writeTextFile(folder.path("times.txt"), "0\n\n0.3\n"); // would shift the rows
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
+            "times.txt line 2"));
+  writeTextFile(folder.path("times.txt"), "0\n0.1\ninf\n");
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
+            "times.txt line 3"));
 }
 
 TEST(KittiSequence, RefusesBadImages)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   writeSequence(folder, {0, 1, 2, 3});
-  writePng(folder / "image_3/000001.png",
+  writePng(folder.path("image_3/000001.png"),
            cv::Mat(80, 121, CV_8UC3, cv::Scalar::all(0)));
-  writePng(folder / "image_3/000002.png",
+  writePng(folder.path("image_3/000002.png"),
            cv::Mat(80, 120, CV_8UC1, cv::Scalar::all(0)));
-  writeTextFile(folder / "image_2/000003.png", "no image");
-  const KittiSequence sequence(folder.str());
+  writeTextFile(folder.path("image_2/000003.png"), "no image");
+  const KittiSequence sequence(folder.path());
   EXPECT_NO_THROW(sequence.frame(0));
-  const std::string size = complaint([&] { sequence.frame(1); });
-  expectSays(size, "image_3/000001.png: has 121 x 80 pixels, expected 120 x 80");
-  expectSays(size, "frame 1");
-  expectSays(complaint([&] { sequence.frame(2); }), "has 1 channel(s)");
-  expectSays(complaint([&] { sequence.frame(3); }), "is not a PNG image (frame 3)");
+  const std::string size = thrownMessage<BadInputException>([&] { sequence.frame(1); });
+  EXPECT_TRUE(
+      holds(size, "image_3/000001.png: has 121 x 80 pixels, expected 120 x 80"));
+  EXPECT_TRUE(holds(size, "frame 1"));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { sequence.frame(2); }),
+                    "has 1 channel(s)"));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { sequence.frame(3); }),
+                    "is not a PNG image (frame 3)"));
 }
 
 TEST(KittiSequence, RealRecordings)

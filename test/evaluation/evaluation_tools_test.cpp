@@ -5,7 +5,7 @@
  */
 
 #include "support/run_tool.h"
-#include "support/scratch_folder.h"
+#include "support/temporary_folder.h"
 
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -49,22 +49,22 @@ protected:
   {
     // Two folders of truth, to be pooled: 6 pixels of road and 2 of building.
     const cv::Mat1b road(2, 3, Label(3)), building(2, 2, Label(1));
-    writeImage(folder_ / "t1", "000000.png", road);
-    writeImage(folder_ / "p1", "000000.png", road);
-    writeImage(folder_ / "t2", "000004.png", building);
-    writeImage(folder_ / "p2", "000004.png", (cv::Mat1b(2, 2) << 1, 3, 0, 2));
-    writeImage(folder_ / "c1", "000000.png", road);
-    writeImage(folder_ / "c2", "000004.png", (cv::Mat1b(2, 2) << 7, 0, 0, 0));
+    writeImage(folder_.path("t1"), "000000.png", road);
+    writeImage(folder_.path("p1"), "000000.png", road);
+    writeImage(folder_.path("t2"), "000004.png", building);
+    writeImage(folder_.path("p2"), "000004.png", (cv::Mat1b(2, 2) << 1, 3, 0, 2));
+    writeImage(folder_.path("c1"), "000000.png", road);
+    writeImage(folder_.path("c2"), "000004.png", (cv::Mat1b(2, 2) << 7, 0, 0, 0));
   }
 
   std::string
   pair(const std::string& number) const
   {
-    return " --prediction " + folder_ / ("p" + number) + " --truth " +
-           folder_ / ("t" + number);
+    return " --prediction " + folder_.path("p" + number) + " --truth " +
+           folder_.path("t" + number);
   }
 
-  ScratchFolder folder_;
+  TemporaryFolder folder_;
 };
 
 } // namespace
@@ -73,7 +73,7 @@ TEST_F(EvaluateTool, PoolsAndWrites)
 {
   const std::string both = "evaluate" + pair("1") + pair("2") + label_set;
   const ToolResult row =
-      runTool(both + " --header --row both --output " + (folder_ / "out"));
+      runTool(both + " --header --row both --output " + (folder_.path("out")));
   EXPECT_EQ(row.code, 0) << row.text;
   // Road: 6 right, 1 false positive. Building: 1 right, 2 wrong, 1 uncovered.
   EXPECT_NE(row.text.find("| both | 33.3 | 85.7 | - |"), std::string::npos) << row.text;
@@ -82,15 +82,15 @@ TEST_F(EvaluateTool, PoolsAndWrites)
   EXPECT_EQ(
       row.text.rfind("| | building | road | vegetation | sidewalk | car | sign |", 0),
       0u);
-  std::ifstream stream(folder_ / "out/metrics.json");
+  std::ifstream stream(folder_.path("out/metrics.json"));
   EXPECT_NEAR(nlohmann::json::parse(stream)["coverage"], 0.9, 1e-12);
-  EXPECT_TRUE(fs::exists(folder_ / "out/confusion.csv"));
-  EXPECT_GT(readPng(folder_ / "out/confusion.png", ImageKind::grey_or_colour).cols,
+  EXPECT_TRUE(fs::exists(folder_.path("out/confusion.csv")));
+  EXPECT_GT(readPng(folder_.path("out/confusion.png"), ImageKind::grey_or_colour).cols,
             100);
 
   const ToolResult covered =
-      runTool(both + " --row x --covered-by " + (folder_ / "c1") + " --covered-by " +
-              (folder_ / "c2"));
+      runTool(both + " --row x --covered-by " + (folder_.path("c1")) +
+              " --covered-by " + (folder_.path("c2")));
   EXPECT_NE(covered.text.find("| x | 100.0 | 100.0 |"), std::string::npos)
       << covered.text;
   const ToolResult without = runTool(both + " --row x --ignore 3,building,sky");
@@ -106,51 +106,51 @@ TEST_F(EvaluateTool, RefusesBadInput)
   expectFails(one + " --misspelt", 2, "misspelt");
   expectFails(one + " --ignore 12", 2, "'12'");
   expectFails(one + " --ignore skye", 2, "'skye'");
-  expectFails(one + " --truth " + (folder_ / "t2"), 2, "1, 2 and 0 times");
-  expectFails("evaluate --prediction " + (folder_ / "p1") + " --truth " +
-                  (folder_ / "t2") + label_set,
+  expectFails(one + " --truth " + (folder_.path("t2")), 2, "1, 2 and 0 times");
+  expectFails("evaluate --prediction " + (folder_.path("p1")) + " --truth " +
+                  (folder_.path("t2")) + label_set,
               3, "p1/000004.png: is missing");
-  expectFails(one + " --covered-by " + (folder_ / "c2"), 3, "c2/000000.png");
+  expectFails(one + " --covered-by " + (folder_.path("c2")), 3, "c2/000000.png");
   expectFails(one + " --output /dev/null/x", 5, "/dev/null/x");
-  writeTextFile(folder_ / "p1/000000.png", "no image");
+  writeTextFile(folder_.path("p1/000000.png"), "no image");
   expectFails(one, 3, "p1/000000.png");
-  writeImage(folder_ / "p1", "000000.png", cv::Mat1b(2, 3, Label(12)));
+  writeImage(folder_.path("p1"), "000000.png", cv::Mat1b(2, 3, Label(12)));
   expectFails(one, 3, "label 12");
 }
 
 TEST(LidarTruthTool, ProjectsAGeneratedScan)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const cv::Mat1b grey(40, 60, std::uint8_t(90));
   for (const char* camera : {"image_0/", "image_1/"})
-    writeImage(folder / camera, "000002.png", grey);
-  writeTextFile(folder / "calib.txt",
+    writeImage(folder.path(camera), "000002.png", grey);
+  writeTextFile(folder.path("calib.txt"),
                 "P0: 50 0 30 0 0 50 20 0 0 0 1 0\nP1: 50 0 30 -25 0 50 20 0 0 0 1 0\n"
                 "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
-  fs::create_directories(folder / "velodyne");
-  fs::create_directories(folder / "labels");
+  fs::create_directories(folder.path("velodyne"));
+  fs::create_directories(folder.path("labels"));
   const float points[] = {10, 2, 1, 0, 50, 0, 0, 0}; // the second is too far
   const std::uint32_t labels[] = {40 | 9u << 16, 40};
-  std::ofstream(folder / "velodyne/000002.bin", std::ios::binary)
+  std::ofstream(folder.path("velodyne/000002.bin"), std::ios::binary)
       .write(reinterpret_cast<const char*>(points), sizeof(points));
-  std::ofstream(folder / "labels/000002.label", std::ios::binary)
+  std::ofstream(folder.path("labels/000002.label"), std::ios::binary)
       .write(reinterpret_cast<const char*>(labels), sizeof(labels));
 
-  const std::string command = "lidar_truth " + folder.str() + label_set +
-                              label_mapping + " --output " + (folder / "truth");
+  const std::string command = "lidar_truth " + folder.path() + label_set +
+                              label_mapping + " --output " + (folder.path("truth"));
   const ToolResult result = runTool(command);
   EXPECT_EQ(result.code, 0) << result.text;
-  const cv::Mat1b truth = readPng(folder / "truth/000002.png", ImageKind::labels);
+  const cv::Mat1b truth = readPng(folder.path("truth/000002.png"), ImageKind::labels);
   EXPECT_EQ(cv::countNonZero(truth), 1);
   EXPECT_EQ(truth(15, 20), 3);
 
   expectFails(command + " --frames 10:5", 2, "10:5");
   expectFails(command + " --frames 3:5", 3, "3:5");
   expectFails(command + " --max-depth nan", 2, "max-depth");
-  fs::resize_file(folder / "labels/000002.label", 7);
-  fs::remove_all(folder / "truth");
+  fs::resize_file(folder.path("labels/000002.label"), 7);
+  fs::remove_all(folder.path("truth"));
   expectFails(command, 3, "000002.label: has 7 bytes");
-  EXPECT_FALSE(fs::exists(folder / "truth/000002.png"));
+  EXPECT_FALSE(fs::exists(folder.path("truth/000002.png")));
 }
 
 TEST(LidarTruthTool, AgreesWithTheHandMadeImage)
@@ -158,17 +158,17 @@ TEST(LidarTruthTool, AgreesWithTheHandMadeImage)
   const char* recordings = std::getenv("PCL_SEMANTIC_DATA");
   if (!recordings)
     GTEST_SKIP() << "skipped: PCL_SEMANTIC_DATA is not set";
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const std::string sequence = std::string(recordings) + "/kitti/05";
   const ToolResult result =
       runTool("lidar_truth " + sequence + label_set + label_mapping +
-              " --frames 0:1 --output " + (folder / "truth"));
+              " --frames 0:1 --output " + (folder.path("truth")));
   ASSERT_EQ(result.code, 0) << result.text;
   const ToolResult scores = runTool(
-      "evaluate --prediction " + sequence + "/gt --truth " + (folder / "truth") +
-      label_set + " --ignore sky,7,8,sidewalk --output " + (folder / "out"));
+      "evaluate --prediction " + sequence + "/gt --truth " + (folder.path("truth")) +
+      label_set + " --ignore sky,7,8,sidewalk --output " + (folder.path("out")));
   ASSERT_EQ(scores.code, 0) << scores.text;
-  std::ifstream stream(folder / "out/metrics.json");
+  std::ifstream stream(folder.path("out/metrics.json"));
   const auto json = nlohmann::json::parse(stream);
   EXPECT_EQ(json["classes"][0]["name"], "building");
   EXPECT_GT(json["classes"][0]["iou_exclusive"], 0.9);

@@ -4,9 +4,10 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "support/scratch_folder.h"
-
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
+
+#include <gtest/gtest.h>
 
 #include <random>
 

@@ -5,7 +5,7 @@
  */
 
 #include "support/random_scan.h"
-#include "support/scratch_folder.h"
+#include "support/temporary_folder.h"
 
 #include <pcl_semantic/io/map_pictures.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
@@ -39,9 +39,9 @@ makeVoxels()
 
 TEST(VoxelCloudFile, PclReadsWhatWasWritten)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const VoxelCloud voxels = makeVoxels();
-  const std::string path = (folder / "map.pcd");
+  const std::string path = (folder.path("map.pcd"));
   writeVoxelCloud(path, voxels, twoClasses(), VoxelColour::measured);
 
   pcl::PCLPointCloud2 read;
@@ -69,11 +69,11 @@ TEST(VoxelCloudFile, PclReadsWhatWasWritten)
 
 TEST(VoxelCloudFile, ClassesGiveTheirColours)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const VoxelCloud voxels = makeVoxels();
-  writeVoxelCloud((folder / "map.pcd"), voxels, twoClasses(), VoxelColour::classes);
+  writeVoxelCloud((folder.path("map.pcd")), voxels, twoClasses(), VoxelColour::classes);
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile((folder / "map.pcd"), cloud), 0);
+  ASSERT_EQ(pcl::io::loadPCDFile((folder.path("map.pcd")), cloud), 0);
   for (const pcl::PointXYZRGBL& point : cloud) {
     const auto colour = twoClasses()[Label(point.label)].colour;
     ASSERT_EQ(point.r, colour[0]);
@@ -84,12 +84,12 @@ TEST(VoxelCloudFile, ClassesGiveTheirColours)
 
 TEST(VoxelCloudFile, AnEmptyMapIsAValidFile)
 {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   VoxelCloud empty;
   empty.refined = LabelDistributions(2, 0);
-  writeVoxelCloud((folder / "map.pcd"), empty, twoClasses(), VoxelColour::measured);
+  writeVoxelCloud((folder.path("map.pcd")), empty, twoClasses(), VoxelColour::measured);
   pcl::PCLPointCloud2 read;
-  EXPECT_EQ(pcl::io::loadPCDFile((folder / "map.pcd"), read), 0);
+  EXPECT_EQ(pcl::io::loadPCDFile((folder.path("map.pcd")), read), 0);
   EXPECT_EQ(read.width * read.height, 0u);
 }
 

@@ -44,7 +44,7 @@ TEST(TrajectoryPoses, TurnsKittiFramesIntoTheWorld)
 TEST(TrajectoryPoses, AFrameWithoutPoseIsNamed)
 {
   TrajectoryPoses poses(Trajectory(3, Eigen::Isometry3d::Identity()),
-                        Eigen::Isometry3d::Identity());
+                        Eigen::Isometry3d::Identity(), "poses.txt");
   StereoFrame frame;
   frame.number = 3;
   try {
@@ -52,7 +52,7 @@ TEST(TrajectoryPoses, AFrameWithoutPoseIsNamed)
     FAIL() << "a pose was given";
   }
   catch (const BadInputException& error) {
-    EXPECT_STREQ(error.what(), "frame 3: has no pose: the trajectory has 3 rows");
+    EXPECT_STREQ(error.what(), "poses.txt: has 3 poses, none for frame 3 (row = frame number)");
   }
 }
 

@@ -19,12 +19,10 @@ struct ToolResult {
   std::string text;
 };
 
-/** \brief Runs a program of the build: "evaluate --help" is pcl_semantic_evaluate. */
+/** \brief Runs a command of the shell. */
 inline ToolResult
-runTool(const std::string& arguments)
+runShell(const std::string& command)
 {
-  const std::string command =
-      std::string(PCL_SEMANTIC_BINARY_DIR) + "/bin/pcl_semantic_" + arguments + " 2>&1";
   ToolResult result;
   std::FILE* const pipe = popen(command.c_str(), "r");
   if (!pipe)
@@ -35,6 +33,15 @@ runTool(const std::string& arguments)
   const int status = pclose(pipe);
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return result;
+}
+
+/** \brief Runs a program of the build: "evaluate --help" is pcl_semantic_evaluate.
+ * \param[in] before commands for the shell that runs it: "ulimit -v 99999;" */
+inline ToolResult
+runTool(const std::string& arguments, const std::string& before = "")
+{
+  return runShell(before + " exec " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
+                  arguments + " 2>&1");
 }
 
 } // namespace pcl_semantic

@@ -64,6 +64,8 @@ public:
   }
 
 private:
+  ScanCounts integrate(const MappedFrame& mapped);
+
   void refine(VoxelCloud& voxels);
 
   StereoCamera camera_;

@@ -1,0 +1,180 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/bad_case.h"
+#include "support/full_disk.h"
+#include "support/tiny_street.h"
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string labels = "--labels STREET/labels ";
+
+BadCase::Damage
+config(const std::string& text)
+{
+  return [=](const std::string& street) {
+    std::ofstream(street + "/config.yaml") << text;
+  };
+}
+
+} // namespace
+
+TEST(BadUsage, OptionsOfTheMap)
+{
+  const std::vector<BadCase> cases = {
+      {"unknown option", 2, "'--speed'", labels + "--speed 3"},
+      {"abbreviated option", 2, "'--voxel'", labels + "--voxel 0.1"},
+      {"missing value", 2, "'--voxel-size'", labels + "--voxel-size"},
+      {"too many", 2, "too many positional", labels + "x y"},
+      {"twice", 2, "more than once", labels + "--crf none --crf none"},
+      {"frames backwards", 2, "'10:5'", labels + "--frames 10:5"},
+      {"frames no numbers", 2, "'a:b'", labels + "--frames a:b"},
+      {"no such frames", 3, "street: has no frame in 7:9", labels + "--frames 7:9"},
+      {"threads < 0", 2, "threads is -1", labels + "--threads -1"},
+      {"threads abc", 2, "--threads: 'abc'", labels + "--threads abc"},
+      {"threads 1.5", 2, "--threads: '1.5'", labels + "--threads 1.5"},
+      {"voxel 0", 2, "voxel_size is 0 m", labels + "--voxel-size 0"},
+      {"voxel < 0", 2, "voxel_size is -1 m", labels + "--voxel-size -1"},
+      {"voxel nan", 2, "voxel_size is nan m", labels + "--voxel-size nan"},
+      {"voxel tiny", 2, "voxel_size is 1e-09 m", labels + "--voxel-size 1e-9"},
+      {"flat window", 2, "window is 0 1 1 m", labels + "--window 0,1,1"},
+      {"window of two", 2, "--window: '1 1'", labels + "--window 1,1"},
+      {"huge window", 2, "too large", labels + "--window 99999,99999,99999"},
+      {"endless window", 2, "window is", labels + "--window 1e300,1,1"},
+      {"unknown crf", 2, "crf is 'best', expected dense or none",
+       labels + "--crf best"},
+      {"stereo", 2, "disparities is 5", labels + "--disparities 5"},
+      {"both", 2, "either --labels or --network", labels + "--network x.yaml"},
+      {"neither", 2, "either --labels or --network", ""},
+      {"no sequence", 2, "SEQUENCE is missing", "map --output OUT " + labels},
+      {"no output", 2, "--output is missing", "map STREET " + labels},
+  };
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+TEST(BadUsage, ConfigurationFile)
+{
+  const std::string options = labels + "--config STREET/config.yaml";
+  const std::vector<BadCase> cases = {
+      {"no file", 3, "config.yaml: cannot be read", options},
+      {"misspelt", 3, "config.yaml line 2: key 'voxel_sise'", options,
+       config("crf: none\nvoxel_sise: 0.2\n")},
+      {"twice", 3, "config.yaml line 2: key 'crf'", options,
+       config("crf: none\ncrf: dense\n")},
+      {"word for number", 3, "config.yaml line 1: 'big'", options,
+       config("voxel_size: big\n")},
+      {"out of range", 3, "config.yaml: voxel_size is -2 m", options,
+       config("voxel_size: -2\n")},
+      {"no YAML", 3, "config.yaml line 1", options, config("{]\n")},
+      {"no map", 3, "config.yaml line 1", options, config("- 1\n")},
+      {"empty", 3, "config.yaml", options, config("")},
+  };
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+TEST(BadUsage, OtherTools)
+{
+  const std::string set =
+      " --label-set " PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml ";
+  const std::string gt = "evaluate --truth STREET/gt --prediction ";
+  const std::vector<BadCase> cases = {
+      {"nothing to render", 2, "output", "synthesize"},
+      {"unknown option", 2, "'--speed'", "synthesize OUT --speed 3"},
+      {"no frames", 2, "frames", "synthesize OUT --frames 0"},
+      {"no size", 2, "--size 9", "synthesize OUT --size 9"},
+      {"empty size", 2, "0", "synthesize OUT --size 0x0"},
+      {"seed", 2, "--seed -1", "synthesize OUT --seed -1"},
+      {"noise", 2, "--label-noise nan", "synthesize OUT --label-noise nan"},
+      {"below a file", 5, "calib.txt", "synthesize STREET/calib.txt/x --frames 1"},
+      {"no predictions", 3, "none/000000.png: is missing", gt + "STREET/none" + set},
+      {"16 bit", 3, "disparity/000000.png: has 1 channel(s) of 16 bits",
+       gt + "STREET/disparity" + set},
+      {"colour", 3, "image_2/000000.png: has 3 channel(s)",
+       gt + "STREET/image_2" + set},
+      {"no label set", 3, "none.yaml", gt + "STREET/gt --label-set none.yaml"},
+      {"below a file", 5, "calib.txt",
+       gt + "STREET/gt --output STREET/calib.txt/x" + set},
+      {"no mapping", 2, "label-mapping", "lidar_truth STREET --output OUT" + set},
+      {"no scans", 3, "velodyne",
+       "lidar_truth STREET --output OUT --label-mapping " PCL_SEMANTIC_SOURCE_DIR
+       "/data/label_mappings/semantic_kitti_to_kitti11.yaml" +
+           set},
+  };
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+TEST(BadOutput, OfTheMap)
+{
+  const std::vector<BadCase> cases = {
+      {"the sequence", 2, "--output is the sequence",
+       "map STREET --output STREET/../street " + labels},
+      {"its own labels", 2, "--labels is where",
+       "map STREET --output OUT --labels OUT/labels",
+       [](const std::string& street) {
+         fs::create_directories(fs::path(street).parent_path() / "out/labels");
+       }},
+      {"below a file", 5, "calib.txt/x",
+       "map STREET --output STREET/calib.txt/x " + labels},
+      {"a file", 5, "calib.txt", "map STREET --output STREET/calib.txt " + labels},
+  };
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+TEST(BadOutput, FullStandardOutput)
+{
+  const ToolResult result =
+      runShell(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map --print-config 2>&1 "
+                                       ">/dev/full");
+  EXPECT_EQ(result.code, 5);
+  EXPECT_EQ(result.text, "pcl_semantic_map: standard output cannot be written\n");
+}
+
+TEST(BadOutput, FullDisk)
+{
+  const TemporaryFolder folder;
+  const std::string output = folder.path("out");
+  const std::string command = "map " + tinyStreet() + " --labels " + tinyStreet() +
+                              "/labels --frames 0:1 --crf none --output " + output;
+  for (const auto& [bytes, name] :
+       {std::pair<rlim_t, std::string>(100, "labels/000000.png"), {60000, "map.pcd"}}) {
+    const ToolResult result = [&, limit = bytes] {
+      const FullDisk disk(limit);
+      return runTool(command);
+    }();
+    EXPECT_EQ(result.code, 5) << result.text;
+    EXPECT_EQ(result.text,
+              "pcl_semantic_map: " + output + "/" + name +
+                  ": could not be written completely (is the disk full?)\n");
+    expectNothingUnfinished(output);
+  }
+  const ToolResult result = runTool(command);
+  EXPECT_EQ(result.code, 0) << result.text;
+  EXPECT_TRUE(fs::exists(output + "/map.pcd"));
+}
+
+#ifndef __SANITIZE_ADDRESS__
+TEST(OutOfMemory, IsSaid)
+{
+  const TemporaryFolder folder;
+  const ToolResult result = runTool(
+      "map " + tinyStreet() + " --labels " + tinyStreet() +
+          "/labels --threads 1 --voxel-size 0.02 --output " + folder.path("out"),
+      "ulimit -v 500000;");
+  EXPECT_EQ(result.code, 6) << result.text;
+  EXPECT_EQ(result.text, "pcl_semantic_map: out of memory\n");
+  expectNothingUnfinished(folder.path("out"));
+}
+#endif
+
+} // namespace pcl_semantic

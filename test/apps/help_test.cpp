@@ -1,0 +1,77 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+#include "support/bad_case.h"
+#include "support/tiny_street.h"
+
+#include <gtest/gtest.h>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The command that a tool gives as an example of itself.
+std::string
+exampleOf(const std::string& verb)
+{
+  const ToolResult help = runTool(verb + " --help");
+  EXPECT_EQ(help.code, 0);
+  EXPECT_EQ(help.text.rfind("Usage: pcl_semantic_" + verb + " ", 0), 0u) << help.text;
+  const std::string title = "\nExample:\n";
+  const std::size_t start = help.text.find(title) + title.size();
+  const std::size_t end = help.text.find("\nOptions", start);
+  EXPECT_NE(end, std::string::npos) << help.text;
+  return help.text.substr(start, end - start - 1); // without its last line break
+}
+
+// Points of a scan and their labels, for pcl_semantic_lidar_truth.
+void
+addScan(const std::string& sequence)
+{
+  const float points[] = {10, 2, -1, 0, 12, -1, -1, 0};
+  const std::uint32_t labels[] = {40, 50};
+  fs::create_directories(sequence + "/velodyne");
+  std::ofstream(sequence + "/velodyne/000000.bin", std::ios::binary)
+      .write(reinterpret_cast<const char*>(points), sizeof(points));
+  std::ofstream(sequence + "/labels/000000.label", std::ios::binary)
+      .write(reinterpret_cast<const char*>(labels), sizeof(labels));
+}
+
+} // namespace
+
+TEST(Help, ItsExamplesRunWhenPasted)
+{
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path("sequences"));
+  copyStreet(folder.path("sequences/05"));
+  addScan(folder.path("sequences/05"));
+  fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/data", folder.path("data"));
+  const std::string begin = "cd " + folder.path() +
+                            " && export PATH=" PCL_SEMANTIC_BINARY_DIR "/bin:$PATH && ";
+  // In this order: a map is made of the street, and evaluated.
+  for (const char* verb : {"synthesize", "map", "evaluate", "lidar_truth"}) {
+    std::string example = replaceAll(exampleOf(verb), "/tmp/", folder.path() + "/");
+    example = replaceAll(example, "pcl_semantic_synthesize ",
+                         "pcl_semantic_synthesize --frames 2 --size 208x64 ");
+    const ToolResult result = runShell("{ " + begin + example + "; } 2>&1");
+    EXPECT_EQ(result.code, 0) << example << result.text;
+  }
+  for (const char* file : {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
+                           "truth/000000.png"})
+    EXPECT_TRUE(fs::exists(folder.path(file))) << file;
+}
+
+TEST(Help, VersionOfEveryTool)
+{
+  for (const std::string verb : {"synthesize", "map", "evaluate", "lidar_truth"}) {
+    const ToolResult result = runTool(verb + " --version");
+    EXPECT_EQ(result.code, 0);
+    EXPECT_EQ(result.text.rfind("pcl_semantic_" + verb + " ", 0), 0u) << result.text;
+  }
+}
+
+} // namespace pcl_semantic

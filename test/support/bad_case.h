@@ -1,0 +1,94 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "support/tiny_street.h"
+
+#include <pcl_semantic/files/image_file.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief One way to make a tool fail. */
+struct BadCase {
+  /** \brief Damages the copy of the street it is given. */
+  using Damage = std::function<void(const std::string& street)>;
+
+  std::string what;
+  int code;         ///< expected exit code
+  std::string says; ///< part of the line expected on standard error
+  /** \brief Options of `map STREET --output OUT` or, without a dash in front, a whole
+   * command. STREET, OUT and TEMP stand for the street, the output and their parent. */
+  std::string command = "--labels STREET/labels";
+  Damage damage = nullptr;
+};
+
+/** \brief \a text with \a to in place of every \a from. */
+inline std::string
+replaceAll(std::string text, const std::string& from, const std::string& to)
+{
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos;
+       at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+/** \brief EXPECTs that no file of the map as a whole is there and that every other one
+ * is a finished image. */
+inline void
+expectNothingUnfinished(const std::string& output)
+{
+  if (!std::filesystem::is_directory(output))
+    return;
+  for (const char* name :
+       {"map.pcd", "map_classes.pcd", "trajectory.txt", "summary.json", "top_view.png"})
+    EXPECT_FALSE(std::filesystem::exists(output + "/" + name)) << name;
+  for (const std::filesystem::directory_entry& entry :
+       std::filesystem::recursive_directory_iterator(output)) {
+    EXPECT_NE(entry.path().filename().string()[0], '.') << entry.path();
+    if (entry.is_regular_file()) {
+      EXPECT_NO_THROW(readPng(entry.path().string(), ImageKind::grey_or_colour));
+    }
+  }
+}
+
+/** \brief Runs a case and EXPECTs its exit code, one line that names the program and
+ * says what is wrong, and nothing unfinished in the output folder. */
+inline void
+expectFails(const BadCase& bad)
+{
+  SCOPED_TRACE(bad.what);
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), output = folder.path("out");
+  copyStreet(street);
+  if (bad.damage)
+    bad.damage(street);
+  std::string command = bad.command;
+  if (command.empty() || command[0] == '-')
+    command = "map STREET --output OUT " + command;
+  command = replaceAll(command, "STREET", street);
+  command = replaceAll(command, "OUT", output);
+  command = replaceAll(command, "TEMP", folder.path());
+
+  const ToolResult result = runTool(command);
+  EXPECT_EQ(result.code, bad.code) << result.text;
+  const std::string program =
+      "pcl_semantic_" + command.substr(0, command.find(' ')) + ": ";
+  EXPECT_EQ(result.text.rfind(program, 0), 0u) << result.text;
+  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1) << result.text;
+  EXPECT_NE(result.text.find(bad.says), std::string::npos) << result.text;
+  expectNothingUnfinished(output);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,82 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "support/run_tool.h"
+#include "support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Three frames of the synthetic street, rendered once a process. */
+inline const std::string&
+tinyStreet()
+{
+  static const TemporaryFolder folder;
+  static const std::string street = [] {
+    const std::string path = folder.path("street");
+    const ToolResult result =
+        runTool("synthesize " + path + " --frames 3 --size 208x64");
+    EXPECT_EQ(result.code, 0) << result.text;
+    return path;
+  }();
+  return street;
+}
+
+/** \brief A copy of tinyStreet() to change. */
+inline void
+copyStreet(const std::string& path)
+{
+  std::filesystem::remove_all(path);
+  std::filesystem::copy(tinyStreet(), path, std::filesystem::copy_options::recursive);
+}
+
+/** \brief The lines of a text file. */
+inline std::vector<std::string>
+linesOf(const std::string& path)
+{
+  std::vector<std::string> lines;
+  std::istringstream stream(bytesOf(path));
+  for (std::string line; std::getline(stream, line);)
+    lines.push_back(line);
+  return lines;
+}
+
+/** \brief Puts \a text in place of a word of a text file; both count from 1. */
+inline void
+setWord(const std::string& path, std::size_t line, int word, const std::string& text)
+{
+  std::vector<std::string> lines = linesOf(path);
+  std::istringstream words(lines.at(line - 1));
+  std::string changed;
+  int number = 0;
+  for (std::string old; words >> old;)
+    changed += (++number == word ? text : old) + " ";
+  lines[line - 1] = changed;
+  std::ofstream stream(path);
+  for (const std::string& each : lines)
+    stream << each << "\n";
+}
+
+/** \brief The bytes of a NumPy file of format version 1. */
+inline std::string
+npyBytes(const std::string& type, const std::string& shape, const std::string& data)
+{
+  std::string header =
+      "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }";
+  header.resize(117, ' ');
+  header += '\n';
+  return std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + data;
+}
+
+} // namespace pcl_semantic
