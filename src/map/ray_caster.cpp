@@ -34,11 +34,9 @@ quantize(const Eigen::Vector3d& point, double voxel_size)
 // one word are gathered first: a ray stays in a word for several voxels.
 class CrossingMarker {
 public:
-  CrossingMarker(const RayCaster::Grid& grid,
-                 std::vector<std::uint64_t>& crossed,
-                 std::vector<std::uint8_t>& touched,
-                 std::size_t words)
-  : grid_(grid), crossed_(crossed), touched_(touched), words_(words)
+  CrossingMarker(const RayCaster::Grid& grid, std::vector<std::uint64_t>& crossed,
+                 std::vector<std::uint8_t>& touched, std::size_t words)
+      : grid_(grid), crossed_(crossed), touched_(touched), words_(words)
   {}
 
   bool

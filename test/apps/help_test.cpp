@@ -28,19 +28,6 @@ exampleOf(const std::string& verb)
   return help.text.substr(start, end - start - 1); // without its last line break
 }
 
-// Points of a scan and their labels, for pcl_semantic_lidar_truth.
-void
-addScan(const std::string& sequence)
-{
-  const float points[] = {10, 2, -1, 0, 12, -1, -1, 0};
-  const std::uint32_t labels[] = {40, 50};
-  fs::create_directories(sequence + "/velodyne");
-  std::ofstream(sequence + "/velodyne/000000.bin", std::ios::binary)
-      .write(reinterpret_cast<const char*>(points), sizeof(points));
-  std::ofstream(sequence + "/labels/000000.label", std::ios::binary)
-      .write(reinterpret_cast<const char*>(labels), sizeof(labels));
-}
-
 } // namespace
 
 TEST(Help, ItsExamplesRunWhenPasted)

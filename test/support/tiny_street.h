@@ -41,6 +41,19 @@ copyStreet(const std::string& path)
   std::filesystem::copy(tinyStreet(), path, std::filesystem::copy_options::recursive);
 }
 
+/** \brief Adds a scan of two points and their labels, for pcl_semantic_lidar_truth. */
+inline void
+addScan(const std::string& street)
+{
+  const float points[] = {10, 2, -1, 0, 12, -1, -1, 0};
+  const std::uint32_t labels[] = {40, 50};
+  std::filesystem::create_directories(street + "/velodyne");
+  std::ofstream(street + "/velodyne/000000.bin", std::ios::binary)
+      .write(reinterpret_cast<const char*>(points), sizeof(points));
+  std::ofstream(street + "/labels/000000.label", std::ios::binary)
+      .write(reinterpret_cast<const char*>(labels), sizeof(labels));
+}
+
 /** \brief The lines of a text file. */
 inline std::vector<std::string>
 linesOf(const std::string& path)
