@@ -52,7 +52,8 @@ TEST(TrajectoryPoses, AFrameWithoutPoseIsNamed)
     FAIL() << "a pose was given";
   }
   catch (const BadInputException& error) {
-    EXPECT_STREQ(error.what(), "poses.txt: has 3 poses, none for frame 3 (row = frame number)");
+    EXPECT_STREQ(error.what(),
+                 "poses.txt: has 3 poses, none for frame 3 (row = frame number)");
   }
 }
 
