@@ -152,10 +152,10 @@ mapSequence(const Arguments& arguments)
                         arguments.sequence << ": has no frame in " << arguments.frames);
   Labelling labelling = makeLabelling(arguments);
   std::unique_ptr<PoseSource> poses = makePoses(arguments, sequence);
-  MappingOutput output(arguments.output, sequence.camera(), labelling.label_set,
-                       arguments.parameters, sequence.T_camera0_camera());
   SemanticMapper mapper(sequence.camera(), labelling.label_set, arguments.parameters,
                         std::move(labelling.predictor), std::move(poses));
+  MappingOutput output(arguments.output, sequence.camera(), labelling.label_set,
+                       arguments.parameters, sequence.T_camera0_camera());
 
   tool::catchInterrupts();
   tool::ProgressBar progress("mapping", frames.size());

@@ -43,6 +43,24 @@ requirePartner(const std::vector<FrameFile>& files, const FrameFile& file,
                                << file.path << " (frame " << file.frame << ")");
 }
 
+// A principal point outside the image is the calibration of images of another size.
+void
+checkCamera(const StereoCamera& camera, const std::string& path)
+{
+  try {
+    camera.validate();
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
+  }
+  if (!(camera.cx > 0.0 && camera.cx < camera.width && camera.cy > 0.0 &&
+        camera.cy < camera.height))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": the principal point (" << camera.cx << ", "
+                             << camera.cy << ") is outside the images of "
+                             << camera.width << " x " << camera.height << " pixels");
+}
+
 } // namespace
 
 KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
@@ -62,6 +80,7 @@ KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
   const cv::Mat first = readImage(frames_.front().left, frames_.front().number);
   calibration_.camera.width = first.cols;
   calibration_.camera.height = first.rows;
+  checkCamera(calibration_.camera, folder + "/calib.txt");
 }
 
 void

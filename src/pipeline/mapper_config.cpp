@@ -27,7 +27,8 @@ parseInteger(const std::string& text, const std::string& where)
 {
   const double value = parseNumber(text, where);
   if (value != std::floor(value) || std::abs(value) > 1e9)
-    PCL_THROW_EXCEPTION(BadInputException, where << ": '" << text << "' is no integer");
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where << ": '" << text << "' is no integer up to 1e9");
   return static_cast<int>(value);
 }
 

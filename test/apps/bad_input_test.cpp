@@ -142,6 +142,16 @@ TEST(BadInput, Sequence)
        word("calib.txt", 4, 5, "60")},
       {"focal length", 3, "calib.txt line 3: P2: focal", options,
        word("calib.txt", 3, 2, "0")},
+      {"tiny focal length", 3, "calib.txt: the camera has a parameter", options,
+       [](const std::string& street) {
+         for (const auto& [line, number] : {std::pair(3, 2), {3, 7}, {4, 2}, {4, 7}})
+           setWord(street + "/calib.txt", std::size_t(line), number, "1e-300");
+       }},
+      {"of other images", 3, "calib.txt: the principal point (1000, ", options,
+       [](const std::string& street) {
+         for (const std::size_t line : {3, 4})
+           setWord(street + "/calib.txt", line, 4, "1000");
+       }},
       {"no right image", 3, "image_3/000001.png: is missing", options,
        remove("image_3/000001.png")},
       {"no left image", 3, "image_2/000002.png: is missing", options,

@@ -48,6 +48,7 @@ TEST(BadUsage, OptionsOfTheMap)
       {"window of two", 2, "--window: '1 1'", labels + "--window 1,1"},
       {"huge window", 2, "too large", labels + "--window 99999,99999,99999"},
       {"endless window", 2, "window is", labels + "--window 1e300,1,1"},
+      {"huge integer", 2, "'2e9' is no integer up to", labels + "--crf-every 2e9"},
       {"unknown crf", 2, "crf is 'best', expected dense or none",
        labels + "--crf best"},
       {"stereo", 2, "disparities is 5", labels + "--disparities 5"},

@@ -81,6 +81,7 @@ expectFails(const BadCase& bad)
   command = replaceAll(command, "OUT", output);
   command = replaceAll(command, "TEMP", folder.path());
 
+  const bool output_was_there = std::filesystem::exists(output);
   const ToolResult result = runTool(command);
   EXPECT_EQ(result.code, bad.code) << result.text;
   const std::string program =
@@ -89,6 +90,8 @@ expectFails(const BadCase& bad)
   EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1) << result.text;
   EXPECT_NE(result.text.find(bad.says), std::string::npos) << result.text;
   expectNothingUnfinished(output);
+  // Wrong options are found before anything is written.
+  EXPECT_FALSE(bad.code == 2 && !output_was_there && std::filesystem::exists(output));
 }
 
 } // namespace pcl_semantic
