@@ -68,17 +68,24 @@ drawLegend(const LabelSet& label_set, int width)
 struct TopViewGrid {
   VoxelIndex low = VoxelIndex::Zero();
   VoxelIndex high = VoxelIndex::Zero();
-  int scale = 1; // pixels a voxel, if positive step is 1
-  int step = 1;  // voxels a pixel
+  int scale = 1; // pixels a cell
+  int step = 1;  // voxels a cell
 
-  explicit TopViewGrid(const std::vector<VoxelIndex>& indices)
+  TopViewGrid(const std::vector<VoxelIndex>& indices,
+              const std::vector<Eigen::Vector2d>& path) // in voxels
   {
-    constexpr int smallest_side = 640, largest_side = 2400;
+    constexpr int smallest_side = 640, largest_side = 2400, margin = 3;
     if (!indices.empty())
       low = high = indices.front();
     for (const VoxelIndex& index : indices) {
       low = low.cwiseMin(index);
       high = high.cwiseMax(index);
+    }
+    for (const Eigen::Vector2d& place : path) {
+      const Eigen::Vector2i cell = place.array().floor().cast<int>();
+      low.head<2>() = low.head<2>().cwiseMin(cell - Eigen::Vector2i::Constant(margin));
+      high.head<2>() =
+          high.head<2>().cwiseMax(cell + Eigen::Vector2i::Constant(margin));
     }
     const int side = (high - low).head<2>().maxCoeff() + 1;
     scale = std::clamp(smallest_side / side, 1, 8);
@@ -110,7 +117,8 @@ drawColumns(cv::Mat& picture, const TopViewGrid& grid, const VoxelCloud& voxels,
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const VoxelIndex& index = voxels.indices[i];
     const auto label = static_cast<Label>((*voxels.cloud)[i].label);
-    const cv::Point corner = grid.pixel(index.x() + 1.0, index.y() + 1.0);
+    const cv::Point corner((grid.high.y() - index.y()) / grid.step * grid.scale,
+                           (grid.high.x() - index.x()) / grid.step * grid.scale);
     const cv::Rect square = cv::Rect(corner.x, corner.y, grid.scale, grid.scale) &
                             cv::Rect(cv::Point(), picture.size());
     if (label == kUnlabelled || square.empty() ||
@@ -120,6 +128,23 @@ drawColumns(cv::Mat& picture, const TopViewGrid& grid, const VoxelCloud& voxels,
     const float shade = 0.75f + 0.5f * float(index.z() - grid.low.z()) / height;
     picture(square) = cv::Scalar(bgr(label_set[label])) * shade;
   }
+}
+
+// A line, and a dot where the sensor is now.
+void
+drawPath(cv::Mat& picture, const TopViewGrid& grid,
+         const std::vector<Eigen::Vector2d>& path)
+{
+  const cv::Scalar red(60, 60, 255);
+  cv::Point last;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const cv::Point now = grid.pixel(path[i].x(), path[i].y());
+    if (i > 0)
+      cv::line(picture, last, now, red, 2, cv::LINE_AA);
+    last = now;
+  }
+  if (!path.empty())
+    cv::circle(picture, last, 5, red, cv::FILLED, cv::LINE_AA);
 }
 
 void
@@ -170,17 +195,13 @@ cv::Mat
 drawTopView(const VoxelCloud& voxels, const std::vector<Eigen::Vector3d>& path,
             const LabelSet& label_set)
 {
-  const TopViewGrid grid(voxels.indices);
+  std::vector<Eigen::Vector2d> path_in_voxels;
+  for (const Eigen::Vector3d& position : path)
+    path_in_voxels.push_back(position.head<2>() / voxels.voxel_size);
+  const TopViewGrid grid(voxels.indices, path_in_voxels);
   cv::Mat picture(grid.size(), CV_8UC3, background);
   drawColumns(picture, grid, voxels, label_set);
-  cv::Point last;
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    const Eigen::Vector3d in_voxels = path[i] / voxels.voxel_size;
-    const cv::Point now = grid.pixel(in_voxels.x(), in_voxels.y());
-    if (i > 0)
-      cv::line(picture, last, now, cv::Scalar(60, 60, 255), 2, cv::LINE_AA);
-    last = now;
-  }
+  drawPath(picture, grid, path_in_voxels);
   drawScale(picture, grid.scale / (voxels.voxel_size * grid.step));
   cv::Mat result;
   cv::vconcat(picture, drawLegend(label_set, picture.cols), result);

@@ -137,4 +137,27 @@ TEST(MapPictures, TheTopViewShowsTheHighestClassInItsPlace)
   EXPECT_GT(start[0], 40);
 }
 
+TEST(MapPictures, TheTopViewHoldsThePathBesideTheMap)
+{
+  VoxelCloud voxels;
+  voxels.voxel_size = 0.1;
+  voxels.indices = {{100, 0, 0}};
+  pcl::PointXYZRGBL point;
+  point.label = 1;
+  voxels.cloud->push_back(point);
+  // From 10 m behind the only voxel to 2 m behind it.
+  const cv::Mat view = drawTopView(
+      voxels, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(8, 0, 0)}, twoClasses());
+  int red = 0, first = view.rows, last = 0;
+  for (int v = 0; v < view.rows; ++v)
+    for (int u = 0; u < view.cols; ++u)
+      if (view.at<cv::Vec3b>(v, u) == cv::Vec3b(60, 60, 255)) {
+        ++red;
+        first = std::min(first, v);
+        last = std::max(last, v);
+      }
+  EXPECT_GT(red, 100);
+  EXPECT_GT(last - first, 350); // 8 m at 5 pixels a voxel or more
+}
+
 } // namespace
