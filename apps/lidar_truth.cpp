@@ -86,7 +86,7 @@ project(const Options& options)
                         options.sequence << "/velodyne: holds no scan of the frames "
                                          << options.frames);
 
-  makeOutputFolder(options.output);
+  makeFrameFolder(options.output, ".png");
   tool::ProgressBar progress("projecting", scans.size());
   for (const FrameFile& file : scans) {
     const auto scan = readVelodyneScan(file.path);

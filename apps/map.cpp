@@ -41,7 +41,8 @@ describeOptions(Arguments& arguments)
   po::options_description options("Options");
   options.add_options()("sequence", po::value(&arguments.sequence),
                         "folder in KITTI's odometry layout")(
-      "output", po::value(&arguments.output), "folder to write to (made if needed)")(
+      "output", po::value(&arguments.output),
+      "folder to write to; an earlier map in it is replaced")(
       "labels", po::value(&arguments.labels),
       "folder of stored label distributions: .bin, .npy or .png a frame")(
       "label-set", po::value(&arguments.label_set),
@@ -93,8 +94,8 @@ requireArguments(const Arguments& arguments)
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
   std::error_code error;
-  if (std::filesystem::equivalent(arguments.sequence, arguments.output, error))
-    fail("--output is the sequence itself");
+  if (std::filesystem::exists(arguments.output + "/calib.txt", error))
+    fail("--output holds a sequence (calib.txt); maps need a folder of their own");
   if (std::filesystem::equivalent(arguments.labels, arguments.output + "/labels",
                                   error))
     fail("--labels is where --output puts its own labels");

@@ -6,6 +6,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/input_file.h>
 
 #include <cerrno>
 #include <cstring>
@@ -104,6 +105,20 @@ makeOutputFolder(const std::string& path)
     PCL_THROW_EXCEPTION(OutputException,
                         path << ": cannot be made: " << error.message());
   AtomicFile probe((fs::path(path) / "pcl_semantic_probe").string());
+}
+
+void
+makeFrameFolder(const std::string& path, const std::string& extension)
+{
+  makeOutputFolder(path);
+  for (const FrameFile& file : listFrameFiles(path, {extension})) {
+    std::error_code error;
+    fs::remove(file.path, error);
+    if (error)
+      PCL_THROW_EXCEPTION(OutputException,
+                          file.path << ": an earlier run's file cannot be removed: "
+                                    << error.message());
+  }
 }
 
 } // namespace pcl_semantic

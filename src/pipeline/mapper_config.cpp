@@ -92,6 +92,9 @@ MapperConfig::validate()
   requireChoice(crf, {"dense", "none"}, "crf");
   map.fusion.pixel_fusion =
       pixel_fusion == "mean" ? PixelFusion::mean : PixelFusion::product;
+  if (!(map.max_range > 0.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "max_depth is " << map.max_range << " m, expected more than 0");
   map.validate();
   crf_parameters.validate();
   if (crf_every < 1)

@@ -60,7 +60,7 @@ MappingOutput::MappingOutput(const std::string& folder, const StereoCamera& came
 {
   for (const char* name :
        {"labels", "labels_at_depth", "network_labels", "final_labels", "overlay"})
-    makeOutputFolder(path(name));
+    makeFrameFolder(path(name), ".png");
 }
 
 std::string

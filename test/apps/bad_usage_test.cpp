@@ -117,7 +117,7 @@ TEST(BadUsage, OtherTools)
 TEST(BadOutput, OfTheMap)
 {
   const std::vector<BadCase> cases = {
-      {"the sequence", 2, "--output is the sequence",
+      {"a sequence", 2, "--output holds a sequence",
        "map STREET --output STREET/../street " + labels},
       {"its own labels", 2, "--labels is where",
        "map STREET --output OUT --labels OUT/labels",

@@ -135,3 +135,17 @@ TEST(MakeOutputFolder, RefusesWhatIsNoFolder)
         holds(thrownMessage<OutputException>([&] { makeOutputFolder(path); }), path));
   EXPECT_EQ(bytesOf(file), "x");
 }
+
+TEST(MakeFrameFolder, RemovesTheFramesOfAnEarlierRunAndNothingElse)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("labels");
+  makeFrameFolder(path, ".png");
+  for (const char* name : {"000001.png", "000002.png", "000001.bin", "notes.png"})
+    writeTextFile(path + "/" + name, "x");
+  makeFrameFolder(path, ".png");
+  EXPECT_FALSE(std::filesystem::exists(path + "/000001.png"));
+  EXPECT_FALSE(std::filesystem::exists(path + "/000002.png"));
+  EXPECT_TRUE(std::filesystem::exists(path + "/000001.bin"));
+  EXPECT_TRUE(std::filesystem::exists(path + "/notes.png"));
+}

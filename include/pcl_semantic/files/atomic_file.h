@@ -46,4 +46,10 @@ void writeTextFile(const std::string& path, const std::string& text);
  * \throws OutputException */
 void makeOutputFolder(const std::string& path);
 
+/** \brief Makes a folder for files named by frame number (`000012.png`) and removes those
+ * of an earlier run, so that it never holds frames of two runs.
+ * \param[in] extension ".png"; other files stay
+ * \throws OutputException */
+void makeFrameFolder(const std::string& path, const std::string& extension);
+
 } // namespace pcl_semantic
