@@ -30,6 +30,19 @@ unaryCosts(const LabelDistributions& measured)
   return costs;
 }
 
+// A point that is unlabelled and hears of no label either has a uniform marginal, of
+// which the first class would be the largest: it stays unlabelled.
+void
+clearUninformed(const LabelDistributions& measured, LabelDistributions& refined)
+{
+  for (Eigen::Index i = 0; i < measured.size(); ++i) {
+    auto marginal = refined.matrix().col(i);
+    if (measured.mapLabel(i) == kUnlabelled &&
+        marginal.minCoeff() == marginal.maxCoeff())
+      marginal.setZero();
+  }
+}
+
 void
 require(bool holds, const char* name, double value, const char* expected)
 {
@@ -75,7 +88,9 @@ refineLabels(const Eigen::Matrix3Xf& positions, const Eigen::MatrixXf& colours,
   MeanField inference(std::move(model));
   for (int i = 0; i < parameters.iterations; ++i)
     inference.update();
-  return LabelDistributions(inference.marginals());
+  LabelDistributions refined(inference.marginals());
+  clearUninformed(measured, refined);
+  return refined;
 }
 
 template class SemanticCRF<pcl::PointXYZL>;

@@ -148,6 +148,29 @@ TEST(SemanticCRF, AnUnlabelledPointTakesTheLabelOfItsNeighbours)
   EXPECT_EQ(output[15].label, 3u);
 }
 
+TEST(SemanticCRF, WithoutALabelNearAPointStaysUnlabelled)
+{
+  LabelledCloud input = makeCloud(30, 4);
+  for (int i = 0; i < 30; ++i) { // two groups far apart, one without any label
+    (*input.cloud)[std::size_t(i)].getVector3fMap() << 0.1f * float(i % 15),
+        i < 15 ? 0.0f : 50.0f, 0.0f;
+    input.distributions.setLabel(i, i < 15 ? 0 : 3, 0.9f);
+  }
+  for (const int iterations : {0, 1, 5}) {
+    SemanticCRF<pcl::PointXYZRGBL> crf;
+    SemanticCRFParameters parameters;
+    parameters.iterations = iterations;
+    crf.setParameters(parameters);
+    crf.setInputCloud(input.cloud);
+    crf.setLabelDistributions(input.distributions);
+    Cloud output;
+    crf.filter(output);
+    for (int i = 0; i < 30; ++i)
+      EXPECT_EQ(output[std::size_t(i)].label, i < 15 ? 0u : 3u) << i;
+    EXPECT_EQ(crf.getLabelDistributions().matrix().leftCols(15).sum(), 0.0f);
+  }
+}
+
 TEST(SemanticCRF, WorksOnPointsWithoutColour)
 {
   pcl::PointCloud<pcl::PointXYZL>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZL>);

@@ -46,7 +46,7 @@ public:
   SemanticCRF() { this->filter_name_ = "SemanticCRF"; }
 
   /** \brief The measurements: L x size of the input cloud; all-zero columns are
-   * unlabelled and take the label of their neighbours. */
+   * unlabelled and take the label of their neighbours, if one of these has any. */
   void
   setLabelDistributions(const LabelDistributions& distributions)
   {
