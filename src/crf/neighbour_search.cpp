@@ -5,15 +5,20 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/crf/neighbour_search.h>
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 #include <unordered_map>
 
 namespace pcl_semantic {
 
 namespace {
+
+// More than that is no neighbourhood; checked while searching, before memory is full.
+constexpr std::size_t largest_pairs = std::size_t(1) << 31;
 
 // A run of points in the order of their cells.
 struct Run {
@@ -172,11 +177,23 @@ findNeighbours(const Eigen::Matrix3Xf& positions, float radius)
   constexpr std::size_t cells_a_chunk = 64;
   const std::size_t cells = grid.cells().size();
   std::vector<Chunk> chunks((cells + cells_a_chunk - 1) / cells_a_chunk);
+  std::atomic<std::size_t> pairs{0};
+  ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t c = 0; c < chunks.size(); ++c)
-    chunks[c] =
-        searchCells(grid, {c * cells_a_chunk, std::min(cells, (c + 1) * cells_a_chunk)},
-                    reach * reach);
+    guard.run([&] {
+      if (pairs < largest_pairs) // else it is refused below
+        chunks[c] = searchCells(
+            grid, {c * cells_a_chunk, std::min(cells, (c + 1) * cells_a_chunk)},
+            reach * reach);
+      pairs += chunks[c].neighbours.size();
+    });
+  guard.rethrow();
+  if (pairs >= largest_pairs)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "more than "
+                            << largest_pairs << " pairs of points lie within " << radius
+                            << " of each other: take a smaller radius or fewer points");
 
   const auto forEachPoint = [&](std::size_t c, auto&& visit) {
     std::size_t point = grid.cells()[c * cells_a_chunk].begin, begin = 0;
@@ -190,11 +207,6 @@ findNeighbours(const Eigen::Matrix3Xf& positions, float radius)
       lists.starts[i + 1] = end - begin;
     });
   std::partial_sum(lists.starts.begin(), lists.starts.end(), lists.starts.begin());
-  if (lists.starts.back() >= std::size_t(1) << 31)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        lists.starts.back()
-                            << " pairs of points lie within " << radius
-                            << " of each other: take a smaller radius or fewer points");
   lists.neighbours.resize(lists.starts.back());
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t c = 0; c < chunks.size(); ++c)

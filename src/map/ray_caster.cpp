@@ -4,10 +4,9 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/map/ray_caster.h>
 #include <pcl_semantic/map/ray_traversal.h>
-
-#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +14,6 @@
 namespace pcl_semantic {
 
 namespace {
-
-// A ray in quantised coordinates; without a hit it only clears.
-struct Ray {
-  QuantizedPoint end;
-  bool hit = false;
-};
 
 QuantizedPoint
 quantize(const Eigen::Vector3d& point, double voxel_size)
@@ -124,7 +117,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   constexpr float largest_coordinate = 1e6f;
   const float range = float(settings.max_range);
   std::size_t invalid = 0, sky = 0, rays = 0;
-
+  ParallelGuard guard; // hits are gathered, which takes memory
 #pragma omp parallel reduction(+ : invalid, sky, rays)
   {
     CrossingMarker mark(grid, crossed_, touched_, kWords);
@@ -152,11 +145,13 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
       const VoxelIndex voxel = voxelOf(end);
       const VoxelIndex block = blockOf(voxel);
       if (in_range && grid.contains(block))
-        hits.emplace_back(grid.slotOf(block), voxelInBlock(voxel), i);
+        guard.run(
+            [&] { hits.emplace_back(grid.slotOf(block), voxelInBlock(voxel), i); });
     }
 #pragma omp critical
-    hits_.insert(hits_.end(), hits.begin(), hits.end());
+    guard.run([&] { hits_.insert(hits_.end(), hits.begin(), hits.end()); });
   }
+  guard.rethrow();
   std::sort(hits_.begin(), hits_.end());
 
   grid.forEachSlot([&](const VoxelIndex& block, std::size_t slot) {

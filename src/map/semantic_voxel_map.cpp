@@ -5,6 +5,7 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <algorithm>
@@ -122,12 +123,15 @@ SemanticVoxelMap::updateOccupancy()
 {
   const std::vector<VoxelIndex>& blocks = ray_caster_.crossedBlocks();
   const std::vector<RayHit>& hits = ray_caster_.hits();
+  for (const VoxelIndex& index : blocks) {
+    auto& block = grid_.at(grid_.slotOf(index));
+    if (!block)
+      block = std::make_unique<VoxelBlock>();
+  }
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const std::size_t slot = grid_.slotOf(blocks[b]);
     auto& block = grid_.at(slot);
-    if (!block)
-      block = std::make_unique<VoxelBlock>();
     auto hit = std::lower_bound(hits.begin(), hits.end(), RayHit(slot, 0, 0));
     for (int place = 0; place < kBlockVoxels; ++place) {
       bool is_hit = false;
@@ -144,7 +148,6 @@ SemanticVoxelMap::updateOccupancy()
 void
 SemanticVoxelMap::fuseHits(const Scan& scan)
 {
-  const int classes = label_set_.size();
   const std::vector<RayHit>& hits = ray_caster_.hits();
   // First hits of voxels, by block: records grow, so a block belongs to one thread.
   std::vector<std::size_t> block_starts;
@@ -154,28 +157,33 @@ SemanticVoxelMap::fuseHits(const Scan& scan)
   const std::size_t block_count = block_starts.size();
   block_starts.push_back(hits.size());
 
-#pragma omp parallel
-  {
-    VoxelMeasurement measurement(classes, parameters_.fusion);
-#pragma omp for schedule(dynamic, 16)
-    for (std::size_t b = 0; b < block_count; ++b) {
-      VoxelBlock& block = *grid_.at(hits[block_starts[b]].slot());
-      for (std::size_t i = block_starts[b]; i < block_starts[b + 1];) {
-        const RayHit first = hits[i];
-        measurement.clear();
-        for (; i < block_starts[b + 1] && hits[i].voxel() == first.voxel(); ++i) {
-          const std::size_t point = hits[i].point();
-          if (!scan.rgb.empty())
-            measurement.addColour(scan.rgb[point]);
-          if (scan.distributions)
-            measurement.addDistribution(
-                scan.distributions->column(Eigen::Index(point)));
-        }
-        const int record = block.recordOf(first.place(), classes);
-        measurement.fuseInto(block.records[record],
-                             block.measured.data() + record * classes);
-      }
+  ParallelGuard guard; // records are made, which takes memory
+#pragma omp parallel for schedule(dynamic, 16)
+  for (std::size_t b = 0; b < block_count; ++b)
+    guard.run([&] { fuseBlock(scan, block_starts[b], block_starts[b + 1]); });
+  guard.rethrow();
+}
+
+void
+SemanticVoxelMap::fuseBlock(const Scan& scan, std::size_t begin, std::size_t end)
+{
+  const int classes = label_set_.size();
+  const std::vector<RayHit>& hits = ray_caster_.hits();
+  VoxelBlock& block = *grid_.at(hits[begin].slot());
+  VoxelMeasurement measurement(classes, parameters_.fusion);
+  for (std::size_t i = begin; i < end;) {
+    const RayHit first = hits[i];
+    measurement.clear();
+    for (; i < end && hits[i].voxel() == first.voxel(); ++i) {
+      const std::size_t point = hits[i].point();
+      if (!scan.rgb.empty())
+        measurement.addColour(scan.rgb[point]);
+      if (scan.distributions)
+        measurement.addDistribution(scan.distributions->column(Eigen::Index(point)));
     }
+    const int record = block.recordOf(first.place(), classes);
+    measurement.fuseInto(block.records[record],
+                         block.measured.data() + record * classes);
   }
 }
 

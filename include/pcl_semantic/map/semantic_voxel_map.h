@@ -106,6 +106,8 @@ private:
 
   void fuseHits(const Scan& scan);
 
+  void fuseBlock(const Scan& scan, std::size_t begin, std::size_t end);
+
   void centreWindow(const Eigen::Vector3d& sensor);
 
   const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& place) const;
