@@ -54,10 +54,12 @@ parsePose(const TextLine& line, const std::string& path)
 Trajectory
 readKittiTrajectory(const std::string& path)
 {
+  std::vector<TextLine> lines = readLines(path);
+  while (!lines.empty() && lines.back().text.empty())
+    lines.pop_back(); // an empty line between poses would shift the frames' numbers
   Trajectory trajectory;
-  for (const TextLine& line : readLines(path))
-    if (!line.text.empty())
-      trajectory.push_back(parsePose(line, path));
+  for (const TextLine& line : lines)
+    trajectory.push_back(parsePose(line, path));
   if (trajectory.empty())
     PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
   return trajectory;

@@ -97,7 +97,7 @@ TEST(KittiTrajectory, NamesTheLineOfAWrongCount)
 {
   EXPECT_TRUE(
       holds(refusal(identity + "\n" + identity.substr(0, 21) + "\n"), "line 2"));
-  EXPECT_TRUE(holds(refusal(identity + "\n\n" + identity + " 0\n"), "line 3"));
+  EXPECT_TRUE(holds(refusal(identity + "\n" + identity + " 0\n"), "line 2"));
   EXPECT_TRUE(holds(refusal(identity + "\n" + identity.substr(0, 21) + "\n"), "11"));
 }
 
@@ -128,6 +128,12 @@ TEST(KittiTrajectory, MakesARotationThatIsNearlyOneOrthonormal)
   EXPECT_GT(rotation.determinant(), 0.0);
   EXPECT_LT((rotation - someRotation()).norm(), 2e-3);
   EXPECT_EQ(poses[0].translation(), Eigen::Vector3d::Constant(7.0));
+}
+
+TEST(KittiTrajectory, RefusesAnEmptyLineBetweenPoses)
+{
+  EXPECT_TRUE(holds(refusal(identity + "\n\n" + identity + "\n"), "line 2"));
+  EXPECT_EQ(readText(identity + "\n" + identity + "\n\n \n").size(), 2u);
 }
 
 TEST(KittiTrajectory, RefusesAnEmptyFile)
