@@ -93,6 +93,10 @@ requireArguments(const Arguments& arguments)
     fail("--output is missing");
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
+  if (!arguments.model.empty() && arguments.network.empty())
+    fail("--model needs --network");
+  if (!arguments.label_set.empty() && arguments.labels.empty())
+    fail("--label-set is for --labels; the description of a network names its own");
   std::error_code error;
   if (std::filesystem::exists(arguments.output + "/calib.txt", error))
     fail("--output holds a sequence (calib.txt); maps need a folder of their own");

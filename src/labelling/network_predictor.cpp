@@ -134,6 +134,9 @@ NetworkPredictor::NetworkPredictor(const NetworkDescription& description,
                                     << "' of the network is not in the label set");
   }
   network_->path = model_path.empty() ? description.model_path : model_path;
+  if (network_->path.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the description of the network names no model: give one");
   network_->net = loadNetwork(network_->path);
 }
 

@@ -30,7 +30,7 @@ Eigen::Vector3d
 cloudOrigin(const Eigen::Vector3d& sensor)
 {
   constexpr double step = 1000.0;
-  return (sensor / step).array().round() * step;
+  return (sensor / step).array().round() * step + 0.0; // no -0
 }
 
 } // namespace

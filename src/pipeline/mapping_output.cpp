@@ -38,7 +38,7 @@ quantile(std::vector<double> values, double share)
 cv::Mat
 networkLabels(const MappedFrame& mapped)
 {
-  cv::Mat labels(mapped.frame.left.size(), CV_8UC1);
+  cv::Mat labels = cv::Mat::zeros(mapped.frame.left.size(), CV_8UC1);
   for (Eigen::Index i = 0; i < mapped.network.size(); ++i)
     labels.data[i] = mapped.network.mapLabel(i);
   return labels;

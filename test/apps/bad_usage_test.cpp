@@ -54,6 +54,9 @@ TEST(BadUsage, OptionsOfTheMap)
       {"stereo", 2, "disparities is 5", labels + "--disparities 5"},
       {"both", 2, "either --labels or --network", labels + "--network x.yaml"},
       {"neither", 2, "either --labels or --network", ""},
+      {"model of no network", 2, "--model needs --network", labels + "--model x.onnx"},
+      {"two label sets", 2, "--label-set is for --labels",
+       "--network x.yaml --label-set y.yaml"},
       {"no sequence", 2, "SEQUENCE is missing", "map --output OUT " + labels},
       {"no output", 2, "--output is missing", "map STREET " + labels},
   };

@@ -24,7 +24,7 @@ struct MapperConfig {
   SemanticVoxelMap::Parameters map;
   std::string pixel_fusion = "mean"; ///< PixelFusion by name
   std::string crf = "dense";         ///< dense or none
-  int crf_every = 1;                 ///< frames between two runs of the CRF
+  int crf_every = 1; ///< 1 = the CRF runs at each frame, 2 = at every other
   SemanticCRFParameters crf_parameters;
   int threads = 0; ///< 0 = all processors
 
