@@ -17,6 +17,7 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 
+#include <filesystem>
 #include <iostream>
 
 namespace {
@@ -64,9 +65,22 @@ parse(int argc, char** argv, Options& options)
   return tool::parseCommandLine(argc, argv, usage, description, positional, values);
 }
 
+/** \brief Truth images bear the names of the images: they must not replace them. */
+void
+refuseImageFolders(const Options& options)
+{
+  std::error_code error;
+  for (const char* images : {"/image_0", "/image_1", "/image_2", "/image_3"})
+    if (std::filesystem::equivalent(options.sequence + images, options.output, error))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--output " << options.output
+                                      << ": holds the images of the sequence");
+}
+
 int
 project(const Options& options)
 {
+  refuseImageFolders(options);
   const FrameRange range = parseFrameRange(options.frames);
   if (!(options.parameters.max_depth > 0.0))
     PCL_THROW_EXCEPTION(InvalidParameterException, "--max-depth is "
@@ -86,7 +100,7 @@ project(const Options& options)
                         options.sequence << "/velodyne: holds no scan of the frames "
                                          << options.frames);
 
-  makeFrameFolder(options.output, ".png");
+  makeOutputFolder(options.output);
   tool::ProgressBar progress("projecting", scans.size());
   for (const FrameFile& file : scans) {
     const auto scan = readVelodyneScan(file.path);

@@ -144,6 +144,7 @@ TEST(LidarTruthTool, ProjectsAGeneratedScan)
   EXPECT_EQ(cv::countNonZero(truth), 1);
   EXPECT_EQ(truth(15, 20), 3);
 
+  expectFails(command + "/../image_0", 2, "holds the images of the sequence");
   expectFails(command + " --frames 10:5", 2, "10:5");
   expectFails(command + " --frames 3:5", 3, "3:5");
   expectFails(command + " --max-depth nan", 2, "max-depth");
