@@ -147,11 +147,8 @@ mapSequence(const Arguments& arguments)
   requireArguments(arguments);
   setNumberOfThreads(arguments.parameters.threads);
   const KittiSequence sequence(arguments.sequence);
-  std::vector<std::size_t> frames;
-  const FrameRange range = parseFrameRange(arguments.frames);
-  for (std::size_t i = 0; i < sequence.size(); ++i)
-    if (range.contains(sequence.frameNumber(i)))
-      frames.push_back(i);
+  const std::vector<std::size_t> frames =
+      selectFrames(sequence, parseFrameRange(arguments.frames));
   if (frames.empty())
     PCL_THROW_EXCEPTION(BadInputException,
                         arguments.sequence << ": has no frame in " << arguments.frames);
@@ -160,7 +157,14 @@ mapSequence(const Arguments& arguments)
   SemanticMapper mapper(sequence.camera(), labelling.label_set, arguments.parameters,
                         std::move(labelling.predictor), std::move(poses));
   MappingOutput output(arguments.output, sequence.camera(), labelling.label_set,
-                       arguments.parameters, sequence.T_camera0_camera());
+                       arguments.parameters, sequence.T_camera0_camera(),
+                       {{"sequence", arguments.sequence},
+                        {"frames", arguments.frames},
+                        {"poses", arguments.poses},
+                        {"labels", arguments.labels},
+                        {"label_set", arguments.label_set},
+                        {"network", arguments.network},
+                        {"model", arguments.model}});
 
   tool::catchInterrupts();
   tool::ProgressBar progress("mapping", frames.size());
@@ -170,6 +174,7 @@ mapSequence(const Arguments& arguments)
     if (tool::interrupted())
       break;
   }
+  mapper.finish();
   output.finish(mapper.map());
   std::cout << "map:      " << arguments.output << "/map.pcd\n"
             << "pictures: " << arguments.output << "/top_view.png, " << arguments.output

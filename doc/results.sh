@@ -63,6 +63,7 @@ for sequence in 15 "${streets[@]}"; do
   map_sequence "$sequence" none
   map_sequence "$sequence" dense
   if [[ -d $kitti/$sequence/labels ]]; then
+    rm -rf "${out:?}/$sequence/truth"
     build/bin/pcl_semantic_lidar_truth "$kitti/$sequence" --output "$out/$sequence/truth" \
       --label-set "$label_set" \
       --label-mapping data/label_mappings/semantic_kitti_to_kitti11.yaml >/dev/null

@@ -162,6 +162,33 @@ searchCells(const CellGrid& grid, Run cells, float squared_radius)
   return chunk;
 }
 
+// Copies the neighbours from the order of the cells into that of the points.
+void
+gather(const CellGrid& grid, const std::vector<Chunk>& chunks,
+       std::size_t cells_a_chunk, NeighbourLists& lists)
+{
+  const auto forEachPoint = [&](std::size_t c, auto&& visit) {
+    std::size_t point = grid.cells()[c * cells_a_chunk].begin, begin = 0;
+    for (const std::size_t end : chunks[c].ends) {
+      visit(std::size_t(grid.original(point++)), begin, end);
+      begin = end;
+    }
+  };
+  for (std::size_t c = 0; c < chunks.size(); ++c)
+    forEachPoint(c, [&](std::size_t i, std::size_t begin, std::size_t end) {
+      lists.starts[i + 1] = end - begin;
+    });
+  std::partial_sum(lists.starts.begin(), lists.starts.end(), lists.starts.begin());
+  lists.neighbours.resize(lists.starts.back());
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t c = 0; c < chunks.size(); ++c)
+    forEachPoint(c, [&](std::size_t i, std::size_t begin, std::size_t end) {
+      std::copy(chunks[c].neighbours.begin() + long(begin),
+                chunks[c].neighbours.begin() + long(end),
+                lists.neighbours.begin() + long(lists.starts[i]));
+    });
+}
+
 } // namespace
 
 NeighbourLists
@@ -195,26 +222,7 @@ findNeighbours(const Eigen::Matrix3Xf& positions, float radius)
                             << largest_pairs << " pairs of points lie within " << radius
                             << " of each other: take a smaller radius or fewer points");
 
-  const auto forEachPoint = [&](std::size_t c, auto&& visit) {
-    std::size_t point = grid.cells()[c * cells_a_chunk].begin, begin = 0;
-    for (const std::size_t end : chunks[c].ends) {
-      visit(std::size_t(grid.original(point++)), begin, end);
-      begin = end;
-    }
-  };
-  for (std::size_t c = 0; c < chunks.size(); ++c)
-    forEachPoint(c, [&](std::size_t i, std::size_t begin, std::size_t end) {
-      lists.starts[i + 1] = end - begin;
-    });
-  std::partial_sum(lists.starts.begin(), lists.starts.end(), lists.starts.begin());
-  lists.neighbours.resize(lists.starts.back());
-#pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t c = 0; c < chunks.size(); ++c)
-    forEachPoint(c, [&](std::size_t i, std::size_t begin, std::size_t end) {
-      std::copy(chunks[c].neighbours.begin() + long(begin),
-                chunks[c].neighbours.begin() + long(end),
-                lists.neighbours.begin() + long(lists.starts[i]));
-    });
+  gather(grid, chunks, cells_a_chunk, lists);
   return lists;
 }
 

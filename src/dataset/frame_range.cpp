@@ -36,4 +36,14 @@ parseFrameRange(const std::string& text)
   return range;
 }
 
+std::vector<std::size_t>
+selectFrames(const FrameSequence& sequence, const FrameRange& range)
+{
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < sequence.size(); ++i)
+    if (range.contains(sequence.frameNumber(i)))
+      frames.push_back(i);
+  return frames;
+}
+
 } // namespace pcl_semantic

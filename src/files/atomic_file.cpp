@@ -108,16 +108,14 @@ makeOutputFolder(const std::string& path)
 }
 
 void
-makeFrameFolder(const std::string& path, const std::string& extension)
+removeFrameFiles(const std::string& folder, const std::string& extension)
 {
-  makeOutputFolder(path);
-  for (const FrameFile& file : listFrameFiles(path, {extension})) {
+  for (const FrameFile& file : listFrameFiles(folder, {extension})) {
     std::error_code error;
     fs::remove(file.path, error);
     if (error)
       PCL_THROW_EXCEPTION(OutputException,
-                          file.path << ": an earlier run's file cannot be removed: "
-                                    << error.message());
+                          file.path << ": cannot be removed: " << error.message());
   }
 }
 

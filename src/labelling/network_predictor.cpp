@@ -15,6 +15,7 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 #include <stdexcept>
 
 namespace pcl_semantic {
@@ -55,6 +56,8 @@ loadNetwork(const std::string& path)
     return network;
   }
   catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem)
+      throw std::bad_alloc();
     PCL_THROW_EXCEPTION(BadModelException, path << ": OpenCV cannot load the network: "
                                                 << firstLine(error));
   }
@@ -161,6 +164,8 @@ NetworkPredictor::predict(const StereoFrame& frame)
     output = network_->net.forward(description_.output_name);
   }
   catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem)
+      throw std::bad_alloc();
     PCL_THROW_EXCEPTION(BadModelException, who << firstLine(error));
   }
   catch (const std::logic_error& error) { // std::length_error of a nonsensical size

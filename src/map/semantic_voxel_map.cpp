@@ -184,6 +184,9 @@ SemanticVoxelMap::fuseBlock(const Scan& scan, std::size_t begin, std::size_t end
     const int record = block.recordOf(first.place(), classes);
     measurement.fuseInto(block.records[record],
                          block.measured.data() + record * classes);
+    // What was concluded from older measurements does not hold any more.
+    if (scan.distributions)
+      std::fill_n(block.refined.begin() + record * classes, classes, 0.0f);
   }
 }
 

@@ -98,15 +98,17 @@ void
 VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
 {
   ++record.observations;
-  // Halving both keeps the mean and makes room long before a sum overflows.
-  constexpr std::uint32_t largest_count = 1u << 23;
-  if (record.colour_count + colour_count_ > largest_count) {
-    record.colour_count /= 2;
-    for (std::uint32_t& sum : record.colour_sum)
-      sum /= 2;
-  }
+  // Halving sums and count keeps the mean, and makes room long before 32 bits are full.
+  constexpr std::uint32_t largest_count = 1u << 22;
+  const auto halve = [](auto& sums, std::uint32_t& count) {
+    for (; count > largest_count; count /= 2)
+      for (auto& sum : sums)
+        sum /= 2;
+  };
+  halve(colour_sum_, colour_count_);
+  halve(record.colour_sum, record.colour_count);
   for (int channel = 0; channel < 3; ++channel)
-    record.colour_sum[channel] += colour_sum_[channel];
+    record.colour_sum[channel] += static_cast<std::uint32_t>(colour_sum_[channel]);
   record.colour_count += colour_count_;
 
   if (labelled_ == 0)

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/depth_lookup.h>
 #include <pcl_semantic/evaluation/label_reprojection.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -50,17 +51,71 @@ toJson(const Eigen::Vector3d& vector)
   return {vector.x(), vector.y(), vector.z()};
 }
 
+constexpr const char* image_folders[] = {"labels", "labels_at_depth", "network_labels",
+                                         "final_labels", "overlay"};
+
+Json
+versions()
+{
+  return {{"pcl_semantic", PCL_SEMANTIC_VERSION},
+          {"pcl", PCL_VERSION_PRETTY},
+          {"opencv", CV_VERSION}};
+}
+
+// Whether a file is the summary of a run of ours, finished or not.
+bool
+isSummary(const std::string& path)
+{
+  if (!std::filesystem::exists(path))
+    return false;
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  const Json summary = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  return summary.is_object() && summary.contains("versions") &&
+         summary["versions"].contains("pcl_semantic");
+}
+
 } // namespace
 
 MappingOutput::MappingOutput(const std::string& folder, const StereoCamera& camera,
                              const LabelSet& label_set, const MapperConfig& config,
-                             const Eigen::Isometry3d& T_camera0_camera)
+                             const Eigen::Isometry3d& T_camera0_camera, Inputs inputs)
     : folder_(folder), camera_(camera), label_set_(label_set), config_(config),
-      T_camera0_camera_(T_camera0_camera)
+      T_camera0_camera_(T_camera0_camera), inputs_(std::move(inputs))
 {
+  refuseForeignImages();
+  for (const char* name : image_folders)
+    makeOutputFolder(path(name));
+}
+
+// Images of a user must not be mixed with ours, nor be removed with them.
+void
+MappingOutput::refuseForeignImages() const
+{
+  if (isSummary(path("summary.json")))
+    return;
+  std::error_code error;
+  for (const char* name : image_folders)
+    if (std::filesystem::is_directory(path(name), error) &&
+        !listFrameFiles(path(name), {".png"}).empty())
+      PCL_THROW_EXCEPTION(OutputException,
+                          path(name)
+                              << ": holds images, but no summary.json lies beside "
+                                 "it: not a map; choose another folder");
+}
+
+// Frames of two runs must not lie in one folder: a summary that says so marks it until
+// the map is finished.
+void
+MappingOutput::replaceEarlierRun() const
+{
+  for (const char* name : image_folders)
+    removeFrameFiles(path(name), ".png");
+  std::error_code error;
   for (const char* name :
-       {"labels", "labels_at_depth", "network_labels", "final_labels", "overlay"})
-    makeFrameFolder(path(name), ".png");
+       {"map.pcd", "map_classes.pcd", "top_view.png", "trajectory.txt"})
+    std::filesystem::remove(path(name), error);
+  writeTextFile(path("summary.json"),
+                Json{{"finished", false}, {"versions", versions()}}.dump(2) + "\n");
 }
 
 std::string
@@ -72,6 +127,8 @@ MappingOutput::path(const std::string& name) const
 void
 MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map)
 {
+  if (frames_.empty())
+    replaceEarlierRun();
   const std::string name = "/" + frameFileName(mapped.frame.number, ".png");
   const double max_depth = config_.map.max_range;
   const cv::Mat labels =
@@ -126,6 +183,9 @@ void
 MappingOutput::writeSummary(const VoxelCloud& voxels) const
 {
   Json summary;
+  summary["finished"] = true;
+  for (const auto& [name, value] : inputs_)
+    summary["inputs"][name] = value;
   summary["frames"] = frames_.size();
   summary["frame_numbers"] = Json::array();
   ScanCounts total;
@@ -146,9 +206,7 @@ MappingOutput::writeSummary(const VoxelCloud& voxels) const
   MapperConfig config = config_;
   for (const ConfigParameter& parameter : parametersOf(config))
     summary["options"][parameter.name] = parameter.text();
-  summary["versions"] = {{"pcl_semantic", PCL_SEMANTIC_VERSION},
-                         {"pcl", PCL_VERSION_PRETTY},
-                         {"opencv", CV_VERSION}};
+  summary["versions"] = versions();
   writeTextFile(path("summary.json"), summary.dump(2) + "\n");
 }
 

@@ -60,12 +60,23 @@ SemanticMapper::process(const StereoFrame& frame)
       times.measure("labelling", [&] { return predictor_->predict(frame); });
   result.counts = times.measure("map", [&] { return integrate(result); });
   result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
-  if (config_.crf != "none" && frames_ % config_.crf_every == 0)
+  refined_ = config_.crf == "none" || frames_ % config_.crf_every == 0;
+  if (config_.crf != "none" && refined_)
     times.measure("crf", [&] { refine(result.voxels); });
   ++frames_;
   if (callback_)
     callback_(result, map_);
   return result;
+}
+
+void
+SemanticMapper::finish()
+{
+  if (refined_)
+    return;
+  VoxelCloud voxels = map_.occupied();
+  refine(voxels);
+  refined_ = true;
 }
 
 ScanCounts

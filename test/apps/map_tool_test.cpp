@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 #include "support/mapped_street.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
@@ -139,6 +140,23 @@ TEST(MapTool, AnInterruptEndsAfterTheFrame)
   for (int frame = 0; frame < summary["frames"]; ++frame)
     names.push_back(frameFileName(frame, ""));
   EXPECT_EQ(filesIn(out), filesOfMap(names));
+}
+
+TEST(MapTool, AnEarlierRunIsReplacedAndForeignImagesAreNot)
+{
+  const TemporaryFolder folder;
+  const std::string output = folder.path("out");
+  mapStreet(tinyStreet(), output, "--crf none");
+  mapStreet(tinyStreet(), output, "--crf none --frames 1:2");
+  EXPECT_EQ(filesIn(output), filesOfMap({"000001"}));
+
+  // Without a summary the images are somebody else's.
+  fs::remove(output + "/summary.json");
+  const ToolResult result = runTool("map " + tinyStreet() + " --labels " +
+                                    tinyStreet() + "/labels --output " + output);
+  EXPECT_EQ(result.code, 5);
+  EXPECT_TRUE(holds(result.text, "/labels: holds images, but no summary.json"));
+  EXPECT_TRUE(fs::exists(output + "/labels/000001.png"));
 }
 
 } // namespace pcl_semantic

@@ -12,6 +12,7 @@
 #include <pcl_semantic/files/image_file.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
 #include <cstdlib>
 #include <fstream>

@@ -136,14 +136,14 @@ TEST(MakeOutputFolder, RefusesWhatIsNoFolder)
   EXPECT_EQ(bytesOf(file), "x");
 }
 
-TEST(MakeFrameFolder, RemovesTheFramesOfAnEarlierRunAndNothingElse)
+TEST(RemoveFrameFiles, RemovesFramesAndNothingElse)
 {
   const TemporaryFolder folder;
   const std::string path = folder.path("labels");
-  makeFrameFolder(path, ".png");
+  makeOutputFolder(path);
   for (const char* name : {"000001.png", "000002.png", "000001.bin", "notes.png"})
     writeTextFile(path + "/" + name, "x");
-  makeFrameFolder(path, ".png");
+  removeFrameFiles(path, ".png");
   EXPECT_FALSE(std::filesystem::exists(path + "/000001.png"));
   EXPECT_FALSE(std::filesystem::exists(path + "/000002.png"));
   EXPECT_TRUE(std::filesystem::exists(path + "/000001.bin"));

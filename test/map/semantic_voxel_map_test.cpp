@@ -331,6 +331,25 @@ TEST(SemanticVoxelMap, RefinedDistributionsAreReadAndMeasurementsKept)
                InvalidParameterException);
 }
 
+TEST(SemanticVoxelMap, ANewMeasurementVoidsTheRefinement)
+{
+  LabelledScan scan = makeRandomScan(500, 5.0f, 3, 6);
+  for (Eigen::Index i = 0; i < scan.distributions.size(); ++i)
+    scan.distributions.setLabel(i, 1, 0.6f); // no sky: the same rays with and without
+  SemanticVoxelMap map(threeClasses(), smallWindow());
+  map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  const VoxelCloud before = map.occupied();
+  LabelDistributions refined(3, Eigen::Index(before.size()));
+  for (Eigen::Index i = 0; i < refined.size(); ++i)
+    refined.setLabel(i, 3, 0.8f);
+  map.setRefined(before, refined);
+  map.integrate(scan.cloud, poseAt(0, 0, 0)); // no labels: nothing new is known of them
+  EXPECT_TRUE(map.occupied().refined.matrix() == refined.matrix());
+  map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  const VoxelCloud after = map.occupied();
+  EXPECT_TRUE(after.refined.matrix() == after.measured.matrix());
+}
+
 TEST(SemanticVoxelMap, RefusesWhatDoesNotFit)
 {
   const LabelledScan scan = makeRandomScan(10, 5.0f, 3, 7);

@@ -151,6 +151,18 @@ TEST_F(Street, TheCrfRunsEveryNthFrameAndKeepsTheMeasurements)
   const MappedFrame without = mapper.process(frame(1));
   for (const auto& [stage, seconds] : without.times.seconds())
     EXPECT_NE(stage, "crf");
+  const VoxelCloud before = mapper.map().occupied();
+  mapper.finish();
+  const VoxelCloud after = mapper.map().occupied();
+  EXPECT_TRUE(before.measured.matrix() == after.measured.matrix());
+  int unrefined_before = 0, unrefined_after = 0;
+  for (Eigen::Index i = 0; i < after.refined.size(); ++i) {
+    unrefined_before +=
+        before.refined.matrix().col(i) == before.measured.matrix().col(i);
+    unrefined_after += after.refined.matrix().col(i) == after.measured.matrix().col(i);
+  }
+  EXPECT_GT(unrefined_before, int(after.size()) / 4);
+  EXPECT_LT(unrefined_after, int(after.size()) / 100);
 }
 
 TEST_F(Street, SameMapForAnyNumberOfThreads)

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <exception>
+#include <mutex>
 
 namespace pcl_semantic {
 
@@ -23,7 +24,7 @@ public:
       body();
     }
     catch (...) {
-#pragma omp critical(pcl_semantic_parallel_guard)
+      const std::lock_guard<std::mutex> lock(mutex_);
       error_ = std::current_exception();
     }
   }
@@ -37,6 +38,7 @@ public:
   }
 
 private:
+  std::mutex mutex_;
   std::exception_ptr error_;
 };
 

@@ -6,8 +6,11 @@
 
 #pragma once
 
+#include <pcl_semantic/dataset/frame_sequence.h>
+
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -26,5 +29,9 @@ struct FrameRange {
 /** \brief Reads "A:B", the frames A <= n < B; without A or B open on that side.
  * \throws InvalidParameterException if it is something else or holds no frame */
 FrameRange parseFrameRange(const std::string& text);
+
+/** \brief Positions in a sequence of the frames that a range contains. */
+std::vector<std::size_t> selectFrames(const FrameSequence& sequence,
+                                      const FrameRange& range);
 
 } // namespace pcl_semantic

@@ -46,10 +46,8 @@ void writeTextFile(const std::string& path, const std::string& text);
  * \throws OutputException */
 void makeOutputFolder(const std::string& path);
 
-/** \brief Makes a folder for files named by frame number (`000012.png`) and removes those
- * of an earlier run, so that it never holds frames of two runs.
- * \param[in] extension ".png"; other files stay
- * \throws OutputException */
-void makeFrameFolder(const std::string& path, const std::string& extension);
+/** \brief Removes the files of a folder that are named by a frame number and
+ * \a extension (`000012.png`). \throws OutputException */
+void removeFrameFiles(const std::string& folder, const std::string& extension);
 
 } // namespace pcl_semantic

@@ -29,7 +29,8 @@ enum class Occupancy { unknown, free, occupied };
  * Scans of any sensor update occupancy by ray casting and fuse colour and label
  * distributions (section III of the paper). Blocks that leave the window go to a
  * BlockStore and come back when it returns. World frame: x forward, y left, z up [m].
- * The map is not safe to use from several threads at once; it uses several itself. */
+ * It uses several threads itself, but is for one caller at a time: readers on other
+ * threads have to wait until a call has returned. */
 class SemanticVoxelMap {
 public:
   struct Parameters {
@@ -70,7 +71,8 @@ public:
   /** \brief All occupied voxels, those that left the window too. */
   VoxelCloud occupiedEverywhere() const;
 
-  /** \brief Takes back refined distributions; the measurements stay as they are.
+  /** \brief Takes back refined distributions; the measurements stay as they are. They
+   * hold until the voxel is measured again.
    * \param[in] voxels as occupied() gave them
    * \param[in] refined L x voxels.size()
    * \throws InvalidParameterException if the sizes differ */

@@ -99,7 +99,7 @@ private:
   std::vector<std::int64_t> log_sums_;
   std::vector<float> log_likelihood_;
   std::int64_t labelled_ = 0;
-  std::array<std::uint32_t, 3> colour_sum_{};
+  std::array<std::uint64_t, 3> colour_sum_{};
   std::uint32_t colour_count_ = 0;
 };
 

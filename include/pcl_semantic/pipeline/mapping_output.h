@@ -11,6 +11,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pcl_semantic {
@@ -20,12 +21,16 @@ namespace pcl_semantic {
  */
 class MappingOutput {
 public:
-  /** \brief Makes the folders.
+  /** \brief What the run was made from, for the summary: ("sequence", "kitti/05"). */
+  using Inputs = std::vector<std::pair<std::string, std::string>>;
+
+  /** \brief Makes the folders. What an earlier run left in them stays until the first
+   * frame is written.
    * \param[in] T_camera0_camera the camera that takes the images, in KITTI's camera 0
-   * \throws OutputException */
+   * \throws OutputException also if images lie there that no run of ours has left */
   MappingOutput(const std::string& folder, const StereoCamera& camera,
                 const LabelSet& label_set, const MapperConfig& config,
-                const Eigen::Isometry3d& T_camera0_camera);
+                const Eigen::Isometry3d& T_camera0_camera, Inputs inputs = {});
 
   /** \brief labels, labels_at_depth, network_labels and overlay of a frame.
    * \throws OutputException */
@@ -44,6 +49,10 @@ private:
 
   std::string path(const std::string& name) const;
 
+  void refuseForeignImages() const;
+
+  void replaceEarlierRun() const;
+
   Trajectory trajectory() const;
 
   void writeSummary(const VoxelCloud& voxels) const;
@@ -53,6 +62,7 @@ private:
   LabelSet label_set_;
   MapperConfig config_;
   Eigen::Isometry3d T_camera0_camera_;
+  Inputs inputs_;
   std::vector<WrittenFrame> frames_;
   std::map<std::string, std::vector<double>> seconds_; // by stage
 };

@@ -57,6 +57,10 @@ public:
    * \throws BadInputException or BadModelException that names the frame */
   MappedFrame process(const StereoFrame& frame);
 
+  /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
+   * that the finished map is refined throughout. */
+  void finish();
+
   const SemanticVoxelMap&
   map() const
   {
@@ -76,6 +80,7 @@ private:
   SemanticVoxelMap map_;
   Callback callback_;
   int frames_ = 0;
+  bool refined_ = true; // the CRF has seen the last frame
 };
 
 } // namespace pcl_semantic
