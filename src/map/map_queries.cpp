@@ -42,6 +42,38 @@ setColour(const VoxelRecord& record, pcl::PointXYZRGBL& point)
   point.b = mean(2);
 }
 
+VoxelCloud
+emptyVoxels(std::size_t count, int classes)
+{
+  VoxelCloud voxels;
+  voxels.measured = LabelDistributions(classes, Eigen::Index(count));
+  voxels.refined = LabelDistributions(classes, Eigen::Index(count));
+  voxels.indices.resize(count);
+  voxels.observations.resize(count);
+  voxels.cloud->resize(count);
+  voxels.cloud->is_dense = true;
+  return voxels;
+}
+
+// Voxel i of a cloud, from its place in a block.
+void
+setVoxel(const VoxelBlock& block, int place, const VoxelIndex& index, std::size_t i,
+         VoxelCloud& voxels)
+{
+  const int record = block.record[place];
+  const auto column = Eigen::Index(i);
+  readDistributions(block, record, voxels.measured.classes(),
+                    voxels.measured.column(column), voxels.refined.column(column));
+  voxels.indices[i] = index;
+  voxels.observations[i] = block.records[record].observations;
+  const Eigen::Vector3d centre =
+      (index.cast<double>().array() + 0.5).matrix() * voxels.voxel_size;
+  pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
+  point.getVector3fMap() = (centre - voxels.origin).cast<float>();
+  setColour(block.records[record], point);
+  point.label = voxels.refined.mapLabel(column);
+}
+
 } // namespace
 
 VoxelCloud
@@ -84,41 +116,16 @@ SemanticVoxelMap::makeCloud(
       first[b + 1] += is_occupied(*blocks[b].second, place);
   std::partial_sum(first.begin(), first.end(), first.begin());
 
-  const std::size_t count = first.back();
-  const int classes = label_set_.size();
-  VoxelCloud voxels;
+  VoxelCloud voxels = emptyVoxels(first.back(), label_set_.size());
   voxels.voxel_size = parameters_.voxel_size;
   voxels.origin = origin_;
-  voxels.measured = LabelDistributions(classes, Eigen::Index(count));
-  voxels.refined = LabelDistributions(classes, Eigen::Index(count));
-  voxels.indices.resize(count);
-  voxels.observations.resize(count);
-  voxels.cloud->resize(count);
-  voxels.cloud->is_dense = true;
-
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const VoxelBlock& block = *blocks[b].second;
     std::size_t i = first[b];
-    for (int place = 0; place < kBlockVoxels; ++place) {
-      if (!is_occupied(block, place))
-        continue;
-      const int record = block.record[place];
-      const auto column = Eigen::Index(i);
-      readDistributions(block, record, classes, voxels.measured.column(column),
-                        voxels.refined.column(column));
-      voxels.indices[i] = voxelAt(blocks[b].first, place);
-      voxels.observations[i] = block.records[record].observations;
-      pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
-      point.getVector3fMap() =
-          ((voxels.indices[i].cast<double>().array() + 0.5).matrix() *
-               parameters_.voxel_size -
-           origin_)
-              .cast<float>();
-      setColour(block.records[record], point);
-      point.label = voxels.refined.mapLabel(column);
-      ++i;
-    }
+    for (int place = 0; place < kBlockVoxels; ++place)
+      if (is_occupied(block, place))
+        setVoxel(block, place, voxelAt(blocks[b].first, place), i++, voxels);
   }
   return voxels;
 }

@@ -81,6 +81,16 @@ private:
   std::uint64_t bits_ = 0;
 };
 
+// Further away nothing can be meant; it also keeps the arithmetic exact [m].
+constexpr float largest_reach = 1e6f;
+
+// The largest coordinate of a point; NaN if one is.
+float
+reachOf(const Eigen::Vector3f& point)
+{
+  return point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+}
+
 bool
 isSky(const Scan& scan, std::size_t i, const RayCaster::Settings& settings)
 {
@@ -106,6 +116,15 @@ RayCaster::clear(const Grid& grid)
   hits_.clear();
 }
 
+void
+RayCaster::findCrossedBlocks(const Grid& grid)
+{
+  grid.forEachSlot([&](const VoxelIndex& block, std::size_t slot) {
+    if (touched_[slot])
+      crossed_blocks_.push_back(block);
+  });
+}
+
 ScanCounts
 RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                 const Grid& grid, const Settings& settings)
@@ -113,8 +132,6 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   clear(grid);
   const QuantizedPoint start =
       quantize(T_world_sensor.translation(), settings.voxel_size);
-  // Further away nothing can be meant: 1e6 m also keeps the arithmetic exact.
-  constexpr float largest_coordinate = 1e6f;
   const float range = float(settings.max_range);
   std::size_t invalid = 0, sky = 0, rays = 0;
   ParallelGuard guard; // hits are gathered, which takes memory
@@ -124,9 +141,8 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     std::vector<RayHit> hits;
 #pragma omp for schedule(dynamic, 4096) nowait
     for (std::size_t i = 0; i < scan.points.size(); ++i) {
-      const Eigen::Vector3f& point = scan.points[i];
-      const float reach = point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
-      if (!(reach < largest_coordinate)) {
+      const float reach = reachOf(scan.points[i]);
+      if (!(reach < largest_reach)) { // or NaN
         ++invalid;
         continue;
       }
@@ -136,10 +152,10 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
       }
       ++rays;
       const bool in_range = reach <= range;
-      const Eigen::Vector3d in_sensor =
-          point.cast<double>() * (in_range ? 1.0 : double(range / reach));
+      const double share = in_range ? 1.0 : double(range / reach);
       const QuantizedPoint end =
-          quantize(T_world_sensor * in_sensor, settings.voxel_size);
+          quantize(T_world_sensor * (share * scan.points[i].cast<double>()),
+                   settings.voxel_size);
       traverseSegment(start, end, mark);
       mark.flush();
       const VoxelIndex voxel = voxelOf(end);
@@ -153,11 +169,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   }
   guard.rethrow();
   std::sort(hits_.begin(), hits_.end());
-
-  grid.forEachSlot([&](const VoxelIndex& block, std::size_t slot) {
-    if (touched_[slot])
-      crossed_blocks_.push_back(block);
-  });
+  findCrossedBlocks(grid);
   return {scan.points.size(), rays, invalid, sky, 0};
 }
 

@@ -125,6 +125,8 @@ private:
 
   void clear(const Grid& grid);
 
+  void findCrossedBlocks(const Grid& grid);
+
   std::vector<std::uint64_t> crossed_; // a bit a voxel, kWords a slot
   std::vector<std::uint8_t> touched_;  // a byte a slot
   std::vector<VoxelIndex> crossed_blocks_;
