@@ -116,9 +116,8 @@ makeLabelling(const Arguments& arguments)
   if (!arguments.network.empty()) {
     const NetworkDescription network = readNetworkDescription(arguments.network);
     const LabelSet label_set = readLabelSet(network.label_set_path);
-    const std::string model =
-        arguments.model.empty() ? network.model_path : arguments.model;
-    return {label_set, std::make_unique<NetworkPredictor>(network, label_set, model)};
+    return {label_set,
+            std::make_unique<NetworkPredictor>(network, label_set, arguments.model)};
   }
   const LabelSet label_set =
       readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")

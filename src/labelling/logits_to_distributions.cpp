@@ -143,16 +143,15 @@ checkArguments(const cv::Mat& logits, const cv::Size& size,
 
 LabelDistributions
 distributionsFromLogits(const cv::Mat& logits, const cv::Size& size,
-                        const ChannelClasses& channels, unsigned threads)
+                        const ChannelClasses& channels)
 {
   checkArguments(logits, size, channels);
   const RowConverter converter(logits, size, channels);
   LabelDistributions distributions(channels.classes,
                                    Eigen::Index(size.width) * size.height);
-  const int team = threads == 0 ? omp_get_max_threads() : static_cast<int>(threads);
-  std::vector<std::vector<float>> buffers(team,
+  std::vector<std::vector<float>> buffers(omp_get_max_threads(),
                                           std::vector<float>(converter.bufferSize()));
-#pragma omp parallel for num_threads(team) schedule(static)
+#pragma omp parallel for schedule(static)
   for (int v = 0; v < size.height; ++v)
     converter.convert(v, buffers[omp_get_thread_num()].data(),
                       distributions.column(Eigen::Index(v) * size.width));

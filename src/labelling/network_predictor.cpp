@@ -172,7 +172,7 @@ NetworkPredictor::predict(const StereoFrame& frame)
     PCL_THROW_EXCEPTION(BadModelException, who << error.what());
   }
   const cv::Mat logits = checkOutput(output, description_, frame.number);
-  return distributionsFromLogits(logits, frame.left.size(), channels_, threads_);
+  return distributionsFromLogits(logits, frame.left.size(), channels_);
 }
 
 } // namespace pcl_semantic

@@ -5,6 +5,7 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/labelling/logits_to_distributions.h>
 
 #include <gtest/gtest.h>
@@ -119,12 +120,15 @@ TEST(LogitsToDistributions, SameForAnyNumberOfThreads)
 {
   const cv::Mat logits = makeLogits(5, 17, 23, 2.0);
   const ChannelClasses channels{{1, 2, 3, 0, 2}, 3, true};
+  setNumberOfThreads(1);
   const LabelDistributions single =
-      distributionsFromLogits(logits, cv::Size(61, 45), channels, 1);
-  for (const unsigned threads : {0u, 2u, 3u, 64u})
-    EXPECT_EQ(
-        distributionsFromLogits(logits, cv::Size(61, 45), channels, threads).matrix(),
-        single.matrix());
+      distributionsFromLogits(logits, cv::Size(61, 45), channels);
+  for (const int threads : {0, 2, 3, 64}) {
+    setNumberOfThreads(threads);
+    EXPECT_EQ(distributionsFromLogits(logits, cv::Size(61, 45), channels).matrix(),
+              single.matrix());
+  }
+  setNumberOfThreads(0);
 }
 
 TEST(LogitsToDistributions, RefusesWhatDoesNotFit)

@@ -5,6 +5,7 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
@@ -285,10 +286,9 @@ TEST(NetworkPredictorData, KittiStreet)
   EXPECT_GT(right, 0.86 * known) << right << " of " << known;
   EXPECT_GT(right_roads, 0.97 * roads) << right_roads << " of " << roads;
 
-  cv::setNumThreads(1);
-  predictor.setNumberOfThreads(1);
+  setNumberOfThreads(1);
   EXPECT_EQ(predictor.predict(frame).matrix(), labels.matrix()) << "one thread";
-  cv::setNumThreads(-1);
+  setNumberOfThreads(0);
 }
 
 } // namespace

@@ -30,11 +30,9 @@ struct ChannelClasses {
  * unlabelled. The result does not depend on the number of threads. \param[in] logits
  * CV_32F, channels x height x width, finite \param[in] size of the image [px]
  * \param[in] channels one entry a channel
- * \param[in] threads 0 = all
  * \return L x (width * height), pixels row by row
  * \throws InvalidParameterException if the sizes do not fit each other */
 LabelDistributions distributionsFromLogits(const cv::Mat& logits, const cv::Size& size,
-                                           const ChannelClasses& channels,
-                                           unsigned threads = 0);
+                                           const ChannelClasses& channels);
 
 } // namespace pcl_semantic

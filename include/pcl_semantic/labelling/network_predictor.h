@@ -34,14 +34,6 @@ public:
                    const std::string& model_path = "");
   ~NetworkPredictor() override;
 
-  /** \brief Threads of what follows the network; 0 = all. The network itself uses
-   * cv::setNumThreads(). */
-  void
-  setNumberOfThreads(unsigned threads)
-  {
-    threads_ = threads;
-  }
-
   /** \throws BadInputException if the image is not 8-bit grey or colour
    * \throws BadModelException that names the frame, if the network fails or its output
    * is not 1 x channels x height x width, finite */
@@ -53,7 +45,6 @@ private:
   NetworkDescription description_;
   ChannelClasses channels_;
   std::unique_ptr<Network> network_;
-  unsigned threads_ = 0;
 };
 
 } // namespace pcl_semantic
