@@ -33,7 +33,7 @@ MeanField::update()
 {
   messages_ = -model_.unary;
   for (const auto& kernel : model_.kernels)
-    kernel->addProduct(marginals_, messages_);
+    kernel->addProduct(marginals_, messages_, {});
   const int labels = static_cast<int>(messages_.rows());
 #pragma omp parallel for schedule(static)
   for (Eigen::Index i = 0; i < messages_.cols(); ++i)

@@ -64,6 +64,7 @@ TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
     widest = std::max(widest, term.position_deviation);
   if (terms.empty()) {
     starts_.assign(std::size_t(positions.cols()) + 1, 0);
+    diagonal_ = Eigen::VectorXf::Zero(positions.cols());
     return;
   }
   NeighbourLists lists = findNeighbours(positions, radius * widest);
@@ -77,6 +78,7 @@ TruncatedKernel::setWeights(const Eigen::Matrix3Xf& positions,
                             const std::vector<GaussianTerm>& terms)
 {
   weights_.assign(neighbours_.size(), 0.0f);
+  diagonal_ = Eigen::VectorXf::Zero(size());
   std::vector<float> kernel(neighbours_.size());
   Eigen::VectorXf scale(size()); // w^1/2 D^-1/2
   for (const GaussianTerm& term : terms) {
@@ -90,6 +92,7 @@ TruncatedKernel::setWeights(const Eigen::Matrix3Xf& positions,
         sum += kernel[e];
       }
       scale[i] = std::sqrt(term.weight / sum);
+      diagonal_[i] += term.weight / sum;
     }
 #pragma omp parallel for schedule(dynamic, 1024)
     for (Eigen::Index i = 0; i < size(); ++i)
@@ -99,16 +102,19 @@ TruncatedKernel::setWeights(const Eigen::Matrix3Xf& positions,
 }
 
 void
-TruncatedKernel::addProduct(const Eigen::MatrixXf& values,
-                            Eigen::MatrixXf& result) const
+TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
+                            Eigen::Ref<Eigen::MatrixXf> result,
+                            const VariableMask& active) const
 {
   const Eigen::Index rows = values.rows();
 #pragma omp parallel for schedule(dynamic, 512)
   for (Eigen::Index i = 0; i < size(); ++i) {
-    float* const sum = result.data() + i * rows;
+    if (!active.empty() && !active[std::size_t(i)])
+      continue;
+    float* const sum = result.col(i).data();
     for (std::size_t e = starts_[i]; e < starts_[i + 1]; ++e) {
       const float weight = weights_[e];
-      const float* const value = values.data() + neighbours_[e] * rows;
+      const float* const value = values.col(neighbours_[e]).data();
       for (Eigen::Index k = 0; k < rows; ++k)
         sum[k] += weight * value[k];
     }

@@ -30,7 +30,7 @@ Eigen::MatrixXf
 product(const TruncatedKernel& kernel, const Eigen::MatrixXf& values)
 {
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(values.rows(), values.cols());
-  kernel.addProduct(values, result);
+  kernel.addProduct(values, result, {});
   return result;
 }
 

@@ -6,22 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/crf/gaussian_term.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
 #include <cstdint>
 #include <vector>
 
 namespace pcl_semantic {
-
-/** \brief A weighted Gaussian over positions and, if there are any, further features:
- * w exp(-|p_i - p_j|^2 / 2 sigma^2 - |f_i - f_j|^2 / 2), a term of eq. (6) with the
- * square that the paper's text dropped. */
-struct GaussianTerm {
-  float weight = 1.0f;
-  float position_deviation = 1.0f; ///< sigma, in the unit of the positions
-  Eigen::MatrixXf
-      features; ///< d x N, divided by their deviations; empty = positions only
-};
 
 /** \brief Sum of Gaussian terms, each normalised symmetrically (D^-1/2 K D^-1/2 with
  * D_i = sum over all j, i included), as exact sums over all pairs within a radius.
@@ -45,8 +36,15 @@ public:
     return static_cast<Eigen::Index>(starts_.size()) - 1;
   }
 
-  void addProduct(const Eigen::MatrixXf& values,
-                  Eigen::MatrixXf& result) const override;
+  float
+  diagonal(Eigen::Index i) const override
+  {
+    return diagonal_[i];
+  }
+
+  void addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
+                  Eigen::Ref<Eigen::MatrixXf> result,
+                  const VariableMask& active) const override;
 
   /** \brief Number of ordered pairs within the radius. */
   std::size_t
@@ -62,6 +60,7 @@ private:
   std::vector<std::size_t> starts_;      // of each point's neighbours, N + 1
   std::vector<std::int32_t> neighbours_; // without the point itself
   std::vector<float> weights_;           // normalised, summed over the terms
+  Eigen::VectorXf diagonal_;
 };
 
 } // namespace pcl_semantic

@@ -1,0 +1,24 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+namespace pcl_semantic {
+
+/** \brief Instruction sets that the hot loops (`src/<room>/kernels/`) are compiled for.
+ * Results within a tier are bit-identical for any number of threads. */
+enum class SimdTier { plain, avx2, avx512 };
+
+/** \brief The widest tier of this processor, or the one that the environment variable
+ * PCL_SEMANTIC_SIMD (plain, avx2 or avx512) asks for, if the processor has it; decided
+ * once, at the first call.
+ * \throws InvalidParameterException if the variable holds another word */
+SimdTier simdTier();
+
+/** \brief "plain", "avx2" or "avx512". */
+const char* nameOf(SimdTier tier);
+
+} // namespace pcl_semantic

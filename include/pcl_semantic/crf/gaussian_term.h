@@ -1,0 +1,25 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/abi_check.h>
+
+#include <Eigen/Core>
+
+namespace pcl_semantic {
+
+/** \brief A weighted Gaussian over positions and, if there are any, further features:
+ * w exp(-|p_i - p_j|^2 / 2 sigma^2 - |f_i - f_j|^2 / 2), a term of eq. (6) with the
+ * square that the paper's text dropped. */
+struct GaussianTerm {
+  float weight = 1.0f;
+  float position_deviation = 1.0f; ///< sigma, in the unit of the positions
+  Eigen::MatrixXf
+      features; ///< d x N, divided by their deviations; empty = positions only
+};
+
+} // namespace pcl_semantic
