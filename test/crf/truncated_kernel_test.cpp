@@ -4,11 +4,12 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "crf/kernels/run_search.h"
+#include "crf/point_rows.h"
 #include "support/brute_force_crf.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/crf/neighbour_search.h>
 #include <pcl_semantic/crf/truncated_kernel.h>
 
 #include <gtest/gtest.h>
@@ -34,32 +35,79 @@ product(const TruncatedKernel& kernel, const Eigen::MatrixXf& values)
   return result;
 }
 
-TEST(NeighbourSearch, FindsExactlyThePairsWithinTheRadius)
+// The neighbours of a point in the caller's order, from the runs of the sorted points.
+std::vector<std::vector<std::int32_t>>
+neighboursOf(const Eigen::Matrix3Xf& positions, float reach, float cell)
 {
-  for (const float radius : {0.05f, 0.3f, 5.0f}) {
+  const PointRows rows(positions, reach, cell);
+  std::vector<PointRows::Run> runs;
+  std::vector<std::uint32_t> ends;
+  rows.findRuns(0, rows.size(), runs, ends);
+  std::vector<std::vector<std::int32_t>> all(rows.size());
+  for (std::size_t i = 0, r = 0; i < rows.size(); ++i)
+    for (; r < ends[i]; ++r)
+      for (std::uint32_t k = 0; k < (runs[r] & kernels::run_length_mask); ++k)
+        all[std::size_t(rows.order()[i])].push_back(
+            rows.order()[(runs[r] >> kernels::run_length_bits) + k]);
+  for (auto& list : all)
+    std::sort(list.begin(), list.end());
+  return all;
+}
+
+TEST(PointRows, FindAllPointsWithinTheReach)
+{
+  for (const float reach : {0.05f, 0.3f, 5.0f}) {
     Eigen::Matrix3Xf positions = makeRandomMatrix(3, 400, -1.0f, 1.0f, 1);
-    positions.col(7) = positions.col(8); // two points in one place
-    const NeighbourLists lists = findNeighbours(positions, radius);
-    ASSERT_EQ(lists.starts.size(), 401u);
-    for (Eigen::Index i = 0; i < 400; ++i) {
-      std::vector<std::int32_t> found(lists.neighbours.begin() + long(lists.starts[i]),
-                                      lists.neighbours.begin() +
-                                          long(lists.starts[i + 1]));
-      std::sort(found.begin(), found.end());
-      std::vector<std::int32_t> expected;
+    for (int i = 0; i < 20; ++i) // more points in one place than a run holds
+      positions.col(7 + i) = positions.col(7);
+    const auto found = neighboursOf(positions, reach, reach / 3.0f);
+    for (Eigen::Index i = 0; i < 400; ++i)
       for (Eigen::Index j = 0; j < 400; ++j)
-        if (j != i &&
-            (positions.col(j) - positions.col(i)).squaredNorm() <= radius * radius)
-          expected.push_back(std::int32_t(j));
-      ASSERT_EQ(found, expected) << "point " << i << " radius " << radius;
-    }
+        if ((positions.col(j) - positions.col(i)).norm() <= reach) {
+          ASSERT_TRUE(std::binary_search(found[std::size_t(i)].begin(),
+                                         found[std::size_t(i)].end(), int(j)))
+              << "points " << i << " and " << j << " reach " << reach;
+        }
   }
 }
 
-TEST(NeighbourSearch, NoPointsAndOnePoint)
+TEST(PointRows, FindNothingElseOnAGrid)
 {
-  EXPECT_EQ(findNeighbours(Eigen::Matrix3Xf(3, 0), 1.0f).starts.size(), 1u);
-  EXPECT_TRUE(findNeighbours(Eigen::Matrix3Xf::Ones(3, 1), 1.0f).neighbours.empty());
+  const Eigen::Matrix3Xf positions = makeVoxelPositions(500, 3);
+  const auto found = neighboursOf(positions, 0.4f, 0.1f);
+  for (Eigen::Index i = 0; i < 500; ++i) {
+    std::vector<std::int32_t> expected;
+    for (Eigen::Index j = 0; j < 500; ++j)
+      if ((positions.col(j) - positions.col(i)).norm() <= 0.4001f)
+        expected.push_back(std::int32_t(j));
+    ASSERT_EQ(found[std::size_t(i)], expected) << "point " << i;
+  }
+}
+
+TEST(PointRows, RowsFarApartAreFoundToo)
+{
+  // A row with gaps wider and narrower than those that divide rows.
+  Eigen::Matrix3Xf positions = Eigen::Matrix3Xf::Zero(3, 6);
+  positions.row(0) << 0.0f, 0.1f, 20.0f, 20.1f, 50.0f, 50.1f;
+  const auto found = neighboursOf(positions, 0.4f, 0.1f);
+  for (int i = 0; i < 6; ++i)
+    EXPECT_EQ(found[std::size_t(i)],
+              (std::vector<std::int32_t>{i / 2 * 2, i / 2 * 2 + 1}));
+}
+
+TEST(PointRows, NoPointsAndOnePoint)
+{
+  EXPECT_EQ(PointRows(Eigen::Matrix3Xf(3, 0), 1.0f, 0.5f).size(), 0u);
+  EXPECT_EQ(neighboursOf(Eigen::Matrix3Xf::Ones(3, 1), 1.0f, 0.5f)[0].size(), 1u);
+}
+
+// The terms as a kernel cut off at a radius widens them.
+std::vector<GaussianTerm>
+widened(std::vector<GaussianTerm> terms, float radius)
+{
+  for (GaussianTerm& term : terms)
+    term.position_deviation *= std::sqrt(TruncatedKernel::widening(radius));
+  return terms;
 }
 
 TEST(TruncatedKernel, EqualsTheBruteForceSumWithinTheRadius)
@@ -71,9 +119,10 @@ TEST(TruncatedKernel, EqualsTheBruteForceSumWithinTheRadius)
   const Eigen::MatrixXf values = makeRandomMatrix(5, count, 0.0f, 1.0f, 3);
   const Eigen::MatrixXd expected =
       values.cast<double>() *
-      makeKernelMatrix(positions, terms, 0.5 + 1e-5).transpose();
+      makeKernelMatrix(positions, widened(terms, 2.5f), 0.5 + 1e-5).transpose();
   const Eigen::MatrixXd error = product(kernel, values).cast<double>() - expected;
-  EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-4);
+  // Weights of 8 bits, rounded twice.
+  EXPECT_LT((error.array() / expected.array()).abs().maxCoeff(), 1.0 / 128);
   EXPECT_GT(expected.minCoeff(), 0.1);
 }
 

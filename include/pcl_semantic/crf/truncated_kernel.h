@@ -10,15 +10,19 @@
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace pcl_semantic {
 
-/** \brief Sum of Gaussian terms, each normalised symmetrically (D^-1/2 K D^-1/2 with
- * D_i = sum over all j, i included), as exact sums over all pairs within a radius.
+/** \brief Sum of Gaussian terms over points in space, each normalised by itself, as
+ * exact sums over all pairs within a radius.
  *
- * Set-up finds and keeps the neighbours of every point; a product visits each pair
- * once per side, so the result does not depend on the number of threads. */
+ * What is cut off beyond a short radius would make a kernel narrower: its deviation of
+ * positions is widened in turn (widening(); doc/crf.md has the measurements).
+ * Set-up finds the neighbours of every point and keeps their weights, summed over the
+ * terms, in 16 bits (a relative error of up to 2^-8 each). A product visits each pair
+ * once a side. */
 class TruncatedKernel : public PairwiseKernel {
 public:
   /** \param[in] positions 3 x N
@@ -26,14 +30,16 @@ public:
    * \param[in] radius of the sums, in the largest position deviation
    * \throws InvalidParameterException at a deviation or radius that is not positive, a
    * negative weight, features of another size, values that are not finite, or more
-   * pairs than memory is meant to hold (2^31) */
+   * pairs than memory is meant to hold (2^32) */
   TruncatedKernel(const Eigen::Matrix3Xf& positions,
-                  const std::vector<GaussianTerm>& terms, float radius);
+                  const std::vector<GaussianTerm>& terms, float radius,
+                  Normalization normalization = Normalization::symmetric);
+  ~TruncatedKernel() override;
 
   Eigen::Index
   size() const override
   {
-    return static_cast<Eigen::Index>(starts_.size()) - 1;
+    return diagonal_.size();
   }
 
   float
@@ -46,20 +52,32 @@ public:
                   Eigen::Ref<Eigen::MatrixXf> result,
                   const VariableMask& active) const override;
 
-  /** \brief Number of ordered pairs within the radius. */
-  std::size_t
-  pairs() const
-  {
-    return neighbours_.size();
-  }
+  void markAffected(const VariableMask& changed, VariableMask& affected) const override;
+
+  /** \brief Factor of the variance of positions for a radius in deviations: 2 at 2
+   * deviations, 1.15 at 2.5, next to 1 beyond 3. */
+  static float widening(float radius);
+
+  /** \brief Number of ordered pairs, those of a point with itself included. */
+  std::size_t pairs() const;
+
+  /** \brief Bytes that the kernel keeps. */
+  std::size_t memory() const;
+
+  /** \brief An order of points in which kernels over them work fastest: N numbers of
+   * the columns of \a positions. Parameters as of the constructor. */
+  static std::vector<std::int32_t> fastestOrder(const Eigen::Matrix3Xf& positions,
+                                                float reach, float cell);
 
 private:
-  void setWeights(const Eigen::Matrix3Xf& positions,
-                  const std::vector<GaussianTerm>& terms);
+  struct Chunk;
+  struct SortedPoints;
 
-  std::vector<std::size_t> starts_;      // of each point's neighbours, N + 1
-  std::vector<std::int32_t> neighbours_; // without the point itself
-  std::vector<float> weights_;           // normalised, summed over the terms
+  void build(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& terms,
+             float radius, float widest, Normalization normalization);
+
+  std::vector<std::int32_t> order_; // empty = the points came sorted
+  std::vector<Chunk> chunks_;
   Eigen::VectorXf diagonal_;
 };
 

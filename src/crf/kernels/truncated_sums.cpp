@@ -1,0 +1,63 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "truncated_sums.h"
+
+#include "run_search.h"
+
+namespace pcl_semantic::kernels {
+
+namespace {
+
+// Floats between two arrays of scratch: a run may be written whole at the end of one.
+constexpr std::size_t
+strideOf(std::size_t pairs)
+{
+  return (pairs + 15) / 16 * 16 + longest_run;
+}
+
+namespace plain {
+#define PCL_SEMANTIC_TARGET
+#define PCL_SEMANTIC_LANES 4
+#include "truncated_sums_tier.hpp"
+} // namespace plain
+
+namespace avx2 {
+#define PCL_SEMANTIC_TARGET __attribute__((target("avx2,fma")))
+#define PCL_SEMANTIC_LANES 8
+#include "truncated_sums_tier.hpp"
+} // namespace avx2
+
+namespace avx512 {
+#define PCL_SEMANTIC_TARGET                                                            \
+  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
+                        "512")))
+#define PCL_SEMANTIC_LANES 16
+#include "truncated_sums_tier.hpp"
+} // namespace avx512
+
+} // namespace
+
+std::size_t
+scratchSize(std::size_t pairs, std::size_t arrays)
+{
+  return arrays * strideOf(pairs);
+}
+
+const TruncatedSums&
+truncatedSums(SimdTier tier)
+{
+  switch (tier) {
+  case SimdTier::avx512:
+    return avx512::loops;
+  case SimdTier::avx2:
+    return avx2::loops;
+  default:
+    return plain::loops;
+  }
+}
+
+} // namespace pcl_semantic::kernels

@@ -1,0 +1,237 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "point_rows.h"
+
+#include "kernels/run_search.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr std::size_t most_points = std::size_t(1) << (32 - kernels::run_length_bits);
+constexpr double most_cells = 1 << 20; // along an axis
+
+// Sorts numbers 0..N-1 by their keys, equal ones in order: a radix sort.
+std::vector<std::int32_t>
+sortByKey(std::vector<std::uint64_t> keys, std::uint64_t largest)
+{
+  constexpr int digit_bits = 11;
+  std::vector<std::int32_t> order(keys.size()), next_order(keys.size());
+  std::vector<std::uint64_t> next_keys(keys.size());
+  std::iota(order.begin(), order.end(), 0);
+  for (int shift = 0; shift < 64 && largest >> shift; shift += digit_bits) {
+    std::vector<std::size_t> starts((1 << digit_bits) + 1, 0);
+    const auto digit = [&](std::uint64_t key) {
+      return (key >> shift) & ((1 << digit_bits) - 1);
+    };
+    for (const std::uint64_t key : keys)
+      ++starts[digit(key) + 1];
+    std::partial_sum(starts.begin(), starts.end(), starts.begin());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const std::size_t place = starts[digit(keys[i])]++;
+      next_keys[place] = keys[i];
+      next_order[place] = order[i];
+    }
+    keys.swap(next_keys);
+    order.swap(next_order);
+  }
+  return order;
+}
+
+} // namespace
+
+PointRows::PointRows(const Eigen::Matrix3Xf& positions, float reach, float cell)
+    // On a grid many pairs lie at the reach exactly: rounding must not decide on them.
+    : cell_(cell), reach_(reach / cell * 1.0001f)
+{
+  if (positions.cols() >= Eigen::Index(most_points))
+    PCL_THROW_EXCEPTION(InvalidParameterException, positions.cols()
+                                                       << " points, expected less than "
+                                                       << most_points);
+  if (positions.cols() == 0)
+    return;
+  low_ = positions.rowwise().minCoeff();
+  const Eigen::Array3d extent =
+      (positions.rowwise().maxCoeff().array() - low_).cast<double>() / double(cell_);
+  if (!(extent < most_cells).all())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "positions lie " << extent.maxCoeff() * double(cell)
+                                         << " apart, expected at most "
+                                         << most_cells * double(cell));
+  sortPoints(positions);
+  buildRows(positions);
+}
+
+void
+PointRows::sortPoints(const Eigen::Matrix3Xf& positions)
+{
+  const auto count = static_cast<std::size_t>(positions.cols());
+  // Half a cell aside, so that points of a grid lie in the middle of their cells.
+  std::vector<Eigen::Vector3i> cells(count);
+  Eigen::Vector3i most = Eigen::Vector3i::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    cells[i] = ((positions.col(Eigen::Index(i)).array() - low_) / cell_ + 0.5f)
+                   .cast<int>()
+                   .matrix();
+    most = most.cwiseMax(cells[i]);
+  }
+  const std::uint64_t nx = std::uint64_t(most.x()) + 1,
+                      ny = std::uint64_t(most.y()) + 1;
+  std::vector<std::uint64_t> keys(count);
+  for (std::size_t i = 0; i < count; ++i)
+    keys[i] = (std::uint64_t(cells[i].z()) * ny + std::uint64_t(cells[i].y())) * nx +
+              std::uint64_t(cells[i].x());
+  order_ = sortByKey(std::move(keys), (std::uint64_t(most.z()) + 1) * nx * ny);
+  cells_.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+    cells_[i] = cells[std::size_t(order_[i])];
+}
+
+void
+PointRows::buildRows(const Eigen::Matrix3Xf& positions)
+{
+  constexpr int widest_gap = 256; // as long as that, a table costs less than a row more
+  row_of_.resize(size());
+  starts_.reserve(4 * size());
+  // Of points in their cells; on a grid they all have the same place.
+  Eigen::Array3f lowest = Eigen::Array3f::Ones(), highest = -lowest;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Eigen::Vector3i& cell = cells_[i];
+    const Eigen::Array3f place =
+        (positions.col(order_[i]).array() - low_) / cell_ - cell.array().cast<float>();
+    lowest = lowest.min(place);
+    highest = highest.max(place);
+    if (i == 0 || cell.z() != cells_[i - 1].z() || cell.y() != cells_[i - 1].y() ||
+        cell.x() > cells_[i - 1].x() + widest_gap) {
+      if (i > 0)
+        starts_.push_back(std::uint32_t(i));
+      rows_.push_back({cell.z(), cell.y(), cell.x(), 0, std::uint32_t(starts_.size())});
+    }
+    Row& row = rows_.back();
+    for (; row.cells <= cell.x() - row.first_cell; ++row.cells)
+      starts_.push_back(std::uint32_t(i));
+    row_of_[i] = std::uint32_t(rows_.size() - 1);
+  }
+  starts_.push_back(std::uint32_t(size()));
+  findWidths(highest - lowest);
+}
+
+// slack: how much less than their cells points may lie apart [cells]
+void
+PointRows::findWidths(const Eigen::Array3f& slack)
+{
+  row_reach_ = int(reach_ + slack.tail<2>().maxCoeff());
+  for (int z = -row_reach_; z <= row_reach_; ++z)
+    for (int y = -row_reach_; y <= row_reach_; ++y) {
+      const float dz = std::max(0.0f, float(std::abs(z)) - slack.z());
+      const float dy = std::max(0.0f, float(std::abs(y)) - slack.y());
+      const float squared = reach_ * reach_ - dy * dy - dz * dz;
+      widths_.push_back(squared < 0.0f ? -1 : int(std::sqrt(squared) + slack.x()));
+    }
+}
+
+// The rows near a row.
+class PointRows::NearRows {
+public:
+  explicit NearRows(const PointRows& points) : points_(points) {}
+
+  kernels::NearRowsView
+  find(const Row& row)
+  {
+    count_ = 0;
+    const std::vector<Row>& all = points_.rows_;
+    const int reach = points_.row_reach_;
+    const int* widths = points_.widths_.data() + reach;
+    for (std::int32_t z = row.z - reach; z <= row.z + reach; ++z) {
+      auto other = std::partition_point(all.begin(), all.end(), [&](const Row& r) {
+        return r.z < z || (r.z == z && r.y < row.y - reach);
+      });
+      for (; other != all.end() && other->z == z && other->y <= row.y + reach;
+           ++other) {
+        const int width = widths[other->y - row.y];
+        if (width >= 0 && other->first_cell - width < row.first_cell + row.cells &&
+            row.first_cell - width < other->first_cell + other->cells)
+          append(*other, width);
+      }
+      widths += 2 * reach + 1;
+    }
+    for (int k = 0; k < 16; ++k) // loops go by as many rows at a time
+      append(Row{}, 0);
+    return {points_.starts_.data(), arrays_[0].data(), arrays_[1].data(),
+            arrays_[2].data(),      arrays_[3].data(), count_ - 16};
+  }
+
+private:
+  void
+  append(const Row& row, int width)
+  {
+    if (count_ == arrays_[0].size())
+      for (std::vector<std::int32_t>& array : arrays_)
+        array.resize(2 * count_ + 128);
+    arrays_[0][count_] = std::int32_t(row.starts);
+    arrays_[1][count_] = row.first_cell;
+    arrays_[2][count_] = row.cells;
+    arrays_[3][count_++] = width;
+  }
+
+  const PointRows& points_;
+  std::vector<std::int32_t> arrays_[4]; // of the rows found, see NearRowsView
+  std::size_t count_ = 0;
+};
+
+namespace {
+
+// As the searches of kernels/, for runs of any length.
+void
+appendLongRuns(const kernels::NearRowsView& rows, std::int32_t cell,
+               std::vector<PointRows::Run>& runs)
+{
+  for (std::size_t r = 0; r < rows.count; ++r) {
+    const auto startOf = [&](std::int32_t c) {
+      return rows.starts[rows.first_starts[r] +
+                         std::clamp(c - rows.first_cells[r], 0, rows.cells[r])];
+    };
+    const std::uint32_t end = startOf(cell + rows.widths[r] + 1);
+    for (std::uint32_t first = startOf(cell - rows.widths[r]); first < end;) {
+      const std::uint32_t length = std::min(end - first, kernels::longest_run);
+      runs.push_back(first << kernels::run_length_bits | length);
+      first += length;
+    }
+  }
+}
+
+} // namespace
+
+void
+PointRows::findRuns(std::size_t begin, std::size_t end, std::vector<Run>& runs,
+                    std::vector<std::uint32_t>& run_ends) const
+{
+  const kernels::RunSearch findShortRuns = kernels::runSearch(simdTier());
+  NearRows search(*this);
+  kernels::NearRowsView near{};
+  std::vector<Run> found;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i == begin || row_of_[i] != row_of_[i - 1])
+      near = search.find(rows_[row_of_[i]]);
+    const std::int32_t cell = cells_[i].x();
+    found.resize(near.count + 16);
+    const std::size_t count = findShortRuns(near, cell, found.data());
+    if (count == kernels::run_too_long)
+      appendLongRuns(near, cell, runs);
+    else
+      runs.insert(runs.end(), found.begin(), found.begin() + long(count));
+    run_ends.push_back(std::uint32_t(runs.size()));
+  }
+}
+
+} // namespace pcl_semantic

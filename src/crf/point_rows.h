@@ -1,0 +1,81 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Points sorted into cubic cells and these into rows along x, so that the
+ * neighbours of a point are a few short runs of the sorted points.
+ *
+ * Rows go by z, then y, then x. The runs of points on a grid, each in a cell of its
+ * own, hold nothing but neighbours. */
+class PointRows {
+public:
+  /** \brief See kernels/run_search.h. */
+  using Run = std::uint32_t;
+
+  /** \param[in] positions 3 x N, finite
+   * \param[in] reach distance up to which points are neighbours, more than 0
+   * \param[in] cell edge of a cell, more than 0
+   * \throws InvalidParameterException if there are too many points or they lie too far
+   * apart for the reach */
+  PointRows(const Eigen::Matrix3Xf& positions, float reach, float cell);
+
+  std::size_t
+  size() const
+  {
+    return order_.size();
+  }
+
+  /** \brief Numbers of the sorted points in the caller's order. */
+  const std::vector<std::int32_t>&
+  order() const
+  {
+    return order_;
+  }
+
+  /** \brief Appends, for each sorted point of a range, the runs that hold all its
+   * neighbours (also itself, and possibly points beyond the reach), and after each
+   * point the number of runs so far. */
+  void findRuns(std::size_t begin, std::size_t end, std::vector<Run>& runs,
+                std::vector<std::uint32_t>& run_ends) const;
+
+private:
+  // Points of one y and z, whose cells leave no wide gap between them.
+  struct Row {
+    std::int32_t z, y;
+    std::int32_t first_cell; // in x
+    std::int32_t cells;
+    std::uint32_t starts; // of starts_: points before each cell, and before the end
+  };
+  class NearRows;
+
+  void sortPoints(const Eigen::Matrix3Xf& positions);
+  void buildRows(const Eigen::Matrix3Xf& positions);
+  void findWidths(const Eigen::Array3f& slack);
+
+  Eigen::Array3f low_;
+  float cell_;
+  float reach_;       // [cells]
+  int row_reach_ = 0; // rows that a search looks at to each side
+  /// How many cells neighbours may lie apart in x, by those in z and in y; -1 = none
+  /// do.
+  std::vector<int> widths_;
+  std::vector<std::int32_t> order_;
+  std::vector<Eigen::Vector3i> cells_; // of the sorted points
+  std::vector<std::uint32_t> row_of_;  // of the sorted points
+  std::vector<std::uint32_t> starts_;
+  std::vector<Row> rows_;
+};
+
+} // namespace pcl_semantic

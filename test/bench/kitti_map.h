@@ -1,0 +1,55 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/labelling/network_predictor.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief The folder of real data, or nothing. */
+inline std::string
+realDataFolder()
+{
+  const char* const folder = std::getenv("PCL_SEMANTIC_DATA");
+  return folder ? folder : "";
+}
+
+/** \brief The fused voxels of all frames of KITTI 15 with the depth cut at \a max_depth
+ * [m]: no CRF has seen them. */
+inline VoxelCloud
+makeKittiMap(double max_depth)
+{
+  const std::string data = realDataFolder();
+  const KittiSequence sequence(data + "/kitti/15");
+  const NetworkDescription network =
+      readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
+                             "/data/networks/espnetv2_city_1280x480.yaml");
+  const LabelSet label_set = readLabelSet(network.label_set_path);
+  MapperConfig config;
+  config.crf = "none";
+  config.map.max_range = max_depth;
+  config.map.fusion.miss_probability = 0.499; // all that was ever hit stays occupied
+  SemanticMapper mapper(
+      sequence.camera(), label_set, config,
+      std::make_unique<NetworkPredictor>(
+          network, label_set, data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx"),
+      std::make_unique<TrajectoryPoses>(readKittiTrajectory(sequence.posesPath()),
+                                        sequence.T_camera0_camera()));
+  for (std::size_t i = 0; i < sequence.size(); ++i)
+    mapper.process(sequence.frame(i));
+  return mapper.map().occupied();
+}
+
+} // namespace pcl_semantic
