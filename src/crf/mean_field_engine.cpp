@@ -20,6 +20,18 @@ namespace {
 
 constexpr Eigen::Index block_size = 64; // variables that stay in the fast cache
 
+void
+requireMatrices(const std::vector<std::shared_ptr<const PairwiseKernel>>& kernels)
+{
+  for (const auto& kernel : kernels) {
+    const auto* const matrix = dynamic_cast<const MatrixKernel*>(kernel.get());
+    if (!matrix || !matrix->isSymmetric())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "sequential updates need a symmetric matrix for every kernel "
+                          "(MatrixKernel)");
+  }
+}
+
 } // namespace
 
 MeanField::Engine::Engine(CrfModel&& model, const Eigen::MatrixXf* initial)
@@ -127,6 +139,9 @@ double
 MeanField::Engine::updateSequentially()
 {
   requireSymmetry("sequential updates");
+  requireMatrices(model_.kernels);
+  for (const CliquePotential& potential : model_.cliques)
+    requireMatrices(potential.kernels);
   double change = 0.0;
   for (const auto& term : terms_)
     change = std::max(change, term->updateSequentially(marginals_));
