@@ -4,40 +4,68 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "mean_field_engine.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/crf/mean_field.h>
+
+#include <cmath>
 
 namespace pcl_semantic {
 
-MeanField::MeanField(CrfModel model) : model_(std::move(model))
+MeanField::MeanField(CrfModel model, const Eigen::MatrixXf* initial)
 {
-  for (const auto& kernel : model_.kernels)
-    if (kernel->size() != model_.unary.cols())
-      PCL_THROW_EXCEPTION(InvalidParameterException, "a kernel is over "
-                                                         << kernel->size()
-                                                         << " variables, expected "
-                                                         << model_.unary.cols());
-  if (!model_.unary.allFinite())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a unary cost is not finite");
-  messages_ = -model_.unary;
-  marginals_.resizeLike(messages_);
-  const int labels = static_cast<int>(messages_.rows());
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index i = 0; i < messages_.cols(); ++i)
-    distributionFromLog(messages_.col(i).data(), labels, marginals_.col(i).data());
+  model.validate();
+  engine_ = std::make_unique<Engine>(std::move(model), initial);
 }
 
-void
+MeanField::~MeanField() = default;
+MeanField::MeanField(MeanField&&) noexcept = default;
+MeanField& MeanField::operator=(MeanField&&) noexcept = default;
+
+double
 MeanField::update()
 {
-  messages_ = -model_.unary;
-  for (const auto& kernel : model_.kernels)
-    kernel->addProduct(marginals_, messages_, {});
-  const int labels = static_cast<int>(messages_.rows());
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index i = 0; i < messages_.cols(); ++i)
-    distributionFromLog(messages_.col(i).data(), labels, marginals_.col(i).data());
+  return engine_->update();
+}
+
+int
+MeanField::run(int max_updates, double settled)
+{
+  if (max_updates < 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "updates are " << max_updates << ", expected 0 or more");
+  if (!(settled >= 0.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "the change of settled marginals is "
+                                                       << settled
+                                                       << ", expected 0 or more");
+  for (int i = 1; i <= max_updates; ++i)
+    if (update() <= settled && settled > 0.0)
+      return i;
+  return max_updates;
+}
+
+double
+MeanField::updateSequentially()
+{
+  return engine_->updateSequentially();
+}
+
+Eigen::MatrixXf
+MeanField::marginals() const
+{
+  return engine_->marginals().matrix();
+}
+
+Eigen::MatrixXf
+MeanField::cliqueMarginals(std::size_t potential) const
+{
+  return engine_->cliqueMarginals(potential)->matrix();
+}
+
+double
+MeanField::freeEnergy() const
+{
+  return engine_->freeEnergy();
 }
 
 } // namespace pcl_semantic

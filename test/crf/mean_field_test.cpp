@@ -4,7 +4,12 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "support/brute_force_crf.h"
+// Updates against the plain double-precision implementation, and the edges of the
+// interface.
+
+#include "support/plain_mean_field.h"
+#include "support/random_crf.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/mean_field.h>
@@ -14,105 +19,232 @@
 namespace {
 
 using namespace pcl_semantic;
-
-struct Problem {
-  Eigen::Matrix3Xf positions;
-  std::vector<GaussianTerm> terms;
-  CrfModel model;
-
-  explicit Problem(Eigen::Index count, int labels, float weight, unsigned seed)
-      : positions(makeVoxelPositions(count, seed)),
-        terms({{weight, 0.2f, Eigen::MatrixXf()}})
-  {
-    model.unary = makeRandomMatrix(labels, count, 0.0f, 3.0f, seed + 1);
-    model.kernels.push_back(std::make_shared<TruncatedKernel>(positions, terms, 10.0f));
-  }
-};
-
-TEST(MeanField, UpdatesEqualAPlainImplementation)
-{
-  const Problem problem(500, 6, 5.0f, 1);
-  MeanField inference(problem.model);
-  const Eigen::MatrixXd kernel =
-      makeKernelMatrix(problem.positions, problem.terms, 2.0);
-  for (int iteration = 0; iteration <= 5; ++iteration) {
-    const Eigen::MatrixXd expected =
-        plainMeanField(problem.model.unary.cast<double>(), kernel, iteration);
-    EXPECT_LT((inference.marginals().cast<double>() - expected).cwiseAbs().maxCoeff(),
-              1e-4)
-        << "after " << iteration << " updates";
-    inference.update();
-  }
-}
-
-// Exact marginals of a small graph: all labellings, weighted by their energy.
-Eigen::MatrixXd
-enumerate(const Eigen::MatrixXd& unary, const Eigen::MatrixXd& kernel)
-{
-  const Eigen::Index count = unary.cols(), labels = unary.rows();
-  Eigen::MatrixXd marginals = Eigen::MatrixXd::Zero(labels, count);
-  std::vector<Eigen::Index> x(std::size_t(count), 0);
-  for (bool more = true; more;) {
-    double energy = 0.0;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      energy += unary(x[i], i);
-      for (Eigen::Index j = 0; j < i; ++j)
-        energy += x[i] != x[j] ? kernel(i, j) : 0.0;
-    }
-    for (Eigen::Index i = 0; i < count; ++i)
-      marginals(x[i], i) += std::exp(-energy);
-    more = false;
-    for (Eigen::Index i = 0; i < count && !more; ++i) {
-      x[i] = (x[i] + 1) % labels;
-      more = x[i] != 0;
-    }
-  }
-  return marginals / marginals.col(0).sum();
-}
+using Type = CliquePotential::Type;
 
 double
-errorAgainstEnumeration(float weight)
+largestDifference(const Eigen::MatrixXf& ours, const Eigen::MatrixXd& expected)
 {
-  const Problem problem(7, 3, weight, 2);
-  MeanField inference(problem.model);
-  for (int i = 0; i < 100; ++i)
-    inference.update();
-  const Eigen::MatrixXd exact =
-      enumerate(problem.model.unary.cast<double>(),
-                makeKernelMatrix(problem.positions, problem.terms, 2.0));
-  return (inference.marginals().cast<double>() - exact).cwiseAbs().maxCoeff();
+  EXPECT_EQ(ours.rows(), expected.rows());
+  EXPECT_EQ(ours.cols(), expected.cols());
+  return ours.size() > 0 ? (ours.cast<double>() - expected).cwiseAbs().maxCoeff() : 0.0;
 }
 
-TEST(MeanField, ApproachesTheExactMarginalsAsCouplingsVanish)
+void
+expectSameUpdates(const PlainCrf& crf, int updates)
 {
-  // Mean field is exact to first order: halving the couplings at least thirds the
-  // error.
-  const double strong = errorAgainstEnumeration(0.8f);
-  const double weak = errorAgainstEnumeration(0.4f);
-  EXPECT_GT(strong, 1e-4);
-  EXPECT_LT(weak, strong / 3.0);
+  MeanField inference(makeModel(crf));
+  PlainMeanField plain(crf);
+  for (int update = 0; update <= updates; ++update) {
+    SCOPED_TRACE("after " + std::to_string(update) + " updates");
+    ASSERT_LT(largestDifference(inference.marginals(), plain.q), 1e-5);
+    for (std::size_t p = 0; p < crf.cliques.size(); ++p)
+      if (crf.cliques[p].isRobust()) {
+        ASSERT_LT(largestDifference(inference.cliqueMarginals(p), plain.q_cliques[p]),
+                  1e-5);
+      }
+    const Eigen::MatrixXd before = plain.q;
+    std::vector<Eigen::MatrixXd> cliques_before = plain.q_cliques;
+    plain.update();
+    double change = (plain.q - before).cwiseAbs().maxCoeff();
+    for (std::size_t p = 0; p < crf.cliques.size(); ++p)
+      change = std::max(change,
+                        (plain.q_cliques[p] - cliques_before[p]).cwiseAbs().maxCoeff());
+    ASSERT_NEAR(inference.update(), change, 1e-5);
+  }
 }
 
-TEST(MeanField, WithoutKernelsTheUnaryIsTheAnswer)
+TEST(MeanField, UpdatesOfEveryModelEqualAPlainImplementation)
+{
+  for (const int labels : {1, 2, 5, 8, 11, 16, 17})
+    for (const NamedCrf& model :
+         makeEveryModel(40, labels, 9, 3.0f, unsigned(labels))) {
+      SCOPED_TRACE(model.name + ", " + std::to_string(labels) + " labels");
+      expectSameUpdates(model.crf, 5);
+    }
+}
+
+TEST(MeanField, UpdatesWithSelfInteractionEqualAPlainImplementation)
+{
+  for (NamedCrf& model : makeEveryModel(40, 6, 9, 3.0f, 50)) {
+    SCOPED_TRACE(model.name);
+    model.crf.self_interaction = true;
+    expectSameUpdates(model.crf, 4);
+  }
+}
+
+TEST(MeanField, UpdatesWhereMembersHearTheMapEqualAPlainImplementation)
+{
+  for (NamedCrf& model : makeEveryModel(40, 6, 9, 3.0f, 60)) {
+    SCOPED_TRACE(model.name);
+    for (PlainCliques& cliques : model.crf.cliques)
+      cliques.members_hear_map = true;
+    expectSameUpdates(model.crf, 4);
+  }
+}
+
+TEST(MeanField, UpdatesWithKernelsAndCompatibilitiesThatAreNotSymmetric)
+{
+  PlainCrf crf;
+  crf.unary = makeRandomMatrix(4, 30, 0.0f, 3.0f, 1);
+  crf.kernels.push_back(makeRandomMatrix(30, 30, 0.0f, 0.2f, 2));
+  expectSameUpdates(crf, 4);
+  crf.compatibility = makeRandomMatrix(4, 4, -1.0f, 1.0f, 3);
+  expectSameUpdates(crf, 4);
+}
+
+TEST(MeanField, ManyLabels)
+{
+  for (const int labels : {100, 255}) // 256 with the free label
+    for (const NamedCrf& model : makeEveryModel(6, labels, 4, 3.0f, 70)) {
+      SCOPED_TRACE(model.name);
+      expectSameUpdates(model.crf, 2);
+    }
+}
+
+TEST(MeanField, LargeCosts)
+{
+  PlainCrf crf;
+  crf.unary = makeRandomMatrix(5, 20, -1e4f, 1e4f, 1);
+  crf.unary.col(3) << 3e38f, -3e38f, 3e38f, 0.0f, -3e38f;
+  crf.unary.col(4).setConstant(3e38f);
+  MeanField inference(makeModel(crf));
+  EXPECT_LT(largestDifference(inference.marginals(), PlainMeanField(crf).q), 1e-5);
+  inference.update();
+  EXPECT_LT(largestDifference(inference.marginals(), PlainMeanField(crf).q), 1e-5);
+}
+
+// Sums over the members of a large clique must not lose what single members say.
+TEST(MeanField, LargeCliques)
+{
+  PlainCrf crf;
+  crf.unary = makeRandomMatrix(3, 30000, 0.0f, 3.0f, 1);
+  crf.unary.row(1) = crf.unary.row(0).reverse(); // labels 0 and 1 tie
+  crf.unary(0, 7) -= 2.0f;
+  PlainCliques cliques;
+  cliques.members.emplace_back(30000);
+  std::iota(cliques.members[0].begin(), cliques.members[0].end(), 0);
+  cliques.truncation = 1.0f;
+  crf.cliques.push_back(cliques);
+  expectSameUpdates(crf, 2);
+}
+
+// Members that are certain of other labels than the rest: products with zeros.
+TEST(MeanField, PnPottsWithProbabilitiesOfZero)
+{
+  PlainCrf crf;
+  crf.unary = makeRandomMatrix(4, 12, 0.0f, 1.0f, 1);
+  crf.unary(0, 0) = crf.unary(1, 1) = crf.unary(1, 2) = 1e4f;
+  crf.unary(2, 3) = 90.0f; // a probability below the normal floats
+  crf.unary.col(5) << 0.0f, 1e4f, 1e4f, 1e4f;
+  PlainCliques cliques;
+  cliques.type = Type::pn_potts;
+  cliques.weights = Eigen::MatrixXf::Constant(1, 1, 60.0f);
+  cliques.members = {{0, 4, 6}, {1, 2, 7}, {3, 8, 9}, {5, 10}, {1, 11}, {3}};
+  crf.cliques.push_back(cliques);
+  expectSameUpdates(crf, 5);
+}
+
+TEST(MeanField, PnPottsOfLargeCliques)
+{
+  PlainCrf crf;
+  crf.unary = makeRandomMatrix(3, 5000, 0.0f, 3.0f, 1);
+  crf.unary.rightCols(4000).row(1).array() += 20.0f; // nearly certain of label 0 or 2
+  crf.unary.rightCols(4000).row(2).array() += 20.0f;
+  PlainCliques cliques;
+  cliques.type = Type::pn_potts;
+  cliques.members.resize(2);
+  for (int i = 0; i < 5000; ++i)
+    cliques.members[i < 1000 ? 0 : 1].push_back(i);
+  crf.cliques.push_back(cliques);
+  expectSameUpdates(crf, 3);
+}
+
+TEST(MeanField, NoVariablesAndNoCliques)
 {
   CrfModel model;
-  model.unary = makeRandomMatrix(4, 20, 0.0f, 5.0f, 3);
+  model.unary.resize(3, 0);
+  model.kernels.push_back(std::make_shared<MatrixKernel>(Eigen::MatrixXf(0, 0)));
+  model.cliques.emplace_back();
+  model.cliques[0].cliques = std::make_shared<CliqueSet>();
+  model.self_interaction = true;
   MeanField inference(model);
-  inference.update();
-  EXPECT_LT(
-      (inference.marginals().cast<double>() - softMax(-model.unary.cast<double>()))
-          .cwiseAbs()
-          .maxCoeff(),
-      1e-6);
+  EXPECT_EQ(inference.update(), 0.0);
+  EXPECT_EQ(inference.updateSequentially(), 0.0);
+  EXPECT_EQ(inference.freeEnergy(), 0.0);
+  EXPECT_EQ(inference.marginals().rows(), 3);
+  EXPECT_EQ(inference.marginals().cols(), 0);
+  EXPECT_EQ(inference.cliqueMarginals().rows(), 4);
 }
 
-TEST(MeanField, RefusesWhatDoesNotFit)
+TEST(MeanField, StartsFromGivenMarginals)
 {
-  Problem problem(20, 3, 1.0f, 4);
-  problem.model.unary = Eigen::MatrixXf::Zero(3, 19);
-  EXPECT_THROW(MeanField{problem.model}, InvalidParameterException);
-  problem.model.unary = Eigen::MatrixXf::Constant(3, 20, INFINITY);
-  EXPECT_THROW(MeanField{problem.model}, InvalidParameterException);
+  const PlainCrf crf = makeEveryModel(30, 5, 6, 2.0f, 80)[6].crf;
+  MeanField first(makeModel(crf));
+  first.run(2);
+  Eigen::MatrixXf initial = first.marginals() * 3.0f; // any scale
+  MeanField second(makeModel(crf), &initial);
+  EXPECT_LT(largestDifference(second.marginals(), first.marginals().cast<double>()),
+            1e-6);
+  first.update();
+  second.update();
+  EXPECT_LT(largestDifference(second.marginals(), first.marginals().cast<double>()),
+            1e-5);
+
+  initial.col(4).setZero(); // nothing is known of this one
+  MeanField third(makeModel(crf), &initial);
+  EXPECT_EQ(third.marginals().col(4), MeanField(makeModel(crf)).marginals().col(4));
+  EXPECT_EQ(third.marginals().col(5),
+            MeanField(makeModel(crf), &initial).marginals().col(5));
+}
+
+TEST(MeanField, RefusesMarginalsThatAreNone)
+{
+  const CrfModel model = makeModel(makeEveryModel(10, 3, 2, 1.0f, 81)[1].crf);
+  const auto refusal = [&](const Eigen::MatrixXf& initial) {
+    return thrownMessage<InvalidParameterException>(
+        [&] { MeanField(model, &initial); });
+  };
+  EXPECT_TRUE(holds(refusal(Eigen::MatrixXf::Ones(3, 9)), "3 x 9, expected 3 x 10"));
+  EXPECT_TRUE(holds(refusal(Eigen::MatrixXf::Ones(4, 10)), "4 x 10, expected 3 x 10"));
+  Eigen::MatrixXf initial = Eigen::MatrixXf::Ones(3, 10);
+  for (const float bad : {-0.1f, std::nanf(""), INFINITY}) {
+    initial(2, 6) = bad;
+    EXPECT_TRUE(holds(refusal(initial), "variable 6"));
+  }
+}
+
+TEST(MeanField, RunStopsWhenTheMarginalsHaveSettled)
+{
+  const PlainCrf crf = makeEveryModel(30, 4, 6, 0.5f, 82)[6].crf;
+  MeanField by_hand(makeModel(crf));
+  int updates = 1;
+  while (by_hand.update() > 1e-4)
+    ++updates;
+  ASSERT_GT(updates, 2);
+  ASSERT_LT(updates, 50);
+  MeanField inference(makeModel(crf));
+  EXPECT_EQ(inference.run(100, 1e-4), updates);
+  EXPECT_EQ(inference.marginals(), by_hand.marginals());
+  EXPECT_EQ(inference.run(100, 1e-3), 1);
+
+  EXPECT_EQ(MeanField(makeModel(crf)).run(updates - 1, 1e-4), updates - 1);
+  EXPECT_EQ(MeanField(makeModel(crf)).run(100), 100); // never stops unasked
+  EXPECT_EQ(MeanField(makeModel(crf)).run(0, 1e-4), 0);
+  EXPECT_THROW(inference.run(-1), InvalidParameterException);
+  EXPECT_THROW(inference.run(1, -0.1), InvalidParameterException);
+  EXPECT_THROW(inference.run(1, double(NAN)), InvalidParameterException);
+}
+
+TEST(MeanField, MarginalsOfCliquesThatAreNotThere)
+{
+  const MeanField dense(makeModel(makeEveryModel(10, 3, 2, 1.0f, 83)[1].crf));
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] { (void)dense.cliqueMarginals(); }),
+      "potential 0"));
+  const MeanField potts(makeModel(makeEveryModel(10, 3, 2, 1.0f, 83)[3].crf));
+  EXPECT_THROW((void)potts.cliqueMarginals(), InvalidParameterException);
+  const MeanField robust(makeModel(makeEveryModel(10, 3, 2, 1.0f, 83)[5].crf));
+  EXPECT_THROW((void)robust.cliqueMarginals(1), InvalidParameterException);
 }
 
 } // namespace

@@ -6,42 +6,66 @@
 
 #pragma once
 
-#include <pcl_semantic/crf/pairwise_kernel.h>
+#include <pcl_semantic/crf/crf_model.h>
 
 #include <memory>
-#include <vector>
 
 namespace pcl_semantic {
 
-/** \brief A CRF over N variables and L labels: unary costs and Potts pairwise kernels,
- * eq. (3) of the paper. */
-struct CrfModel {
-  Eigen::MatrixXf unary; ///< L x N costs -log p, eq. (4)
-  std::vector<std::shared_ptr<const PairwiseKernel>> kernels;
-};
-
-/** \brief Mean-field inference, eq. (11) without cliques: all variables at once,
- * Q_i(l) ~ exp(-psi_i(l) + sum over j != i of k_ij Q_j(l)). */
+/** \brief Mean-field inference: the distribution Q(x, y) = prod Q_i(x_i) prod Q_c(y_c)
+ * that comes near to P(x, y) ~ exp(-E(x, y)), by the updates of eqs. (10) and (11) of
+ * the paper.
+ *
+ * An update takes first every y_c, then every x_i, each time all at once (from the
+ * values before). The result does not depend on the number of threads. */
 class MeanField {
 public:
-  /** \brief Starts at Q_i(l) ~ exp(-psi_i(l)).
-   * \throws InvalidParameterException if sizes differ or a cost is not finite */
-  explicit MeanField(CrfModel model);
+  /** \brief Starts at Q(x_i) ~ exp(-psi_i) and Q(y_c) ~ exp(-psi_c).
+   * \param[in] model is checked once, here
+   * \param[in] initial marginals to start from instead, L x N with columns of any
+   * positive scale, as those of an earlier frame; a column of zeros starts as without
+   * \throws InvalidParameterException as CrfModel::validate(); if \a initial has
+   * another size, or a value that is negative or not finite */
+  explicit MeanField(CrfModel model, const Eigen::MatrixXf* initial = nullptr);
+  ~MeanField();
+  MeanField(MeanField&&) noexcept;
+  MeanField& operator=(MeanField&&) noexcept;
 
-  /** \brief One update of all variables. */
-  void update();
+  /** \brief One update of all variables.
+   * \return the largest change of a marginal, of x or y */
+  double update();
 
-  /** \brief Q, L x N, columns sum to one. */
-  const Eigen::MatrixXf&
-  marginals() const
-  {
-    return marginals_;
-  }
+  /** \brief Updates until the largest change is at most \a settled, but no more than
+   * \a max_updates.
+   * \param[in] settled 0 = never stop early
+   * \return the number of updates made
+   * \throws InvalidParameterException if an argument is negative or not a number */
+  int run(int max_updates, double settled = 0.0);
+
+  /** \brief One update of one variable after the other (first y, then x, in their
+   * order), each from the newest values. For symmetric models without self-interaction
+   * whose members hear distributions, freeEnergy() never rises.
+   * \return as update()
+   * \throws InvalidParameterException unless all kernels are MatrixKernels, and these
+   * and the compatibility are symmetric */
+  double updateSequentially();
+
+  /** \brief Q(x), L x N, columns sum to one. */
+  Eigen::MatrixXf marginals() const;
+
+  /** \brief Q(y) of a clique potential of the model, L x C, or (L + 1) x C with the
+   * free label last. \throws InvalidParameterException if there is no such potential,
+   * or it is P^n Potts and has no y */
+  Eigen::MatrixXf cliqueMarginals(std::size_t potential = 0) const;
+
+  /** \brief Mean of E(x, y) under Q minus the entropy of Q: KL(Q | P) up to the
+   * constant log Z. Energies are those of crf_energy.h. \throws
+   * InvalidParameterException if the compatibility is not symmetric */
+  double freeEnergy() const;
 
 private:
-  CrfModel model_;
-  Eigen::MatrixXf marginals_;
-  Eigen::MatrixXf messages_;
+  class Engine;
+  std::unique_ptr<Engine> engine_;
 };
 
 } // namespace pcl_semantic

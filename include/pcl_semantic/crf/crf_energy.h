@@ -1,0 +1,38 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/crf/crf_model.h>
+
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The energy of a labelling, eq. (9) of the paper without the minimum: unary
+ * and pairwise costs (each pair once) plus those of the cliques.
+ *
+ * Of a kernel that is not symmetric its symmetric part counts; self-interaction is no
+ * part of the energy.
+ * \param[in] x labels of the N variables, from 0
+ * \param[in] y labels of the cliques of all robust potentials, one potential after the
+ * other, from 0; L = the free label
+ * \throws InvalidParameterException as CrfModel::validate(); if x or y have another
+ * size or a label out of range; if the compatibility is not symmetric */
+double energy(const CrfModel& model, const std::vector<int>& x,
+              const std::vector<int>& y);
+
+/** \brief The labels y of least energy for given labels x (of equal ones the first):
+ * the minimum of eq. (7) in every clique. \throws InvalidParameterException as
+ * energy(); if there are kernels between cliques, which make the minimum a search over
+ * all y at once */
+std::vector<int> bestCliqueLabels(const CrfModel& model, const std::vector<int>& x);
+
+/** \brief The energy of a labelling with the best labels of the cliques.
+ * \throws InvalidParameterException as bestCliqueLabels() */
+double energy(const CrfModel& model, const std::vector<int>& x);
+
+} // namespace pcl_semantic

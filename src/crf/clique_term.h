@@ -1,0 +1,57 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "padded_columns.h"
+
+#include <pcl_semantic/crf/crf_model.h>
+
+#include <memory>
+
+namespace pcl_semantic {
+
+/** \brief One clique potential within mean-field inference: what its cliques hear from
+ * the variables x, and say to them. */
+class CliqueTerm {
+public:
+  virtual ~CliqueTerm() = default;
+
+  /** \brief Updates all cliques at once from Q(x).
+   * \return the largest change of a marginal of y */
+  virtual double update(const PaddedColumns& marginals) = 0;
+
+  /** \brief Updates one clique after the other. */
+  virtual double updateSequentially(const PaddedColumns& marginals) = 0;
+
+  /** \brief Tells the cliques of variable \a i that Q(x_i) is another one, where they
+   * have to know before the next update. */
+  virtual void
+  variableChanged(Eigen::Index /*i*/, const PaddedColumns& /*marginals*/)
+  {}
+
+  /** \brief Adds what the cliques say to the messages of the variables begin..end-1:
+   * minus the mean cost of each label, up to a constant of the variable. */
+  virtual void addMessages(const PaddedColumns& marginals, Eigen::Index begin,
+                           Eigen::Index end, PaddedColumns& messages) const = 0;
+
+  /** \brief Mean cost of the potential under Q, minus the entropy of Q(y). */
+  virtual double freeEnergy(const PaddedColumns& marginals) const = 0;
+
+  /** \brief Q(y), or null where there is no y. */
+  virtual const PaddedColumns*
+  cliqueMarginals() const
+  {
+    return nullptr;
+  }
+};
+
+/** \param[in] costs psi_i(l) up to a constant of the variable */
+std::unique_ptr<CliqueTerm> makeCliqueTerm(const CliquePotential& potential,
+                                           bool self_interaction,
+                                           const PaddedColumns& costs);
+
+} // namespace pcl_semantic

@@ -1,0 +1,54 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/crf/matrix_kernel.h>
+
+namespace pcl_semantic {
+
+MatrixKernel::MatrixKernel(Eigen::MatrixXf matrix) : matrix_(std::move(matrix))
+{
+  if (matrix_.rows() != matrix_.cols())
+    PCL_THROW_EXCEPTION(InvalidParameterException, "a kernel matrix is "
+                                                       << matrix_.rows() << " x "
+                                                       << matrix_.cols()
+                                                       << ", expected a square one");
+  if (!matrix_.allFinite())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a value of a kernel matrix is not finite");
+}
+
+void
+MatrixKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
+                         Eigen::Ref<Eigen::MatrixXf> result,
+                         const VariableMask& active) const
+{
+#pragma omp parallel for schedule(dynamic, 16)
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    if (!active.empty() && !active[std::size_t(i)])
+      continue;
+    for (Eigen::Index j = 0; j < size(); ++j)
+      if (j != i)
+        result.col(i) += matrix_(i, j) * values.col(j);
+  }
+}
+
+void
+MatrixKernel::markAffected(const VariableMask& changed, VariableMask& affected) const
+{
+  if (changed.empty()) {
+    affected.assign(std::size_t(size()), 1);
+    return;
+  }
+  affected.resize(std::size_t(size()), 0);
+  for (Eigen::Index j = 0; j < size(); ++j)
+    if (changed[std::size_t(j)])
+      for (Eigen::Index i = 0; i < size(); ++i)
+        if (i != j && matrix_(i, j) != 0.0f)
+          affected[std::size_t(i)] = 1;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,51 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "clique_term.h"
+
+#include <pcl_semantic/crf/mean_field.h>
+
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief What MeanField does, on padded columns. */
+class MeanField::Engine {
+public:
+  Engine(CrfModel&& model, const Eigen::MatrixXf* initial);
+
+  double update();
+  double updateSequentially();
+  double freeEnergy() const;
+
+  const PaddedColumns&
+  marginals() const
+  {
+    return marginals_;
+  }
+
+  const PaddedColumns* cliqueMarginals(std::size_t potential) const;
+
+private:
+  void setCosts(const Eigen::MatrixXf& unary);
+  void start(const Eigen::MatrixXf& initial);
+  void hear(const VariableMask& active);
+  double finish(Eigen::Index begin, Eigen::Index end);
+  void requireSymmetry(const char* purpose) const;
+
+  CrfModel model_;          // without unary: costs_ has it
+  PaddedColumns costs_;     // psi_i(l) less their minimum over l
+  double offset_ = 0.0;     // the sum of the minima
+  PaddedColumns marginals_; // Q(x)
+  PaddedColumns messages_;  // zero between updates
+  PaddedColumns compatibility_;
+  std::vector<float> self_responses_; // sum of K_ii; empty = none are to be added
+  std::vector<std::unique_ptr<CliqueTerm>> terms_;
+};
+
+} // namespace pcl_semantic

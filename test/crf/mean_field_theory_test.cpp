@@ -1,0 +1,306 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// What mean field has to do by its theory: approach exact marginals, lower the free
+// energy, and not care for the order of anything.
+
+#include "support/enumerated_crf.h"
+#include "support/plain_mean_field.h"
+#include "support/random_crf.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/crf/mean_field.h>
+#include <pcl_semantic/crf/truncated_kernel.h>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace pcl_semantic;
+
+double
+errorOfMeanField(const PlainCrf& crf)
+{
+  MeanField inference(makeModel(crf));
+  inference.run(300, 1e-7);
+  return (inference.marginals().cast<double>() - exactMarginals(crf))
+      .cwiseAbs()
+      .maxCoeff();
+}
+
+// Mean field is exact to first order in the couplings.
+TEST(MeanFieldTheory, HalvingAllCouplingsAtLeastThirdsTheError)
+{
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const auto strong = makeEveryModel(5, 3, 2, 0.6f, seed);
+    const auto weak = makeEveryModel(5, 3, 2, 0.3f, seed);
+    for (std::size_t m = 1; m < strong.size(); ++m) { // 0 has no couplings
+      SCOPED_TRACE(strong[m].name + ", seed " + std::to_string(seed));
+      const double error = errorOfMeanField(strong[m].crf);
+      EXPECT_GT(error, 1e-4);
+      EXPECT_LT(errorOfMeanField(weak[m].crf), error / 3.0);
+    }
+    EXPECT_LT(errorOfMeanField(strong[0].crf), 1e-6);
+  }
+}
+
+TEST(MeanFieldTheory, FreeEnergyEqualsItsDefinition)
+{
+  for (const int updates : {0, 1, 3})
+    for (const NamedCrf& model : makeEveryModel(4, 3, 2, 2.0f, 10)) {
+      SCOPED_TRACE(model.name + ", updates " + std::to_string(updates));
+      MeanField inference(makeModel(model.crf));
+      inference.run(updates);
+      std::vector<Eigen::MatrixXd> q_cliques;
+      for (std::size_t p = 0; p < model.crf.cliques.size(); ++p)
+        q_cliques.push_back(model.crf.cliques[p].isRobust()
+                                ? inference.cliqueMarginals(p).cast<double>()
+                                : Eigen::MatrixXd());
+      const double expected = enumeratedFreeEnergy(
+          model.crf, inference.marginals().cast<double>(), q_cliques);
+      EXPECT_NEAR(inference.freeEnergy(), expected, 1e-5);
+    }
+}
+
+TEST(MeanFieldTheory, FreeEnergyCountsLargeCostsOfCertainVariables)
+{
+  PlainCrf crf;
+  crf.unary = makeRandomMatrix(3, 4, 900.0f, 1100.0f, 11);
+  crf.kernels.push_back(makeSymmetricKernel(4, 2.0f, 12));
+  MeanField inference(makeModel(crf));
+  inference.update();
+  EXPECT_NEAR(inference.freeEnergy(),
+              enumeratedFreeEnergy(crf, inference.marginals().cast<double>(), {}),
+              1e-2);
+}
+
+// The free energy bounds -log Z from above, and touches it without couplings.
+TEST(MeanFieldTheory, FreeEnergyIsMinusLogZWithoutCouplings)
+{
+  PlainCrf crf;
+  crf.unary = makeRandomMatrix(4, 50, -2.0f, 2.0f, 13);
+  double expected = 0.0;
+  for (int i = 0; i < 50; ++i)
+    expected -= std::log((-crf.unary.col(i).cast<double>()).array().exp().sum());
+  EXPECT_NEAR(MeanField(makeModel(crf)).freeEnergy(), expected, 1e-4);
+}
+
+TEST(MeanFieldTheory, FreeEnergyNeverRisesUnderSequentialUpdates)
+{
+  for (const unsigned seed : {1u, 2u, 3u})
+    for (const float strength : {1.0f, 20.0f})
+      for (const NamedCrf& model : makeEveryModel(25, 4, 6, strength, seed)) {
+        SCOPED_TRACE(model.name + ", seed " + std::to_string(seed) + ", strength " +
+                     std::to_string(strength));
+        // From a random start: the unary's own would have little to do.
+        const Eigen::MatrixXf start = makeRandomMatrix(4, 25, 0.0f, 1.0f, seed + 90);
+        MeanField inference(makeModel(model.crf), &start);
+        const double first = inference.freeEnergy();
+        double before = first;
+        for (int update = 0; update < 12; ++update) {
+          inference.updateSequentially();
+          const double after = inference.freeEnergy();
+          ASSERT_LE(after, before + 1e-6 * (1.0 + std::abs(before)))
+              << "update " << update;
+          before = after;
+        }
+        EXPECT_LT(before, first - 0.1);
+      }
+}
+
+TEST(MeanFieldTheory, SequentialUpdatesAndParallelOnesEndAtTheSame)
+{
+  for (const NamedCrf& model : makeEveryModel(25, 4, 6, 0.5f, 20)) {
+    SCOPED_TRACE(model.name);
+    MeanField parallel(makeModel(model.crf)), sequential(makeModel(model.crf));
+    parallel.run(200, 1e-7);
+    double change = 1.0;
+    for (int update = 0; update < 200 && change > 1e-7; ++update)
+      change = sequential.updateSequentially();
+    EXPECT_LT((parallel.marginals() - sequential.marginals()).cwiseAbs().maxCoeff(),
+              1e-5);
+    // What one kind leaves behind must not disturb the other.
+    sequential.update();
+    EXPECT_LT((parallel.marginals() - sequential.marginals()).cwiseAbs().maxCoeff(),
+              1e-5);
+  }
+}
+
+// Sequential is another thing than parallel: the second variable sees the new first.
+TEST(MeanFieldTheory, SequentialUpdatesUseTheNewestValues)
+{
+  PlainCrf crf;
+  crf.unary.resize(2, 2);
+  crf.unary << 0.0f, 0.5f, 1.0f, 0.0f;
+  crf.kernels.emplace_back(2, 2);
+  crf.kernels[0] << 9.0f, 2.0f, 2.0f, 9.0f;
+  MeanField inference(makeModel(crf));
+  inference.updateSequentially();
+  const auto sigmoid = [](double value) { return 1.0 / (1.0 + std::exp(-value)); };
+  // Q(x = 0) of two labels: from the difference of the exponents.
+  const double second = sigmoid(-0.5);
+  const double first = sigmoid(1.0 + 2.0 * (2.0 * second - 1.0));
+  EXPECT_NEAR(inference.marginals()(0, 0), first, 1e-6);
+  EXPECT_NEAR(inference.marginals()(0, 1), sigmoid(-0.5 + 2.0 * (2.0 * first - 1.0)),
+              1e-6);
+}
+
+TEST(MeanFieldTheory, WhatNeedsSymmetryRefusesToGoWithout)
+{
+  PlainCrf crf = makeEveryModel(6, 3, 2, 1.0f, 30)[1].crf;
+  crf.compatibility = makeRandomMatrix(3, 3, 0.0f, 1.0f, 31);
+  MeanField lopsided(makeModel(crf));
+  const auto refusal = [](auto&& body) {
+    return thrownMessage<InvalidParameterException>(body);
+  };
+  EXPECT_TRUE(
+      holds(refusal([&] { lopsided.updateSequentially(); }), "symmetric label"));
+  EXPECT_TRUE(holds(refusal([&] { (void)lopsided.freeEnergy(); }), "symmetric label"));
+  EXPECT_NO_THROW(lopsided.update());
+
+  crf = makeEveryModel(6, 3, 2, 1.0f, 30)[8].crf;
+  crf.kernels[1](2, 1) += 0.5f;
+  MeanField one_sided(makeModel(crf));
+  EXPECT_TRUE(holds(refusal([&] { one_sided.updateSequentially(); }), "symmetric"));
+  crf.kernels[1](2, 1) -= 0.5f;
+  crf.cliques[0].kernels[0](1, 0) += 0.5f;
+  MeanField cliques(makeModel(crf));
+  EXPECT_TRUE(holds(refusal([&] { cliques.updateSequentially(); }), "symmetric"));
+
+  CrfModel model;
+  model.unary = Eigen::MatrixXf::Zero(3, 10);
+  model.kernels.push_back(std::make_shared<TruncatedKernel>(
+      makeVoxelPositions(10, 1), std::vector<GaussianTerm>(1), 2.5f));
+  MeanField implicit(model);
+  EXPECT_TRUE(holds(refusal([&] { implicit.updateSequentially(); }), "MatrixKernel"));
+}
+
+// new_order[i] is where i goes.
+template <typename Index>
+std::vector<Index>
+makeOrder(int count, unsigned seed)
+{
+  std::vector<Index> order(static_cast<std::size_t>(count));
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937(seed));
+  return order;
+}
+
+// Rows and columns (where asked) to their new places.
+Eigen::MatrixXf
+permuted(const Eigen::MatrixXf& matrix, const std::vector<int>* rows,
+         const std::vector<int>* columns)
+{
+  Eigen::MatrixXf result(matrix.rows(), matrix.cols());
+  for (Eigen::Index j = 0; j < matrix.cols(); ++j)
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+      result(rows && matrix.rows() > 1 ? (*rows)[std::size_t(i)] : i,
+             columns && matrix.cols() > 1 ? (*columns)[std::size_t(j)] : j) =
+          matrix(i, j);
+  return result;
+}
+
+PlainCrf
+permuteVariables(PlainCrf crf, const std::vector<int>& order)
+{
+  crf.unary = permuted(crf.unary, nullptr, &order);
+  for (Eigen::MatrixXf& kernel : crf.kernels)
+    kernel = permuted(kernel, &order, &order);
+  for (PlainCliques& cliques : crf.cliques)
+    for (auto& members : cliques.members) {
+      for (std::int32_t& i : members)
+        i = order[std::size_t(i)];
+      std::reverse(members.begin(), members.end());
+    }
+  return crf;
+}
+
+PlainCrf
+permuteLabels(PlainCrf crf, const std::vector<int>& order)
+{
+  crf.unary = permuted(crf.unary, &order, nullptr);
+  crf.compatibility = permuted(crf.compatibility, &order, &order);
+  for (PlainCliques& cliques : crf.cliques) {
+    cliques.weights = permuted(cliques.weights, &order, nullptr);
+    cliques.unary = permuted(cliques.unary, &order, nullptr);
+  }
+  return crf;
+}
+
+PlainCrf
+permuteCliques(PlainCrf crf, unsigned seed)
+{
+  for (PlainCliques& cliques : crf.cliques) {
+    const auto order = makeOrder<int>(int(cliques.members.size()), seed);
+    const auto members = cliques.members;
+    for (std::size_t c = 0; c < members.size(); ++c)
+      cliques.members[std::size_t(order[c])] = members[c];
+    cliques.weights = permuted(cliques.weights, nullptr, &order);
+    cliques.unary = permuted(cliques.unary, nullptr, &order);
+    for (Eigen::MatrixXf& kernel : cliques.kernels)
+      kernel = permuted(kernel, &order, &order);
+  }
+  return crf;
+}
+
+TEST(MeanFieldTheory, TheOrderOfVariablesLabelsAndCliquesDoesNotMatter)
+{
+  const auto marginals = [](const PlainCrf& crf) {
+    MeanField inference(makeModel(crf));
+    inference.run(5);
+    return inference.marginals();
+  };
+  for (const NamedCrf& model : makeEveryModel(150, 11, 25, 5.0f, 40)) {
+    SCOPED_TRACE(model.name);
+    const Eigen::MatrixXf expected = marginals(model.crf);
+    const auto error = [&](const Eigen::MatrixXf& other) {
+      return (expected - other).cwiseAbs().maxCoeff();
+    };
+    const auto variables = makeOrder<int>(150, 1), labels = makeOrder<int>(11, 2);
+    const Eigen::MatrixXf by_variables =
+        marginals(permuteVariables(model.crf, variables));
+    const Eigen::MatrixXf by_labels = marginals(permuteLabels(model.crf, labels));
+    Eigen::MatrixXf back = expected;
+    for (int i = 0; i < 150; ++i)
+      back.col(i) = by_variables.col(variables[std::size_t(i)]);
+    EXPECT_LT(error(back), 1e-5);
+    for (int l = 0; l < 11; ++l)
+      back.row(l) = by_labels.row(labels[std::size_t(l)]);
+    EXPECT_LT(error(back), 1e-5);
+    EXPECT_LT(error(marginals(permuteCliques(model.crf, 3))), 1e-5);
+    // The permutations did something.
+    EXPECT_GT(error(by_variables), 1e-2);
+  }
+}
+
+TEST(MeanFieldTheory, SameBitsForAnyNumberOfThreads)
+{
+  for (NamedCrf& model : makeEveryModel(300, 11, 60, 5.0f, 41)) {
+    SCOPED_TRACE(model.name);
+    std::vector<Eigen::MatrixXf> marginals, cliques;
+    std::vector<double> energies;
+    for (const int threads : {1, 2, 7}) {
+      setNumberOfThreads(threads);
+      MeanField inference(makeModel(model.crf));
+      inference.run(3);
+      marginals.push_back(inference.marginals());
+      cliques.push_back(model.crf.cliques.empty() || !model.crf.cliques[0].isRobust()
+                            ? Eigen::MatrixXf()
+                            : inference.cliqueMarginals());
+      energies.push_back(inference.freeEnergy());
+    }
+    setNumberOfThreads(0);
+    for (const std::size_t k : {1u, 2u}) {
+      EXPECT_TRUE(marginals[0] == marginals[k]);
+      EXPECT_TRUE(cliques[0] == cliques[k]);
+      EXPECT_EQ(energies[0], energies[k]);
+    }
+  }
+}
+
+} // namespace

@@ -1,0 +1,202 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// A CRF as matrices and lists, and its energy straight from eqs. (3) and (5)-(9) of the
+// paper in double precision: what the engine is compared with.
+
+#pragma once
+
+#include <pcl_semantic/crf/crf_model.h>
+#include <pcl_semantic/crf/matrix_kernel.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace pcl_semantic {
+
+struct PlainCliques {
+  CliquePotential::Type type = CliquePotential::Type::robust;
+  std::vector<std::vector<std::int32_t>> members;
+  Eigen::MatrixXf weights = Eigen::MatrixXf::Ones(1, 1); // one or L x one or C
+  bool free_label = true;
+  float truncation = 0.3f;
+  Eigen::MatrixXf unary; // L x C or empty
+  std::vector<Eigen::MatrixXf> kernels;
+  bool members_hear_map = false;
+
+  bool
+  isRobust() const
+  {
+    return type == CliquePotential::Type::robust;
+  }
+
+  /** k_c^l */
+  double
+  weight(int l, std::size_t c) const
+  {
+    return double(
+        weights(weights.rows() > 1 ? l : 0, weights.cols() > 1 ? Eigen::Index(c) : 0));
+  }
+};
+
+struct PlainCrf {
+  Eigen::MatrixXf unary;
+  std::vector<Eigen::MatrixXf> kernels;
+  Eigen::MatrixXf compatibility; // empty = Potts
+  bool self_interaction = false;
+  std::vector<PlainCliques> cliques;
+
+  int
+  labels() const
+  {
+    return int(unary.rows());
+  }
+
+  int
+  variables() const
+  {
+    return int(unary.cols());
+  }
+
+  /** The number of labels of y_c: L, or L + 1 with the free label last. */
+  int
+  cliqueLabels(const PlainCliques& cliques_) const
+  {
+    return labels() + (cliques_.free_label ? 1 : 0);
+  }
+};
+
+/** The same for the engine. */
+inline CrfModel
+makeModel(const PlainCrf& crf)
+{
+  CrfModel model;
+  model.unary = crf.unary;
+  for (const Eigen::MatrixXf& kernel : crf.kernels)
+    model.kernels.push_back(std::make_shared<MatrixKernel>(kernel));
+  if (crf.compatibility.size() > 0)
+    model.compatibility = LabelCompatibility(crf.compatibility);
+  model.self_interaction = crf.self_interaction;
+  for (const PlainCliques& cliques : crf.cliques) {
+    CliquePotential potential;
+    potential.type = cliques.type;
+    potential.cliques =
+        std::make_shared<CliqueSet>(cliques.members, std::size_t(crf.variables()));
+    potential.weights = cliques.weights;
+    potential.free_label = cliques.free_label;
+    potential.truncation = cliques.truncation;
+    potential.unary = cliques.unary;
+    for (const Eigen::MatrixXf& kernel : cliques.kernels)
+      potential.kernels.push_back(std::make_shared<MatrixKernel>(kernel));
+    potential.members_hear_map = cliques.members_hear_map;
+    model.cliques.push_back(potential);
+  }
+  return model;
+}
+
+/** mu(l, k) */
+inline double
+plainCompatibility(const PlainCrf& crf, int l, int k)
+{
+  return crf.compatibility.size() > 0 ? double(crf.compatibility(l, k))
+                                      : double(l != k);
+}
+
+/** sum over m of k^(m)_ij, weights included */
+inline double
+plainKernel(const std::vector<Eigen::MatrixXf>& kernels, int i, int j)
+{
+  double sum = 0.0;
+  for (const Eigen::MatrixXf& kernel : kernels)
+    sum += double(kernel(i, j));
+  return sum;
+}
+
+/** psi_c(y): a label, or the free one (y = L) at gamma_max = q |c| max_l k_c^l. */
+inline double
+plainCliqueUnary(const PlainCrf& crf, const PlainCliques& cliques, std::size_t c, int y)
+{
+  const auto& members = cliques.members[c];
+  const int labels = crf.labels();
+  if (y == labels) {
+    double largest = 0.0;
+    for (int l = 0; l < labels; ++l)
+      largest = std::max(largest, cliques.weight(l, c));
+    return double(cliques.truncation) * double(members.size()) * largest;
+  }
+  if (cliques.unary.size() > 0)
+    return double(cliques.unary(y, Eigen::Index(c)));
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(labels);
+  for (const std::int32_t i : members)
+    mean += crf.unary.col(i).cast<double>() / double(members.size());
+  return mean(y) - mean.minCoeff();
+}
+
+/** psi_ci(y, l) */
+inline double
+plainMemberCost(const PlainCrf& crf, const PlainCliques& cliques, std::size_t c, int y,
+                int l)
+{
+  return y == crf.labels() || y == l ? 0.0 : cliques.weight(y, c);
+}
+
+/** psi_cd(y, z) without k_cd: the free label is compatible with everything. */
+inline double
+plainCliqueCompatibility(const PlainCrf& crf, int y, int z)
+{
+  return y < crf.labels() && z < crf.labels() && y != z ? 1.0 : 0.0;
+}
+
+/** P^n Potts: max_l k_c^l, less k_c^l if all members take l. */
+inline double
+plainPnPotts(const PlainCrf& crf, const PlainCliques& cliques, std::size_t c,
+             const std::vector<int>& x)
+{
+  double cost = 0.0;
+  for (int l = 0; l < crf.labels(); ++l)
+    cost = std::max(cost, cliques.weight(l, c));
+  const auto& members = cliques.members[c];
+  const int first = x[std::size_t(members[0])];
+  for (const std::int32_t i : members)
+    if (x[std::size_t(i)] != first)
+      return cost;
+  return cost - cliques.weight(first, c);
+}
+
+/** E(x, y); y of all robust potentials, one after the other. */
+inline double
+plainEnergy(const PlainCrf& crf, const std::vector<int>& x, const std::vector<int>& y)
+{
+  double sum = 0.0;
+  for (int i = 0; i < crf.variables(); ++i) {
+    sum += double(crf.unary(x[std::size_t(i)], i));
+    for (int j = 0; j < i; ++j)
+      sum += plainKernel(crf.kernels, i, j) *
+             plainCompatibility(crf, x[std::size_t(i)], x[std::size_t(j)]);
+  }
+  std::size_t first = 0;
+  for (const PlainCliques& cliques : crf.cliques) {
+    for (std::size_t c = 0; c < cliques.members.size(); ++c) {
+      if (!cliques.isRobust()) {
+        sum += plainPnPotts(crf, cliques, c, x);
+        continue;
+      }
+      const int label = y[first + c];
+      sum += plainCliqueUnary(crf, cliques, c, label);
+      for (const std::int32_t i : cliques.members[c])
+        sum += plainMemberCost(crf, cliques, c, label, x[std::size_t(i)]);
+      for (std::size_t d = 0; d < c; ++d)
+        sum += plainKernel(cliques.kernels, int(c), int(d)) *
+               plainCliqueCompatibility(crf, label, y[first + d]);
+    }
+    first += cliques.isRobust() ? cliques.members.size() : 0;
+  }
+  return sum;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,134 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// Mean-field updates straight from eqs. (10) and (11) of the paper, in double precision
+// and without any rearrangement.
+
+#pragma once
+
+#include "support/plain_crf.h"
+
+#include <cmath>
+#include <vector>
+
+namespace pcl_semantic {
+
+class PlainMeanField {
+public:
+  explicit PlainMeanField(PlainCrf crf)
+      : crf_(std::move(crf)), q(normalized(-crf_.unary.cast<double>()))
+  {
+    for (const PlainCliques& cliques : crf_.cliques) {
+      Eigen::MatrixXd costs(crf_.cliqueLabels(cliques), cliques.members.size());
+      for (Eigen::Index c = 0; c < costs.cols(); ++c)
+        for (int y = 0; y < costs.rows(); ++y)
+          costs(y, c) = plainCliqueUnary(crf_, cliques, std::size_t(c), y);
+      q_cliques.push_back(normalized(-costs));
+    }
+  }
+
+  /** First every y_c, then every x_i. */
+  void
+  update()
+  {
+    for (std::size_t p = 0; p < crf_.cliques.size(); ++p)
+      if (crf_.cliques[p].isRobust())
+        updateCliques(crf_.cliques[p], q_cliques[p]);
+    Eigen::MatrixXd costs(q.rows(), q.cols());
+    for (int i = 0; i < q.cols(); ++i)
+      for (int l = 0; l < q.rows(); ++l)
+        costs(l, i) = cost(i, l);
+    q = normalized(-costs);
+  }
+
+private:
+  PlainCrf crf_;
+
+public:
+  Eigen::MatrixXd q;                      // Q(x_i = l)
+  std::vector<Eigen::MatrixXd> q_cliques; // Q(y_c = l) of every potential
+
+private:
+  static Eigen::MatrixXd
+  normalized(Eigen::MatrixXd exponents)
+  {
+    for (Eigen::Index i = 0; i < exponents.cols(); ++i) {
+      exponents.col(i) = (exponents.col(i).array() - exponents.col(i).maxCoeff()).exp();
+      exponents.col(i) /= exponents.col(i).sum();
+    }
+    return exponents;
+  }
+
+  // Eq. (10)
+  void
+  updateCliques(const PlainCliques& cliques, Eigen::MatrixXd& q_y) const
+  {
+    Eigen::MatrixXd costs(q_y.rows(), q_y.cols());
+    for (int c = 0; c < q_y.cols(); ++c)
+      for (int y = 0; y < q_y.rows(); ++y) {
+        double sum = plainCliqueUnary(crf_, cliques, std::size_t(c), y);
+        for (int d = 0; d < q_y.cols(); ++d)
+          for (int z = 0; z < q_y.rows(); ++z)
+            if (d != c || crf_.self_interaction)
+              sum += q_y(z, d) * plainKernel(cliques.kernels, c, d) *
+                     plainCliqueCompatibility(crf_, y, z);
+        for (const std::int32_t i : cliques.members[std::size_t(c)])
+          for (int l = 0; l < q.rows(); ++l)
+            sum += q(l, i) * plainMemberCost(crf_, cliques, std::size_t(c), y, l);
+        costs(y, c) = sum;
+      }
+    q_y = normalized(-costs);
+  }
+
+  // Eq. (11): the mean cost of label l for variable i
+  double
+  cost(int i, int l) const
+  {
+    double sum = double(crf_.unary(l, i));
+    for (int j = 0; j < q.cols(); ++j)
+      for (int k = 0; k < q.rows(); ++k)
+        if (j != i || crf_.self_interaction)
+          sum += q(k, j) * plainKernel(crf_.kernels, i, j) *
+                 plainCompatibility(crf_, l, k);
+    for (std::size_t p = 0; p < crf_.cliques.size(); ++p)
+      for (std::size_t c = 0; c < crf_.cliques[p].members.size(); ++c) {
+        const auto& members = crf_.cliques[p].members[c];
+        if (std::count(members.begin(), members.end(), i) > 0)
+          sum += crf_.cliques[p].isRobust() ? robustCost(p, c, l)
+                                            : pnPottsCost(crf_.cliques[p], c, i, l);
+      }
+    return sum;
+  }
+
+  double
+  robustCost(std::size_t p, std::size_t c, int l) const
+  {
+    const PlainCliques& cliques = crf_.cliques[p];
+    const Eigen::VectorXd q_y = q_cliques[p].col(Eigen::Index(c));
+    Eigen::Index map = 0;
+    q_y.maxCoeff(&map);
+    double sum = 0.0;
+    for (int y = 0; y < q_y.size(); ++y)
+      sum += (cliques.members_hear_map ? double(y == map) : q_y(y)) *
+             plainMemberCost(crf_, cliques, c, y, l);
+    return sum;
+  }
+
+  // The mean cost where x_i = l: all others take l as well, or they do not.
+  double
+  pnPottsCost(const PlainCliques& cliques, std::size_t c, int i, int l) const
+  {
+    double largest = 0.0, product = 1.0;
+    for (int k = 0; k < q.rows(); ++k)
+      largest = std::max(largest, cliques.weight(k, c));
+    for (const std::int32_t j : cliques.members[c])
+      if (j != i)
+        product *= q(l, j);
+    return product * (largest - cliques.weight(l, c)) + (1.0 - product) * largest;
+  }
+};
+
+} // namespace pcl_semantic
