@@ -239,6 +239,7 @@ PointRows::findRuns(std::size_t begin, std::size_t end) const
   NearRows search(*this);
   kernels::NearRowsView near{};
   Groups groups;
+  groups.runs.reserve(16 * (end - begin)); // of surfaces
   std::vector<Run> found;
   for (std::size_t i = begin, last = i; i < end; i = last) {
     const std::int32_t cell = cells_[i].x();

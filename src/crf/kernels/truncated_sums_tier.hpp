@@ -213,13 +213,15 @@ makeWeights(const GroupView& group, int terms, const float* const* left,
       toBfloat16(sum, values[0] + begin + e);
     }
   }
+  const std::size_t end = group.point + std::size_t(group.points);
   std::size_t e = 0; // no pair of a point with itself
   for (std::size_t r = 0; r < group.count; ++r) {
     const std::size_t first = group.runs[r] >> run_length_bits;
     const std::size_t length = group.runs[r] & run_length_mask;
-    for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-      if (group.point + p - first < length)
-        values[0][p * strideOf(group.length) + e + group.point + p - first] = 0;
+    if (first < end && first + length > group.point)
+      for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+        if (group.point + p - first < length)
+          values[0][p * strideOf(group.length) + e + group.point + p - first] = 0;
     e += length;
   }
 }
