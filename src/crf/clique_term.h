@@ -18,6 +18,7 @@ namespace pcl_semantic {
  * the variables x, and say to them. */
 class CliqueTerm {
 public:
+  explicit CliqueTerm(CliquePotential&& potential) : potential_(std::move(potential)) {}
   virtual ~CliqueTerm() = default;
 
   /** \brief Updates all cliques at once from Q(x).
@@ -47,10 +48,19 @@ public:
   {
     return nullptr;
   }
+
+  const CliquePotential&
+  potential() const
+  {
+    return potential_;
+  }
+
+protected:
+  CliquePotential potential_;
 };
 
 /** \param[in] costs psi_i(l) up to a constant of the variable */
-std::unique_ptr<CliqueTerm> makeCliqueTerm(const CliquePotential& potential,
+std::unique_ptr<CliqueTerm> makeCliqueTerm(CliquePotential&& potential,
                                            bool self_interaction,
                                            const PaddedColumns& costs);
 

@@ -26,7 +26,7 @@ MatrixKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                          Eigen::Ref<Eigen::MatrixXf> result,
                          const VariableMask& active) const
 {
-#pragma omp parallel for schedule(dynamic, 16)
+#pragma omp parallel for schedule(dynamic, 16) if (size() > 100)
   for (Eigen::Index i = 0; i < size(); ++i) {
     if (!active.empty() && !active[std::size_t(i)])
       continue;

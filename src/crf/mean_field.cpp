@@ -59,7 +59,12 @@ MeanField::marginals() const
 Eigen::MatrixXf
 MeanField::cliqueMarginals(std::size_t potential) const
 {
-  return engine_->cliqueMarginals(potential)->matrix();
+  const PaddedColumns* const marginals = engine_->cliqueMarginals(potential);
+  if (!marginals)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "clique potential " << potential
+                                            << " has no variables of its own");
+  return marginals->matrix();
 }
 
 double

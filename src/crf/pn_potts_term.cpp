@@ -6,58 +6,50 @@
 
 #include "pn_potts_term.h"
 
-#include "robust_term.h"
+#include <array>
 
 namespace pcl_semantic {
 
-namespace {
-
-// The product without a member of probability q, from a product as PnPottsTerm keeps
-// it.
-double
-productWithout(double product, double q)
-{
-  if (q > 0.0)
-    return product > 0.0 ? product / q : 0.0;
-  return product < 0.0 ? -product : 0.0;
-}
-
-} // namespace
-
-std::unique_ptr<CliqueTerm>
-makeCliqueTerm(const CliquePotential& potential, bool self_interaction,
-               const PaddedColumns& costs)
-{
-  if (potential.type == CliquePotential::Type::pn_potts)
-    return std::make_unique<PnPottsTerm>(potential, costs.rows());
-  return std::make_unique<RobustTerm>(potential, self_interaction, costs);
-}
-
-PnPottsTerm::PnPottsTerm(const CliquePotential& potential, Eigen::Index labels)
-    : potential_(potential), labels_(labels),
-      products_(std::size_t(labels) * potential.cliques->size())
+PnPottsTerm::PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals)
+    : CliqueTerm(std::move(potential)), labels_(marginals.rows()),
+      stride_(marginals.stride()),
+      products_(std::size_t(stride_) * potential_.cliques->size())
 {}
+
+double*
+PnPottsTerm::product(Eigen::Index c)
+{
+  return products_.data() + c * stride_;
+}
 
 void
 PnPottsTerm::multiplyMembers(Eigen::Index c, const PaddedColumns& marginals)
 {
-  double* const product = &products_[std::size_t(c * labels_)];
-  std::fill_n(product, labels_, 1.0);
-  for (const std::int32_t i : potential_.cliques->members()[std::size_t(c)])
-    for (Eigen::Index l = 0; l < labels_; ++l) {
-      const float q = marginals.column(i)[l];
-      if (q > 0.0f)
-        product[l] *= double(q);
-      else
-        product[l] = product[l] > 0.0 ? -product[l] : 0.0;
+  std::array<double, 256> products;
+  std::array<int, 256> zeros;
+  products.fill(1.0);
+  zeros.fill(0);
+  for (const std::int32_t i : potential_.cliques->members()[std::size_t(c)]) {
+    const float* const q = marginals.column(i);
+    for (std::size_t l = 0; l < std::size_t(stride_); ++l) {
+      const double next = products[l] * double(q[l] > 0.0f ? q[l] : 1.0f);
+      products[l] = next < 1e-200 ? 0.0 : next;
+      zeros[l] += q[l] > 0.0f ? 0 : 1;
     }
+  }
+  for (Eigen::Index l = 0; l < labels_; ++l) {
+    const double sign =
+        double(zeros[std::size_t(l)] == 0) - double(zeros[std::size_t(l)] == 1);
+    product(c)[l] = sign * double(potential_.weight(l, c)) * products[std::size_t(l)];
+  }
 }
 
 double
 PnPottsTerm::update(const PaddedColumns& marginals)
 {
-#pragma omp parallel for schedule(dynamic, 16)
-  for (std::size_t c = 0; c < potential_.cliques->size(); ++c)
+  const std::size_t count = potential_.cliques->size();
+#pragma omp parallel for schedule(dynamic, 8) if (count > 8)
+  for (std::size_t c = 0; c < count; ++c)
     multiplyMembers(Eigen::Index(c), marginals);
   return 0.0;
 }
@@ -80,28 +72,31 @@ PnPottsTerm::addMessages(const PaddedColumns& marginals, Eigen::Index begin,
                          Eigen::Index end, PaddedColumns& messages) const
 {
   for (Eigen::Index i = begin; i < end; ++i)
-    for (const std::int32_t c : potential_.cliques->cliques()[std::size_t(i)])
-      for (Eigen::Index l = 0; l < labels_; ++l)
-        messages.column(i)[l] +=
-            potential_.weight(l, c) *
-            float(productWithout(products_[std::size_t(c * labels_ + l)],
-                                 double(marginals.column(i)[l])));
+    for (const std::int32_t c : potential_.cliques->cliques()[std::size_t(i)]) {
+      const double* const products = products_.data() + c * stride_;
+      const float* const q = marginals.column(i);
+      float* const message = messages.column(i);
+      for (Eigen::Index l = 0; l < stride_; ++l) {
+        const double without = q[l] > 0.0f ? products[l] / double(q[l]) : -products[l];
+        message[l] += float(without > 0.0 ? without : 0.0);
+      }
+    }
 }
 
 double
 PnPottsTerm::freeEnergy(const PaddedColumns& marginals) const
 {
-  double sum = 0.0;
-  for (std::size_t c = 0; c < potential_.cliques->size(); ++c) {
-    sum += double(potential_.largestWeight(Eigen::Index(c)));
+  const auto count = Eigen::Index(potential_.cliques->size());
+  return orderedSum(count, [&](Eigen::Index c) {
+    auto cost = double(potential_.largestWeight(c));
     for (Eigen::Index l = 0; l < labels_; ++l) {
-      double product = double(potential_.weight(l, Eigen::Index(c)));
-      for (const std::int32_t i : potential_.cliques->members()[c])
+      auto product = double(potential_.weight(l, c));
+      for (const std::int32_t i : potential_.cliques->members()[std::size_t(c)])
         product *= double(marginals.column(i)[l]);
-      sum -= product;
+      cost -= product;
     }
-  }
-  return sum;
+    return cost;
+  });
 }
 
 } // namespace pcl_semantic

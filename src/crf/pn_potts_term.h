@@ -12,16 +12,16 @@
 
 namespace pcl_semantic {
 
-/** \brief The P^n Potts potential (Vineet, Warrell and Torr 2014): a member hears
+/** \brief The P^n Potts potential (Vineet, Warrell and Torr 2014): a member i hears
  * k_c^l prod over the other members j of Q_j(l).
  *
- * The product without i is the whole one over Q_i(l). Whole ones are kept in double
- * precision, whose range does what logarithms would: where one is too small for it, so
- * is the product without i, which is at most 1e45 times as large. Zeros are counted
- * instead of multiplied. */
+ * The product without i is the whole one over Q_i(l). Zeros are counted instead of
+ * multiplied. Whole products are in double precision, whose range does what logarithms
+ * would: marginals are 0 or more than 1e-27 (kernels/soft_max.h), so where the whole
+ * one is too small for it (1e-200), the product without i is nothing too. */
 class PnPottsTerm : public CliqueTerm {
 public:
-  PnPottsTerm(const CliquePotential& potential, Eigen::Index labels);
+  PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals);
 
   double update(const PaddedColumns& marginals) override;
   double updateSequentially(const PaddedColumns& marginals) override;
@@ -31,12 +31,13 @@ public:
   double freeEnergy(const PaddedColumns& marginals) const override;
 
 private:
+  double* product(Eigen::Index c);
   void multiplyMembers(Eigen::Index c, const PaddedColumns& marginals);
 
-  CliquePotential potential_;
   Eigen::Index labels_;
-  // L x C: the product over the members; its negative without the member whose Q is
-  // zero, if there is one; 0 if there are more.
+  Eigen::Index stride_;
+  // By clique and label: k_c^l times the product over the members; if one member's Q is
+  // zero, minus k_c^l times the product of the others; 0 if more are zero.
   std::vector<double> products_;
 };
 

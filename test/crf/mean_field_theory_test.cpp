@@ -37,8 +37,8 @@ errorOfMeanField(const PlainCrf& crf)
 TEST(MeanFieldTheory, HalvingAllCouplingsAtLeastThirdsTheError)
 {
   for (const unsigned seed : {1u, 2u, 3u}) {
-    const auto strong = makeEveryModel(5, 3, 2, 0.6f, seed);
-    const auto weak = makeEveryModel(5, 3, 2, 0.3f, seed);
+    const auto strong = makeEveryModel(4, 3, 2, 0.6f, seed);
+    const auto weak = makeEveryModel(4, 3, 2, 0.3f, seed);
     for (std::size_t m = 1; m < strong.size(); ++m) { // 0 has no couplings
       SCOPED_TRACE(strong[m].name + ", seed " + std::to_string(seed));
       const double error = errorOfMeanField(strong[m].crf);

@@ -1,0 +1,23 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "clique_term.h"
+
+#include "pn_potts_term.h"
+#include "robust_term.h"
+
+namespace pcl_semantic {
+
+std::unique_ptr<CliqueTerm>
+makeCliqueTerm(CliquePotential&& potential, bool self_interaction,
+               const PaddedColumns& costs)
+{
+  if (potential.type == CliquePotential::Type::pn_potts)
+    return std::make_unique<PnPottsTerm>(std::move(potential), costs);
+  return std::make_unique<RobustTerm>(std::move(potential), self_interaction, costs);
+}
+
+} // namespace pcl_semantic
