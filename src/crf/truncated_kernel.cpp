@@ -59,7 +59,7 @@ struct TruncatedKernel::Chunk {
   std::vector<std::uint32_t> lengths;    // points in the runs of each group
   std::vector<std::uint32_t> value_ends; // of each group
   // bfloat16; while building the values of each term
-  std::vector<std::vector<std::uint16_t>> values;
+  std::vector<std::unique_ptr<std::uint16_t[]>> values;
   std::size_t longest = 0; // points in the runs of a group
   std::size_t first = 0;   // point
 
@@ -104,7 +104,8 @@ TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin,
     end += std::size_t(view(g).points) * kernels::strideOf(length);
     value_ends.push_back(std::uint32_t(end));
   }
-  values.assign(terms, std::vector<std::uint16_t>(end));
+  for (std::size_t m = 0; m < terms; ++m)
+    values.emplace_back(new std::uint16_t[end]); // written whole by the loops
 }
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
@@ -153,7 +154,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
       for (std::size_t g = 0; g < chunk.size(); ++g) {
         const kernels::GroupView group = chunk.view(g);
         for (std::size_t m = 0; m < terms.size(); ++m)
-          values[m] = chunk.values[m].data() + chunk.valuesBegin(g);
+          values[m] = chunk.values[m].get() + chunk.valuesBegin(g);
         loops.sumTerms(points.view(), group, scratch.data(), sums.data(),
                        values.data());
         for (std::size_t m = 0; m < terms.size(); ++m)
@@ -197,7 +198,7 @@ TruncatedKernel::makeWeights(const SortedPoints& points)
       std::vector<std::uint16_t*> values(left.size());
       for (std::size_t g = 0; g < chunk.size(); ++g) {
         for (std::size_t m = 0; m < left.size(); ++m)
-          values[m] = chunk.values[m].data() + chunk.valuesBegin(g);
+          values[m] = chunk.values[m].get() + chunk.valuesBegin(g);
         loops.makeWeights(chunk.view(g), int(left.size()), left.data(), right.data(),
                           scratch.data(), values.data());
       }
@@ -225,7 +226,7 @@ TruncatedKernel::memory() const
   std::size_t bytes = order_.size() * 4 + std::size_t(diagonal_.size()) * 4;
   for (const Chunk& chunk : chunks_)
     bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 +
-             chunk.values[0].capacity() * 2;
+             chunk.value_ends.back() * 2;
   return bytes;
 }
 
@@ -270,7 +271,7 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
         if (!any)
           continue;
         sums.setZero();
-        loops.addProduct(group, chunk.values[0].data() + chunk.valuesBegin(g), from,
+        loops.addProduct(group, chunk.values[0].get() + chunk.valuesBegin(g), from,
                          stride, scratch.data(), sums.data());
         for (int p = 0; p < group.points; ++p)
           result.col(column(p)) += sums.col(p).head(values.rows());
