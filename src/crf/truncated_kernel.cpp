@@ -110,10 +110,19 @@ TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin,
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
                                  const std::vector<GaussianTerm>& terms, float radius,
-                                 Normalization normalization)
-    : diagonal_(Eigen::VectorXf::Zero(positions.cols()))
+                                 Normalization normalization,
+                                 const Eigen::MatrixXf& known_sums)
+    : sums_(known_sums), diagonal_(Eigen::VectorXf::Zero(positions.cols()))
 {
   validate(positions, terms, radius);
+  const auto count = Eigen::Index(terms.size());
+  if (known_sums.size() == 0)
+    sums_.setConstant(count, positions.cols(), std::nanf(""));
+  if (sums_.rows() != count || sums_.cols() != positions.cols())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "known sums are " << sums_.rows() << " x " << sums_.cols()
+                                          << ", expected " << count << " x "
+                                          << positions.cols());
   float widest = 0.0f;
   for (const GaussianTerm& term : terms)
     widest = std::max(widest, term.position_deviation);
@@ -157,10 +166,13 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
           values[m] = chunk.values[m].get() + chunk.valuesBegin(g);
         loops.sumTerms(points.view(), group, scratch.data(), sums.data(),
                        values.data());
-        for (std::size_t m = 0; m < terms.size(); ++m)
-          for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-            normalize(points, m, group.point + p, terms[m].weight,
-                      sums[m * kernels::most_points + p], normalization);
+        for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
+          auto known = sums_.col(order_[group.point + p]);
+          for (std::size_t m = 0; m < terms.size(); ++m)
+            if (std::isnan(known[Eigen::Index(m)]))
+              known[Eigen::Index(m)] = sums[m * kernels::most_points + p];
+          normalize(points, terms, group.point + p, normalization);
+        }
       }
     });
   guard.rethrow();
@@ -173,14 +185,19 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
 }
 
 void
-TruncatedKernel::normalize(SortedPoints& points, std::size_t term, std::size_t point,
-                           float weight, float sum, Normalization normalization)
+TruncatedKernel::normalize(SortedPoints& points, const std::vector<GaussianTerm>& terms,
+                           std::size_t point, Normalization normalization)
 {
-  const float scale = normalization == Normalization::none ? weight : weight / sum;
   const bool symmetric = normalization == Normalization::symmetric;
-  points.left(term)[point] = symmetric ? std::sqrt(scale) : scale;
-  points.right(term)[point] = symmetric ? std::sqrt(scale) : 1.0f;
-  diagonal_[order_[point]] += scale;
+  const auto sums = sums_.col(order_[point]);
+  for (std::size_t m = 0; m < terms.size(); ++m) {
+    const float divisor =
+        normalization == Normalization::none ? 1.0f : sums[Eigen::Index(m)];
+    const float scale = terms[m].weight / divisor;
+    points.left(m)[point] = symmetric ? std::sqrt(scale) : scale;
+    points.right(m)[point] = symmetric ? std::sqrt(scale) : 1.0f;
+    diagonal_[order_[point]] += scale;
+  }
 }
 
 void
