@@ -22,6 +22,20 @@ namespace {
 // Variables whose costs, messages and marginals stay in the fast cache together.
 constexpr Eigen::Index block_size = 64;
 
+// The costs less their minimum, which it returns.
+double
+shiftCosts(const float* costs, Eigen::Index labels, Eigen::Index stride, float* shifted)
+{
+  float least = costs[0];
+  for (Eigen::Index l = 1; l < labels; ++l)
+    least = std::min(least, costs[l]);
+  for (Eigen::Index l = 0; l < labels; ++l)
+    shifted[l] = std::min(costs[l] - least, kPaddingCost);
+  for (Eigen::Index l = labels; l < stride; ++l)
+    shifted[l] = kPaddingCost;
+  return double(least);
+}
+
 } // namespace
 
 MeanField::Engine::Engine(CrfModel&& model, const Eigen::MatrixXf* initial)
@@ -45,19 +59,20 @@ MeanField::Engine::setUp(const Eigen::MatrixXf& unary)
   marginals_ = PaddedColumns(labels, count);
   messages_ = PaddedColumns(labels, count);
   const Eigen::Index stride = costs_.stride();
-  offset_ = orderedSum(count, [&](Eigen::Index i) {
-    const float* const cost = unary.data() + i * labels;
-    const float least = *std::min_element(cost, cost + labels);
-    std::array<float, 256> shifted;
-    for (std::size_t l = 0; l < std::size_t(labels); ++l)
-      shifted[l] = std::min(cost[l] - least, kPaddingCost);
-    costs_.setColumn(i, shifted.data(), kPaddingCost);
-    std::fill_n(messages_.column(i), stride, 0.0f);
-    std::fill_n(marginals_.column(i), stride, 0.0f);
-    softMax(costs_.column(i), messages_.column(i), marginals_.column(i), 1,
-            std::size_t(stride));
-    return double(least);
-  });
+  offset_ =
+      orderedSum((count + block_size - 1) / block_size, 8, [&](Eigen::Index block) {
+        const Eigen::Index begin = block * block_size;
+        const Eigen::Index size = std::min(block_size, count - begin);
+        double sum = 0.0;
+        for (Eigen::Index i = begin; i < begin + size; ++i)
+          sum +=
+              shiftCosts(unary.data() + i * labels, labels, stride, costs_.column(i));
+        std::fill_n(messages_.column(begin), size * stride, 0.0f);
+        std::fill_n(marginals_.column(begin), size * stride, 0.0f);
+        softMax(costs_.column(begin), messages_.column(begin), marginals_.column(begin),
+                std::size_t(size), std::size_t(stride));
+        return sum;
+      });
 }
 
 void
@@ -217,7 +232,7 @@ MeanField::Engine::freeEnergy() const
   for (const auto& kernel : kernels_)
     kernel->addProduct(marginals_.view(), heard.view(), {});
   double sum = offset_;
-  sum += orderedSum(marginals_.columns(), [&](Eigen::Index i) {
+  sum += orderedSum(marginals_.columns(), 256, [&](Eigen::Index i) {
     double part = 0.0;
     for (Eigen::Index l = 0; l < marginals_.rows(); ++l) {
       const double q = marginals_.column(i)[l];

@@ -87,7 +87,7 @@ double
 PnPottsTerm::freeEnergy(const PaddedColumns& marginals) const
 {
   const auto count = Eigen::Index(potential_.cliques->size());
-  return orderedSum(count, [&](Eigen::Index c) {
+  return orderedSum(count, 64, [&](Eigen::Index c) {
     auto cost = double(potential_.largestWeight(c));
     for (Eigen::Index l = 0; l < labels_; ++l) {
       auto product = double(potential_.weight(l, c));

@@ -77,8 +77,11 @@ void
 RobustTerm::sumMembers(Eigen::Index c, const PaddedColumns& marginals,
                        double* sums) const
 {
-  const IndexRange members = potential_.cliques->members()[std::size_t(c)];
-  columnSums().sum(members.begin(), members.size(), marginals.column(0),
+  const IndexLists& members = potential_.cliques->members();
+  const std::size_t begin = members.starts[std::size_t(c)];
+  columnSums().sum(members.indices.data() + begin,
+                   members.starts[std::size_t(c) + 1] - begin,
+                   members.indices.size() - begin, marginals.column(0),
                    std::size_t(marginals.stride()), sums);
 }
 
@@ -195,7 +198,7 @@ RobustTerm::freeEnergy(const PaddedColumns& marginals) const
   heard.setZero();
   for (const auto& kernel : potential_.kernels)
     kernel->addProduct(marginals_.view(), heard.view(), {});
-  return orderedSum(marginals_.columns(), [&](Eigen::Index c) {
+  return orderedSum(marginals_.columns(), 64, [&](Eigen::Index c) {
     alignas(64) std::array<double, most_labels> sums, costs;
     sumMembers(c, marginals, sums.data());
     std::copy_n(costs_.column(c), marginals_.rows(), costs.data());
