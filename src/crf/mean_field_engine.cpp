@@ -6,13 +6,13 @@
 
 #include "mean_field_engine.h"
 
+#include "kernels/label_mix.h"
 #include "kernels/soft_max.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/matrix_kernel.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace pcl_semantic {
@@ -114,8 +114,10 @@ MeanField::Engine::start(const Eigen::MatrixXf& initial)
                                 << ", expected 0 or more");
       sum += double(initial(l, i));
     }
-    for (Eigen::Index l = 0; l < initial.rows() && sum > 0.0; ++l)
-      marginals_.column(i)[l] = float(double(initial(l, i)) / sum);
+    for (Eigen::Index l = 0; l < initial.rows() && sum > 0.0; ++l) {
+      const double q = double(initial(l, i)) / sum;
+      marginals_.column(i)[l] = q > 1e-24 ? float(q) : 0.0f; // as soft-max does
+    }
   }
 }
 
@@ -124,19 +126,6 @@ MeanField::Engine::hear(const VariableMask& active)
 {
   for (const auto& kernel : kernels_)
     kernel->addProduct(marginals_.view(), messages_.view(), active);
-}
-
-// What was heard of labels k becomes what is said of l: minus the mean of mu(l, k).
-void
-MeanField::Engine::mixLabels(Eigen::Index i)
-{
-  float* const message = messages_.column(i);
-  std::array<float, 256> mixed;
-  std::fill_n(mixed.begin(), messages_.stride(), 0.0f);
-  for (Eigen::Index k = 0; k < mixing_.columns(); ++k)
-    for (Eigen::Index l = 0; l < mixing_.stride(); ++l)
-      mixed[std::size_t(l)] -= mixing_.column(k)[l] * message[k];
-  std::copy_n(mixed.begin(), messages_.stride(), message);
 }
 
 // From what the kernels said to the marginals of some variables.
@@ -150,8 +139,8 @@ MeanField::Engine::finish(Eigen::Index begin, Eigen::Index end)
         messages_.column(i)[l] +=
             self_responses_[std::size_t(i)] * marginals_.column(i)[l];
   if (mixing_.columns() > 0)
-    for (Eigen::Index i = begin; i < end; ++i)
-      mixLabels(i);
+    mixLabels(mixing_.column(0), std::size_t(mixing_.columns()),
+              messages_.column(begin), std::size_t(end - begin), std::size_t(stride));
   for (const auto& term : terms_)
     term->addMessages(marginals_, begin, end, messages_);
   return double(softMax(costs_.column(begin), messages_.column(begin),
