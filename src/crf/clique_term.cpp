@@ -11,6 +11,15 @@
 
 namespace pcl_semantic {
 
+CliqueTerm::CliqueTerm(CliquePotential&& potential, Eigen::Index labels)
+    : potential_(std::move(potential)), weights_(labels, potential_.weights.cols())
+{
+  weights_.setZero();
+  for (Eigen::Index c = 0; c < weights_.columns(); ++c)
+    for (Eigen::Index l = 0; l < labels; ++l)
+      weights_.column(c)[l] = potential_.weight(l, c);
+}
+
 std::unique_ptr<CliqueTerm>
 makeCliqueTerm(CliquePotential&& potential, bool self_interaction,
                const PaddedColumns& costs)

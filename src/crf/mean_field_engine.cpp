@@ -6,13 +6,13 @@
 
 #include "mean_field_engine.h"
 
+#include "kernels/label_mix.h"
 #include "kernels/soft_max.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/matrix_kernel.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace pcl_semantic {
@@ -21,6 +21,20 @@ namespace {
 
 // Variables whose costs, messages and marginals stay in the fast cache together.
 constexpr Eigen::Index block_size = 64;
+
+// The costs less their minimum, which it returns.
+double
+shiftCosts(const float* costs, Eigen::Index labels, Eigen::Index stride, float* shifted)
+{
+  float least = costs[0];
+  for (Eigen::Index l = 1; l < labels; ++l)
+    least = std::min(least, costs[l]);
+  for (Eigen::Index l = 0; l < labels; ++l)
+    shifted[l] = std::min(costs[l] - least, kPaddingCost);
+  for (Eigen::Index l = labels; l < stride; ++l)
+    shifted[l] = kPaddingCost;
+  return double(least);
+}
 
 } // namespace
 
@@ -45,19 +59,20 @@ MeanField::Engine::setUp(const Eigen::MatrixXf& unary)
   marginals_ = PaddedColumns(labels, count);
   messages_ = PaddedColumns(labels, count);
   const Eigen::Index stride = costs_.stride();
-  offset_ = orderedSum(count, [&](Eigen::Index i) {
-    const float* const cost = unary.data() + i * labels;
-    const float least = *std::min_element(cost, cost + labels);
-    std::array<float, 256> shifted;
-    for (std::size_t l = 0; l < std::size_t(labels); ++l)
-      shifted[l] = std::min(cost[l] - least, kPaddingCost);
-    costs_.setColumn(i, shifted.data(), kPaddingCost);
-    std::fill_n(messages_.column(i), stride, 0.0f);
-    std::fill_n(marginals_.column(i), stride, 0.0f);
-    softMax(costs_.column(i), messages_.column(i), marginals_.column(i), 1,
-            std::size_t(stride));
-    return double(least);
-  });
+  offset_ =
+      orderedSum((count + block_size - 1) / block_size, 8, [&](Eigen::Index block) {
+        const Eigen::Index begin = block * block_size;
+        const Eigen::Index size = std::min(block_size, count - begin);
+        double sum = 0.0;
+        for (Eigen::Index i = begin; i < begin + size; ++i)
+          sum +=
+              shiftCosts(unary.data() + i * labels, labels, stride, costs_.column(i));
+        std::fill_n(messages_.column(begin), size * stride, 0.0f);
+        std::fill_n(marginals_.column(begin), size * stride, 0.0f);
+        softMax(costs_.column(begin), messages_.column(begin), marginals_.column(begin),
+                std::size_t(size), std::size_t(stride));
+        return sum;
+      });
 }
 
 void
@@ -99,8 +114,10 @@ MeanField::Engine::start(const Eigen::MatrixXf& initial)
                                 << ", expected 0 or more");
       sum += double(initial(l, i));
     }
-    for (Eigen::Index l = 0; l < initial.rows() && sum > 0.0; ++l)
-      marginals_.column(i)[l] = float(double(initial(l, i)) / sum);
+    for (Eigen::Index l = 0; l < initial.rows() && sum > 0.0; ++l) {
+      const double q = double(initial(l, i)) / sum;
+      marginals_.column(i)[l] = q > 1e-24 ? float(q) : 0.0f; // as soft-max does
+    }
   }
 }
 
@@ -109,19 +126,6 @@ MeanField::Engine::hear(const VariableMask& active)
 {
   for (const auto& kernel : kernels_)
     kernel->addProduct(marginals_.view(), messages_.view(), active);
-}
-
-// What was heard of labels k becomes what is said of l: minus the mean of mu(l, k).
-void
-MeanField::Engine::mixLabels(Eigen::Index i)
-{
-  float* const message = messages_.column(i);
-  std::array<float, 256> mixed;
-  std::fill_n(mixed.begin(), messages_.stride(), 0.0f);
-  for (Eigen::Index k = 0; k < mixing_.columns(); ++k)
-    for (Eigen::Index l = 0; l < mixing_.stride(); ++l)
-      mixed[std::size_t(l)] -= mixing_.column(k)[l] * message[k];
-  std::copy_n(mixed.begin(), messages_.stride(), message);
 }
 
 // From what the kernels said to the marginals of some variables.
@@ -135,8 +139,8 @@ MeanField::Engine::finish(Eigen::Index begin, Eigen::Index end)
         messages_.column(i)[l] +=
             self_responses_[std::size_t(i)] * marginals_.column(i)[l];
   if (mixing_.columns() > 0)
-    for (Eigen::Index i = begin; i < end; ++i)
-      mixLabels(i);
+    mixLabels(mixing_.column(0), std::size_t(mixing_.columns()),
+              messages_.column(begin), std::size_t(end - begin), std::size_t(stride));
   for (const auto& term : terms_)
     term->addMessages(marginals_, begin, end, messages_);
   return double(softMax(costs_.column(begin), messages_.column(begin),
@@ -217,7 +221,7 @@ MeanField::Engine::freeEnergy() const
   for (const auto& kernel : kernels_)
     kernel->addProduct(marginals_.view(), heard.view(), {});
   double sum = offset_;
-  sum += orderedSum(marginals_.columns(), [&](Eigen::Index i) {
+  sum += orderedSum(marginals_.columns(), 256, [&](Eigen::Index i) {
     double part = 0.0;
     for (Eigen::Index l = 0; l < marginals_.rows(); ++l) {
       const double q = marginals_.column(i)[l];

@@ -39,7 +39,6 @@ private:
   void setUpPairs(const CrfModel& model);
   void start(const Eigen::MatrixXf& initial);
   void hear(const VariableMask& active);
-  void mixLabels(Eigen::Index i);
   double finish(Eigen::Index begin, Eigen::Index end);
   void requireSymmetricMatrices() const;
 

@@ -116,12 +116,12 @@ private:
 };
 
 /** \brief Sum of \a term(i) for 0 <= i < count, in parallel and always in the same
- * order. */
+ * order.
+ * \param[in] block terms that a thread adds up at once */
 template <typename Term>
 double
-orderedSum(Eigen::Index count, Term&& term)
+orderedSum(Eigen::Index count, Eigen::Index block, Term&& term)
 {
-  constexpr Eigen::Index block = 256;
   Eigen::VectorXd parts = Eigen::VectorXd::Zero((count + block - 1) / block);
 #pragma omp parallel for schedule(dynamic, 1) if (count > block)
   for (Eigen::Index b = 0; b < parts.size(); ++b)

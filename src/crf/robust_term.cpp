@@ -23,8 +23,8 @@ constexpr std::size_t most_labels = 256; // with the free one
 
 RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
                        const PaddedColumns& costs)
-    : CliqueTerm(std::move(potential)), self_interaction_(self_interaction),
-      labels_(costs.rows())
+    : CliqueTerm(std::move(potential), costs.rows()),
+      self_interaction_(self_interaction), labels_(costs.rows())
 {
   const auto count = Eigen::Index(potential_.cliques->size());
   const Eigen::Index rows = labels_ + (potential_.free_label ? 1 : 0);
@@ -35,22 +35,11 @@ RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
   marginals_.setZero();
   messages_.setZero();
   said_.setZero();
-  setWeights();
 #pragma omp parallel for schedule(dynamic, 8) if (count > 8)
   for (Eigen::Index c = 0; c < count; ++c)
     setCosts(c, costs);
   softMax(costs_.column(0), messages_.column(0), marginals_.column(0),
           std::size_t(count), std::size_t(costs_.stride()));
-}
-
-void
-RobustTerm::setWeights()
-{
-  weights_ = PaddedColumns(labels_, potential_.weights.cols());
-  weights_.setZero();
-  for (Eigen::Index c = 0; c < weights_.columns(); ++c)
-    for (Eigen::Index l = 0; l < labels_; ++l)
-      weights_.column(c)[l] = potential_.weight(l, c);
 }
 
 void
@@ -77,8 +66,11 @@ void
 RobustTerm::sumMembers(Eigen::Index c, const PaddedColumns& marginals,
                        double* sums) const
 {
-  const IndexRange members = potential_.cliques->members()[std::size_t(c)];
-  columnSums().sum(members.begin(), members.size(), marginals.column(0),
+  const IndexLists& members = potential_.cliques->members();
+  const std::size_t begin = members.starts[std::size_t(c)];
+  columnSums().sum(members.indices.data() + begin,
+                   members.starts[std::size_t(c) + 1] - begin,
+                   members.indices.size() - begin, marginals.column(0),
                    std::size_t(marginals.stride()), sums);
 }
 
@@ -195,7 +187,7 @@ RobustTerm::freeEnergy(const PaddedColumns& marginals) const
   heard.setZero();
   for (const auto& kernel : potential_.kernels)
     kernel->addProduct(marginals_.view(), heard.view(), {});
-  return orderedSum(marginals_.columns(), [&](Eigen::Index c) {
+  return orderedSum(marginals_.columns(), 64, [&](Eigen::Index c) {
     alignas(64) std::array<double, most_labels> sums, costs;
     sumMembers(c, marginals, sums.data());
     std::copy_n(costs_.column(c), marginals_.rows(), costs.data());

@@ -32,7 +32,6 @@ public:
   }
 
 private:
-  void setWeights();
   void setCosts(Eigen::Index c, const PaddedColumns& costs);
   void hear(const VariableMask& active);
   void sumMembers(Eigen::Index c, const PaddedColumns& marginals, double* sums) const;
@@ -41,15 +40,8 @@ private:
   float updateClique(Eigen::Index c, const PaddedColumns& marginals);
   void speak(Eigen::Index c);
 
-  const float*
-  weights(Eigen::Index c) const
-  {
-    return weights_.column(weights_.columns() == 1 ? 0 : c);
-  }
-
   bool self_interaction_;
   Eigen::Index labels_;
-  PaddedColumns weights_;   // k_c^l, of one clique or all
   PaddedColumns costs_;     // psi_c(y), the free label last if there is one
   PaddedColumns marginals_; // Q(y_c), as the costs
   PaddedColumns messages_;  // sum over d of k_cd Q_d; zero between updates

@@ -135,6 +135,7 @@ TEST(MeanField, PnPottsWithProbabilitiesOfZero)
   crf.unary = makeRandomMatrix(4, 12, 0.0f, 1.0f, 1);
   crf.unary(0, 0) = crf.unary(1, 1) = crf.unary(1, 2) = 1e4f;
   crf.unary(2, 3) = 90.0f; // a probability below the normal floats
+  crf.unary(3, 6) = 50.0f;
   crf.unary.col(5) << 0.0f, 1e4f, 1e4f, 1e4f;
   PlainCliques cliques;
   cliques.type = Type::pn_potts;

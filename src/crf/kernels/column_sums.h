@@ -21,9 +21,11 @@ struct ColumnSums {
   void (*add)(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
               const float* columns, std::size_t stride, float* result);
 
-  /** \brief sum = sum of columns(:, indices[e]), e < count, in double precision. */
-  void (*sum)(const std::int32_t* indices, std::size_t count, const float* columns,
-              std::size_t stride, double* sum);
+  /** \brief sum = sum of columns(:, indices[e]), e < count, in double precision.
+   * \param[in] readable indices there are, count or more: those behind are likely to be
+   * asked for next, and are fetched */
+  void (*sum)(const std::int32_t* indices, std::size_t count, std::size_t readable,
+              const float* columns, std::size_t stride, double* sum);
 };
 
 const ColumnSums& columnSumsFor(SimdTier tier);
