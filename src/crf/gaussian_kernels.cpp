@@ -6,6 +6,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/gaussian_kernels.h>
+#include <pcl_semantic/crf/lattice_kernel.h>
 #include <pcl_semantic/crf/truncated_kernel.h>
 
 #include <algorithm>
@@ -93,7 +94,7 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
     Eigen::MatrixXf features(positions.rows() + term.features.rows(), positions.cols());
     features.topRows(positions.rows()) = positions / term.position_deviation;
     features.bottomRows(term.features.rows()) = term.features;
-    kernels.push_back(makeFeatureKernel(features, term.weight, options_.normalization));
+    kernels.push_back(std::make_shared<LatticeKernel>(features, term.weight, options_.normalization));
   }
   if (!truncated.empty())
     kernels.push_back(std::make_shared<TruncatedKernel>(
@@ -110,13 +111,11 @@ GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
     return 0.0;
   // All points or some drawn at random: any regular choice would fall into step with
   // the rows of an image.
-  Eigen::Matrix3Xf others = positions;
-  if (count > most_others) {
-    others.resize(3, most_others);
-    std::minstd_rand random;
-    for (Eigen::Index i = 0; i < others.cols(); ++i)
-      others.col(i) = positions.col(Eigen::Index(random()) % count);
-  }
+  Eigen::Matrix3Xf others(3, std::min(count, most_others));
+  std::minstd_rand random;
+  for (Eigen::Index i = 0; i < others.cols(); ++i)
+    others.col(i) =
+        positions.col(count > most_others ? Eigen::Index(random()) % count : i);
   const Eigen::Index step = std::max<Eigen::Index>(1, others.cols() / samples);
   std::size_t found = 0, sampled = 0;
   for (Eigen::Index i = 0; i < others.cols(); i += step, ++sampled)
@@ -126,13 +125,6 @@ GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
   // A point itself is one; the others found stand for as many as were not drawn.
   return 1.0 + double(found - sampled) / double(sampled) * double(count) /
                    double(others.cols());
-}
-
-std::shared_ptr<const PairwiseKernel>
-makeFeatureKernel(const Eigen::MatrixXf& /*features*/, float /*weight*/,
-                  Normalization /*normalization*/)
-{
-  PCL_THROW_EXCEPTION(InvalidParameterException, "there is no lattice kernel yet");
 }
 
 } // namespace pcl_semantic

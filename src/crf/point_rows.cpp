@@ -152,16 +152,15 @@ public:
     const std::vector<Row>& all = points_.rows_;
     const int reach = points_.row_reach_;
     const int* widths = points_.widths_.data() + reach;
-    for (std::int32_t z = row.z - reach; z <= row.z + reach; ++z) {
-      auto other = std::partition_point(all.begin(), all.end(), [&](const Row& r) {
-        return r.z < z || (r.z == z && r.y < row.y - reach);
-      });
-      for (; other != all.end() && other->z == z && other->y <= row.y + reach;
-           ++other) {
-        const int width = widths[other->y - row.y];
-        if (width >= 0 && other->first_cell - width < row.first_cell + row.cells &&
-            row.first_cell - width < other->first_cell + other->cells)
-          append(*other, width);
+    firsts_.resize(std::size_t(2 * reach + 1), {-1, 0});
+    for (First& first : firsts_) {
+      const auto z = std::int32_t(row.z + (&first - firsts_.data()) - reach);
+      std::size_t r = findFirst(first, z, row.y - reach);
+      for (; r < all.size() && all[r].z == z && all[r].y <= row.y + reach; ++r) {
+        const int width = widths[all[r].y - row.y];
+        if (width >= 0 && all[r].first_cell - width < row.first_cell + row.cells &&
+            row.first_cell - width < all[r].first_cell + all[r].cells)
+          append(all[r], width);
       }
       widths += 2 * reach + 1;
     }
@@ -172,6 +171,25 @@ public:
   }
 
 private:
+  // The first row that may be near, of those with some z.
+  struct First {
+    std::int32_t z;
+    std::size_t row;
+  };
+
+  std::size_t
+  findFirst(First& first, std::int32_t z, std::int32_t y) const
+  {
+    const std::vector<Row>& all = points_.rows_;
+    const auto before = [&](const Row& r) { return r.z < z || (r.z == z && r.y < y); };
+    if (first.z != z) // else rows come in order: the one sought cannot be far
+      first = {z, std::size_t(std::partition_point(all.begin(), all.end(), before) -
+                              all.begin())};
+    while (first.row < all.size() && before(all[first.row]))
+      ++first.row;
+    return first.row;
+  }
+
   void
   append(const Row& row, int width)
   {
@@ -185,6 +203,7 @@ private:
   }
 
   const PointRows& points_;
+  std::vector<First> firsts_;           // by z
   std::vector<std::int32_t> arrays_[4]; // of the rows found, see NearRowsView
   std::size_t count_ = 0;
 };
@@ -193,45 +212,53 @@ namespace {
 
 // As the searches of kernels/, for runs of any length.
 void
-appendLongRuns(const kernels::NearRowsView& rows, std::int32_t cell,
+appendLongRuns(const kernels::NearRowsView& rows, std::int32_t first, std::int32_t last,
                std::vector<PointRows::Run>& runs)
 {
   for (std::size_t r = 0; r < rows.count; ++r) {
-    const auto startOf = [&](std::int32_t c) {
+    const auto startOf = [&](std::int32_t cell) {
       return rows.starts[rows.first_starts[r] +
-                         std::clamp(c - rows.first_cells[r], 0, rows.cells[r])];
+                         std::clamp(cell - rows.first_cells[r], 0, rows.cells[r])];
     };
-    const std::uint32_t end = startOf(cell + rows.widths[r] + 1);
-    for (std::uint32_t first = startOf(cell - rows.widths[r]); first < end;) {
-      const std::uint32_t length = std::min(end - first, kernels::longest_run);
-      runs.push_back(first << kernels::run_length_bits | length);
-      first += length;
+    const std::uint32_t end = startOf(last + rows.widths[r] + 1);
+    for (std::uint32_t point = startOf(first - rows.widths[r]); point < end;) {
+      const std::uint32_t length = std::min(end - point, kernels::longest_run);
+      runs.push_back(point << kernels::run_length_bits | length);
+      point += length;
     }
   }
 }
 
 } // namespace
 
-void
-PointRows::findRuns(std::size_t begin, std::size_t end, std::vector<Run>& runs,
-                    std::vector<std::uint32_t>& run_ends) const
+PointRows::Groups
+PointRows::findRuns(std::size_t begin, std::size_t end) const
 {
+  constexpr int widest_group = 5; // wider, too many pairs would lie beyond the reach
   const kernels::RunSearch findShortRuns = kernels::runSearch(simdTier());
   NearRows search(*this);
   kernels::NearRowsView near{};
+  Groups groups;
+  groups.runs.reserve(16 * (end - begin)); // of surfaces
   std::vector<Run> found;
-  for (std::size_t i = begin; i < end; ++i) {
+  for (std::size_t i = begin, last = i; i < end; i = last) {
+    const std::int32_t cell = cells_[i].x();
+    for (last = i + 1; last < end && last < i + kGroup && row_of_[last] == row_of_[i] &&
+                       cells_[last].x() < cell + widest_group;)
+      ++last;
     if (i == begin || row_of_[i] != row_of_[i - 1])
       near = search.find(rows_[row_of_[i]]);
-    const std::int32_t cell = cells_[i].x();
     found.resize(near.count + 16);
-    const std::size_t count = findShortRuns(near, cell, found.data());
+    const std::size_t count =
+        findShortRuns(near, cell, cells_[last - 1].x(), found.data());
     if (count == kernels::run_too_long)
-      appendLongRuns(near, cell, runs);
+      appendLongRuns(near, cell, cells_[last - 1].x(), groups.runs);
     else
-      runs.insert(runs.end(), found.begin(), found.begin() + long(count));
-    run_ends.push_back(std::uint32_t(runs.size()));
+      groups.runs.insert(groups.runs.end(), found.begin(), found.begin() + long(count));
+    groups.run_ends.push_back(std::uint32_t(groups.runs.size()));
+    groups.point_ends.push_back(std::uint32_t(last));
   }
+  return groups;
 }
 
 } // namespace pcl_semantic

@@ -44,11 +44,17 @@ public:
     return order_;
   }
 
-  /** \brief Appends, for each sorted point of a range, the runs that hold all its
-   * neighbours (also itself, and possibly points beyond the reach), and after each
-   * point the number of runs so far. */
-  void findRuns(std::size_t begin, std::size_t end, std::vector<Run>& runs,
-                std::vector<std::uint32_t>& run_ends) const;
+  /** \brief Up to kGroup points of a row that lie close together share their runs. */
+  static constexpr std::size_t kGroup = 4;
+  struct Groups {
+    std::vector<std::uint32_t> point_ends; ///< of the groups: one behind the last point
+    std::vector<std::uint32_t> run_ends;   ///< of the groups
+    std::vector<Run> runs;
+  };
+
+  /** \brief Groups of the sorted points of a range and the runs that hold all their
+   * neighbours (also themselves, and possibly points beyond the reach). */
+  Groups findRuns(std::size_t begin, std::size_t end) const;
 
 private:
   // Points of one y and z, whose cells leave no wide gap between them.

@@ -7,6 +7,7 @@
 #include "kernels/run_search.h"
 #include "kernels/truncated_sums.h"
 #include "point_rows.h"
+#include "sorted_points.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/parallel_guard.h>
@@ -15,16 +16,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
 
 namespace pcl_semantic {
 
 namespace {
 
 constexpr std::size_t chunk_points = 256;
-constexpr std::size_t padding = 16; // loops go by as many values at a time
-constexpr float log2_e = 1.44269504f;
-constexpr std::size_t most_pairs = std::size_t(1) << 32;
+constexpr std::size_t most_values = std::size_t(1) << 32;
 
 void
 validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& terms,
@@ -53,115 +51,61 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
   }
 }
 
-std::vector<float>
-padded(std::size_t count)
-{
-  return std::vector<float>(count + padding, 0.0f);
-}
-
 } // namespace
 
-// The neighbours of up to 256 sorted points.
+// The neighbours of up to 256 sorted points, by groups of these.
 struct TruncatedKernel::Chunk {
-  std::vector<PointRows::Run> runs;
-  std::vector<std::uint32_t> run_ends;    // of each point
-  std::vector<std::uint32_t> pair_counts; // of each point
-  std::vector<std::size_t> weight_ends;   // of each point, multiples of 16
+  PointRows::Groups groups;
+  std::vector<std::uint32_t> lengths;    // points in the runs of each group
+  std::vector<std::uint32_t> value_ends; // of each group
   // bfloat16; while building the values of each term
   std::vector<std::vector<std::uint16_t>> values;
-  std::size_t most = 0; // pairs of a point
+  std::size_t longest = 0; // points in the runs of a group
+  std::size_t first = 0;   // point
 
-  kernels::RunsView
-  view(std::size_t k, std::size_t chunk) const
+  void find(const PointRows& rows, std::size_t begin, std::size_t terms);
+
+  std::size_t
+  size() const
   {
-    const std::size_t begin = k == 0 ? 0 : run_ends[k - 1];
-    return {runs.data() + begin, run_ends[k] - begin, pair_counts[k],
-            chunk * chunk_points + k};
+    return lengths.size();
   }
 
-  const std::uint16_t*
-  weights(std::size_t k) const
+  kernels::GroupView
+  view(std::size_t g) const
   {
-    return values[0].data() + (k == 0 ? 0 : weight_ends[k - 1]);
-  }
-
-  // Where the values of a point begin, by term.
-  void
-  findValues(std::size_t k, std::vector<std::uint16_t*>& begins)
-  {
-    for (std::size_t m = 0; m < values.size(); ++m)
-      begins[m] = values[m].data() + (k == 0 ? 0 : weight_ends[k - 1]);
-  }
-
-  void
-  find(const PointRows& rows, std::size_t chunk, std::size_t terms)
-  {
-    const std::size_t begin = chunk * chunk_points;
-    rows.findRuns(begin, std::min(rows.size(), begin + chunk_points), runs, run_ends);
-    runs.shrink_to_fit();
-    std::size_t end = 0, first = 0;
-    for (const std::uint32_t last : run_ends) {
-      std::size_t pairs = 0;
-      for (; first < last; ++first)
-        pairs += runs[first] & kernels::run_length_mask;
-      pair_counts.push_back(std::uint32_t(pairs));
-      most = std::max(most, pairs);
-      end += (pairs + padding - 1) / padding * padding;
-      weight_ends.push_back(end);
-    }
-    values.assign(terms, std::vector<std::uint16_t>(end));
-  }
-};
-
-// Positions and features of the sorted points as arrays, and the scales of the terms.
-struct TruncatedKernel::SortedPoints {
-  std::vector<float> position[3];
-  std::vector<std::vector<float>> features; // of all terms
-  std::vector<const float*> feature_arrays;
-  std::vector<kernels::TermView> terms;
-  std::vector<std::vector<float>> left, right; // of the terms
-  std::vector<const float*> right_arrays;
-  kernels::PointsView view;
-
-  SortedPoints(const Eigen::Matrix3Xf& positions,
-               const std::vector<std::int32_t>& order,
-               const std::vector<GaussianTerm>& all_terms, float reach,
-               float variance_factor)
-  {
-    const auto copyRow = [&](const auto& matrix, Eigen::Index row, float scale) {
-      std::vector<float> array = padded(order.size());
-      for (std::size_t i = 0; i < order.size(); ++i)
-        array[i] = scale * matrix(row, order[i]);
-      return array;
-    };
-    for (int a = 0; a < 3; ++a)
-      view.position[a] = (position[a] = copyRow(positions, a, 1.0f)).data();
-    for (const GaussianTerm& term : all_terms)
-      for (Eigen::Index d = 0; d < term.features.rows(); ++d)
-        features.push_back(copyRow(term.features, d, std::sqrt(log2_e / 2.0f)));
-    for (const std::vector<float>& array : features)
-      feature_arrays.push_back(array.data());
-    const float* const* next = feature_arrays.data();
-    for (const GaussianTerm& term : all_terms) {
-      const float sigma = term.position_deviation;
-      terms.push_back({log2_e / (2.0f * sigma * sigma * variance_factor), next,
-                       int(term.features.rows())});
-      next += term.features.rows();
-      left.push_back(padded(order.size()));
-      right.push_back(padded(order.size()));
-      right_arrays.push_back(right.back().data());
-    }
-    view.squared_radius = reach * reach;
-    view.terms = terms.data();
-    view.count = int(terms.size());
+    const std::size_t run = g == 0 ? 0 : groups.run_ends[g - 1];
+    const std::size_t point = g == 0 ? first : groups.point_ends[g - 1];
+    return {groups.runs.data() + run, groups.run_ends[g] - run, lengths[g], point,
+            int(groups.point_ends[g] - point)};
   }
 
   std::size_t
-  arrays() const
+  valuesBegin(std::size_t g) const
   {
-    return 3 + features.size();
+    return g == 0 ? 0 : value_ends[g - 1];
   }
 };
+
+void
+TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin,
+                             std::size_t terms)
+{
+  first = begin;
+  groups = rows.findRuns(begin, std::min(rows.size(), begin + chunk_points));
+  groups.runs.shrink_to_fit();
+  std::size_t end = 0, run = 0;
+  for (std::size_t g = 0; g < groups.run_ends.size(); ++g) {
+    std::size_t length = 0;
+    for (; run < groups.run_ends[g]; ++run)
+      length += groups.runs[run] & kernels::run_length_mask;
+    lengths.push_back(std::uint32_t(length));
+    longest = std::max(longest, length);
+    end += std::size_t(view(g).points) * kernels::strideOf(length);
+    value_ends.push_back(std::uint32_t(end));
+  }
+  values.assign(terms, std::vector<std::uint16_t>(end));
+}
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
                                  const std::vector<GaussianTerm>& terms, float radius,
@@ -172,78 +116,94 @@ TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
   float widest = 0.0f;
   for (const GaussianTerm& term : terms)
     widest = std::max(widest, term.position_deviation);
-  if (!terms.empty() && positions.cols() > 0)
-    build(positions, terms, radius, widest, normalization);
+  if (terms.empty() || positions.cols() == 0)
+    return;
+  const PointRows rows(positions, radius * widest, widest / 2.0f);
+  order_ = rows.order();
+  const float reach = radius * widest * 1.0001f; // as that of the rows
+  SortedPoints points(positions, order_, terms, reach * reach, widening(radius));
+  sumTerms(rows, points, terms, normalization);
+  makeWeights(points);
+  if (std::is_sorted(order_.begin(), order_.end()))
+    order_.clear();
 }
 
 TruncatedKernel::~TruncatedKernel() = default;
 
 void
-TruncatedKernel::build(const Eigen::Matrix3Xf& positions,
-                       const std::vector<GaussianTerm>& terms, float radius,
-                       float widest, Normalization normalization)
+TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
+                          const std::vector<GaussianTerm>& terms,
+                          Normalization normalization)
 {
-  const float reach = radius * widest;
-  const PointRows rows(positions, reach, widest / 2.0f);
-  order_ = rows.order();
   chunks_.resize((rows.size() + chunk_points - 1) / chunk_points);
-  SortedPoints points(positions, order_, terms, reach * 1.0001f, widening(radius));
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
-  std::atomic<std::size_t> pairs{0};
+  std::atomic<std::size_t> size{0};
   ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t c = 0; c < chunks_.size(); ++c)
     guard.run([&] {
       Chunk& chunk = chunks_[c];
-      if (pairs < most_pairs) // else it is refused below
-        chunk.find(rows, c, terms.size());
-      pairs += chunk.weight_ends.empty() ? 0 : chunk.weight_ends.back();
-      std::vector<float> scratch(kernels::scratchSize(chunk.most, points.arrays()));
-      std::vector<float> sums(terms.size());
+      if (size < most_values) // else it is refused below
+        chunk.find(rows, c * chunk_points, terms.size());
+      size += chunk.size() > 0 ? chunk.value_ends.back() : 0;
+      std::vector<float> scratch(
+          kernels::scratchSize(chunk.longest, points.scratchArrays()));
+      std::vector<float> sums(terms.size() * kernels::most_points);
       std::vector<std::uint16_t*> values(terms.size());
-      for (std::size_t k = 0; k < chunk.run_ends.size(); ++k) {
-        const std::size_t i = c * chunk_points + k;
-        chunk.findValues(k, values);
-        loops.sumTerms(points.view, chunk.view(k, c), scratch.data(), sums.data(),
+      for (std::size_t g = 0; g < chunk.size(); ++g) {
+        const kernels::GroupView group = chunk.view(g);
+        for (std::size_t m = 0; m < terms.size(); ++m)
+          values[m] = chunk.values[m].data() + chunk.valuesBegin(g);
+        loops.sumTerms(points.view(), group, scratch.data(), sums.data(),
                        values.data());
-        float diagonal = 0.0f;
-        for (std::size_t m = 0; m < terms.size(); ++m) {
-          const float weight = terms[m].weight;
-          const bool symmetric = normalization == Normalization::symmetric;
-          const float divisor = normalization == Normalization::none ? 1.0f : sums[m];
-          points.left[m][i] =
-              symmetric ? std::sqrt(weight / divisor) : weight / divisor;
-          points.right[m][i] = symmetric ? points.left[m][i] : 1.0f;
-          diagonal += weight / divisor;
-        }
-        diagonal_[order_[i]] = diagonal;
+        for (std::size_t m = 0; m < terms.size(); ++m)
+          for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+            normalize(points, m, group.point + p, terms[m].weight,
+                      sums[m * kernels::most_points + p], normalization);
       }
     });
   guard.rethrow();
-  if (pairs >= most_pairs)
+  if (size >= most_values)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "more than "
-                            << most_pairs << " pairs of points lie within " << reach
-                            << " of each other: take a smaller radius or fewer points");
+                        "too many pairs of points lie within the radius, expected less "
+                        "than "
+                            << most_values
+                            << ": take a smaller radius or fewer points");
+}
+
+void
+TruncatedKernel::normalize(SortedPoints& points, std::size_t term, std::size_t point,
+                           float weight, float sum, Normalization normalization)
+{
+  const float scale = normalization == Normalization::none ? weight : weight / sum;
+  const bool symmetric = normalization == Normalization::symmetric;
+  points.left(term)[point] = symmetric ? std::sqrt(scale) : scale;
+  points.right(term)[point] = symmetric ? std::sqrt(scale) : 1.0f;
+  diagonal_[order_[point]] += scale;
+}
+
+void
+TruncatedKernel::makeWeights(const SortedPoints& points)
+{
+  const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
+  const std::vector<const float*> left = points.leftArrays();
+  const std::vector<const float*> right = points.rightArrays();
+  ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t c = 0; c < chunks_.size(); ++c)
     guard.run([&] {
       Chunk& chunk = chunks_[c];
-      std::vector<float> scratch(kernels::scratchSize(chunk.most, points.arrays()));
-      std::vector<float> left(terms.size());
-      std::vector<std::uint16_t*> values(terms.size());
-      for (std::size_t k = 0; k < chunk.run_ends.size(); ++k) {
-        chunk.findValues(k, values);
-        for (std::size_t m = 0; m < terms.size(); ++m)
-          left[m] = points.left[m][c * chunk_points + k];
-        loops.makeWeights(chunk.view(k, c), int(terms.size()), left.data(),
-                          points.right_arrays.data(), scratch.data(), values.data());
+      std::vector<float> scratch(kernels::scratchSize(chunk.longest, left.size()));
+      std::vector<std::uint16_t*> values(left.size());
+      for (std::size_t g = 0; g < chunk.size(); ++g) {
+        for (std::size_t m = 0; m < left.size(); ++m)
+          values[m] = chunk.values[m].data() + chunk.valuesBegin(g);
+        loops.makeWeights(chunk.view(g), int(left.size()), left.data(), right.data(),
+                          scratch.data(), values.data());
       }
       chunk.values.resize(1);
     });
   guard.rethrow();
-  if (std::is_sorted(order_.begin(), order_.end()))
-    order_.clear();
 }
 
 float
@@ -253,20 +213,10 @@ TruncatedKernel::widening(float radius)
 }
 
 std::vector<std::int32_t>
-TruncatedKernel::fastestOrder(const Eigen::Matrix3Xf& positions, float reach,
-                              float cell)
+TruncatedKernel::fastestOrder(const Eigen::Matrix3Xf& positions, float radius,
+                              float deviation)
 {
-  return PointRows(positions, reach, cell).order();
-}
-
-std::size_t
-TruncatedKernel::pairs() const
-{
-  std::size_t sum = 0;
-  for (const Chunk& chunk : chunks_)
-    for (const std::uint32_t count : chunk.pair_counts)
-      sum += count;
-  return sum;
+  return PointRows(positions, radius * deviation, deviation / 2.0f).order();
 }
 
 std::size_t
@@ -274,7 +224,7 @@ TruncatedKernel::memory() const
 {
   std::size_t bytes = order_.size() * 4 + std::size_t(diagonal_.size()) * 4;
   for (const Chunk& chunk : chunks_)
-    bytes += chunk.runs.capacity() * 4 + chunk.run_ends.capacity() * 16 +
+    bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 +
              chunk.values[0].capacity() * 2;
   return bytes;
 }
@@ -284,18 +234,18 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                             Eigen::Ref<Eigen::MatrixXf> result,
                             const VariableMask& active) const
 {
-  if (chunks_.empty())
-    return;
+  constexpr std::size_t block = 16; // of rows that the loops take at once
   const auto rows = std::size_t(values.rows());
-  const std::size_t stride = (rows + padding - 1) / padding * padding;
+  const std::size_t stride = (rows + block - 1) / block * block;
+  const bool sorted = order_.empty();
   const bool direct =
-      order_.empty() && rows == stride && std::size_t(values.outerStride()) == stride;
+      sorted && rows == stride && std::size_t(values.outerStride()) == stride;
   std::vector<float> copy;
   if (!direct) {
     copy.assign(stride * std::size_t(size()), 0.0f);
 #pragma omp parallel for schedule(static)
     for (Eigen::Index i = 0; i < size(); ++i)
-      std::copy_n(values.col(order_.empty() ? i : order_[i]).data(), rows,
+      std::copy_n(values.col(sorted ? i : order_[i]).data(), rows,
                   copy.data() + std::size_t(i) * stride);
   }
   const float* const from = direct ? values.data() : copy.data();
@@ -305,18 +255,25 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
   for (std::size_t c = 0; c < chunks_.size(); ++c)
     guard.run([&] {
       const Chunk& chunk = chunks_[c];
-      std::vector<float> scratch(kernels::scratchSize(chunk.most, 2));
-      std::vector<float> sum(stride);
-      for (std::size_t k = 0; k < chunk.run_ends.size(); ++k) {
-        const std::size_t i = c * chunk_points + k;
-        const std::size_t column = order_.empty() ? i : std::size_t(order_[i]);
-        if (!active.empty() && !active[column])
+      std::vector<float> scratch(
+          kernels::scratchSize(chunk.longest, 1 + kernels::most_points));
+      Eigen::MatrixXf sums(stride, Eigen::Index(kernels::most_points));
+      for (std::size_t g = 0; g < chunk.size(); ++g) {
+        const kernels::GroupView group = chunk.view(g);
+        const auto column = [&](int p) {
+          const std::size_t point = group.point + std::size_t(p);
+          return sorted ? Eigen::Index(point) : Eigen::Index(order_[point]);
+        };
+        bool any = active.empty();
+        for (int p = 0; p < group.points && !any; ++p)
+          any = active[std::size_t(column(p))];
+        if (!any)
           continue;
-        std::fill(sum.begin(), sum.end(), 0.0f);
-        loops.addProduct(chunk.view(k, c), chunk.weights(k), from, stride,
-                         scratch.data(), sum.data());
-        result.col(Eigen::Index(column)) +=
-            Eigen::Map<const Eigen::VectorXf>(sum.data(), Eigen::Index(rows));
+        sums.setZero();
+        loops.addProduct(group, chunk.values[0].data() + chunk.valuesBegin(g), from,
+                         stride, scratch.data(), sums.data());
+        for (int p = 0; p < group.points; ++p)
+          result.col(column(p)) += sums.col(p).head(values.rows());
       }
     });
   guard.rethrow();
@@ -326,20 +283,24 @@ void
 TruncatedKernel::markAffected(const VariableMask& changed, VariableMask& affected) const
 {
   affected.assign(std::size_t(size()), 0);
+  const auto column = [&](std::size_t point) {
+    return order_.empty() ? point : std::size_t(order_[point]);
+  };
   std::vector<std::uint32_t> before(std::size_t(size()) + 1, 0); // changed ones
   for (std::size_t i = 0; i + 1 < before.size(); ++i)
-    before[i + 1] = before[i] + changed[order_.empty() ? i : std::size_t(order_[i])];
+    before[i + 1] = before[i] + changed[column(i)];
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t c = 0; c < chunks_.size(); ++c)
-    for (std::size_t k = 0; k < chunks_[c].run_ends.size(); ++k) {
-      const kernels::RunsView runs = chunks_[c].view(k, c);
+    for (std::size_t g = 0; g < chunks_[c].size(); ++g) {
+      const kernels::GroupView group = chunks_[c].view(g);
       bool hears = false;
-      for (std::size_t r = 0; r < runs.count && !hears; ++r) {
-        const std::size_t first = runs.runs[r] >> kernels::run_length_bits;
-        const std::size_t length = runs.runs[r] & kernels::run_length_mask;
-        hears = before[first] != before[first + length];
+      for (std::size_t r = 0; r < group.count && !hears; ++r) {
+        const std::size_t first = group.runs[r] >> kernels::run_length_bits;
+        hears =
+            before[first] != before[first + (group.runs[r] & kernels::run_length_mask)];
       }
-      affected[order_.empty() ? runs.point : std::size_t(order_[runs.point])] = hears;
+      for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+        affected[column(group.point + p)] = hears;
     }
 }
 

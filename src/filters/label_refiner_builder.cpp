@@ -7,6 +7,7 @@
 #include "label_refiner_builder.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/crf/lattice_kernel.h>
 
 #include <algorithm>
 
@@ -161,8 +162,9 @@ LabelRefiner::Builder::kernels() const
                                                       << " points, expected "
                                                       << elements_.total);
     if (kernel.weight > 0.0f)
-      kernels.push_back(makeFeatureKernel(gather(kernel.features, elements_.indices),
-                                          kernel.weight, parameters_.normalization));
+      kernels.push_back(std::make_shared<LatticeKernel>(
+          gather(kernel.features, elements_.indices), kernel.weight,
+          parameters_.normalization));
   }
   return kernels;
 }

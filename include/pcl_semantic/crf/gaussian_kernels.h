@@ -85,12 +85,4 @@ private:
   std::vector<std::int32_t> order_;
 };
 
-/** \brief A kernel over features that are no positions: w exp(-|f_i - f_j|^2 / 2), by a
- * lattice.
- * \param[in] features d x N, divided by their deviations
- * \throws InvalidParameterException as LatticeKernel */
-std::shared_ptr<const PairwiseKernel> makeFeatureKernel(const Eigen::MatrixXf& features,
-                                                        float weight,
-                                                        Normalization normalization);
-
 } // namespace pcl_semantic

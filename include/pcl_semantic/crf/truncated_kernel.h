@@ -15,6 +15,9 @@
 
 namespace pcl_semantic {
 
+class PointRows;
+class SortedPoints;
+
 /** \brief Sum of Gaussian terms over points in space, each normalised by itself, as
  * exact sums over all pairs within a radius.
  *
@@ -58,23 +61,24 @@ public:
    * deviations, 1.15 at 2.5, next to 1 beyond 3. */
   static float widening(float radius);
 
-  /** \brief Number of ordered pairs, those of a point with itself included. */
-  std::size_t pairs() const;
-
   /** \brief Bytes that the kernel keeps. */
   std::size_t memory() const;
 
-  /** \brief An order of points in which kernels over them work fastest: N numbers of
-   * the columns of \a positions. Parameters as of the constructor. */
+  /** \brief An order of points in which kernels over them work fastest: numbers of the
+   * columns of \a positions. \param[in] deviation the largest of the positions */
   static std::vector<std::int32_t> fastestOrder(const Eigen::Matrix3Xf& positions,
-                                                float reach, float cell);
+                                                float radius, float deviation);
 
 private:
   struct Chunk;
-  struct SortedPoints;
 
-  void build(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& terms,
-             float radius, float widest, Normalization normalization);
+  void sumTerms(const PointRows& rows, SortedPoints& points,
+                const std::vector<GaussianTerm>& terms, Normalization normalization);
+
+  void normalize(SortedPoints& points, std::size_t term, std::size_t point,
+                 float weight, float sum, Normalization normalization);
+
+  void makeWeights(const SortedPoints& points);
 
   std::vector<std::int32_t> order_; // empty = the points came sorted
   std::vector<Chunk> chunks_;

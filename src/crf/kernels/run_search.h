@@ -30,11 +30,11 @@ struct NearRowsView {
 
 constexpr std::size_t run_too_long = std::size_t(-1);
 
-/** \brief Writes the runs of points that lie within the width of a cell in each row,
- * leaving out empty ones. \param[out] runs with room for count + 16 \return number of
- * runs, or run_too_long if one is longer than longest_run */
-using RunSearch = std::size_t (*)(const NearRowsView& rows, std::int32_t cell,
-                                  std::uint32_t* runs);
+/** \brief Writes the runs of points that lie within the width of the cells first to
+ * last in each row, leaving out empty ones. \param[out] runs with room for count + 16
+ * \return number of runs, or run_too_long if one is longer than longest_run */
+using RunSearch = std::size_t (*)(const NearRowsView& rows, std::int32_t first,
+                                  std::int32_t last, std::uint32_t* runs);
 
 /** \brief The search for a tier. */
 RunSearch runSearch(SimdTier tier);

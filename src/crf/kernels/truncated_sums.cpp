@@ -14,9 +14,9 @@ namespace {
 
 // Floats between two arrays of scratch: a run may be written whole at the end of one.
 constexpr std::size_t
-strideOf(std::size_t pairs)
+scratchStride(std::size_t length)
 {
-  return (pairs + 15) / 16 * 16 + longest_run;
+  return strideOf(length) + longest_run;
 }
 
 namespace plain {
@@ -42,9 +42,9 @@ namespace avx512 {
 } // namespace
 
 std::size_t
-scratchSize(std::size_t pairs, std::size_t arrays)
+scratchSize(std::size_t length, std::size_t arrays)
 {
-  return arrays * strideOf(pairs);
+  return arrays * scratchStride(length);
 }
 
 const TruncatedSums&

@@ -86,15 +86,15 @@ fromBfloat16(const std::uint16_t* from)
 // are copied by halves of the longest one.
 template <int count>
 PCL_SEMANTIC_INLINE void
-gather(const RunsView& view, const float* const* arrays, float* scratch,
+gather(const GroupView& group, const float* const* arrays, float* scratch,
        std::size_t stride)
 {
   constexpr std::size_t half = longest_run / 2;
   const float* from[count];
   for (int a = 0; a < count; ++a)
     from[a] = arrays[a];
-  const std::uint32_t* const end = view.runs + view.count;
-  for (const std::uint32_t* run = view.runs; run != end; ++run) {
+  const std::uint32_t* const end = group.runs + group.count;
+  for (const std::uint32_t* run = group.runs; run != end; ++run) {
     const std::size_t first = *run >> run_length_bits, length = *run & run_length_mask;
     for (int a = 0; a < count; ++a)
       copyHalf(from[a] + first, scratch + std::size_t(a) * stride);
@@ -106,15 +106,15 @@ gather(const RunsView& view, const float* const* arrays, float* scratch,
 }
 
 PCL_SEMANTIC_INLINE void
-gatherAll(const RunsView& runs, const float* const* arrays, int count, float* scratch,
+gatherAll(const GroupView& group, const float* const* arrays, int count, float* scratch,
           std::size_t stride)
 {
   for (; count >= 3; count -= 3, arrays += 3, scratch += 3 * stride)
-    gather<3>(runs, arrays, scratch, stride);
+    gather<3>(group, arrays, scratch, stride);
   for (; count >= 2; count -= 2, arrays += 2, scratch += 2 * stride)
-    gather<2>(runs, arrays, scratch, stride);
+    gather<2>(group, arrays, scratch, stride);
   for (; count > 0; --count, ++arrays, scratch += stride)
-    gather<1>(runs, arrays, scratch, stride);
+    gather<1>(group, arrays, scratch, stride);
 }
 
 PCL_SEMANTIC_INLINE Floats
@@ -123,145 +123,168 @@ squared(const Floats& value)
   return value * value;
 }
 
-// Gathers positions and the features of the first terms.
+// Squared distances of positions from a point; beyond the radius very large ones.
 PCL_SEMANTIC_INLINE void
-gatherPoints(const PointsView& points, const RunsView& runs, int terms, float* scratch,
-             std::size_t stride)
+squaredDistances(const PointsView& points, std::size_t point, std::size_t length,
+                 const float* positions, std::size_t stride, float* distances)
 {
-  gather<3>(runs, points.position, scratch, stride);
-  scratch += 3 * stride;
-  for (int m = 0; m < terms; ++m) {
-    gatherAll(runs, points.terms[m].features, points.terms[m].dimensions, scratch,
-              stride);
-    scratch += std::size_t(points.terms[m].dimensions) * stride;
+  for (std::size_t e = 0; e < length; e += lanes) {
+    Floats sum = squared(load(positions + e) - points.position[0][point]);
+    sum += squared(load(positions + stride + e) - points.position[1][point]);
+    sum += squared(load(positions + 2 * stride + e) - points.position[2][point]);
+    const Ints inside = (sum <= points.squared_radius) &
+                        ((Ints)lane() < std::int32_t(length) - std::int32_t(e));
+    store(inside ? sum : Floats{} + 1e30f, distances + e);
   }
 }
 
-// Squared distances of positions at the pairs e, e + 1, ..., and whether they are
-// pairs.
-PCL_SEMANTIC_INLINE Floats
-squaredDistances(const PointsView& points, const RunsView& runs, const float* scratch,
-                 std::size_t stride, std::size_t e, Ints& inside)
+// Values of a term at the pairs of a point. \a features: gathered ones of the term.
+template <int dimensions>
+PCL_SEMANTIC_INLINE float
+evaluate(const TermView& term, std::size_t point, std::size_t length,
+         const float* features, std::size_t stride, const float* distances,
+         std::uint16_t* values)
 {
-  Floats sum = squared(load(scratch + e) - points.position[0][runs.point]);
-  sum += squared(load(scratch + stride + e) - points.position[1][runs.point]);
-  sum += squared(load(scratch + 2 * stride + e) - points.position[2][runs.point]);
-  inside = (sum <= points.squared_radius) &
-           ((Ints)lane() < std::int32_t(runs.pairs) - std::int32_t(e));
-  return sum;
-}
-
-// Values of a term at some pairs. \a features: gathered ones of the term.
-PCL_SEMANTIC_INLINE Floats
-evaluate(const TermView& term, std::size_t point, const float* features,
-         std::size_t stride, const Floats& distance, const Ints& inside)
-{
-  Floats sum = distance * term.position_scale;
-  for (int d = 0; d < term.dimensions; ++d)
-    sum += squared(load(features + std::size_t(d) * stride) - term.features[d][point]);
-  return (Floats)((Ints)powerOfTwo(-sum) & inside);
+  Floats total{};
+  const int count = dimensions >= 0 ? dimensions : term.dimensions;
+  for (std::size_t e = 0; e < length; e += lanes) {
+    Floats sum = load(distances + e) * term.position_scale;
+    for (int d = 0; d < count; ++d)
+      sum += squared(load(features + std::size_t(d) * stride + e) -
+                     term.features[d][point]);
+    const Floats value = powerOfTwo(-sum);
+    total += value;
+    toBfloat16(value, values + e);
+  }
+  float result = 0.0f;
+  for (std::size_t k = 0; k < lanes; ++k)
+    result += total[k];
+  return result;
 }
 
 PCL_SEMANTIC_TARGET void
-sumTerms(const PointsView& points, const RunsView& runs, float* scratch, float* sums,
+sumTerms(const PointsView& points, const GroupView& group, float* scratch, float* sums,
          std::uint16_t* const* values)
 {
-  const std::size_t stride = strideOf(runs.pairs);
-  gatherPoints(points, runs, points.count, scratch, stride);
-  const float* features = scratch + 3 * stride;
+  const std::size_t stride = scratchStride(group.length);
+  float* const distances = scratch;
+  float* const positions = scratch + stride;
+  float* const features = positions + 3 * stride;
+  gather<3>(group, points.position, positions, stride);
+  float* next = features;
   for (int m = 0; m < points.count; ++m) {
-    const TermView term = points.terms[m];
-    std::uint16_t* const to = values[m];
-    Floats sum{};
-    for (std::size_t e = 0; e < runs.pairs; e += lanes) {
-      Ints inside;
-      const Floats distance =
-          squaredDistances(points, runs, scratch, stride, e, inside);
-      const Floats value =
-          evaluate(term, runs.point, features + e, stride, distance, inside);
-      sum += value;
-      toBfloat16(value, to + e);
+    gatherAll(group, points.terms[m].features, points.terms[m].dimensions, next,
+              stride);
+    next += std::size_t(points.terms[m].dimensions) * stride;
+  }
+  for (int p = 0; p < group.points; ++p) {
+    const std::size_t point = group.point + std::size_t(p);
+    squaredDistances(points, point, group.length, positions, stride, distances);
+    next = features;
+    for (int m = 0; m < points.count; ++m) {
+      const TermView term = points.terms[m];
+      std::uint16_t* const to = values[m] + std::size_t(p) * strideOf(group.length);
+      float& sum = sums[m * most_points + p];
+      if (term.dimensions == 0)
+        sum = evaluate<0>(term, point, group.length, next, stride, distances, to);
+      else if (term.dimensions == 3)
+        sum = evaluate<3>(term, point, group.length, next, stride, distances, to);
+      else
+        sum = evaluate<-1>(term, point, group.length, next, stride, distances, to);
+      next += std::size_t(term.dimensions) * stride;
     }
-    sums[m] = 0.0f;
-    for (std::size_t k = 0; k < lanes; ++k)
-      sums[m] += sum[k];
-    features += std::size_t(term.dimensions) * stride;
   }
 }
 
 PCL_SEMANTIC_TARGET void
-makeWeights(const RunsView& runs, int terms, const float* left,
+makeWeights(const GroupView& group, int terms, const float* const* left,
             const float* const* right, float* scratch, std::uint16_t* const* values)
 {
-  const std::size_t stride = strideOf(runs.pairs);
-  gatherAll(runs, right, terms, scratch, stride);
-  std::uint16_t* const weights = values[0];
-  for (std::size_t e = 0; e < runs.pairs; e += lanes) {
-    Floats sum{};
-    for (int m = 0; m < terms; ++m)
-      sum += fromBfloat16(values[m] + e) * load(scratch + std::size_t(m) * stride + e) *
-             left[m];
-    toBfloat16(sum, weights + e);
+  const std::size_t stride = scratchStride(group.length);
+  gatherAll(group, right, terms, scratch, stride);
+  for (int p = 0; p < group.points; ++p) {
+    const std::size_t begin = std::size_t(p) * strideOf(group.length);
+    for (std::size_t e = 0; e < group.length; e += lanes) {
+      Floats sum{};
+      for (int m = 0; m < terms; ++m)
+        sum += fromBfloat16(values[m] + begin + e) *
+               load(scratch + std::size_t(m) * stride + e) *
+               left[m][group.point + std::size_t(p)];
+      toBfloat16(sum, values[0] + begin + e);
+    }
   }
-  std::size_t e = 0; // no pair of the point with itself
-  for (std::size_t r = 0; r < runs.count; ++r) {
-    const std::size_t offset = runs.point - (runs.runs[r] >> run_length_bits);
-    const std::size_t length = runs.runs[r] & run_length_mask;
-    if (offset < length)
-      weights[e + offset] = 0;
+  const std::size_t end = group.point + std::size_t(group.points);
+  std::size_t e = 0; // no pair of a point with itself
+  for (std::size_t r = 0; r < group.count; ++r) {
+    const std::size_t first = group.runs[r] >> run_length_bits;
+    const std::size_t length = group.runs[r] & run_length_mask;
+    if (first < end && first + length > group.point)
+      for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+        if (group.point + p - first < length)
+          values[0][p * strideOf(group.length) + e + group.point + p - first] = 0;
     e += length;
   }
 }
 
-// The product for some blocks of rows at a time.
-template <int blocks>
+// The product for some points and some blocks of rows at a time.
+template <int points, int blocks>
 PCL_SEMANTIC_INLINE void
-addRows(const std::uint32_t* neighbours, const float* weights, std::size_t pairs,
-        const float* values, std::size_t rows, float* result)
+addRows(const std::uint32_t* neighbours, const float* weights, std::size_t stride,
+        std::size_t length, const float* values, std::size_t rows, float* result)
 {
-  Floats even[blocks], odd[blocks];
-  for (int b = 0; b < blocks; ++b) {
-    even[b] = load(result + b * lanes);
-    odd[b] = Floats{};
-  }
-  for (std::size_t e = 0; e < pairs; e += 2) { // an even number, by a weight of 0
-    const float* const first = values + neighbours[e] * rows;
-    const float* const second = values + neighbours[e + 1] * rows;
+  Floats sums[points][blocks];
+  for (int p = 0; p < points; ++p)
+    for (int b = 0; b < blocks; ++b)
+      sums[p][b] = load(result + std::size_t(p) * rows + b * lanes);
+  for (std::size_t e = 0; e < length; ++e) {
+    const float* const from = values + neighbours[e] * rows;
     for (int b = 0; b < blocks; ++b) {
-      even[b] += load(first + b * lanes) * weights[e];
-      odd[b] += load(second + b * lanes) * weights[e + 1];
+      const Floats value = load(from + b * lanes);
+      for (int p = 0; p < points; ++p)
+        sums[p][b] += value * weights[std::size_t(p) * stride + e];
     }
   }
-  for (int b = 0; b < blocks; ++b)
-    store(even[b] + odd[b], result + b * lanes);
+  for (int p = 0; p < points; ++p)
+    for (int b = 0; b < blocks; ++b)
+      store(sums[p][b], result + std::size_t(p) * rows + b * lanes);
 }
 
 PCL_SEMANTIC_TARGET void
-addProduct(const RunsView& runs, const std::uint16_t* weights, const float* values,
+addProduct(const GroupView& group, const std::uint16_t* weights, const float* values,
            std::size_t rows, float* scratch, float* result)
 {
+  const std::size_t stride = scratchStride(group.length);
   auto* const neighbours =
-      reinterpret_cast<std::uint32_t*>(scratch + strideOf(runs.pairs));
+      reinterpret_cast<std::uint32_t*>(scratch + most_points * stride);
   std::uint32_t* next = neighbours;
-  for (std::size_t r = 0; r < runs.count; ++r) {
+  for (std::size_t r = 0; r < group.count; ++r) {
     for (std::size_t k = 0; k < longest_run; k += lanes)
       *reinterpret_cast<Unaligned::W*>(next + k) =
-          lane() + (runs.runs[r] >> run_length_bits) + std::uint32_t(k);
-    next += runs.runs[r] & run_length_mask;
+          lane() + (group.runs[r] >> run_length_bits) + std::uint32_t(k);
+    next += group.runs[r] & run_length_mask;
   }
-  for (std::size_t e = 0; e < runs.pairs; e += lanes)
-    store(fromBfloat16(weights + e), scratch + e);
-  std::size_t pairs = runs.pairs;
-  if (pairs % 2) {
-    scratch[pairs] = 0.0f;
-    neighbours[pairs++] = std::uint32_t(runs.point);
+  for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+    for (std::size_t e = 0; e < group.length; e += lanes)
+      store(fromBfloat16(weights + p * strideOf(group.length) + e),
+            scratch + p * stride + e);
+  constexpr int blocks = lanes > 4 ? 16 / lanes : 2;
+  for (std::size_t row = 0; row < rows; row += blocks * lanes) {
+    const float* const from = values + row;
+    float* const to = result + row;
+    switch (group.points) {
+    case 4:
+      addRows<4, blocks>(neighbours, scratch, stride, group.length, from, rows, to);
+      break;
+    case 3:
+      addRows<3, blocks>(neighbours, scratch, stride, group.length, from, rows, to);
+      break;
+    case 2:
+      addRows<2, blocks>(neighbours, scratch, stride, group.length, from, rows, to);
+      break;
+    default:
+      addRows<1, blocks>(neighbours, scratch, stride, group.length, from, rows, to);
+    }
   }
-  constexpr int blocks = 16 / lanes;
-  std::size_t row = 0;
-  for (; lanes > 4 && row + 32 <= rows; row += 32)
-    addRows<2 * blocks>(neighbours, scratch, pairs, values + row, rows, result + row);
-  for (; row < rows; row += 16)
-    addRows<blocks>(neighbours, scratch, pairs, values + row, rows, result + row);
 }
 
 constexpr TruncatedSums loops = {sumTerms, makeWeights, addProduct};
