@@ -94,7 +94,8 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
     Eigen::MatrixXf features(positions.rows() + term.features.rows(), positions.cols());
     features.topRows(positions.rows()) = positions / term.position_deviation;
     features.bottomRows(term.features.rows()) = term.features;
-    kernels.push_back(std::make_shared<LatticeKernel>(features, term.weight, options_.normalization));
+    kernels.push_back(
+        std::make_shared<LatticeKernel>(features, term.weight, options_.normalization));
   }
   if (!truncated.empty())
     kernels.push_back(std::make_shared<TruncatedKernel>(
@@ -119,9 +120,10 @@ GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
   const Eigen::Index step = std::max<Eigen::Index>(1, others.cols() / samples);
   std::size_t found = 0, sampled = 0;
   for (Eigen::Index i = 0; i < others.cols(); i += step, ++sampled)
-    found += std::size_t(((others.colwise() - others.col(i)).colwise().squaredNorm().array() <=
-                          reach * reach)
-                             .count());
+    found += std::size_t(
+        ((others.colwise() - others.col(i)).colwise().squaredNorm().array() <=
+         reach * reach)
+            .count());
   // A point itself is one; the others found stand for as many as were not drawn.
   return 1.0 + double(found - sampled) / double(sampled) * double(count) /
                    double(others.cols());

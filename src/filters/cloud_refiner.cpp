@@ -95,10 +95,9 @@ CloudRefiner::measurements(const Fields& fields) const
   LabelDistributions distributions(label_classes_, Eigen::Index(count));
   for (std::size_t i = 0; i < count; ++i) {
     if (fields.labels[i] > std::uint32_t(label_classes_))
-      PCL_THROW_EXCEPTION(BadInputException, "point " << i << " has the label "
-                                                      << fields.labels[i]
-                                                      << ", expected 0 to "
-                                                      << label_classes_);
+      PCL_THROW_EXCEPTION(BadInputException,
+                          "point " << i << " has the label " << fields.labels[i]
+                                   << ", expected 0 to " << label_classes_);
     distributions.setLabel(Eigen::Index(i), Label(fields.labels[i]),
                            float(label_confidence_));
   }

@@ -43,10 +43,10 @@ SemanticCRFParameters::validate() const
   requireWeight("appearance_weight", appearance_weight);
   requireDeviation("appearance_deviation", appearance_deviation);
   requireDeviation("colour_deviation", colour_deviation);
-  require(radius > 0.0 && radius <= 100.0, "crf_radius", radius,
+  require(radius > 0.0 && radius <= 100.0, "radius", radius,
           "more than 0, at most 100");
-  require(iterations >= 0, "crf_iterations", iterations, "0 or more");
-  require(settled >= 0.0, "crf_settled", settled, "0 or more");
+  require(iterations >= 0, "iterations", iterations, "0 or more");
+  require(settled >= 0.0, "settled", settled, "0 or more");
   requireWeight("clique_weight", clique_weight);
   require(clique_truncation > 0.0 && clique_truncation <= 1.0, "clique_truncation",
           clique_truncation, "more than 0, at most 1");

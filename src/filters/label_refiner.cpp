@@ -66,8 +66,7 @@ double
 energyOfMap(const CrfModel& model, const MeanField& inference)
 {
   const std::vector<int> labels = largestRows(inference.marginals());
-  if (model.cliques.empty() ||
-      model.cliques[0].type == CliquePotential::Type::pn_potts)
+  if (model.cliques.empty() || model.cliques[0].type == CliquePotential::Type::pn_potts)
     return energy(model, labels, {});
   return energy(model, labels, largestRows(inference.cliqueMarginals()));
 }
@@ -84,8 +83,7 @@ LabelRefiner::setParameters(const SemanticCRFParameters& parameters)
 void
 LabelRefiner::setCompatibility(const Eigen::MatrixXf& costs)
 {
-  compatibility_ =
-      costs.size() > 0 ? LabelCompatibility(costs) : LabelCompatibility();
+  compatibility_ = costs.size() > 0 ? LabelCompatibility(costs) : LabelCompatibility();
 }
 
 void

@@ -157,14 +157,14 @@ LabelRefiner::Builder::kernels() const
   GaussianKernels::List kernels = gaussian_kernels_.make(elements_.positions, terms());
   for (const GaussianTerm& kernel : refiner_.kernels_) {
     if (std::size_t(kernel.features.cols()) != elements_.total)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "a kernel has features of " << kernel.features.cols()
-                                                      << " points, expected "
-                                                      << elements_.total);
+      PCL_THROW_EXCEPTION(InvalidParameterException, "a kernel has features of "
+                                                         << kernel.features.cols()
+                                                         << " points, expected "
+                                                         << elements_.total);
     if (kernel.weight > 0.0f)
-      kernels.push_back(std::make_shared<LatticeKernel>(
-          gather(kernel.features, elements_.indices), kernel.weight,
-          parameters_.normalization));
+      kernels.push_back(
+          std::make_shared<LatticeKernel>(gather(kernel.features, elements_.indices),
+                                          kernel.weight, parameters_.normalization));
   }
   return kernels;
 }

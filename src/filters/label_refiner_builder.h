@@ -34,7 +34,8 @@ private:
 
   void addCliques(CrfModel& model);
 
-  std::vector<std::vector<std::int32_t>> cliquesOfElements(std::vector<int>& kept) const;
+  std::vector<std::vector<std::int32_t>>
+  cliquesOfElements(std::vector<int>& kept) const;
 
   GaussianKernels::List
   cliqueKernels(const std::vector<std::vector<std::int32_t>>& cliques) const;

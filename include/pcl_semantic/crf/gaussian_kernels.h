@@ -18,8 +18,8 @@ namespace pcl_semantic {
 /** \brief How Gaussian kernels are summed. */
 enum class KernelMethod {
   automatic, ///< each term as GaussianKernels says
-  truncated, ///< all pairs within a radius (TruncatedKernel): features of any dimension,
-             ///< as long as the positions keep the pairs few
+  truncated, ///< all pairs within a radius (TruncatedKernel): features of any
+             ///< dimension, as long as the positions keep the pairs few
   lattice    ///< permutohedral lattice (LatticeKernel): pairs cost nothing
 };
 

@@ -41,7 +41,7 @@ struct SemanticCRFParameters {
   double clique_weight = 1.0;     ///< k_c, eq. (8)
   bool free_label = true;         ///< a clique may let go of its members
   double clique_truncation = 0.3; ///< q, the share of members that may disagree before
-  bool members_hear_map = false;  ///< the clique's MAP label instead of its distribution
+  bool members_hear_map = false; ///< the clique's MAP label instead of its distribution
 
   // Kernels between cliques, over the mean position and colour of their members.
   double clique_smoothness_weight = 0.0;    ///< of positions alone

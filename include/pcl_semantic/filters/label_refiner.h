@@ -88,13 +88,13 @@ public:
 
   /** \brief What became of a run. */
   struct Report {
-    int updates = 0;             ///< mean-field updates made
-    double last_change = 0.0;    ///< largest change of a marginal in the last of them
-    std::size_t unlabelled = 0;  ///< elements that take part without a measurement
-    std::size_t cliques = 0;     ///< cliques that take part
+    int updates = 0;            ///< mean-field updates made
+    double last_change = 0.0;   ///< largest change of a marginal in the last of them
+    std::size_t unlabelled = 0; ///< elements that take part without a measurement
+    std::size_t cliques = 0;    ///< cliques that take part
     std::size_t skipped_cliques = 0; ///< cliques of which no member does
-    double free_energy = 0.0;    ///< MeanField::freeEnergy()
-    double energy = 0.0;         ///< energy() of the MAP labels
+    double free_energy = 0.0;        ///< MeanField::freeEnergy()
+    double energy = 0.0;             ///< energy() of the MAP labels
   };
 
   /** \brief Of the last run. */
