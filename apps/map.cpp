@@ -4,7 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "mapper_options.h"
+#include "parameter_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -63,7 +63,7 @@ bool
 parseArguments(int argc, char** argv, Arguments& arguments)
 {
   po::options_description options = describeOptions(arguments);
-  tool::addParameters(arguments.parameters, options);
+  tool::addParameters(parametersOf(arguments.parameters), options);
   po::variables_map values;
   const tool::Usage usage{
       "pcl_semantic_map",
@@ -76,7 +76,10 @@ parseArguments(int argc, char** argv, Arguments& arguments)
   positional.add("sequence", 1);
   if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
     return false;
-  tool::readParameters(arguments.config, values, arguments.parameters);
+  if (!arguments.config.empty())
+    readMapperConfig(arguments.config, arguments.parameters);
+  tool::setParameters(values, parametersOf(arguments.parameters));
+  arguments.parameters.validate();
   return true;
 }
 

@@ -5,51 +5,16 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/yaml_config.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <algorithm>
-#include <cmath>
-#include <sstream>
 
 namespace pcl_semantic {
 
 namespace {
 
-template <typename... Visitors> struct Overloaded : Visitors... {
-  using Visitors::operator()...;
-};
-template <typename... Visitors> Overloaded(Visitors...) -> Overloaded<Visitors...>;
-
-int
-parseInteger(const std::string& text, const std::string& where)
-{
-  const double value = parseNumber(text, where);
-  if (value != std::floor(value) || std::abs(value) > 1e9)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": '" << text << "' is no integer up to 1e9");
-  return static_cast<int>(value);
-}
-
-Eigen::Vector3d
-parseVector(std::string text, const std::string& where)
-{
-  std::replace(text.begin(), text.end(), ',', ' ');
-  const std::vector<double> numbers = parseNumbers(text, where);
-  if (numbers.size() != 3)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": '" << text << "' is no X,Y,Z triple");
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
-std::string
-printNumber(double value)
-{
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
+const std::vector<std::string> crf_models = {"none", "dense", "pn-potts",
+                                             "hierarchical"};
 
 void
 requireChoice(const std::string& value, const std::vector<std::string>& choices,
@@ -57,30 +22,8 @@ requireChoice(const std::string& value, const std::vector<std::string>& choices,
 {
   if (std::count(choices.begin(), choices.end(), value))
     return;
-  std::string expected;
-  for (const std::string& choice : choices)
-    expected += (expected.empty() ? "" : " or ") + choice;
   PCL_THROW_EXCEPTION(InvalidParameterException,
-                      name << " is '" << value << "', expected " << expected);
-}
-
-// The text of a value in a YAML file; a triple may also be written as a list.
-std::string
-yamlText(const YamlMap& file, const ConfigParameter& parameter)
-{
-  if (!std::holds_alternative<Eigen::Vector3d*>(parameter.value))
-    return file.require<std::string>(parameter.name);
-  std::vector<std::string> items;
-  try {
-    items = file.require<std::vector<std::string>>(parameter.name);
-  }
-  catch (const BadInputException&) {
-    return file.require<std::string>(parameter.name);
-  }
-  std::string text;
-  for (const std::string& item : items)
-    text += item + " ";
-  return text;
+                      name << " is '" << value << "', expected " << joinWords(choices));
 }
 
 } // namespace
@@ -89,7 +32,8 @@ void
 MapperConfig::validate()
 {
   requireChoice(pixel_fusion, {"mean", "product"}, "pixel_fusion");
-  requireChoice(crf, {"dense", "none"}, "crf");
+  requireChoice(crf, crf_models, "crf");
+  makeCliqueGenerator(cliques);
   map.fusion.pixel_fusion =
       pixel_fusion == "mean" ? PixelFusion::mean : PixelFusion::product;
   if (!(map.max_range > 0.0))
@@ -106,43 +50,11 @@ MapperConfig::validate()
                                                << ", expected more than 0, at most 1");
 }
 
-std::string
-ConfigParameter::option() const
-{
-  std::string option = name;
-  std::replace(option.begin(), option.end(), '_', '-');
-  return option;
-}
-
-std::string
-ConfigParameter::text() const
-{
-  return std::visit(Overloaded{[](const int* v) { return std::to_string(*v); },
-                               [](const double* v) { return printNumber(*v); },
-                               [](const std::string* v) { return *v; },
-                               [](const Eigen::Vector3d* v) {
-                                 return printNumber(v->x()) + "," +
-                                        printNumber(v->y()) + "," + printNumber(v->z());
-                               }},
-                    value);
-}
-
-void
-ConfigParameter::set(const std::string& text, const std::string& where)
-{
-  std::visit(Overloaded{[&](int* v) { *v = parseInteger(text, where); },
-                        [&](double* v) { *v = parseNumber(text, where); },
-                        [&](std::string* v) { *v = text; },
-                        [&](Eigen::Vector3d* v) { *v = parseVector(text, where); }},
-             value);
-}
-
-std::vector<ConfigParameter>
+ConfigParameters
 parametersOf(MapperConfig& config)
 {
   FusionParameters& fusion = config.map.fusion;
-  SemanticCRFParameters& crf = config.crf_parameters;
-  return {
+  ConfigParameters parameters = {
       {"disparities", "range of the stereo search, a multiple of 16 [px]",
        &config.disparities},
       {"stereo_block", "edge of a matching block, odd [px]", &config.stereo_block},
@@ -165,31 +77,21 @@ parametersOf(MapperConfig& config)
        &fusion.label_min_probability},
       {"label_max_ratio", "clamp of a fused distribution: largest / smallest",
        &fusion.label_max_ratio},
-      {"crf", "model: dense or none", &config.crf},
+      {"crf", "model: " + joinWords(crf_models), &config.crf},
       {"crf_every", "the CRF runs at the first and every N-th frame after it",
        &config.crf_every},
-      {"crf_iterations", "mean-field updates a run", &crf.iterations},
-      {"crf_radius", "kernels are summed within this many deviations", &crf.radius},
-      {"smoothness_weight", "of the kernel of positions", &crf.smoothness_weight},
-      {"smoothness_deviation", "of positions, in that kernel [m]",
-       &crf.smoothness_deviation},
-      {"appearance_weight", "of the kernel of positions and colours",
-       &crf.appearance_weight},
-      {"appearance_deviation", "of positions, in that kernel [m]",
-       &crf.appearance_deviation},
-      {"colour_deviation", "of colours, in that kernel [grey levels]",
-       &crf.colour_deviation},
-      {"threads", "0 = all processors", &config.threads}};
+      {"cliques", "of pn-potts and hierarchical: cubes:SIZE, edge in m",
+       &config.cliques}};
+  for (ConfigParameter& parameter : parametersOf(config.crf_parameters, "crf_", "m"))
+    parameters.push_back(std::move(parameter));
+  parameters.push_back({"threads", "0 = all processors", &config.threads});
+  return parameters;
 }
 
 void
 readMapperConfig(const std::string& path, MapperConfig& config)
 {
-  const YamlMap file = YamlMap::load(path);
-  for (ConfigParameter& parameter : parametersOf(config))
-    if (file.has(parameter.name))
-      parameter.set(yamlText(file, parameter), file.where(parameter.name));
-  file.refuseUnknownKeys();
+  readParameters(path, parametersOf(config));
   try {
     config.validate();
   }
@@ -198,18 +100,18 @@ readMapperConfig(const std::string& path, MapperConfig& config)
   }
 }
 
+CRFModelType
+MapperConfig::crfModel() const
+{
+  const auto model = std::find(crf_models.begin(), crf_models.end(), crf);
+  return static_cast<CRFModelType>(model - crf_models.begin());
+}
+
 std::string
 printMapperConfig(const MapperConfig& config)
 {
   MapperConfig copy = config;
-  std::ostringstream text;
-  for (const ConfigParameter& parameter : parametersOf(copy)) {
-    const bool is_list = std::holds_alternative<Eigen::Vector3d*>(parameter.value);
-    text << parameter.name << ": "
-         << (is_list ? "[" + parameter.text() + "]" : parameter.text()) << "  # "
-         << parameter.help << "\n";
-  }
-  return text.str();
+  return printParameters(parametersOf(copy));
 }
 
 } // namespace pcl_semantic

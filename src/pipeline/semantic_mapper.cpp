@@ -95,7 +95,10 @@ void
 SemanticMapper::refine(VoxelCloud& voxels)
 {
   SemanticCRF<pcl::PointXYZRGBL> crf;
+  crf.setModel(config_.crfModel());
+  crf.setCliqueGenerator(makeCliqueGenerator(config_.cliques));
   crf.setParameters(config_.crf_parameters);
+  crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);
   crf.setLabelDistributions(voxels.measured);
   crf.filter(*voxels.cloud);

@@ -6,12 +6,10 @@
 
 #pragma once
 
-#include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
+#include <pcl_semantic/pipeline/crf_config.h>
 
 #include <string>
-#include <variant>
-#include <vector>
 
 namespace pcl_semantic {
 
@@ -23,39 +21,22 @@ struct MapperConfig {
   double label_confidence = 0.8; ///< probability of the class a stored `.png` states
   SemanticVoxelMap::Parameters map;
   std::string pixel_fusion = "mean"; ///< PixelFusion by name
-  std::string crf = "dense";         ///< dense or none
+  std::string crf = "dense";         ///< none, dense, pn-potts or hierarchical
   int crf_every = 1; ///< 1 = the CRF runs at each frame, 2 = at every other
+  std::string cliques = "cubes:1"; ///< of the last two, as makeCliqueGenerator takes
   SemanticCRFParameters crf_parameters;
   int threads = 0; ///< 0 = all processors
 
   /** \brief Carries pixel_fusion into map and checks every value.
    * \throws InvalidParameterException */
   void validate();
-};
 
-/** \brief One parameter of a MapperConfig: its name (`voxel_size` in a YAML file,
- * `--voxel-size` as an option), what it means, and where its value is. */
-struct ConfigParameter {
-  using Value = std::variant<int*, double*, std::string*, Eigen::Vector3d*>;
-
-  std::string name;
-  std::string help;
-  Value value;
-
-  /** \brief Name of the option: dashes for underscores. */
-  std::string option() const;
-
-  /** \brief The value as text: "0.1", "25,25,8". */
-  std::string text() const;
-
-  /** \brief Sets the value from text.
-   * \param[in] where for the message
-   * \throws BadInputException if \a text cannot be read */
-  void set(const std::string& text, const std::string& where);
+  /** \brief The model that `crf` names, if it is not none. */
+  CRFModelType crfModel() const;
 };
 
 /** \brief The parameters of a config, in the order of the data flow. */
-std::vector<ConfigParameter> parametersOf(MapperConfig& config);
+ConfigParameters parametersOf(MapperConfig& config);
 
 /** \brief Sets the parameters a YAML file names; the others keep their values.
  * \throws BadInputException with file and line, at a misspelt key for example */

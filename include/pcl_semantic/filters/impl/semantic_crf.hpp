@@ -6,17 +6,86 @@
 
 #pragma once
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
-#include <pcl/common/point_tests.h>
 #include <pcl/type_traits.h>
+
+#include <cstring>
 
 // PCL instantiates its base classes for its own point types only.
 #include <pcl/filters/impl/filter.hpp>
 #include <pcl/impl/pcl_base.hpp>
 
 namespace pcl_semantic {
+
+namespace detail {
+
+/** \brief A field of a registered point by its tag, whatever its member is called. */
+template <typename Tag, typename PointT>
+auto
+getField(const PointT& point)
+{
+  typename pcl::traits::datatype<PointT, Tag>::type value;
+  std::memcpy(&value,
+              reinterpret_cast<const std::uint8_t*>(&point) +
+                  pcl::traits::offset<PointT, Tag>::value,
+              sizeof(value));
+  return value;
+}
+
+template <typename Tag, typename PointT>
+void
+setField(PointT& point, std::uint32_t number)
+{
+  const auto value =
+      static_cast<typename pcl::traits::datatype<PointT, Tag>::type>(number);
+  std::memcpy(reinterpret_cast<std::uint8_t*>(&point) +
+                  pcl::traits::offset<PointT, Tag>::value,
+              &value, sizeof(value));
+}
+
+/** \brief Red, green, blue of packed bytes (`rgba`, or `rgb` as PCL's float). */
+template <typename Tag, typename PointT>
+Eigen::Vector3f
+getColour(const PointT& point)
+{
+  const auto packed = getField<Tag>(point);
+  static_assert(sizeof(packed) == 4, "rgb and rgba have four bytes");
+  std::uint32_t bits;
+  std::memcpy(&bits, &packed, sizeof(bits));
+  return {float(bits >> 16 & 255), float(bits >> 8 & 255), float(bits & 255)};
+}
+
+} // namespace detail
+
+template <typename PointT>
+CloudRefiner::Fields
+SemanticCRF<PointT>::readFields(const PointCloud& cloud)
+{
+  using namespace pcl::fields;
+  constexpr bool has_rgba = pcl::traits::has_field<PointT, rgba>::value;
+  constexpr bool has_rgb = pcl::traits::has_field<PointT, rgb>::value;
+  const auto count = static_cast<Eigen::Index>(cloud.size());
+  Fields fields;
+  fields.width = cloud.width;
+  fields.height = cloud.height;
+  fields.positions.resize(3, count);
+  fields.labels.resize(cloud.size());
+  if constexpr (has_rgba || has_rgb)
+    fields.colours.resize(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const PointT& point = cloud[std::size_t(i)];
+    fields.positions.col(i) << float(detail::getField<x>(point)),
+        float(detail::getField<y>(point)), float(detail::getField<z>(point));
+    fields.labels[std::size_t(i)] =
+        static_cast<std::uint32_t>(detail::getField<label>(point));
+    if constexpr (has_rgba)
+      fields.colours.col(i) = detail::getColour<rgba>(point);
+    else if constexpr (has_rgb)
+      fields.colours.col(i) = detail::getColour<rgb>(point);
+  }
+  return fields;
+}
 
 template <typename PointT>
 void
@@ -25,45 +94,12 @@ SemanticCRF<PointT>::applyFilter(PointCloud& output)
   static_assert(pcl::traits::has_xyz<PointT>::value &&
                     pcl::traits::has_label<PointT>::value,
                 "SemanticCRF needs a point type with x, y, z and label");
-  const PointCloud& input = *this->input_;
-  if (std::size_t(input_distributions_.size()) != input.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "SemanticCRF has label distributions of "
-                            << input_distributions_.size() << " points for a cloud of "
-                            << input.size());
-  output = input;
-  output_distributions_ = input_distributions_;
-  pcl::Indices points;
+  Fields fields = readFields(*this->input_);
+  this->refineCloud(fields, *this->indices_);
+  output = *this->input_;
   for (const pcl::index_t index : *this->indices_)
-    if (pcl::isXYZFinite(input[index]))
-      points.push_back(index);
-    else
-      output[index].label = kUnlabelled;
-  skipped_points_ = this->indices_->size() - points.size();
-  if (points.empty())
-    return;
-
-  const auto count = static_cast<Eigen::Index>(points.size());
-  Eigen::Matrix3Xf positions(3, count);
-  Eigen::MatrixXf colours;
-  LabelDistributions measured(input_distributions_.classes(), count);
-  // Differences from a nearby point keep single precision wherever the cloud lies.
-  const Eigen::Vector3f centre = input[points.front()].getVector3fMap();
-  if constexpr (pcl::traits::has_color<PointT>::value)
-    colours.resize(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const PointT& point = input[points[i]];
-    positions.col(i) = point.getVector3fMap() - centre;
-    measured.matrix().col(i) = input_distributions_.matrix().col(points[i]);
-    if constexpr (pcl::traits::has_color<PointT>::value)
-      colours.col(i) << float(point.r), float(point.g), float(point.b);
-  }
-  const LabelDistributions refined =
-      refineLabels(positions, colours, measured, parameters_);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    output_distributions_.matrix().col(points[i]) = refined.matrix().col(i);
-    output[points[i]].label = refined.mapLabel(i);
-  }
+    detail::setField<pcl::fields::label>(output[std::size_t(index)],
+                                         fields.labels[std::size_t(index)]);
 }
 
 } // namespace pcl_semantic

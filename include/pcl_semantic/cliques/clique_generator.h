@@ -1,0 +1,52 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/abi_check.h>
+
+#include <pcl/PointIndices.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <memory>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Groups points that are likely to have one label: the cliques of the paper's
+ * eq. (7).
+ *
+ * One point type for all, so that a generator is an ordinary class: callers with other
+ * points copy xyz and, where there is one, colour (pcl::copyPointCloud does). A
+ * generator that needs an image besides a map (superpixels) takes it in setters of its
+ * own. Not for use from several threads at once. */
+class CliqueGenerator {
+public:
+  using Ptr = std::shared_ptr<CliqueGenerator>;
+  using ConstPtr = std::shared_ptr<const CliqueGenerator>;
+  using Cloud = pcl::PointCloud<pcl::PointXYZRGB>;
+
+  virtual ~CliqueGenerator() = default;
+
+  /** \brief Whether the result depends on the colours: callers whose points have none
+   * should refuse such a generator. */
+  virtual bool
+  usesColour() const
+  {
+    return false;
+  }
+
+  /** \brief Groups the points of a cloud; the same for any number of threads.
+   * \param[in] cloud organized or not; points that are not finite belong to no clique,
+   * though the colour of theirs may be looked at
+   * \return lists of indices into \a cloud, none of them empty, each ascending; they
+   * may overlap and need not cover every point
+   * \throws BadInputException if the cloud cannot be used, which the generator says */
+  virtual std::vector<pcl::PointIndices> generate(const Cloud& cloud) = 0;
+};
+
+} // namespace pcl_semantic

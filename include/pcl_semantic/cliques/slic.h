@@ -1,0 +1,47 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/abi_check.h>
+
+#include <opencv2/core.hpp>
+#include <pcl/PointIndices.h>
+
+#include <vector>
+
+namespace pcl_semantic {
+
+struct SlicParameters {
+  int superpixels = 150;     ///< about how many an image gets
+  double compactness = 10.0; ///< m: larger makes squarer superpixels, smaller ones that
+                             ///< follow colours [grey levels a superpixel's width]
+  int iterations = 7;        ///< of the clustering
+  int downscale = 2;         ///< works on an image smaller by this in width and height
+
+  /** \throws InvalidParameterException that names the parameter and its range */
+  void validate() const;
+};
+
+/** \brief Superpixels: connected groups of pixels that lie together and look alike.
+ *
+ * Simple linear iterative clustering (Achanta et al. 2012): k-means from a regular grid
+ * over D^2 = |Lab_i - Lab_c|^2 + (m / S)^2 |p_i - p_c|^2, where S is the distance of
+ * the grid's nodes and a pixel sees centres less than S away in x and in y; then what
+ * is smaller than a quarter of the mean superpixel joins the neighbour of the nearest
+ * colour. The result is the same for any number of threads.
+ * \param[in] image CV_8UC3 (BGR) or CV_8UC1
+ * \return CV_32SC1 of the same size: superpixels 0, 1, ... without gap, in the order of
+ * their first pixels
+ * \throws InvalidParameterException as SlicParameters::validate()
+ * \throws BadInputException if the image is empty or of another type */
+cv::Mat slicSuperpixels(const cv::Mat& image, const SlicParameters& parameters);
+
+/** \brief The pixels of every segment of an image, all of them; index = row * width +
+ * column. \param[in] segments CV_32SC1 with numbers 0, 1, ... that each occur */
+std::vector<pcl::PointIndices> cliquesOfSegments(const cv::Mat& segments);
+
+} // namespace pcl_semantic

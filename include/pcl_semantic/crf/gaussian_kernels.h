@@ -1,0 +1,88 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/crf/gaussian_term.h>
+#include <pcl_semantic/crf/pairwise_kernel.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief How Gaussian kernels are summed. */
+enum class KernelMethod {
+  automatic, ///< each term as GaussianKernels says
+  truncated, ///< all pairs within a radius (TruncatedKernel): features of any
+             ///< dimension, as long as the positions keep the pairs few
+  lattice    ///< permutohedral lattice (LatticeKernel): pairs cost nothing
+};
+
+/** \brief How GaussianKernels sums. */
+struct GaussianKernelOptions {
+  KernelMethod method = KernelMethod::automatic;
+  float radius = 2.0f; ///< of truncated sums, in position deviations
+  Normalization normalization = Normalization::symmetric;
+};
+
+/** \brief Makes the kernels of points in space, eq. (6): chooses a method for each term
+ * and the order of the points that suits them.
+ *
+ * The automatic rule: the mean number of points within the radius of a point is
+ * estimated from a sample; up to most_neighbours, sums over them are faster than a
+ * lattice, and nearer to the exact ones. The voxels of a surface have 40 to 150 within
+ * two deviations of two voxels; the pixels of an image 20,000 within 80 px. */
+class GaussianKernels {
+public:
+  using List = std::vector<std::shared_ptr<const PairwiseKernel>>;
+
+  /** \brief Where the automatic rule goes over to the lattice. */
+  static constexpr double most_neighbours = 400.0;
+
+  /** \param[in] positions 1 to 3 rows x N
+   * \param[in] deviations of the positions, of every term
+   * \throws InvalidParameterException if there are no or more than 3 rows, a deviation
+   * or the radius is not positive, a position is not finite, or as TruncatedKernel */
+  GaussianKernels(const Eigen::MatrixXf& positions,
+                  const std::vector<float>& deviations,
+                  const GaussianKernelOptions& options = {});
+
+  /** \brief What was chosen for a term: truncated or lattice. */
+  KernelMethod
+  method(std::size_t term) const
+  {
+    return methods_[term];
+  }
+
+  /** \brief An order of the points in which the kernels work fastest; empty = as they
+   * are. */
+  const std::vector<std::int32_t>&
+  fastestOrder() const
+  {
+    return order_;
+  }
+
+  /** \brief The kernels.
+   * \param[in] positions those of the constructor, or the same in fastestOrder()
+   * \param[in] terms of the deviations of the constructor; their features belong to
+   * \a positions. Terms of weight 0 are left out.
+   * \throws InvalidParameterException as TruncatedKernel and LatticeKernel */
+  List make(const Eigen::MatrixXf& positions,
+            const std::vector<GaussianTerm>& terms) const;
+
+  /** \brief Mean number of points within \a reach of a point, itself included: of 64
+   * points, among all or, if these are many, among some. */
+  static double meanNeighbours(const Eigen::Matrix3Xf& positions, float reach);
+
+private:
+  GaussianKernelOptions options_;
+  std::vector<KernelMethod> methods_;
+  std::vector<std::int32_t> order_;
+};
+
+} // namespace pcl_semantic

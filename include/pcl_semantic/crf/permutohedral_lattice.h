@@ -1,0 +1,78 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/simd.h>
+#include <pcl_semantic/crf/pairwise_kernel.h>
+
+#include <Eigen/Core>
+
+#include <memory>
+
+namespace pcl_semantic {
+
+/** \brief The permutohedral lattice of Adams, Baek and Davis (2010): sums with the
+ * Gaussian k_ij = exp(-|f_i - f_j|^2 / 2) of N points in time linear in N, near enough.
+ *
+ * Values are splatted to the vertices of the simplex around their point, blurred with
+ * the taps 1/2 1 1/2 along every direction in turn, and sliced where they are asked
+ * for. Vertices around no point do not exist: what would pass through them is lost. The
+ * lattice lies the same way around the least features of the points, wherever these
+ * are. Results do not depend on the number of threads, nor on the SIMD tier; several
+ * threads may use one lattice at a time. */
+class PermutohedralLattice {
+public:
+  /** \param[in] features d x N, divided by their deviations; d is 1 to 16
+   * \param[in] tier instructions to use; for tests
+   * \throws InvalidParameterException if a feature is not finite, d is not 1 to 16, or
+   * features span so many deviations that the keys of vertices (128 bits) cannot tell
+   * them apart: not below 200 at d = 16, more at fewer */
+  explicit PermutohedralLattice(const Eigen::Ref<const Eigen::MatrixXf>& features,
+                                SimdTier tier = simdTier());
+  ~PermutohedralLattice();
+  PermutohedralLattice(PermutohedralLattice&&) noexcept;
+  PermutohedralLattice& operator=(PermutohedralLattice&&) noexcept;
+
+  /** \brief N. */
+  Eigen::Index size() const;
+
+  /** \brief Number of vertices. */
+  Eigen::Index vertices() const;
+
+  /** \brief What a sum of the lattice has to be multiplied by: the integral of the
+   * Gaussian by that of splat, blur and slice. */
+  float gain() const;
+
+  /** \brief What a one at every point sends back to it, without gain(). */
+  Eigen::Map<const Eigen::ArrayXf> selfResponses() const;
+
+  /** \brief Factors of N points each. */
+  struct Scales {
+    Eigen::ArrayXf splat;    ///< of values before they are summed
+    Eigen::ArrayXf slice;    ///< of sums; gain() is not in them
+    Eigen::ArrayXf diagonal; ///< of a point's own value, which is subtracted
+  };
+
+  /** \brief result(:, i) += slice_i sum_j k_ij splat_j values(:, j) - diagonal_i
+   * values(:, i), j = i included, for all i or those of a mask.
+   * \param[in] values any number of rows x N, finite
+   * \param[in,out] result as values, not the same matrix */
+  void addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
+                   const Scales& scales, const VariableMask& active,
+                   Eigen::Ref<Eigen::MatrixXf> result) const;
+
+  /** \brief Bytes that the lattice keeps, those for its values at the vertices (of up
+   * to 16 rows at a time) included. */
+  std::size_t memory() const;
+
+private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+} // namespace pcl_semantic

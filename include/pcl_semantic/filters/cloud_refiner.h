@@ -1,0 +1,106 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/filters/label_refiner.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The part of SemanticCRF that does not know the type of the points. */
+class CloudRefiner : public LabelRefiner {
+public:
+  /** \brief The measurements: L x size of the input cloud; all-zero columns are
+   * unlabelled and take the label of their neighbours, if one of these has any.
+   * Replaces setLabelConfidence(). */
+  void
+  setLabelDistributions(const LabelDistributions& distributions)
+  {
+    measured_ = distributions;
+    label_classes_ = 0;
+  }
+
+  /** \brief Takes the labels of the input cloud for measurements, 0 = unlabelled.
+   * Replaces setLabelDistributions().
+   * \param[in] confidence probability of the label, 0..1; the other classes share the
+   * rest
+   * \param[in] classes L, 1 to 255
+   * \throws InvalidParameterException at another confidence or number of classes */
+  void setLabelConfidence(double confidence, int classes);
+
+  /** \brief The points are voxels: kernels take their places from the indices, so that
+   * the origin of the cloud changes nothing.
+   * \param[in] indices of all points of the input cloud; empty = the points' own xyz
+   * \param[in] voxel_size [m]
+   * \throws InvalidParameterException if the size is not positive */
+  void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
+
+  /** \brief Makes the cliques of each run (setCliques()) from its input cloud: all of
+   * its points, but for those that are passed over. Null = none. */
+  void
+  setCliqueGenerator(const CliqueGenerator::Ptr& generator)
+  {
+    generator_ = generator;
+    has_cliques_ = false;
+  }
+
+  /** \brief The refined distributions of the last filter(): L x size of the cloud. */
+  const LabelDistributions&
+  getLabelDistributions() const
+  {
+    return refined_;
+  }
+
+  /** \brief Points of the last filter() that were passed over: not finite, or more than
+   * most_distant from the origin. They have label 0 and no distribution. */
+  std::size_t
+  getSkippedPoints() const
+  {
+    return skipped_points_;
+  }
+
+  /** \brief Beyond it [m] single precision has steps of a metre. */
+  static constexpr float most_distant = 1e7f;
+
+protected:
+  /** \brief The fields of all points of a cloud. */
+  struct Fields {
+    Eigen::Matrix3Xf positions; ///< [m]
+    Eigen::Matrix3Xf colours;   ///< red, green, blue, 0..255; empty = no colour
+    std::vector<std::uint32_t> labels;
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+  };
+
+  ~CloudRefiner() = default;
+
+  /** \brief Refines the points of some indices.
+   * \param[in,out] fields the labels of these points are rewritten
+   * \throws InvalidParameterException, BadInputException as SemanticCRF */
+  void refineCloud(Fields& fields, const pcl::Indices& indices);
+
+private:
+  LabelDistributions measurements(const Fields& fields) const;
+
+  Elements elementsOf(const Fields& fields, const pcl::Indices& indices) const;
+
+  void makeCliques(const Fields& fields);
+
+  LabelDistributions measured_;
+  double label_confidence_ = 0.0;
+  int label_classes_ = 0; // 0 = distributions were set
+  std::vector<VoxelIndex> voxels_;
+  double voxel_size_ = 0.0;
+  CliqueGenerator::Ptr generator_;
+  LabelDistributions refined_;
+  std::size_t skipped_points_ = 0;
+};
+
+} // namespace pcl_semantic

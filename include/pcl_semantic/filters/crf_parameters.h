@@ -1,0 +1,60 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/crf/gaussian_kernels.h>
+
+namespace pcl_semantic {
+
+/** \brief The models of the paper's comparison, each with the terms of the one before
+ * it, but for the last two, which differ in the term of the cliques. */
+enum class CRFModelType {
+  unary,       ///< the measurements alone, eq. (4)
+  dense,       ///< and Gaussian kernels, eqs. (5)-(6)
+  pn_potts,    ///< and P^n Potts cliques (Vineet, Warrell and Torr 2014)
+  hierarchical ///< and robust P^n cliques with variables of their own, eqs. (7)-(9)
+};
+
+/** \brief Parameters of the CRF over the points of a cloud [m] or the pixels of an
+ * image [px]. A kernel of weight 0 is left out; those with colours are used where
+ * points have colour. */
+struct SemanticCRFParameters {
+  double smoothness_weight = 3.0;    ///< w_2, of the kernel of positions alone
+  double smoothness_deviation = 0.2; ///< theta_gamma
+  double appearance_weight = 8.0;    ///< w_1, of the kernel of positions and colours
+  double appearance_deviation = 0.2; ///< theta_alpha
+  double colour_deviation = 8.0;     ///< theta_beta [grey levels, 0..255]
+
+  KernelMethod kernel_method = KernelMethod::automatic;
+  double radius = 2.0; ///< of truncated sums [position deviations]
+  Normalization normalization = Normalization::symmetric;
+  bool self_interaction = false; ///< points hear themselves, as in densecrf and PCL
+
+  int iterations = 1;   ///< mean-field updates, at most
+  double settled = 0.0; ///< stops when no marginal changed by more; 0 = never
+
+  // The cliques of the last two models; all but the weight: of the hierarchical one.
+  double clique_weight = 1.0;     ///< k_c, eq. (8)
+  bool free_label = true;         ///< a clique may let go of its members
+  double clique_truncation = 0.3; ///< q, the share of members that may disagree before
+  bool members_hear_map = false; ///< the clique's MAP label instead of its distribution
+
+  // Kernels between cliques, over the mean position and colour of their members.
+  double clique_smoothness_weight = 0.0;    ///< of positions alone
+  double clique_smoothness_deviation = 1.0; ///< of positions, in that kernel
+  double clique_appearance_weight = 0.0;    ///< of positions and colours
+  double clique_appearance_deviation = 1.0; ///< of positions, in that kernel
+  double clique_colour_deviation = 8.0; ///< of colours, in that kernel [grey levels]
+
+  /** \throws InvalidParameterException that names the parameter and its range */
+  void validate() const;
+
+  /** \brief Defaults for images: 3 px; 40 px and 4 grey levels; five updates. */
+  static SemanticCRFParameters forImages();
+};
+
+} // namespace pcl_semantic

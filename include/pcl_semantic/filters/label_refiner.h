@@ -1,0 +1,150 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/cliques/clique_generator.h>
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/crf/label_compatibility.h>
+#include <pcl_semantic/filters/crf_parameters.h>
+
+#include <pcl/PointIndices.h>
+#include <pcl/types.h>
+
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief What SemanticCRF and ImageCRF share: the model over elements (points of a
+ * cloud, pixels of an image), its settings, and the inference on matrices. */
+class LabelRefiner {
+public:
+  /** \brief dense, unless it is set; the last two models need cliques. */
+  void
+  setModel(CRFModelType model)
+  {
+    model_ = model;
+  }
+
+  CRFModelType
+  getModel() const
+  {
+    return model_;
+  }
+
+  /** \throws InvalidParameterException */
+  void setParameters(const SemanticCRFParameters& parameters);
+
+  const SemanticCRFParameters&
+  getParameters() const
+  {
+    return parameters_;
+  }
+
+  /** \brief mu(l, l') of eq. (5), L x L; empty = Potts.
+   * \throws InvalidParameterException as LabelCompatibility */
+  void setCompatibility(const Eigen::MatrixXf& costs);
+
+  /** \brief Adds a Gaussian kernel of the caller's own, w exp(-|f_i - f_j|^2 / 2), to
+   * all models but unary.
+   * \param[in] features d x number of elements, divided by their deviations
+   * \throws InvalidParameterException if there are no features or one is not finite, or
+   * the weight is negative or not finite */
+  void addKernel(const Eigen::MatrixXf& features, float weight);
+
+  /** \brief Forgets the kernels of addKernel(). */
+  void clearKernels();
+
+  /** \brief The cliques of the last two models, as indices of elements; they may
+   * overlap and leave elements out. Members that take no part are left out of their
+   * cliques, and cliques that lose all are skipped (Report). Replaces a generator.
+   * \throws InvalidParameterException that names the clique, if one is empty; an index
+   * out of range is found in the run */
+  void setCliques(const std::vector<pcl::PointIndices>& cliques);
+
+  /** \brief k_c^l instead of the parameter clique_weight: L x C, or 1 x C or L x 1
+   * where all labels or cliques have the same; empty = the parameter.
+   * \throws InvalidParameterException unless all are 0 or more, and finite */
+  void setCliqueWeights(const Eigen::MatrixXf& weights);
+
+  /** \brief psi_c(l), L x C, of the hierarchical model; empty = the mean unary cost of
+   * the members. \throws InvalidParameterException unless all are finite */
+  void setCliqueCosts(const Eigen::MatrixXf& costs);
+
+  /** \brief Marginals to start from, as the result of the previous frame: L x number of
+   * elements; a column of zeros starts from its measurement. Empty = all do. */
+  void setInitialDistributions(const LabelDistributions& distributions);
+
+  /** \brief Whether the report has energies; they cost about as much as an update, and
+   * need a symmetric compatibility. */
+  void
+  setComputeEnergies(bool compute)
+  {
+    compute_energies_ = compute;
+  }
+
+  /** \brief What became of a run. */
+  struct Report {
+    int updates = 0;            ///< mean-field updates made
+    double last_change = 0.0;   ///< largest change of a marginal in the last of them
+    std::size_t unlabelled = 0; ///< elements that take part without a measurement
+    std::size_t cliques = 0;    ///< cliques that take part
+    std::size_t skipped_cliques = 0; ///< cliques of which no member does
+    double free_energy = 0.0;        ///< MeanField::freeEnergy()
+    double energy = 0.0;             ///< energy() of the MAP labels
+  };
+
+  /** \brief Of the last run. */
+  const Report&
+  getReport() const
+  {
+    return report_;
+  }
+
+protected:
+  /** \brief The elements that take part, and what is known of them. */
+  struct Elements {
+    std::size_t total = 0;       ///< elements of the whole cloud or image
+    pcl::Indices indices;        ///< of the n that take part, each once
+    Eigen::MatrixXf positions;   ///< 1 to 3 rows x n, finite
+    Eigen::MatrixXf colours;     ///< rows x n [grey levels]; empty = no colour
+    LabelDistributions measured; ///< L x n
+  };
+
+  ~LabelRefiner() = default;
+
+  /** \brief Runs the model.
+   * \param[in,out] elements are brought into the order that suits the kernels
+   * \return refined distributions in the new order, L x n; an element that had no
+   * measurement and heard of no label stays unlabelled
+   * \throws InvalidParameterException if something that was set does not fit
+   * \throws BadInputException if a measurement is negative or not finite */
+  LabelDistributions refine(Elements& elements);
+
+  bool
+  usesCliques() const
+  {
+    return model_ == CRFModelType::pn_potts || model_ == CRFModelType::hierarchical;
+  }
+
+  std::vector<pcl::PointIndices> cliques_;
+  bool has_cliques_ = false;
+
+private:
+  class Builder;
+
+  CRFModelType model_ = CRFModelType::dense;
+  SemanticCRFParameters parameters_;
+  LabelCompatibility compatibility_;
+  std::vector<GaussianTerm> kernels_; // the caller's own: weights and features
+  Eigen::MatrixXf clique_weights_;
+  Eigen::MatrixXf clique_costs_;
+  LabelDistributions initial_;
+  bool compute_energies_ = false;
+  Report report_;
+};
+
+} // namespace pcl_semantic

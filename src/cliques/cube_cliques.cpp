@@ -1,0 +1,108 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/voxel_index.h>
+
+#include <pcl/common/point_tests.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int kNoCube = -1;
+
+// The points of a cloud by cube, cubes in the order of their first point.
+struct Grouping {
+  std::vector<int> cube_of_point; // kNoCube: not finite
+  std::vector<VoxelIndex> cubes;
+  std::vector<std::size_t> sizes;
+};
+
+// In double: a single-precision quotient would misplace points far from the origin.
+VoxelIndex
+cubeOf(const pcl::PointXYZRGB& point, double edge, std::size_t index)
+{
+  VoxelIndex cube;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double cell = double(point.data[axis]) / edge;
+    if (!(std::abs(cell) <= kMaxVoxelIndex))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          "point " << index << " lies at " << point.data[axis]
+                                   << " m, expected at most " << kMaxVoxelIndex
+                                   << " cubes of " << edge << " m from the origin");
+    const auto truncated = static_cast<std::int32_t>(cell); // std::floor is a call
+    cube[axis] = truncated - (truncated > cell ? 1 : 0);
+  }
+  return cube;
+}
+
+Grouping
+groupByCube(const CliqueGenerator::Cloud& cloud, double edge)
+{
+  Grouping groups;
+  groups.cube_of_point.resize(cloud.size(), kNoCube);
+  std::unordered_map<VoxelIndex, int, VoxelIndexHash> numbers;
+  VoxelIndex last_cube = VoxelIndex::Zero();
+  int last = kNoCube; // neighbours in a cloud are mostly neighbours in space
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!pcl::isXYZFinite(cloud[i]))
+      continue;
+    const VoxelIndex cube = cubeOf(cloud[i], edge, i);
+    if (last == kNoCube || cube != last_cube) {
+      const auto [entry, is_new] =
+          numbers.try_emplace(cube, static_cast<int>(groups.cubes.size()));
+      if (is_new) {
+        groups.cubes.push_back(cube);
+        groups.sizes.push_back(0);
+      }
+      last = entry->second;
+      last_cube = cube;
+    }
+    groups.cube_of_point[i] = last;
+    ++groups.sizes[std::size_t(last)];
+  }
+  return groups;
+}
+
+} // namespace
+
+CubeCliques::CubeCliques(double edge) : edge_(edge)
+{
+  if (!std::isfinite(edge) || edge <= 0.0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cube cliques: edge is " << edge
+                                                 << " m, expected a positive number");
+}
+
+std::vector<pcl::PointIndices>
+CubeCliques::generate(const Cloud& cloud)
+{
+  const Grouping groups = groupByCube(cloud, edge_);
+  std::vector<std::size_t> order(groups.cubes.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return VoxelIndexLess()(groups.cubes[a], groups.cubes[b]);
+  });
+  std::vector<std::size_t> rank(order.size());
+  std::vector<pcl::PointIndices> cliques(order.size());
+  for (std::size_t r = 0; r < order.size(); ++r) {
+    rank[order[r]] = r;
+    cliques[r].indices.reserve(groups.sizes[order[r]]);
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (const int cube = groups.cube_of_point[i]; cube != kNoCube)
+      cliques[rank[std::size_t(cube)]].indices.push_back(static_cast<pcl::index_t>(i));
+  return cliques;
+}
+
+} // namespace pcl_semantic

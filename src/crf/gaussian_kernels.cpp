@@ -1,0 +1,132 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/crf/gaussian_kernels.h>
+#include <pcl_semantic/crf/lattice_kernel.h>
+#include <pcl_semantic/crf/truncated_kernel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace pcl_semantic {
+
+namespace {
+
+Eigen::Matrix3Xf
+inSpace(const Eigen::MatrixXf& positions)
+{
+  Eigen::Matrix3Xf padded = Eigen::Matrix3Xf::Zero(3, positions.cols());
+  padded.topRows(positions.rows()) = positions;
+  return padded;
+}
+
+void
+validate(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
+         const GaussianKernelOptions& options)
+{
+  if (positions.rows() < 1 || positions.rows() > 3)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "positions have " << positions.rows()
+                                          << " coordinates, expected 1 to 3");
+  if (!positions.allFinite())
+    PCL_THROW_EXCEPTION(InvalidParameterException, "a position is not finite");
+  if (!(options.radius > 0.0f) || !std::isfinite(options.radius))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "kernel radius is "
+                                                       << options.radius
+                                                       << ", expected more than 0");
+  for (const float deviation : deviations)
+    if (!(deviation > 0.0f) || !std::isfinite(deviation))
+      PCL_THROW_EXCEPTION(InvalidParameterException, "position deviation is "
+                                                         << deviation
+                                                         << ", expected more than 0");
+}
+
+} // namespace
+
+GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
+                                 const std::vector<float>& deviations,
+                                 const GaussianKernelOptions& options)
+    : options_(options)
+{
+  validate(positions, deviations, options);
+  const Eigen::Matrix3Xf points = inSpace(positions);
+  float widest = 0.0f; // of the truncated terms
+  for (std::size_t m = 0; m < deviations.size(); ++m) {
+    const float deviation = deviations[m];
+    KernelMethod method = options.method;
+    if (method == KernelMethod::automatic && m > 0 && deviation == deviations[m - 1])
+      method = methods_[m - 1];
+    else if (method == KernelMethod::automatic)
+      method = meanNeighbours(points, options.radius * deviation) <= most_neighbours
+                   ? KernelMethod::truncated
+                   : KernelMethod::lattice;
+    methods_.push_back(method);
+    if (method == KernelMethod::truncated)
+      widest = std::max(widest, deviation);
+  }
+  if (widest > 0.0f)
+    order_ =
+        TruncatedKernel::fastestOrder(points, options.radius * widest, widest / 2.0f);
+}
+
+GaussianKernels::List
+GaussianKernels::make(const Eigen::MatrixXf& positions,
+                      const std::vector<GaussianTerm>& terms) const
+{
+  if (terms.size() != methods_.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        terms.size() << " terms, expected " << methods_.size());
+  List kernels;
+  std::vector<GaussianTerm> truncated;
+  for (std::size_t m = 0; m < terms.size(); ++m) {
+    const GaussianTerm& term = terms[m];
+    if (term.weight == 0.0f)
+      continue;
+    if (methods_[m] == KernelMethod::truncated) {
+      truncated.push_back(term);
+      continue;
+    }
+    Eigen::MatrixXf features(positions.rows() + term.features.rows(), positions.cols());
+    features.topRows(positions.rows()) = positions / term.position_deviation;
+    features.bottomRows(term.features.rows()) = term.features;
+    kernels.push_back(
+        std::make_shared<LatticeKernel>(features, term.weight, options_.normalization));
+  }
+  if (!truncated.empty())
+    kernels.push_back(std::make_shared<TruncatedKernel>(
+        inSpace(positions), truncated, options_.radius, options_.normalization));
+  return kernels;
+}
+
+double
+GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
+{
+  constexpr Eigen::Index samples = 64, most_others = 8192;
+  const Eigen::Index count = positions.cols();
+  if (count == 0)
+    return 0.0;
+  // All points or some drawn at random: any regular choice would fall into step with
+  // the rows of an image.
+  Eigen::Matrix3Xf others(3, std::min(count, most_others));
+  std::minstd_rand random;
+  for (Eigen::Index i = 0; i < others.cols(); ++i)
+    others.col(i) =
+        positions.col(count > most_others ? Eigen::Index(random()) % count : i);
+  const Eigen::Index step = std::max<Eigen::Index>(1, others.cols() / samples);
+  std::size_t found = 0, sampled = 0;
+  for (Eigen::Index i = 0; i < others.cols(); i += step, ++sampled)
+    found += std::size_t(
+        ((others.colwise() - others.col(i)).colwise().squaredNorm().array() <=
+         reach * reach)
+            .count());
+  // A point itself is one; the others found stand for as many as were not drawn.
+  return 1.0 + double(found - sampled) / double(sampled) * double(count) /
+                   double(others.cols());
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,45 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "lattice_embedding.h"
+
+namespace pcl_semantic::kernels {
+
+namespace {
+
+namespace plain {
+#define PCL_SEMANTIC_TARGET
+#include "lattice_embedding_tier.hpp"
+} // namespace plain
+
+namespace avx2 {
+#define PCL_SEMANTIC_TARGET __attribute__((target("avx2,fma")))
+#include "lattice_embedding_tier.hpp"
+} // namespace avx2
+
+namespace avx512 {
+#define PCL_SEMANTIC_TARGET                                                            \
+  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
+                        "512")))
+#include "lattice_embedding_tier.hpp"
+} // namespace avx512
+
+} // namespace
+
+const LatticeEmbedding&
+latticeEmbedding(SimdTier tier)
+{
+  switch (tier) {
+  case SimdTier::avx512:
+    return avx512::loops;
+  case SimdTier::avx2:
+    return avx2::loops;
+  default:
+    return plain::loops;
+  }
+}
+
+} // namespace pcl_semantic::kernels

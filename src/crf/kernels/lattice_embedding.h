@@ -1,0 +1,68 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/simd.h>
+
+#include <cstddef>
+#include <cstdint>
+
+/** \brief The inner loops that find the simplex around each point, and what a point
+ * hears of itself. */
+namespace pcl_semantic::kernels {
+
+constexpr int most_dimensions = 16;
+
+/** \brief Points that are worked on at a time. */
+constexpr std::size_t batch_points = 64;
+
+/** \brief From features to the plane of the lattice: coordinate j of a point, in units
+ * of d + 1, is sum over k > j of x_k less j x_j, x_k = scale[k] (f_(k-1) - low[k-1]).
+ */
+struct LatticeFrame {
+  int dimensions;
+  double low[most_dimensions];
+  double scale[most_dimensions + 1];
+};
+
+/** \brief Simplices of 64 points. The vertex 0 has the coordinates (d + 1) cells[j];
+ * vertex k + 1 lies one step in direction directions[k] ahead of vertex k. */
+struct LatticeBatch {
+  std::int32_t cells[most_dimensions + 1][batch_points];
+  std::int32_t directions[most_dimensions + 1][batch_points];
+  float weights[most_dimensions + 1][batch_points];
+};
+
+/** \brief Simplices of 64 points as they were found, and the paths between vertices:
+ * bit S of ahead (back) of a row tells whether the vertices of the path exist that
+ * steps ahead (back) from there in every direction j of the set S, S = sum of 2^(d -
+ * j), in their order. */
+struct LatticePaths {
+  int dimensions;
+  std::size_t words;              ///< of 64 bits a row
+  const std::uint64_t* ahead;     ///< by row
+  const std::uint64_t* back;      ///< by row
+  const std::int32_t* rows;       ///< d + 1 a point
+  const float* weights;           ///< d + 1 a point
+  const std::uint8_t* directions; ///< (d + 1) x 64
+};
+
+struct LatticeEmbedding {
+  /** \brief Finds the simplices of 64 points. \param[in] features d a column
+   * \param[in] columns of the points */
+  void (*embed)(const LatticeFrame& frame, const float* features,
+                const std::int32_t* columns, LatticeBatch& batch);
+
+  /** \brief What a one at each of 64 points sends back to it through splat, blur and
+   * slice. */
+  void (*selfResponse)(const LatticePaths& paths, float* responses);
+};
+
+/** \brief The loops for a tier. All give the same bits. */
+const LatticeEmbedding& latticeEmbedding(SimdTier tier);
+
+} // namespace pcl_semantic::kernels

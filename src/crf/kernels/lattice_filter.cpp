@@ -1,0 +1,49 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "lattice_filter.h"
+
+namespace pcl_semantic::kernels {
+
+namespace {
+
+namespace plain {
+#define PCL_SEMANTIC_TARGET
+#define PCL_SEMANTIC_LANES 4
+#include "lattice_filter_tier.hpp"
+} // namespace plain
+
+namespace avx2 {
+#define PCL_SEMANTIC_TARGET __attribute__((target("avx2,fma")))
+#define PCL_SEMANTIC_LANES 8
+#include "lattice_filter_tier.hpp"
+} // namespace avx2
+
+namespace avx512 {
+#define PCL_SEMANTIC_TARGET                                                            \
+  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
+                        "512")))
+#define PCL_SEMANTIC_LANES 16
+#include "lattice_filter_tier.hpp"
+} // namespace avx512
+
+} // namespace
+
+const LatticeFilter&
+latticeFilter(SimdTier tier, std::size_t width)
+{
+  const int number = width == 1 ? 0 : width == 4 ? 1 : width == 8 ? 2 : 3;
+  switch (tier) {
+  case SimdTier::avx512:
+    return avx512::filters[number];
+  case SimdTier::avx2:
+    return avx2::filters[number];
+  default:
+    return plain::filters[number];
+  }
+}
+
+} // namespace pcl_semantic::kernels

@@ -1,0 +1,80 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/simd.h>
+
+#include <cstddef>
+#include <cstdint>
+
+/** \brief The inner loops of PermutohedralLattice::addFiltered(). Values on the lattice
+ * are rows of `width` floats: one for every vertex, then partial rows, where a chunk of
+ * points sums what belongs to vertices of earlier chunks. */
+namespace pcl_semantic::kernels {
+
+/** \brief Bit of a step of a blur: the last vertex of its run. */
+constexpr std::int32_t run_end = std::int32_t(1) << 31;
+
+/** \brief Steps that blur() may look ahead at the end of an array of steps. */
+constexpr std::size_t steps_ahead = 32;
+
+/** \brief Points between two entries of LatticePoints::row_ends. */
+constexpr std::size_t row_end_points = 64;
+
+/** \brief A chunk of points: arrays from its first one on. */
+struct LatticePoints {
+  std::size_t count;
+  std::size_t corners;            ///< of a simplex, d + 1
+  const std::int32_t* columns;    ///< the numbers that the caller knows them by
+  const std::int32_t* rows;       ///< of the corners around each point
+  const float* weights;           ///< barycentric, of the corners
+  const std::int32_t* row_ends;   ///< end of the chunk's own rows, every 64 points
+  std::size_t first_row;          ///< of the chunk's own
+  std::size_t first_partial;      ///< row
+  std::size_t partials;           ///< number of them
+  const std::int32_t* represents; ///< vertex of each partial row
+};
+
+/** \brief Columns of the caller's matrices, and their scales. */
+struct LatticeColumns {
+  const float* values; ///< the rows of interest
+  const float* end;    ///< of the memory behind values
+  std::size_t values_stride;
+  float* result;
+  std::size_t result_stride;
+  std::size_t rows;           ///< of interest, up to the width
+  const float* splat_scale;   ///< by column
+  const float* slice_scale;   ///< by column
+  const float* diagonal;      ///< by column
+  const std::uint8_t* active; ///< by column; null = all
+};
+
+struct LatticeFilter {
+  /** \brief Writes the rows of a chunk: sums of weight times scaled value. */
+  void (*splat)(const LatticePoints& points, const LatticeColumns& columns,
+                float* lattice);
+
+  /** \brief Adds partial rows to those of some vertices. \param[in] ends of the partial
+   * rows of each vertex; the one before the first is where they begin */
+  void (*merge)(const std::int32_t* vertices, std::size_t count,
+                const std::uint32_t* ends, const std::int32_t* partials,
+                float* lattice);
+
+  /** \brief One direction: adds half of both neighbours in its run to every row. Steps
+   * count ... count + steps_ahead are rows too. */
+  void (*blur)(const std::int32_t* steps, std::size_t count, float* lattice);
+
+  /** \brief Fills the partial rows, and adds slice_scale times the weighted sum around
+   * a point less diagonal times its value to its result. */
+  void (*slice)(const LatticePoints& points, const LatticeColumns& columns,
+                float* lattice);
+};
+
+/** \brief The loops for a tier and a width: 1, 4, 8 or 16. All give the same bits. */
+const LatticeFilter& latticeFilter(SimdTier tier, std::size_t width);
+
+} // namespace pcl_semantic::kernels

@@ -1,0 +1,280 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "lattice_numbering.h"
+
+#include <pcl_semantic/core/parallel_guard.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int partition_bits = 6;
+constexpr std::size_t partitions = 1 << partition_bits;
+
+// The keys that a chunk touches, in the order of the first touch.
+template <typename Key> struct ChunkKeys {
+  std::vector<Key> keys;
+  std::vector<std::int32_t> by_partition; // their numbers, sorted by partition
+  std::uint32_t begins[partitions + 1];   // of the partitions
+  std::size_t first = 0;                  // keys of earlier chunks
+};
+
+template <typename Key> class Numbering {
+public:
+  Numbering(LatticeVertices<Key>& vertices, LatticeStructure& structure)
+      : vertices_(vertices), structure_(structure),
+        chunks_((structure.points + structure.chunk_points - 1) /
+                structure.chunk_points)
+  {
+    structure.corner_rows =
+        LatticeArray<std::int32_t>(structure.points * structure.corners);
+    structure.weights = LatticeArray<float>(structure.points * structure.corners);
+    structure.row_ends.resize(batches());
+    vertices.directions = LatticeArray<std::uint8_t>(batches() * structure.corners *
+                                                     kernels::batch_points);
+  }
+
+  // Fills in weights and directions; corner_rows with numbers of keys of the chunk.
+  void
+  embed(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
+        SimdTier tier)
+  {
+    ParallelGuard guard;
+#pragma omp parallel
+    guard.run([&] {
+      LatticeTable<Key> table;
+#pragma omp for schedule(dynamic, 1) nowait
+      for (std::size_t c = 0; c < chunks_.size(); ++c)
+        guard.run([&] {
+          table.clear();
+          const std::size_t end = endOf(c);
+          for (std::size_t i = c * structure_.chunk_points; i < end;
+               i += kernels::batch_points)
+            embedBatch(features, frame, tier, i,
+                       std::min(end, i + kernels::batch_points), table);
+          chunks_[c].keys = table.keys();
+          sortByPartition(chunks_[c]);
+        });
+    });
+    guard.rethrow();
+  }
+
+  // Finds for every key of every chunk the first chunk that has it.
+  void
+  findFirst()
+  {
+    std::size_t sum = 0;
+    for (ChunkKeys<Key>& chunk : chunks_) {
+      chunk.first = sum;
+      sum += chunk.keys.size();
+    }
+    rows_ = LatticeArray<std::int32_t>(sum);
+    ParallelGuard guard;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t p = 0; p < partitions; ++p)
+      guard.run([&] {
+        LatticeTable<Key> table;
+        std::vector<std::int32_t> firsts;
+        for (const ChunkKeys<Key>& chunk : chunks_)
+          for (std::uint32_t k = chunk.begins[p]; k < chunk.begins[p + 1]; ++k) {
+            const std::int32_t local = chunk.by_partition[k];
+            const auto number =
+                std::size_t(table.insert(chunk.keys[std::size_t(local)]));
+            const auto here = std::int32_t(chunk.first) + local;
+            if (number == firsts.size())
+              firsts.push_back(here);
+            rows_[std::size_t(here)] = firsts[number];
+          }
+      });
+    guard.rethrow();
+  }
+
+  // Numbers the vertices by chunk, and the partial rows behind them.
+  void
+  numberRows()
+  {
+    structure_.first_rows.assign(chunks_.size() + 1, 0);
+    structure_.first_partials.assign(chunks_.size() + 1, 0);
+#pragma omp parallel for schedule(static)
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+      for (std::size_t k = 0; k < chunks_[c].keys.size(); ++k)
+        ++(isFirst(chunks_[c], k) ? structure_.first_rows
+                                  : structure_.first_partials)[c + 1];
+    for (std::size_t c = 0; c < chunks_.size(); ++c) {
+      structure_.first_rows[c + 1] += structure_.first_rows[c];
+      structure_.first_partials[c + 1] += structure_.first_partials[c];
+    }
+    structure_.vertices = structure_.first_rows.back();
+    structure_.rows = structure_.vertices + structure_.first_partials.back();
+    structure_.represents =
+        LatticeArray<std::int32_t>(structure_.first_partials.back());
+    vertices_.keys = LatticeArray<Key>(structure_.vertices);
+    // First the vertices: the others look up their number, through its negative.
+#pragma omp parallel for schedule(static)
+    for (std::size_t c = 0; c < chunks_.size(); ++c) {
+      std::size_t row = structure_.first_rows[c];
+      for (std::size_t k = 0; k < chunks_[c].keys.size(); ++k)
+        if (isFirst(chunks_[c], k)) {
+          vertices_.keys[row] = chunks_[c].keys[k];
+          rows_[chunks_[c].first + k] = -1 - std::int32_t(row++);
+        }
+    }
+#pragma omp parallel for schedule(static)
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+      writeRows(c);
+  }
+
+  // The partial rows of each vertex that has some.
+  void
+  findShared()
+  {
+    std::vector<std::uint32_t> counts(structure_.vertices, 0);
+    for (std::size_t p = 0; p < structure_.represents.size(); ++p)
+      ++counts[std::size_t(structure_.represents[p])];
+    structure_.shared_ends.push_back(0);
+    for (std::size_t v = 0; v < structure_.vertices; ++v)
+      if (counts[v] > 0) {
+        const std::uint32_t begin = structure_.shared_ends.back();
+        structure_.shared.push_back(std::int32_t(v));
+        structure_.shared_ends.push_back(begin + counts[v]);
+        counts[v] = begin;
+      }
+    structure_.shared_rows.resize(structure_.represents.size());
+    for (std::size_t p = 0; p < structure_.represents.size(); ++p)
+      structure_.shared_rows[counts[std::size_t(structure_.represents[p])]++] =
+          std::int32_t(structure_.vertices + p);
+  }
+
+private:
+  std::size_t
+  batches() const
+  {
+    return (structure_.points + kernels::batch_points - 1) / kernels::batch_points;
+  }
+
+  std::size_t
+  endOf(std::size_t chunk) const
+  {
+    return std::min(structure_.points, (chunk + 1) * structure_.chunk_points);
+  }
+
+  bool
+  isFirst(const ChunkKeys<Key>& chunk, std::size_t k) const
+  {
+    const std::int32_t first = rows_[chunk.first + k];
+    return first < 0 || std::size_t(first) == chunk.first + k;
+  }
+
+  void
+  embedBatch(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
+             SimdTier tier, std::size_t begin, std::size_t end,
+             LatticeTable<Key>& table)
+  {
+    std::int32_t columns[kernels::batch_points];
+    for (std::size_t i = 0; i < kernels::batch_points; ++i)
+      columns[i] = structure_.columns[std::min(begin + i, end - 1)];
+    kernels::LatticeBatch batch;
+    kernels::latticeEmbedding(tier).embed(frame, features.data(), columns, batch);
+    const std::size_t corners = structure_.corners;
+    std::uint8_t* const directions = vertices_.directions.data() + begin * corners;
+    for (std::size_t k = 0; k < corners; ++k)
+      for (std::size_t i = 0; i < kernels::batch_points; ++i)
+        directions[k * kernels::batch_points + i] =
+            std::uint8_t(batch.directions[k][i]);
+    for (std::size_t i = 0; i < end - begin; ++i) {
+      std::int32_t* const rows = structure_.corner_rows.data() + (begin + i) * corners;
+      float* const weights = structure_.weights.data() + (begin + i) * corners;
+      for (std::size_t k = 0; k < corners; ++k)
+        weights[k] = batch.weights[k][i];
+      Key key = vertices_.arithmetic.first(batch, i);
+      for (std::size_t k = 0; k < corners; ++k) {
+        rows[k] = table.insert(key);
+        key = vertices_.arithmetic.inSimplex(key, batch.directions[k][i]);
+      }
+    }
+  }
+
+  void
+  sortByPartition(ChunkKeys<Key>& chunk)
+  {
+    const auto partitionOf = [&](Key key) {
+      // Not the bits that a table takes: its keys would crowd.
+      return std::size_t(LatticeKeys<Key>::hash(key) & (partitions - 1));
+    };
+    std::fill_n(chunk.begins, partitions + 1, 0);
+    for (const Key key : chunk.keys)
+      ++chunk.begins[partitionOf(key) + 1];
+    for (std::size_t p = 0; p < partitions; ++p)
+      chunk.begins[p + 1] += chunk.begins[p];
+    std::uint32_t places[partitions];
+    std::copy_n(chunk.begins, partitions, places);
+    chunk.by_partition.resize(chunk.keys.size());
+    for (std::size_t k = 0; k < chunk.keys.size(); ++k)
+      chunk.by_partition[places[partitionOf(chunk.keys[k])]++] = std::int32_t(k);
+  }
+
+  // From numbers of keys of a chunk to rows.
+  void
+  writeRows(std::size_t c)
+  {
+    const ChunkKeys<Key>& chunk = chunks_[c];
+    std::size_t partial = structure_.first_partials[c];
+    std::vector<std::int32_t> rows(chunk.keys.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const std::int32_t first = rows_[chunk.first + k];
+      if (first < 0) {
+        rows[k] = -1 - first;
+        continue;
+      }
+      structure_.represents[partial] = -1 - rows_[std::size_t(first)];
+      rows[k] = std::int32_t(structure_.vertices + partial++);
+    }
+    auto row_end = std::int32_t(structure_.first_rows[c]);
+    for (std::size_t i = c * structure_.chunk_points; i < endOf(c); ++i) {
+      for (std::size_t k = i * structure_.corners; k < (i + 1) * structure_.corners;
+           ++k) {
+        std::int32_t& row = structure_.corner_rows[k];
+        row = rows[std::size_t(row)];
+        if (std::size_t(row) < structure_.vertices)
+          row_end = std::max(row_end, row + 1);
+      }
+      structure_.row_ends[i / kernels::batch_points] = row_end;
+    }
+  }
+
+  LatticeVertices<Key>& vertices_;
+  LatticeStructure& structure_;
+  std::vector<ChunkKeys<Key>> chunks_;
+  LatticeArray<std::int32_t> rows_; // of all keys of all chunks: first key; -1 - vertex
+};
+
+} // namespace
+
+template <typename Key>
+LatticeVertices<Key>
+numberVertices(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
+               const LatticeKeyBits& bits, SimdTier tier, LatticeStructure& structure)
+{
+  LatticeVertices<Key> vertices{LatticeKeys<Key>(bits), {}, {}};
+  Numbering<Key> numbering(vertices, structure);
+  numbering.embed(features, frame, tier);
+  numbering.findFirst();
+  numbering.numberRows();
+  numbering.findShared();
+  return vertices;
+}
+
+template LatticeVertices<std::uint64_t> numberVertices(const LatticeFeatures&,
+                                                       const kernels::LatticeFrame&,
+                                                       const LatticeKeyBits&, SimdTier,
+                                                       LatticeStructure&);
+template LatticeVertices<LongLatticeKey> numberVertices(const LatticeFeatures&,
+                                                        const kernels::LatticeFrame&,
+                                                        const LatticeKeyBits&, SimdTier,
+                                                        LatticeStructure&);
+
+} // namespace pcl_semantic

@@ -1,0 +1,152 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "kernels/lattice_filter.h"
+#include "lattice_numbering.h"
+#include "lattice_order.h"
+
+#include <pcl_semantic/core/parallel_guard.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Vertices of a bucket, about: their rows of 16 floats fill a quarter of a 1 MB cache.
+constexpr std::size_t bucket_vertices = 4096;
+constexpr std::size_t most_buckets = 4096;
+
+// A number that steps in some directions do not change: a sum of cells of the other
+// directions, by factors whose sum is 0.
+template <typename Key> class SheetNumber {
+public:
+  SheetNumber(const LatticeKeys<Key>& arithmetic, int dimensions, int begin, int end)
+      : arithmetic_(arithmetic), dimensions_(dimensions)
+  {
+    std::uint64_t sum = 0, factor = 0;
+    int last = -1;
+    for (int j = 0; j <= dimensions; ++j)
+      if (j < begin || j >= end) {
+        factor = factor * 0x5851F42D4C957F2Du + 0x14057B7EF767814Fu;
+        factors_[j] = factor;
+        sum += factor;
+        last = j;
+      }
+    if (last >= 0)
+      factors_[last] -= sum;
+  }
+
+  std::uint64_t
+  operator()(Key key) const
+  {
+    std::uint64_t sum = 0;
+    for (int j = 0; j <= dimensions_; ++j)
+      if (factors_[j] != 0)
+        sum += factors_[j] * std::uint64_t(arithmetic_.cell(key, j));
+    sum = (sum ^ (sum >> 31)) * 0x9E3779B97F4A7C15u;
+    return sum >> 32;
+  }
+
+private:
+  const LatticeKeys<Key>& arithmetic_;
+  int dimensions_;
+  std::uint64_t factors_[kernels::most_dimensions + 1] = {};
+};
+
+// Directions of a group: so few that a sheet is small against the lattice.
+int
+groupSize(int dimensions)
+{
+  return dimensions < 6 ? std::max(1, dimensions - 2) : (dimensions + 2) / 2;
+}
+
+// Appends the runs of one direction, from the neighbour ahead of every member (-1 =
+// none).
+void
+appendRuns(const std::int32_t* members, const std::vector<std::int32_t>& ahead,
+           const std::vector<std::uint8_t>& has_back, LatticeBucket& bucket)
+{
+  const std::size_t begin = bucket.steps.size();
+  std::size_t count = 0;
+  for (std::size_t m = 0; m < ahead.size(); ++m)
+    count += ahead[m] >= 0 || has_back[m];
+  bucket.steps.resize(begin + count + 1);
+  std::int32_t* step = bucket.steps.data() + begin;
+  for (std::size_t m = 0; m < ahead.size(); ++m)
+    if (ahead[m] >= 0 && !has_back[m]) {
+      std::int32_t here = std::int32_t(m);
+      for (; ahead[std::size_t(here)] >= 0; here = ahead[std::size_t(here)])
+        *step++ = members[here];
+      *step++ = members[here] | kernels::run_end;
+    }
+  if (count > 0)
+    *step = step[-1]; // a loop looks one step ahead
+  bucket.begins.push_back(std::uint32_t(begin));
+  bucket.counts.push_back(std::uint32_t(count));
+}
+
+template <typename Key>
+LatticeBucket
+makeBucket(const LatticeVertices<Key>& vertices, const std::int32_t* members,
+           std::size_t count, int begin, int end, LatticeTable<Key>& table)
+{
+  table.clear();
+  for (std::size_t m = 0; m < count; ++m)
+    table.insert(vertices.keys[std::size_t(members[m])]);
+  LatticeBucket bucket;
+  std::vector<std::int32_t> ahead(count);
+  std::vector<std::uint8_t> has_back(count);
+  for (int j = begin; j < end; ++j) {
+    std::fill(has_back.begin(), has_back.end(), 0);
+    for (std::size_t m = 0; m < count; ++m) {
+      ahead[m] = table.find(vertices.arithmetic.ahead(table.keys()[m], j));
+      if (ahead[m] >= 0)
+        has_back[std::size_t(ahead[m])] = 1;
+    }
+    appendRuns(members, ahead, has_back, bucket);
+  }
+  bucket.steps.resize(bucket.steps.size() + kernels::steps_ahead, bucket.steps.back());
+  bucket.steps.shrink_to_fit();
+  return bucket;
+}
+
+} // namespace
+
+template <typename Key>
+void
+findRuns(const LatticeVertices<Key>& vertices, LatticeStructure& structure)
+{
+  const int corners = int(structure.corners), size = groupSize(corners - 1);
+  const std::size_t buckets =
+      std::min(most_buckets, structure.vertices / bucket_vertices + 1);
+  LatticeArray<std::int32_t> bucket_of(structure.vertices);
+  for (int begin = 0; begin < corners; begin += size) {
+    const int end = std::min(corners, begin + size);
+    const SheetNumber<Key> sheet(vertices.arithmetic, corners - 1, begin, end);
+#pragma omp parallel for schedule(static)
+    for (std::size_t v = 0; v < structure.vertices; ++v)
+      bucket_of[v] = std::int32_t(sheet(vertices.keys[v]) * buckets >> 32);
+    const LatticeBuckets sorted(bucket_of, buckets);
+    structure.groups.push_back({begin, std::vector<LatticeBucket>(buckets)});
+    ParallelGuard guard;
+#pragma omp parallel
+    guard.run([&] {
+      LatticeTable<Key> table;
+#pragma omp for schedule(dynamic, 1) nowait
+      for (std::size_t b = 0; b < buckets; ++b)
+        guard.run([&] {
+          structure.groups.back().buckets[b] =
+              makeBucket(vertices, sorted.members.data() + sorted.begins[b],
+                         sorted.begins[b + 1] - sorted.begins[b], begin, end, table);
+        });
+    });
+    guard.rethrow();
+  }
+}
+
+template void findRuns(const LatticeVertices<std::uint64_t>&, LatticeStructure&);
+template void findRuns(const LatticeVertices<LongLatticeKey>&, LatticeStructure&);
+
+} // namespace pcl_semantic

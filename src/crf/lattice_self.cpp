@@ -1,0 +1,210 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "kernels/lattice_filter.h"
+#include "lattice_numbering.h"
+
+#include <pcl_semantic/core/parallel_guard.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Beyond that the sets of directions are too many to keep for every vertex.
+constexpr int most_dimensions_of_sets = 7;
+
+// Sets of directions as bits of some words, by row (kernels::LatticePaths).
+class PathSets {
+public:
+  explicit PathSets(const LatticeStructure& structure)
+      : structure_(structure),
+        words_(((std::size_t(1) << structure.corners) + 63) / 64),
+        ahead_(structure.rows * words_), back_(structure.rows * words_)
+  {
+#pragma omp parallel for schedule(static)
+    for (std::size_t v = 0; v < structure.vertices; ++v)
+      for (std::size_t w = 0; w < words_; ++w)
+        ahead_[v * words_ + w] = back_[v * words_ + w] = w == 0 ? 1 : 0;
+    // From the last direction to the first, as a path takes the first one first.
+    for (auto group = structure.groups.rbegin(); group != structure.groups.rend();
+         ++group) {
+#pragma omp parallel for schedule(dynamic, 1)
+      for (std::size_t b = 0; b < group->buckets.size(); ++b)
+        for (std::size_t j = group->buckets[b].begins.size(); j-- > 0;)
+          addDirection(group->buckets[b], j, std::size_t(group->first_direction) + j);
+    }
+#pragma omp parallel for schedule(static)
+    for (std::size_t p = 0; p < structure.represents.size(); ++p)
+      for (std::size_t w = 0; w < words_; ++w) {
+        const std::size_t from = std::size_t(structure.represents[p]) * words_ + w;
+        const std::size_t to = (structure.vertices + p) * words_ + w;
+        ahead_[to] = ahead_[from];
+        back_[to] = back_[from];
+      }
+  }
+
+  kernels::LatticePaths
+  paths(std::size_t begin, const std::uint8_t* directions) const
+  {
+    return {int(structure_.corners) - 1,
+            words_,
+            ahead_.data(),
+            back_.data(),
+            structure_.corner_rows.data() + begin * structure_.corners,
+            structure_.weights.data() + begin * structure_.corners,
+            directions + begin * structure_.corners};
+  }
+
+private:
+  // Sets of later directions that a neighbour has, with this direction added.
+  void
+  addFrom(const std::uint64_t* neighbour, std::size_t shift, std::uint64_t* sets) const
+  {
+    if (shift < 64)
+      *sets |= *neighbour << shift;
+    else
+      for (std::size_t w = shift / 64; w < 2 * (shift / 64); ++w)
+        sets[w] |= neighbour[w - shift / 64];
+  }
+
+  void
+  addDirection(const LatticeBucket& bucket, std::size_t j, std::size_t direction)
+  {
+    const std::size_t shift = std::size_t(1) << (structure_.corners - 1 - direction);
+    const std::int32_t* const steps = bucket.steps.data() + bucket.begins[j];
+    const auto at = [&](LatticeArray<std::uint64_t>& sets, std::int32_t step) {
+      return sets.data() + std::size_t(step & ~kernels::run_end) * words_;
+    };
+    // In place: the neighbour that is read has not been changed yet.
+    for (std::uint32_t t = 0; t < bucket.counts[j]; ++t)
+      if (!(steps[t] & kernels::run_end))
+        addFrom(at(ahead_, steps[t + 1]), shift, at(ahead_, steps[t]));
+    for (std::uint32_t t = bucket.counts[j]; t-- > 1;)
+      if (!(steps[t - 1] & kernels::run_end))
+        addFrom(at(back_, steps[t - 1]), shift, at(back_, steps[t]));
+  }
+
+  const LatticeStructure& structure_;
+  std::size_t words_;
+  LatticeArray<std::uint64_t> ahead_, back_;
+};
+
+void
+respondBySets(const LatticeArray<std::uint8_t>& directions, SimdTier tier,
+              LatticeStructure& structure)
+{
+  const PathSets sets(structure);
+  const kernels::LatticeEmbedding& loops = kernels::latticeEmbedding(tier);
+#pragma omp parallel for schedule(static)
+  for (std::size_t begin = 0; begin < structure.points;
+       begin += kernels::batch_points) {
+    kernels::LatticePaths paths = sets.paths(begin, directions.data());
+    const std::size_t count = std::min(kernels::batch_points, structure.points - begin);
+    // The last ones are filled up with copies.
+    std::int32_t rows[kernels::batch_points * (most_dimensions_of_sets + 1)];
+    float weights[kernels::batch_points * (most_dimensions_of_sets + 1)];
+    if (count < kernels::batch_points) {
+      for (std::size_t i = 0; i < kernels::batch_points * structure.corners; ++i) {
+        rows[i] = paths.rows[std::min(i, count * structure.corners - 1)];
+        weights[i] = paths.weights[std::min(i, count * structure.corners - 1)];
+      }
+      paths.rows = rows;
+      paths.weights = weights;
+    }
+    float responses[kernels::batch_points];
+    loops.selfResponse(paths, responses);
+    for (std::size_t i = 0; i < count; ++i)
+      structure.self_responses[std::size_t(structure.columns[begin + i])] =
+          responses[i];
+  }
+}
+
+// Walks every path of every point: for many dimensions, where few of them exist.
+template <typename Key> class Walker {
+public:
+  Walker(const LatticeVertices<Key>& vertices, int corners)
+      : vertices_(vertices), corners_(corners)
+  {
+    for (std::size_t v = 0; v < vertices.keys.size(); ++v)
+      table_.insert(vertices.keys[v]);
+  }
+
+  // The weight of stepping, in every direction of a set, ahead (1) or back (-1).
+  float
+  walk(std::size_t vertex, std::uint32_t set, int sign) const
+  {
+    Key key = vertices_.keys[vertex];
+    float weight = 1.0f;
+    for (int j = 0; j < corners_; ++j)
+      if (set >> j & 1) {
+        key = sign > 0 ? vertices_.arithmetic.ahead(key, j)
+                       : vertices_.arithmetic.back(key, j);
+        if (table_.find(key) < 0)
+          return 0.0f;
+        weight *= 0.5f;
+      }
+    return weight;
+  }
+
+  float
+  respond(const LatticeStructure& structure, std::size_t i) const
+  {
+    const auto corners = std::size_t(corners_);
+    const std::uint8_t* const directions =
+        vertices_.directions.data() +
+        i / kernels::batch_points * kernels::batch_points * corners +
+        i % kernels::batch_points;
+    const float* const weights = structure.weights.data() + i * corners;
+    const std::uint32_t all = (std::uint32_t(1) << corners) - 1;
+    float response = 0.0f;
+    for (std::size_t k = 0; k < corners; ++k) {
+      auto vertex = std::size_t(structure.corner_rows[i * corners + k]);
+      if (vertex >= structure.vertices)
+        vertex = std::size_t(structure.represents[vertex - structure.vertices]);
+      std::uint32_t set = 0;
+      for (std::size_t m = 0; m <= corners; ++m) {
+        if (m > 0)
+          set |= std::uint32_t(1)
+                 << directions[(k + m - 1) % corners * kernels::batch_points];
+        const float back = m < corners ? walk(vertex, all ^ set, -1) : 0.0f;
+        response +=
+            weights[k] * weights[(k + m) % corners] * (walk(vertex, set, 1) + back);
+      }
+    }
+    return response;
+  }
+
+private:
+  const LatticeVertices<Key>& vertices_;
+  int corners_;
+  LatticeTable<Key> table_;
+};
+
+} // namespace
+
+template <typename Key>
+void
+findSelfResponses(const LatticeVertices<Key>& vertices, SimdTier tier,
+                  LatticeStructure& structure)
+{
+  structure.self_responses = LatticeArray<float>(structure.points);
+  if (int(structure.corners) - 1 <= most_dimensions_of_sets) {
+    respondBySets(vertices.directions, tier, structure);
+    return;
+  }
+  const Walker<Key> walker(vertices, int(structure.corners));
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t i = 0; i < structure.points; ++i)
+    structure.self_responses[std::size_t(structure.columns[i])] =
+        walker.respond(structure, i);
+}
+
+template void findSelfResponses(const LatticeVertices<std::uint64_t>&, SimdTier,
+                                LatticeStructure&);
+template void findSelfResponses(const LatticeVertices<LongLatticeKey>&, SimdTier,
+                                LatticeStructure&);
+
+} // namespace pcl_semantic

@@ -1,0 +1,188 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "kernels/lattice_filter.h"
+#include "lattice_structure.h"
+
+#include <pcl_semantic/crf/permutohedral_lattice.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr std::size_t merge_vertices = 1024; // that a thread takes at a time
+constexpr Eigen::Index widest = 16;
+
+std::size_t
+widthFor(Eigen::Index rows)
+{
+  return rows > 8 ? 16 : rows > 4 ? 8 : rows > 1 ? 4 : 1;
+}
+
+} // namespace
+
+class PermutohedralLattice::Implementation {
+public:
+  Implementation(const LatticeFeatures& features, SimdTier tier)
+      : structure(buildLattice(features, tier)), tier_(tier)
+  {}
+
+  // Filters up to 16 rows.
+  void
+  filter(const kernels::LatticeColumns& columns)
+  {
+    const std::size_t width = widthFor(Eigen::Index(columns.rows));
+    const kernels::LatticeFilter& loops = kernels::latticeFilter(tier_, width);
+    const Values values = borrow(structure.rows * width);
+    float* const lattice = values->data();
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t c = 0; c < structure.chunks(); ++c)
+      loops.splat(chunk(c), columns, lattice);
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t m = 0; m < structure.shared.size(); m += merge_vertices)
+      loops.merge(structure.shared.data() + m,
+                  std::min(merge_vertices, structure.shared.size() - m),
+                  structure.shared_ends.data() + 1 + m, structure.shared_rows.data(),
+                  lattice);
+    for (const LatticeGroup& group : structure.groups) {
+#pragma omp parallel for schedule(dynamic, 1)
+      for (std::size_t b = 0; b < group.buckets.size(); ++b)
+        blur(group.buckets[b], loops, lattice);
+    }
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t c = 0; c < structure.chunks(); ++c)
+      loops.slice(chunk(c), columns, lattice);
+    giveBack(values);
+  }
+
+  std::size_t
+  memory() const
+  {
+    return structure.memory() + structure.rows * std::size_t(widest) * sizeof(float);
+  }
+
+  const LatticeStructure structure;
+
+private:
+  using Values = std::shared_ptr<LatticeArray<float>>;
+
+  // Memory is kept from one product to the next: to get it costs more than to fill it.
+  Values
+  borrow(std::size_t size)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    while (!spare_.empty()) {
+      const Values values = spare_.back();
+      spare_.pop_back();
+      if (values->size() >= size)
+        return values;
+    }
+    return std::make_shared<LatticeArray<float>>(size);
+  }
+
+  void
+  giveBack(const Values& values)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    spare_.push_back(values);
+  }
+
+  kernels::LatticePoints
+  chunk(std::size_t c) const
+  {
+    const std::size_t begin = c * structure.chunk_points;
+    const std::size_t partial = structure.first_partials[c];
+    return {std::min(structure.chunk_points, structure.points - begin),
+            structure.corners,
+            structure.columns.data() + begin,
+            structure.corner_rows.data() + begin * structure.corners,
+            structure.weights.data() + begin * structure.corners,
+            structure.row_ends.data() + begin / kernels::row_end_points,
+            structure.first_rows[c],
+            structure.vertices + partial,
+            structure.first_partials[c + 1] - partial,
+            structure.represents.data() + partial};
+  }
+
+  static void
+  blur(const LatticeBucket& bucket, const kernels::LatticeFilter& loops, float* lattice)
+  {
+    for (std::size_t j = 0; j < bucket.begins.size(); ++j)
+      loops.blur(bucket.steps.data() + bucket.begins[j], bucket.counts[j], lattice);
+  }
+
+  SimdTier tier_;
+  std::mutex mutex_;
+  std::vector<Values> spare_;
+};
+
+PermutohedralLattice::PermutohedralLattice(
+    const Eigen::Ref<const Eigen::MatrixXf>& features, SimdTier tier)
+    : implementation_(std::make_unique<Implementation>(features, tier))
+{}
+
+PermutohedralLattice::~PermutohedralLattice() = default;
+PermutohedralLattice::PermutohedralLattice(PermutohedralLattice&&) noexcept = default;
+PermutohedralLattice&
+PermutohedralLattice::operator=(PermutohedralLattice&&) noexcept = default;
+
+Eigen::Index
+PermutohedralLattice::size() const
+{
+  return Eigen::Index(implementation_->structure.points);
+}
+
+Eigen::Index
+PermutohedralLattice::vertices() const
+{
+  return Eigen::Index(implementation_->structure.vertices);
+}
+
+float
+PermutohedralLattice::gain() const
+{
+  // The taps sum to 2 in each of d + 1 directions; a vertex stands for the volume
+  // (3/2)^(d/2) / (d + 1)^(1/2) of the space of features.
+  const auto corners = double(implementation_->structure.corners);
+  const double pi = 3.14159265358979323846;
+  return float(std::pow(4.0 * pi / 3.0, (corners - 1.0) / 2.0) * std::sqrt(corners) /
+               std::exp2(corners));
+}
+
+Eigen::Map<const Eigen::ArrayXf>
+PermutohedralLattice::selfResponses() const
+{
+  return {implementation_->structure.self_responses.data(), size()};
+}
+
+void
+PermutohedralLattice::addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
+                                  const Scales& scales, const VariableMask& active,
+                                  Eigen::Ref<Eigen::MatrixXf> result) const
+{
+  if (size() == 0)
+    return;
+  const float* const end = values.col(values.cols() - 1).data() + values.rows();
+  for (Eigen::Index row = 0; row < values.rows(); row += widest)
+    implementation_->filter(
+        {values.data() + row, end, std::size_t(values.outerStride()),
+         result.data() + row, std::size_t(result.outerStride()),
+         std::size_t(std::min(widest, values.rows() - row)), scales.splat.data(),
+         scales.slice.data(), scales.diagonal.data(),
+         active.empty() ? nullptr : active.data()});
+}
+
+std::size_t
+PermutohedralLattice::memory() const
+{
+  return implementation_->memory();
+}
+
+} // namespace pcl_semantic

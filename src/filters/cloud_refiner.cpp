@@ -1,0 +1,195 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/filters/cloud_refiner.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+bool
+hasPlace(const Eigen::Vector3f& position)
+{
+  // Written so that NaN has none.
+  return (position.array().abs() <= CloudRefiner::most_distant).all();
+}
+
+// The indices of points that have a place, each once, in rising order.
+pcl::Indices
+placedPoints(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices,
+             std::size_t& skipped)
+{
+  std::vector<std::uint8_t> chosen(std::size_t(positions.cols()), 0);
+  for (const pcl::index_t index : indices) {
+    if (index < 0 || index >= positions.cols())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "the index " << index << " is beyond the cloud of "
+                                       << positions.cols() << " points");
+    chosen[std::size_t(index)] = 1;
+  }
+  pcl::Indices placed;
+  placed.reserve(indices.size());
+  skipped = 0;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!chosen[i])
+      continue;
+    if (hasPlace(positions.col(Eigen::Index(i))))
+      placed.push_back(pcl::index_t(i));
+    else
+      ++skipped;
+  }
+  return placed;
+}
+
+void
+requireSize(const char* what, std::size_t size, std::size_t points)
+{
+  if (size != points)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "SemanticCRF has " << what << " of " << size
+                                           << " points for a cloud of " << points);
+}
+
+} // namespace
+
+void
+CloudRefiner::setLabelConfidence(double confidence, int classes)
+{
+  if (!(confidence >= 0.0 && confidence <= 1.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "label confidence is " << confidence << ", expected 0 to 1");
+  if (classes < 1 || classes > 255)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "labels are of " << classes << " classes, expected 1 to 255");
+  measured_ = LabelDistributions();
+  label_confidence_ = confidence;
+  label_classes_ = classes;
+}
+
+void
+CloudRefiner::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
+{
+  if (!indices.empty() && !(voxel_size > 0.0 && std::isfinite(voxel_size)))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "voxel size is " << voxel_size << " m, expected more than 0");
+  voxels_ = indices;
+  voxel_size_ = voxel_size;
+}
+
+LabelDistributions
+CloudRefiner::measurements(const Fields& fields) const
+{
+  const std::size_t count = fields.labels.size();
+  if (label_classes_ == 0) {
+    requireSize("label distributions", std::size_t(measured_.size()), count);
+    return measured_;
+  }
+  LabelDistributions distributions(label_classes_, Eigen::Index(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (fields.labels[i] > std::uint32_t(label_classes_))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          "point " << i << " has the label " << fields.labels[i]
+                                   << ", expected 0 to " << label_classes_);
+    distributions.setLabel(Eigen::Index(i), Label(fields.labels[i]),
+                           float(label_confidence_));
+  }
+  return distributions;
+}
+
+// refined_ holds the measurements.
+LabelRefiner::Elements
+CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) const
+{
+  Elements elements;
+  elements.total = fields.labels.size();
+  elements.indices = indices;
+  const auto count = static_cast<Eigen::Index>(indices.size());
+  elements.positions.resize(3, count);
+  elements.measured = LabelDistributions(refined_.classes(), count);
+  if (fields.colours.size() > 0)
+    elements.colours.resize(3, count);
+  // Differences from one of the points keep single precision wherever the cloud lies.
+  const Eigen::Vector3f first = fields.positions.col(indices[0]);
+  const Eigen::Vector3d first_voxel =
+      voxels_.empty() ? Eigen::Vector3d::Zero()
+                      : voxels_[std::size_t(indices[0])].cast<double>().eval();
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index i = indices[std::size_t(k)];
+    if (voxels_.empty())
+      elements.positions.col(k) = fields.positions.col(i) - first;
+    else
+      elements.positions.col(k) =
+          ((voxels_[std::size_t(i)].cast<double>() - first_voxel) * voxel_size_)
+              .cast<float>();
+    elements.measured.matrix().col(k) = refined_.matrix().col(i);
+    if (fields.colours.size() > 0)
+      elements.colours.col(k) = fields.colours.col(i);
+  }
+  return elements;
+}
+
+void
+CloudRefiner::makeCliques(const Fields& fields)
+{
+  const bool has_colours = fields.colours.size() > 0;
+  if (generator_->usesColour() && !has_colours)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "these cliques need points with colour");
+  CliqueGenerator::Cloud cloud(fields.width, fields.height);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f position = fields.positions.col(Eigen::Index(i));
+    pcl::PointXYZRGB& point = cloud[i];
+    if (hasPlace(position))
+      point.getVector3fMap() = position;
+    else {
+      point.x = point.y = point.z = std::numeric_limits<float>::quiet_NaN();
+      cloud.is_dense = false;
+    }
+    if (has_colours) {
+      const auto colour = fields.colours.col(Eigen::Index(i)).cast<std::uint8_t>();
+      point.r = colour(0);
+      point.g = colour(1);
+      point.b = colour(2);
+    }
+  }
+  setCliques(generator_->generate(cloud));
+}
+
+void
+CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
+{
+  const std::size_t count = fields.labels.size();
+  if (!voxels_.empty())
+    requireSize("voxel indices", voxels_.size(), count);
+  LabelDistributions measured = measurements(fields);
+  const pcl::Indices placed = placedPoints(fields.positions, indices, skipped_points_);
+  refined_ = std::move(measured);
+  for (const pcl::index_t index : indices)
+    if (!hasPlace(fields.positions.col(index))) {
+      fields.labels[std::size_t(index)] = kUnlabelled;
+      refined_.matrix().col(index).setZero();
+    }
+  if (placed.empty())
+    return;
+  if (usesCliques() && generator_)
+    makeCliques(fields);
+  Elements elements = elementsOf(fields, placed);
+  const LabelDistributions refined = refine(elements);
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index k = 0; k < refined.size(); ++k) {
+    const pcl::index_t index = elements.indices[std::size_t(k)];
+    refined_.matrix().col(index) = refined.matrix().col(k);
+    fields.labels[std::size_t(index)] = refined.mapLabel(k);
+  }
+}
+
+} // namespace pcl_semantic

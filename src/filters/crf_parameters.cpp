@@ -1,0 +1,73 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/filters/crf_parameters.h>
+
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+void
+require(bool holds, const char* name, double value, const char* expected)
+{
+  if (!holds || !std::isfinite(value))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        name << " is " << value << ", expected " << expected);
+}
+
+void
+requireWeight(const char* name, double value)
+{
+  require(value >= 0.0 && value <= 1e9, name, value, "0 to 1e9");
+}
+
+void
+requireDeviation(const char* name, double value)
+{
+  require(value >= 1e-9 && value <= 1e9, name, value, "more than 0, 1e-9 to 1e9");
+}
+
+} // namespace
+
+void
+SemanticCRFParameters::validate() const
+{
+  requireWeight("smoothness_weight", smoothness_weight);
+  requireDeviation("smoothness_deviation", smoothness_deviation);
+  requireWeight("appearance_weight", appearance_weight);
+  requireDeviation("appearance_deviation", appearance_deviation);
+  requireDeviation("colour_deviation", colour_deviation);
+  require(radius > 0.0 && radius <= 100.0, "radius", radius,
+          "more than 0, at most 100");
+  require(iterations >= 0, "iterations", iterations, "0 or more");
+  require(settled >= 0.0, "settled", settled, "0 or more");
+  requireWeight("clique_weight", clique_weight);
+  require(clique_truncation > 0.0 && clique_truncation <= 1.0, "clique_truncation",
+          clique_truncation, "more than 0, at most 1");
+  requireWeight("clique_smoothness_weight", clique_smoothness_weight);
+  requireDeviation("clique_smoothness_deviation", clique_smoothness_deviation);
+  requireWeight("clique_appearance_weight", clique_appearance_weight);
+  requireDeviation("clique_appearance_deviation", clique_appearance_deviation);
+  requireDeviation("clique_colour_deviation", clique_colour_deviation);
+}
+
+SemanticCRFParameters
+SemanticCRFParameters::forImages()
+{
+  SemanticCRFParameters parameters;
+  parameters.smoothness_deviation = 3.0;
+  parameters.appearance_deviation = 40.0;
+  parameters.colour_deviation = 4.0;
+  parameters.iterations = 5;
+  parameters.clique_smoothness_deviation = 40.0;
+  parameters.clique_appearance_deviation = 40.0;
+  return parameters;
+}
+
+} // namespace pcl_semantic

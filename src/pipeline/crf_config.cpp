@@ -1,0 +1,123 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/pipeline/crf_config.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+void
+append(ConfigParameters& to, ConfigParameters from)
+{
+  for (ConfigParameter& parameter : from)
+    to.push_back(std::move(parameter));
+}
+
+ConfigParameters
+cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
+{
+  return {{"clique_weight", "k_c, what a member pays that differs from its clique",
+           &crf.clique_weight},
+          {"clique_free_label", "a clique may let go of its members", &crf.free_label},
+          {"clique_truncation", "share of members that may differ before it does",
+           &crf.clique_truncation},
+          {"clique_members_hear_map", "its MAP label alone, not its distribution",
+           &crf.members_hear_map},
+          {"clique_smoothness_weight", "of the kernel of the cliques' mean positions",
+           &crf.clique_smoothness_weight},
+          {"clique_smoothness_deviation", "of positions, in that kernel [" + unit + "]",
+           &crf.clique_smoothness_deviation},
+          {"clique_appearance_weight",
+           "of the kernel of their mean positions and colours",
+           &crf.clique_appearance_weight},
+          {"clique_appearance_deviation", "of positions, in that kernel [" + unit + "]",
+           &crf.clique_appearance_deviation},
+          {"clique_colour_deviation", "of colours, in that kernel [grey levels]",
+           &crf.clique_colour_deviation}};
+}
+
+} // namespace
+
+ConfigParameters
+parametersOf(SemanticCRFParameters& crf, const std::string& prefix,
+             const std::string& unit)
+{
+  ConfigParameters parameters = {
+      {prefix + "iterations", "mean-field updates a run, at most", &crf.iterations},
+      {prefix + "settled", "stop when no probability changed by more; 0 = never",
+       &crf.settled},
+      {prefix + "kernels", "automatic, truncated (sums over near pairs) or lattice",
+       chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"})},
+      {prefix + "radius", "truncated sums reach this many deviations", &crf.radius},
+      {prefix + "normalization", "of kernels: symmetric, one-sided or none",
+       chooseFrom(crf.normalization, {"symmetric", "one-sided", "none"})},
+      {prefix + "self_interaction", "points hear themselves, as in densecrf",
+       &crf.self_interaction},
+      {"smoothness_weight", "of the kernel of positions", &crf.smoothness_weight},
+      {"smoothness_deviation", "of positions, in that kernel [" + unit + "]",
+       &crf.smoothness_deviation},
+      {"appearance_weight", "of the kernel of positions and colours",
+       &crf.appearance_weight},
+      {"appearance_deviation", "of positions, in that kernel [" + unit + "]",
+       &crf.appearance_deviation},
+      {"colour_deviation", "of colours, in that kernel [grey levels]",
+       &crf.colour_deviation}};
+  append(parameters, cliqueParametersOf(crf, unit));
+  return parameters;
+}
+
+CliqueGenerator::Ptr
+makeCliqueGenerator(const std::string& text)
+{
+  const std::string cubes = "cubes:";
+  if (text.rfind(cubes, 0) != 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cliques are '" << text << "', expected cubes:SIZE");
+  try {
+    return std::make_shared<CubeCliques>(
+        parseNumber(text.substr(cubes.size()), "cliques '" + text + "'"));
+  }
+  catch (const BadInputException& error) {
+    PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
+  }
+}
+
+void
+CRFConfig::validate() const
+{
+  parameters.validate();
+  if (!(label_confidence > 0.0 && label_confidence <= 1.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "label_confidence is " << label_confidence
+                                               << ", expected more than 0, at most 1");
+  const bool needs_cliques =
+      model == CRFModelType::pn_potts || model == CRFModelType::hierarchical;
+  if (needs_cliques && cliques.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the models pn-potts and hierarchical need --cliques");
+  if (!needs_cliques && !cliques.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "--cliques are for the models pn-potts and hierarchical");
+}
+
+ConfigParameters
+parametersOf(CRFConfig& config)
+{
+  ConfigParameters parameters = {
+      {"model", "unary, dense, pn-potts or hierarchical",
+       chooseFrom(config.model, {"unary", "dense", "pn-potts", "hierarchical"})},
+      {"label_confidence", "probability of the class that a label states",
+       &config.label_confidence}};
+  append(parameters, parametersOf(config.parameters, "", config.unit));
+  parameters.push_back({"threads", "0 = all processors", &config.threads});
+  return parameters;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,146 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/core/exceptions.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+
+using namespace pcl_semantic;
+
+namespace {
+
+using Cloud = CliqueGenerator::Cloud;
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+Cloud
+randomCloud(int points, const Eigen::Vector3f& centre, float extent)
+{
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> offset(-extent, extent);
+  Cloud cloud;
+  for (int i = 0; i < points; ++i) {
+    pcl::PointXYZRGB point;
+    point.getVector3fMap() =
+        centre + Eigen::Vector3f(offset(random), offset(random), offset(random));
+    cloud.push_back(point);
+  }
+  return cloud;
+}
+
+// What CubeCliques has to give, said with a map from z, y, x to the points.
+std::vector<std::vector<int>>
+plainCubes(const Cloud& cloud, double edge)
+{
+  std::map<std::array<double, 3>, std::vector<int>> cubes;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const pcl::PointXYZRGB& point = cloud[i];
+    if (std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z))
+      cubes[{std::floor(point.z / edge), std::floor(point.y / edge),
+             std::floor(point.x / edge)}]
+          .push_back(int(i));
+  }
+  std::vector<std::vector<int>> lists;
+  for (const auto& [cube, points] : cubes)
+    lists.push_back(points);
+  return lists;
+}
+
+std::vector<std::vector<int>>
+listsOf(const std::vector<pcl::PointIndices>& cliques)
+{
+  std::vector<std::vector<int>> lists;
+  for (const pcl::PointIndices& clique : cliques)
+    lists.emplace_back(clique.indices.begin(), clique.indices.end());
+  return lists;
+}
+
+std::vector<std::vector<int>>
+cubesOf(const Cloud& cloud, double edge)
+{
+  return listsOf(CubeCliques(edge).generate(cloud));
+}
+
+} // namespace
+
+TEST(CubeCliques, GroupsAsAPlainMapDoes)
+{
+  const Cloud cloud = randomCloud(20000, {3.0f, -2.0f, 0.5f}, 5.0f);
+  for (const double edge : {0.1, 0.37, 1.0, 4.0, 100.0}) {
+    const auto cliques = cubesOf(cloud, edge);
+    EXPECT_EQ(cliques, plainCubes(cloud, edge)) << edge;
+    EXPECT_GT(cliques.size(), 1u) << edge; // cubes end at 0, in the middle of the cloud
+  }
+}
+
+TEST(CubeCliques, WorksFarFromTheOrigin)
+{
+  // Here a single-precision quotient is off by whole cubes.
+  for (const float far : {-1e5f, 1e6f, 1.3e7f}) {
+    const Cloud cloud = randomCloud(5000, {far, -far, 0.7f * far}, 20.0f);
+    EXPECT_EQ(cubesOf(cloud, 0.3), plainCubes(cloud, 0.3)) << far;
+  }
+}
+
+TEST(CubeCliques, ACubeIsHalfOpen)
+{
+  Cloud cloud;
+  for (const float x : {-0.5f, 0.0f, 0.25f, 0.5f, -0.25f, 0.75f})
+    cloud.push_back({x, 0.0f, 0.0f, 0, 0, 0});
+  const std::vector<std::vector<int>> expected = {{0, 4}, {1, 2}, {3, 5}};
+  EXPECT_EQ(cubesOf(cloud, 0.5), expected);
+}
+
+TEST(CubeCliques, PointsThatAreNotFiniteAreInNone)
+{
+  Cloud cloud = randomCloud(1000, Eigen::Vector3f::Zero(), 3.0f);
+  cloud[0].x = kNaN;
+  cloud[500].y = std::numeric_limits<float>::infinity();
+  cloud[999].z = -std::numeric_limits<float>::infinity();
+  const auto cliques = cubesOf(cloud, 1.0);
+  EXPECT_EQ(cliques, plainCubes(cloud, 1.0));
+  std::size_t members = 0;
+  for (const std::vector<int>& clique : cliques)
+    members += clique.size();
+  EXPECT_EQ(members, 997u);
+}
+
+TEST(CubeCliques, NoPointsGiveNoClique)
+{
+  EXPECT_TRUE(cubesOf(Cloud(), 1.0).empty());
+  Cloud cloud;
+  cloud.push_back({kNaN, kNaN, kNaN, 0, 0, 0});
+  EXPECT_TRUE(cubesOf(cloud, 1.0).empty());
+}
+
+TEST(CubeCliques, RefusesAPointBeyondTheIndices)
+{
+  Cloud cloud = randomCloud(10, Eigen::Vector3f::Zero(), 3.0f);
+  cloud[6].y = -1e30f;
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { cubesOf(cloud, 1.0); }),
+                    "point 6 "));
+  cloud[6].y = 3.0f;
+  EXPECT_EQ(cubesOf(cloud, 1e-8), plainCubes(cloud, 1e-8));
+  thrownMessage<BadInputException>([&] { cubesOf(cloud, 1e-10); });
+}
+
+TEST(CubeCliques, RefusesABadEdge)
+{
+  for (const double edge : {0.0, -1.0, std::numeric_limits<double>::infinity(),
+                            std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_TRUE(holds(
+        thrownMessage<InvalidParameterException>([&] { CubeCliques cubes(edge); }),
+        "edge"));
+}
