@@ -291,35 +291,11 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
         loops.addProduct(group, chunk.values[0].get() + chunk.valuesBegin(g), from,
                          stride, scratch.data(), sums.data());
         for (int p = 0; p < group.points; ++p)
-          result.col(column(p)) += sums.col(p).head(values.rows());
+          if (active.empty() || active[std::size_t(column(p))])
+            result.col(column(p)) += sums.col(p).head(values.rows());
       }
     });
   guard.rethrow();
-}
-
-void
-TruncatedKernel::markAffected(const VariableMask& changed, VariableMask& affected) const
-{
-  affected.assign(std::size_t(size()), 0);
-  const auto column = [&](std::size_t point) {
-    return order_.empty() ? point : std::size_t(order_[point]);
-  };
-  std::vector<std::uint32_t> before(std::size_t(size()) + 1, 0); // changed ones
-  for (std::size_t i = 0; i + 1 < before.size(); ++i)
-    before[i + 1] = before[i] + changed[column(i)];
-#pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t c = 0; c < chunks_.size(); ++c)
-    for (std::size_t g = 0; g < chunks_[c].size(); ++g) {
-      const kernels::GroupView group = chunks_[c].view(g);
-      bool hears = false;
-      for (std::size_t r = 0; r < group.count && !hears; ++r) {
-        const std::size_t first = group.runs[r] >> kernels::run_length_bits;
-        hears =
-            before[first] != before[first + (group.runs[r] & kernels::run_length_mask)];
-      }
-      for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-        affected[column(group.point + p)] = hears;
-    }
 }
 
 } // namespace pcl_semantic

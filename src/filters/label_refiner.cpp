@@ -155,12 +155,8 @@ LabelRefiner::refine(Elements& elements)
   if (compute_energies_)
     kept = model;
   MeanField inference(std::move(model), initial.size() > 0 ? &initial : nullptr);
-  for (int i = 0; i < parameters_.iterations; ++i) {
-    report_.last_change = inference.update();
-    ++report_.updates;
-    if (report_.last_change <= parameters_.settled && parameters_.settled > 0.0)
-      break;
-  }
+  report_.updates = inference.run(parameters_.iterations, parameters_.settled);
+  report_.last_change = inference.lastChange();
   if (compute_energies_) {
     report_.free_energy = inference.freeEnergy();
     report_.energy = energyOfMap(kept, inference);

@@ -58,8 +58,6 @@ public:
                   Eigen::Ref<Eigen::MatrixXf> result,
                   const VariableMask& active) const override;
 
-  void markAffected(const VariableMask& changed, VariableMask& affected) const override;
-
   /** \brief D_i = sum over all j of k_ij, i included, of each term: terms x N. */
   const Eigen::MatrixXf&
   sums() const
