@@ -7,7 +7,6 @@
 #include "support/plain_cloud_crf.h"
 #include "support/plain_mean_field.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <gtest/gtest.h>
@@ -163,26 +162,6 @@ TEST(SemanticCRF, AnEmptyCloudGivesAnEmptyCloud)
   Cloud output;
   crf.filter(output);
   EXPECT_TRUE(output.empty());
-}
-
-TEST(SemanticCRF, RefusesWhatDoesNotFit)
-{
-  const LabelledCloud input = makeLabelledCloud(20, 6);
-  SemanticCRF<pcl::PointXYZRGBL> crf;
-  crf.setInputCloud(input.cloud);
-  crf.setLabelDistributions(LabelDistributions(4, 19));
-  Cloud output;
-  EXPECT_THROW(crf.filter(output), InvalidParameterException);
-  const auto refused = [&](auto&& change) {
-    SemanticCRFParameters parameters;
-    change(parameters);
-    EXPECT_THROW(crf.setParameters(parameters), InvalidParameterException);
-  };
-  refused([](SemanticCRFParameters& p) { p.smoothness_deviation = 0.0; });
-  refused([](SemanticCRFParameters& p) { p.colour_deviation = std::nan(""); });
-  refused([](SemanticCRFParameters& p) { p.appearance_weight = -1.0; });
-  refused([](SemanticCRFParameters& p) { p.radius = 0.0; });
-  refused([](SemanticCRFParameters& p) { p.iterations = -1; });
 }
 
 } // namespace
