@@ -13,6 +13,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <unistd.h>
@@ -109,6 +110,28 @@ run(const std::string& name, const std::function<int()>& body)
   }
   catch (const std::exception& error) {
     return fail(name, error.what(), exit_bad_input);
+  }
+}
+
+void
+refuseSameFiles(const std::vector<std::string>& inputs,
+                const std::vector<std::string>& outputs)
+{
+  const auto isSame = [](const std::string& a, const std::string& b) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    return !a.empty() && !b.empty() &&
+           (fs::absolute(a, error).lexically_normal() ==
+                fs::absolute(b, error).lexically_normal() ||
+            fs::equivalent(a, b, error));
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    std::vector<std::string> others = inputs;
+    others.insert(others.end(), outputs.begin() + long(i) + 1, outputs.end());
+    for (const std::string& other : others)
+      if (isSame(outputs[i], other))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            outputs[i] << ": is named as an output and once more");
   }
 }
 

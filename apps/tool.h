@@ -11,6 +11,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <vector>
 
 /** \brief What all pcl_semantic_* programs share: options, exit codes, progress. */
 namespace pcl_semantic::tool {
@@ -47,6 +48,11 @@ bool parseCommandLine(int argc, char** argv, const Usage& usage,
 /** \brief Runs the body of a tool and turns what it throws into one line on standard
  * error and the exit code that belongs to it. */
 int run(const std::string& name, const std::function<int()>& body);
+
+/** \brief Refuses outputs that are also inputs, or each other; empty paths are no
+ * files. \throws InvalidParameterException */
+void refuseSameFiles(const std::vector<std::string>& inputs,
+                     const std::vector<std::string>& outputs);
 
 /** \brief From now on SIGINT and SIGTERM only set a flag; a second one ends at once. */
 void catchInterrupts();

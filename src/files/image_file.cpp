@@ -77,6 +77,8 @@ hasKind(const cv::Mat& image, ImageKind kind)
     return image.type() == CV_8UC1 || image.type() == CV_8UC3;
   case ImageKind::labels:
     return image.type() == CV_8UC1;
+  case ImageKind::segments:
+    return image.type() == CV_8UC1 || image.type() == CV_16UC1;
   case ImageKind::disparity:
     return image.type() == CV_16UC1;
   }
@@ -91,6 +93,8 @@ describe(ImageKind kind)
     return "8-bit grey or 8-bit RGB";
   case ImageKind::labels:
     return "8-bit grey (class ids)";
+  case ImageKind::segments:
+    return "8-bit or 16-bit grey (numbers of segments)";
   case ImageKind::disparity:
     return "16-bit grey (256 x disparity)";
   }
@@ -111,7 +115,8 @@ readPng(const std::string& path, ImageKind kind)
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": the PNG image is damaged or not complete");
   // Decoders stretch fewer bits to 0..255, which makes other class ids of them.
-  if (kind == ImageKind::labels && bytes[bit_depth] < 8)
+  if ((kind == ImageKind::labels || kind == ImageKind::segments) &&
+      bytes[bit_depth] < 8)
     PCL_THROW_EXCEPTION(BadInputException, path << ": has " << int(bytes[bit_depth])
                                                 << " bit(s) a pixel, expected "
                                                 << describe(kind));

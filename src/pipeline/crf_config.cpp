@@ -5,6 +5,7 @@
  */
 
 #include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/cliques/slic_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/crf_config.h>
@@ -43,6 +44,17 @@ cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
            &crf.clique_colour_deviation}};
 }
 
+double
+numberAfterColon(const std::string& text)
+{
+  try {
+    return parseNumber(text.substr(text.find(':') + 1), "cliques '" + text + "'");
+  }
+  catch (const BadInputException& error) {
+    PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
+  }
+}
+
 } // namespace
 
 ConfigParameters
@@ -73,20 +85,31 @@ parametersOf(SemanticCRFParameters& crf, const std::string& prefix,
   return parameters;
 }
 
+bool
+parseSlic(const std::string& text, SlicParameters& parameters)
+{
+  if (text == "slic")
+    return true;
+  if (text.rfind("slic:", 0) != 0)
+    return false;
+  const double number = numberAfterColon(text);
+  if (!(number >= 1.0 && number <= 1e6))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cliques are '" << text << "', expected 1 to 1e6 superpixels");
+  parameters.superpixels = int(number);
+  return true;
+}
+
 CliqueGenerator::Ptr
 makeCliqueGenerator(const std::string& text)
 {
-  const std::string cubes = "cubes:";
-  if (text.rfind(cubes, 0) != 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques are '" << text << "', expected cubes:SIZE");
-  try {
-    return std::make_shared<CubeCliques>(
-        parseNumber(text.substr(cubes.size()), "cliques '" + text + "'"));
-  }
-  catch (const BadInputException& error) {
-    PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
-  }
+  SlicParameters slic;
+  if (text.rfind("cubes:", 0) == 0)
+    return std::make_shared<CubeCliques>(numberAfterColon(text));
+  if (parseSlic(text, slic))
+    return std::make_shared<SlicCliques>(slic);
+  PCL_THROW_EXCEPTION(InvalidParameterException,
+                      "cliques are '" << text << "', expected cubes:SIZE or slic");
 }
 
 void
@@ -97,14 +120,19 @@ CRFConfig::validate() const
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "label_confidence is " << label_confidence
                                                << ", expected more than 0, at most 1");
-  const bool needs_cliques =
+}
+
+void
+CRFConfig::requireFittingCliques() const
+{
+  const bool needed =
       model == CRFModelType::pn_potts || model == CRFModelType::hierarchical;
-  if (needs_cliques && cliques.empty())
+  if (needed != (cliques != "none"))
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the models pn-potts and hierarchical need --cliques");
-  if (!needs_cliques && !cliques.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--cliques are for the models pn-potts and hierarchical");
+                        (needed ? "the models pn-potts and hierarchical need cliques: "
+                                : "cliques are for the models pn-potts and "
+                                  "hierarchical, not with: ")
+                            << "--cliques " << cliques);
 }
 
 ConfigParameters
@@ -113,11 +141,24 @@ parametersOf(CRFConfig& config)
   ConfigParameters parameters = {
       {"model", "unary, dense, pn-potts or hierarchical",
        chooseFrom(config.model, {"unary", "dense", "pn-potts", "hierarchical"})},
+      {"cliques", config.clique_words, &config.cliques},
       {"label_confidence", "probability of the class that a label states",
        &config.label_confidence}};
   append(parameters, parametersOf(config.parameters, "", config.unit));
   parameters.push_back({"threads", "0 = all processors", &config.threads});
   return parameters;
+}
+
+void
+readCRFConfig(const std::string& path, CRFConfig& config)
+{
+  readParameters(path, parametersOf(config));
+  try {
+    config.validate();
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
+  }
 }
 
 } // namespace pcl_semantic

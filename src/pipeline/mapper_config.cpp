@@ -33,6 +33,9 @@ MapperConfig::validate()
 {
   requireChoice(pixel_fusion, {"mean", "product"}, "pixel_fusion");
   requireChoice(crf, crf_models, "crf");
+  if (cliques.rfind("cubes:", 0) != 0) // superpixels are of images, not of maps
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cliques are '" << cliques << "', expected cubes:SIZE");
   makeCliqueGenerator(cliques);
   map.fusion.pixel_fusion =
       pixel_fusion == "mean" ? PixelFusion::mean : PixelFusion::product;

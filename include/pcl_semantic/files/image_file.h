@@ -16,6 +16,7 @@ namespace pcl_semantic {
 enum class ImageKind {
   grey_or_colour, ///< CV_8UC1 or CV_8UC3 (BGR)
   labels,         ///< CV_8UC1
+  segments,       ///< CV_8UC1 or CV_16UC1
   disparity       ///< CV_16UC1
 };
 

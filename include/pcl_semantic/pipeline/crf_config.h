@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/cliques/clique_generator.h>
+#include <pcl_semantic/cliques/slic.h>
 #include <pcl_semantic/filters/crf_parameters.h>
 #include <pcl_semantic/pipeline/config_parameter.h>
 
@@ -21,25 +22,40 @@ namespace pcl_semantic {
 ConfigParameters parametersOf(SemanticCRFParameters& parameters,
                               const std::string& prefix, const std::string& unit);
 
-/** \brief The generator a text names: `cubes:SIZE`, the edge in metres.
+/** \brief Superpixels by name: `slic`, or `slic:NUMBER` for about so many.
+ * \return false if \a text does not begin so
+ * \throws InvalidParameterException at a number that cannot be */
+bool parseSlic(const std::string& text, SlicParameters& parameters);
+
+/** \brief The generator a text names: `cubes:SIZE`, the edge in metres, or superpixels
+ * as parseSlic() takes them.
  * \throws InvalidParameterException if there is none such */
 CliqueGenerator::Ptr makeCliqueGenerator(const std::string& text);
 
 /** \brief What can be set of the tools that refine a cloud or an image. */
 struct CRFConfig {
   CRFModelType model = CRFModelType::dense;
-  std::string cliques;           ///< where they come from; each tool knows its own ways
+  std::string cliques = "none";  ///< where they come from; each tool has its own words
   double label_confidence = 0.8; ///< probability of the class that a label states
   SemanticCRFParameters parameters;
-  std::string unit = "m"; ///< of positions
-  int threads = 0;        ///< 0 = all processors
+  int threads = 0; ///< 0 = all processors
 
-  /** \brief Cliques have to be named by those models that use them, and by no others.
-   * \throws InvalidParameterException */
+  std::string unit = "m";   ///< of positions, for the help
+  std::string clique_words; ///< what cliques may be, for the help
+
+  /** \throws InvalidParameterException */
   void validate() const;
+
+  /** \brief Cliques are for those models that use them, and these need some.
+   * \throws InvalidParameterException */
+  void requireFittingCliques() const;
 };
 
-/** \brief All parameters of a config but its cliques. */
+/** \brief All parameters of a config. */
 ConfigParameters parametersOf(CRFConfig& config);
+
+/** \brief Sets the parameters a YAML file names; the others keep their values.
+ * \throws BadInputException with file and line */
+void readCRFConfig(const std::string& path, CRFConfig& config);
 
 } // namespace pcl_semantic

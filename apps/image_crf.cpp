@@ -1,0 +1,153 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "parameter_options.h"
+#include "tool.h"
+
+#include <pcl_semantic/cliques/slic.h>
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/files/data_folder.h>
+#include <pcl_semantic/files/distribution_file.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/filters/image_crf.h>
+#include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/pipeline/crf_config.h>
+
+#include <iostream>
+
+namespace {
+
+using namespace pcl_semantic;
+namespace po = tool::po;
+
+struct Arguments {
+  std::string image, distributions, output, label_set, overlay, refined, config;
+  bool print_config = false;
+  CRFConfig parameters;
+
+  Arguments()
+  {
+    parameters.parameters = SemanticCRFParameters::forImages();
+    parameters.unit = "px";
+    parameters.clique_words = "none, slic, slic:NUMBER or an image of segments (.png)";
+  }
+};
+
+const tool::Usage usage{
+    "pcl_semantic_image_crf", "IMAGE DISTRIBUTIONS OUT.png [options]",
+    "Makes the classes of an image's pixels consistent with a CRF, and writes class "
+    "ids\n"
+    "(0 = unlabelled). DISTRIBUTIONS: .bin, .npy, or class ids as .png.",
+    "pcl_semantic_synthesize /tmp/street && \\\n"
+    "  pcl_semantic_image_crf /tmp/street/image_2/000000.png "
+    "/tmp/street/labels/000000.bin \\\n"
+    "    /tmp/refined.png --overlay /tmp/refined_overlay.png"};
+
+bool
+parse(int argc, char** argv, Arguments& arguments)
+{
+  po::options_description options("Options");
+  options.add_options()("image", po::value(&arguments.image), "the image (.png)")(
+      "distributions", po::value(&arguments.distributions),
+      "class distributions of its pixels")("output", po::value(&arguments.output),
+                                           "the class ids to write (.png)")(
+      "label-set", po::value(&arguments.label_set),
+      "classes of the distributions (default: label_sets/kitti11.yaml)")(
+      "overlay", po::value(&arguments.overlay),
+      "also writes the image with the classes laid over it (.png)")(
+      "refined", po::value(&arguments.refined),
+      "also writes the refined distributions (.bin)")(
+      "config", po::value(&arguments.config),
+      "parameters as YAML; options override it")(
+      "print-config", po::bool_switch(&arguments.print_config),
+      "print the effective parameters as YAML and end");
+  tool::addParameters(parametersOf(arguments.parameters), options);
+  po::positional_options_description positional;
+  positional.add("image", 1).add("distributions", 1).add("output", 1);
+  po::variables_map values;
+  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
+    return false;
+  if (!arguments.config.empty())
+    readCRFConfig(arguments.config, arguments.parameters);
+  tool::setParameters(values, parametersOf(arguments.parameters));
+  arguments.parameters.validate();
+  return true;
+}
+
+void
+setCliques(const std::string& cliques, const cv::Mat& image, ImageCRF& crf)
+{
+  if (cliques == "none")
+    return;
+  SlicParameters slic;
+  if (!parseSlic(cliques, slic)) {
+    const cv::Mat segments = readPng(cliques, ImageKind::segments);
+    if (segments.size() != image.size())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          cliques << ": has " << segments.cols << " x " << segments.rows
+                                  << " pixels, expected " << image.cols << " x "
+                                  << image.rows);
+    return crf.setSegments(segments);
+  }
+  crf.setCliques(cliquesOfSegments(slicSuperpixels(image, slic)));
+}
+
+int
+refine(const Arguments& arguments)
+{
+  if (arguments.output.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "expected IMAGE DISTRIBUTIONS OUT.png (see " << usage.name
+                                                                     << " --help)");
+  tool::refuseSameFiles({arguments.image, arguments.distributions, arguments.config,
+                         arguments.label_set, arguments.parameters.cliques},
+                        {arguments.output, arguments.overlay, arguments.refined});
+  arguments.parameters.requireFittingCliques();
+  setNumberOfThreads(arguments.parameters.threads);
+  const LabelSet label_set =
+      readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
+                                               : arguments.label_set);
+  const cv::Mat image = readPng(arguments.image, ImageKind::grey_or_colour);
+  const LabelDistributions measured =
+      readDistributions(arguments.distributions, image.cols, image.rows,
+                        label_set.size(), float(arguments.parameters.label_confidence));
+  ImageCRF crf;
+  crf.setModel(arguments.parameters.model);
+  crf.setParameters(arguments.parameters.parameters);
+  setCliques(arguments.parameters.cliques, image, crf);
+  const LabelDistributions refined = crf.refine(image, measured);
+  cv::Mat1b labels(image.size());
+  for (Eigen::Index j = 0; j < refined.size(); ++j)
+    labels.data[j] = refined.mapLabel(j);
+  if (!arguments.refined.empty())
+    writeDistributions(arguments.refined, refined);
+  if (!arguments.overlay.empty())
+    writePng(arguments.overlay, drawOverlay(image, labels, label_set));
+  writePng(arguments.output, labels);
+  std::cout << "updates: " << crf.getReport().updates
+            << "\nclasses: " << arguments.output << "\n";
+  return tool::exit_done;
+}
+
+} // namespace
+
+int
+main(int argc, char** argv)
+{
+  return tool::run(usage.name, [&] {
+    Arguments arguments;
+    if (!parse(argc, argv, arguments))
+      return int(tool::exit_done);
+    if (arguments.print_config) {
+      std::cout << printParameters(parametersOf(arguments.parameters));
+      return int(tool::exit_done);
+    }
+    return refine(arguments);
+  });
+}

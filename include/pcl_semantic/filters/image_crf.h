@@ -1,0 +1,39 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/filters/label_refiner.h>
+
+#include <opencv2/core/mat.hpp>
+
+namespace pcl_semantic {
+
+/** \brief Makes the labels of an image consistent: the models of SemanticCRF over its
+ * pixels, the paper's use in 2D. Pixel (column x, row y) is element y * width + x.
+ *
+ * Parameters start as SemanticCRFParameters::forImages(); positions are in pixels. */
+class ImageCRF : public LabelRefiner {
+public:
+  ImageCRF();
+
+  /** \brief The pixels of each positive number of an image are a clique, in the order
+   * of the numbers; 0 is in none. As setCliques(). \param[in] segments CV_8UC1,
+   * CV_16UC1 or CV_32SC1 \throws InvalidParameterException at another type or a
+   * negative number */
+  void setSegments(const cv::Mat& segments);
+
+  /** \brief Runs the model.
+   * \param[in] image CV_8UC3 (BGR) or CV_8UC1
+   * \param[in] measured L x pixels, row by row; all-zero columns are unlabelled
+   * \return refined distributions, L x pixels
+   * \throws InvalidParameterException if the image has another type, or something that
+   * was set another size
+   * \throws BadInputException if a measurement is negative or not finite */
+  LabelDistributions refine(const cv::Mat& image, const LabelDistributions& measured);
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,84 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/filters/image_crf.h>
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace pcl_semantic {
+
+ImageCRF::ImageCRF()
+{
+  setParameters(SemanticCRFParameters::forImages());
+}
+
+void
+ImageCRF::setSegments(const cv::Mat& segments)
+{
+  const int type = segments.type();
+  if (type != CV_8UC1 && type != CV_16UC1 && type != CV_32SC1)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "an image of segments needs one channel of whole numbers");
+  cv::Mat1i numbers;
+  segments.convertTo(numbers, CV_32S);
+  std::map<int, pcl::Indices> members;
+  for (int y = 0; y < numbers.rows; ++y)
+    for (int x = 0; x < numbers.cols; ++x) {
+      const int number = numbers(y, x);
+      if (number < 0)
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "pixel (" << x << ", " << y << ") has the segment "
+                                      << number << ", expected 0 or more");
+      if (number > 0)
+        members[number].push_back(y * numbers.cols + x);
+    }
+  std::vector<pcl::PointIndices> cliques(members.size());
+  auto clique = cliques.begin();
+  for (auto& [number, indices] : members)
+    (clique++)->indices = std::move(indices);
+  setCliques(cliques);
+}
+
+LabelDistributions
+ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
+{
+  if (image.type() != CV_8UC3 && image.type() != CV_8UC1)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the image is of another type than CV_8UC3 or CV_8UC1");
+  if (std::size_t(measured.size()) != image.total())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "there are label distributions of "
+                            << measured.size() << " pixels for an image of "
+                            << image.cols << " x " << image.rows);
+  const Eigen::Index channels = image.channels(), width = image.cols;
+  Elements elements;
+  elements.total = image.total();
+  elements.indices.resize(image.total());
+  std::iota(elements.indices.begin(), elements.indices.end(), 0);
+  elements.positions.resize(2, measured.size());
+  elements.colours.resize(channels, measured.size());
+  elements.measured = measured;
+#pragma omp parallel for schedule(static)
+  for (int y = 0; y < image.rows; ++y)
+    for (Eigen::Index x = 0; x < width; ++x) {
+      elements.positions.col(y * width + x) << float(x), float(y);
+      for (Eigen::Index c = 0; c < channels; ++c)
+        elements.colours(c, y * width + x) = float(image.ptr(y)[x * channels + c]);
+    }
+  const LabelDistributions refined = LabelRefiner::refine(elements);
+  LabelDistributions result(measured.classes(), measured.size());
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index k = 0; k < refined.size(); ++k)
+    result.matrix().col(elements.indices[std::size_t(k)]) = refined.matrix().col(k);
+  return result;
+}
+
+} // namespace pcl_semantic

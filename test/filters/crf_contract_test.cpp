@@ -1,0 +1,424 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// What a user may rely on besides the mathematics: places, types, bad input.
+
+#include "support/plain_cloud_crf.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/cliques/slic_cliques.h>
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+/** \brief Members are called otherwise than their fields, and colour is PCL's float. */
+struct OddPoint {
+  double weight;
+  float east, north, up;
+  float packed;
+  std::uint16_t kind;
+};
+
+POINT_CLOUD_REGISTER_POINT_STRUCT(OddPoint,
+                                  (float, east, x)(float, north, y)(float, up, z)(
+                                      float, packed, rgb)(std::uint16_t, kind, label))
+
+namespace {
+
+using namespace pcl_semantic;
+using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
+using Filter = SemanticCRF<pcl::PointXYZRGBL>;
+
+Eigen::MatrixXf
+refine(Filter& crf, const LabelledCloud& input)
+{
+  crf.setInputCloud(input.cloud);
+  crf.setLabelDistributions(input.distributions);
+  Cloud output;
+  crf.filter(output);
+  return crf.getLabelDistributions().matrix();
+}
+
+SemanticCRFParameters
+fiveUpdates()
+{
+  SemanticCRFParameters parameters;
+  parameters.iterations = 5;
+  return parameters;
+}
+
+// A cloud whose points are the voxels of some indices, relative to an origin [m].
+std::vector<VoxelIndex>
+placeVoxels(LabelledCloud& cloud, const VoxelIndex& shift, double origin)
+{
+  std::vector<VoxelIndex> indices;
+  for (pcl::PointXYZRGBL& point : *cloud.cloud) {
+    const Eigen::Vector3f cell = (point.getVector3fMap() / 0.1f).array().round();
+    indices.push_back(cell.cast<int>() + shift);
+    for (int a = 0; a < 3; ++a)
+      point.data[a] = float((double(indices.back()(a)) + 0.5) * 0.1 - origin);
+  }
+  return indices;
+}
+
+TEST(CRFPlaces, AVoxelCloudMayLieAnywhere)
+{
+  const VoxelIndex nowhere(0, 0, 0), far(1000000, -1000000, 3000000); // 100 km, 300 km
+  for (const CRFModelType model : {CRFModelType::dense, CRFModelType::hierarchical}) {
+    std::vector<Eigen::MatrixXf> results;
+    for (const auto& [shift, origin] :
+         {std::pair(nowhere, 0.0), {nowhere, 100000.0}, {far, 0.0}, {far, 7000.0}}) {
+      LabelledCloud input = makeLabelledCloud(400, 21);
+      const std::vector<VoxelIndex> indices = placeVoxels(input, shift, origin);
+      Filter crf;
+      crf.setModel(model);
+      crf.setCliqueGenerator(std::make_shared<CubeCliques>(1.0));
+      crf.setParameters(fiveUpdates());
+      crf.setVoxels(indices, 0.1);
+      results.push_back(refine(crf, input));
+    }
+    for (const Eigen::MatrixXf& result : results)
+      EXPECT_EQ(result, results[0]) << int(model); // to the last bit
+    EXPECT_GT((results[0] - makeLabelledCloud(400, 21).distributions.matrix())
+                  .cwiseAbs()
+                  .maxCoeff(),
+              0.2f);
+  }
+}
+
+TEST(CRFPlaces, APlainCloudIsReCentred)
+{
+  // Multiples of 1/8 are exact as floats up to 1,000 km.
+  std::vector<Eigen::MatrixXf> results;
+  for (const float shift : {0.0f, 131072.0f, 1048576.0f}) {
+    LabelledCloud input = makeLabelledCloud(300, 22);
+    for (pcl::PointXYZRGBL& point : *input.cloud)
+      for (int a = 0; a < 3; ++a)
+        point.data[a] = std::round(point.data[a] * 10.0f) * 0.125f - shift;
+    Filter crf;
+    results.push_back(refine(crf, input));
+  }
+  EXPECT_EQ(results[1], results[0]);
+  EXPECT_EQ(results[2], results[0]);
+}
+
+TEST(CRFPlaces, PointsOutOfReachAreSkippedAndCounted)
+{
+  const LabelledCloud whole = makeLabelledCloud(120, 23);
+  LabelledCloud input = makeLabelledCloud(120, 23);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::pair<int, float> bad[] = {
+      {0, nan}, {7, 1e30f}, {30, -1e30f}, {31, std::numeric_limits<float>::infinity()}};
+  pcl::IndicesPtr others(new pcl::Indices);
+  for (int i = 0; i < 120; ++i)
+    others->push_back(i);
+  for (const auto& [i, place] : bad) {
+    (*input.cloud)[std::size_t(i)].y = place;
+    others->erase(std::find(others->begin(), others->end(), i));
+  }
+  Filter crf, alone;
+  for (Filter* filter : {&crf, &alone}) {
+    filter->setModel(CRFModelType::hierarchical);
+    filter->setCliqueGenerator(std::make_shared<CubeCliques>(0.5));
+  }
+  const Eigen::MatrixXf refined = refine(crf, input);
+  EXPECT_EQ(crf.getSkippedPoints(), 4u);
+  alone.setInputCloud(whole.cloud);
+  alone.setIndices(others);
+  alone.setLabelDistributions(whole.distributions);
+  Cloud output;
+  alone.filter(output);
+  for (const pcl::index_t i : *others)
+    EXPECT_EQ(refined.col(i), alone.getLabelDistributions().matrix().col(i)) << i;
+  crf.filter(output);
+  for (const auto& [i, place] : bad) {
+    EXPECT_EQ(output[std::size_t(i)].label, 0u);
+    EXPECT_EQ(refined.col(i).sum(), 0.0f);
+  }
+}
+
+TEST(CRFPlaces, OrganizationHeaderAndPoseAreKept)
+{
+  LabelledCloud input = makeLabelledCloud(120, 24);
+  input.cloud->width = 12;
+  input.cloud->height = 10;
+  input.cloud->header.frame_id = "map";
+  input.cloud->sensor_origin_ = Eigen::Vector4f(1, 2, 3, 0);
+  Filter crf;
+  crf.setInputCloud(input.cloud);
+  crf.setLabelDistributions(input.distributions);
+  Cloud output;
+  crf.filter(output);
+  EXPECT_EQ(output.width, 12u);
+  EXPECT_EQ(output.height, 10u);
+  EXPECT_EQ(output.header.frame_id, "map");
+  EXPECT_EQ(output.sensor_origin_, input.cloud->sensor_origin_);
+  crf.filter(*input.cloud); // in place
+  EXPECT_EQ(input.cloud->height, 10u);
+  for (std::size_t i = 0; i < output.size(); ++i)
+    EXPECT_EQ((*input.cloud)[i].label, output[i].label);
+}
+
+TEST(CRFPlaces, SameResultForAnyNumberOfThreadsAndAnyOrderOfIndices)
+{
+  const LabelledCloud input = makeLabelledCloud(700, 25);
+  std::vector<Eigen::MatrixXf> results;
+  for (const int threads : {1, 2, 7}) {
+    setNumberOfThreads(threads);
+    Filter crf;
+    crf.setModel(CRFModelType::hierarchical);
+    crf.setCliqueGenerator(std::make_shared<CubeCliques>(0.5));
+    crf.setParameters(fiveUpdates());
+    pcl::IndicesPtr indices(new pcl::Indices(allIndices(700)));
+    if (threads > 1) {
+      std::reverse(indices->begin(), indices->end());
+      indices->push_back(3); // twice
+    }
+    crf.setIndices(indices);
+    results.push_back(refine(crf, input));
+  }
+  setNumberOfThreads(0);
+  EXPECT_EQ(results[1], results[0]);
+  EXPECT_EQ(results[2], results[0]);
+}
+
+TEST(CRFTypes, FieldsAreFoundByTheirNames)
+{
+  const LabelledCloud input = makeLabelledCloud(200, 26);
+  pcl::PointCloud<OddPoint>::Ptr odd(new pcl::PointCloud<OddPoint>);
+  for (const pcl::PointXYZRGBL& point : *input.cloud) {
+    OddPoint other{};
+    other.east = point.x;
+    other.north = point.y;
+    other.up = point.z;
+    other.packed = point.rgb;
+    odd->push_back(other);
+  }
+  Filter usual;
+  const Eigen::MatrixXf expected = refine(usual, input);
+  SemanticCRF<OddPoint> crf;
+  crf.setInputCloud(odd);
+  crf.setLabelDistributions(input.distributions);
+  pcl::PointCloud<OddPoint> output;
+  crf.filter(output);
+  EXPECT_EQ(crf.getLabelDistributions().matrix(), expected);
+  for (std::size_t i = 0; i < output.size(); ++i)
+    EXPECT_EQ(output[i].kind, usual.getLabelDistributions().mapLabel(Eigen::Index(i)));
+}
+
+TEST(CRFTypes, WithoutColourThereIsNoKernelOfColours)
+{
+  const LabelledCloud input = makeLabelledCloud(200, 27);
+  SemanticCRFParameters parameters;
+  parameters.appearance_weight = 0.0;
+  Filter positions_only;
+  positions_only.setParameters(parameters);
+  const Eigen::MatrixXf expected = refine(positions_only, input);
+  pcl::PointCloud<pcl::PointXYZLNormal>::Ptr cloud(
+      new pcl::PointCloud<pcl::PointXYZLNormal>);
+  for (const pcl::PointXYZRGBL& point : *input.cloud) {
+    pcl::PointXYZLNormal plain;
+    plain.getVector3fMap() = point.getVector3fMap();
+    cloud->push_back(plain);
+  }
+  SemanticCRF<pcl::PointXYZLNormal> crf;
+  crf.setInputCloud(cloud);
+  crf.setLabelDistributions(input.distributions);
+  pcl::PointCloud<pcl::PointXYZLNormal> output;
+  crf.filter(output);
+  EXPECT_EQ(crf.getLabelDistributions().matrix(), expected);
+  crf.setModel(CRFModelType::hierarchical);
+  crf.setCliqueGenerator(std::make_shared<SlicCliques>());
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] { crf.filter(output); }), "colour"));
+}
+
+TEST(CRFInput, HardLabelsAreDistributionsOfAConfidence)
+{
+  LabelledCloud input = makeLabelledCloud(200, 28);
+  for (int i = 0; i < 200; ++i) {
+    (*input.cloud)[std::size_t(i)].label = std::uint32_t(i % 5); // some unlabelled
+    input.distributions.setLabel(i, Label(i % 5), 0.7f);
+  }
+  Filter soft, hard;
+  const Eigen::MatrixXf expected = refine(soft, input);
+  EXPECT_EQ(soft.getReport().unlabelled, 40u);
+  hard.setInputCloud(input.cloud);
+  hard.setLabelConfidence(0.7, 4);
+  Cloud output;
+  hard.filter(output);
+  EXPECT_EQ(hard.getLabelDistributions().matrix(), expected);
+  (*input.cloud)[9].label = 5;
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { hard.filter(output); }),
+                    "point 9 has the label 5, expected 0 to 4"));
+  EXPECT_THROW(hard.setLabelConfidence(1.1, 4), InvalidParameterException);
+  EXPECT_THROW(hard.setLabelConfidence(0.5, 0), InvalidParameterException);
+  EXPECT_THROW(hard.setLabelConfidence(0.5, 256), InvalidParameterException);
+}
+
+TEST(CRFInput, AGeneratorsCliquesAreThoseItMakesOfTheCloud)
+{
+  const LabelledCloud input = makeLabelledCloud(300, 29);
+  CliqueGenerator::Cloud cloud;
+  pcl::copyPointCloud(*input.cloud, cloud);
+  Filter given, made;
+  given.setModel(CRFModelType::hierarchical);
+  made.setModel(CRFModelType::hierarchical);
+  given.setCliques(CubeCliques(0.4).generate(cloud));
+  made.setCliqueGenerator(std::make_shared<CubeCliques>(0.4));
+  EXPECT_EQ(refine(given, input), refine(made, input));
+}
+
+TEST(CRFInput, WhatDoesNotFitIsRefused)
+{
+  const auto complaint = [](auto&& prepare) {
+    LabelledCloud input = makeLabelledCloud(40, 30);
+    Filter crf;
+    crf.setInputCloud(input.cloud);
+    crf.setLabelDistributions(input.distributions);
+    return thrownMessage<InvalidParameterException>([&] {
+      prepare(crf);
+      Cloud output;
+      crf.filter(output);
+    });
+  };
+  pcl::PointIndices good, empty, high, negative, twice;
+  good.indices = {0, 1};
+  high.indices = {0, 40};
+  negative.indices = {-1};
+  twice.indices = {1, 2, 1};
+  const auto with = [&](const pcl::PointIndices& bad) {
+    return [&](Filter& crf) {
+      crf.setModel(CRFModelType::hierarchical);
+      crf.setCliques({good, bad});
+    };
+  };
+  EXPECT_TRUE(holds(complaint(with(empty)), "clique 1 is empty"));
+  EXPECT_TRUE(holds(complaint(with(high)), "clique 1 has the index 40"));
+  EXPECT_TRUE(holds(complaint(with(negative)), "clique 1 has the index -1"));
+  EXPECT_TRUE(holds(complaint(with(twice)), "clique 1"));
+  EXPECT_TRUE(
+      holds(complaint([](Filter& crf) { crf.setModel(CRFModelType::pn_potts); }),
+            "needs cliques"));
+  EXPECT_TRUE(holds(complaint([&](Filter& crf) {
+                      with(good)(crf);
+                      crf.setCliqueWeights(Eigen::MatrixXf::Ones(4, 3));
+                    }),
+                    "clique weights of 3 cliques, expected 2"));
+  EXPECT_TRUE(holds(complaint([&](Filter& crf) {
+                      with(good)(crf);
+                      crf.setCliqueWeights(Eigen::MatrixXf::Ones(3, 2));
+                    }),
+                    "3"));
+  EXPECT_TRUE(holds(complaint([&](Filter& crf) {
+                      with(good)(crf);
+                      crf.setCliqueCosts(Eigen::MatrixXf::Ones(4, 1));
+                    }),
+                    "clique costs of 1 cliques, expected 2"));
+  EXPECT_TRUE(holds(complaint([](Filter& crf) {
+                      crf.setLabelDistributions(LabelDistributions(4, 39));
+                    }),
+                    "39 points for a cloud of 40"));
+  EXPECT_TRUE(holds(
+      complaint([](Filter& crf) { crf.setLabelDistributions(LabelDistributions()); }),
+      "0 points for a cloud of 40"));
+  EXPECT_TRUE(holds(complaint([](Filter& crf) {
+                      crf.setInitialDistributions(LabelDistributions(3, 40));
+                    }),
+                    "initial distributions are 3 x 40, expected 4 x 40"));
+  EXPECT_TRUE(
+      holds(complaint([](Filter& crf) { crf.setVoxels({VoxelIndex(0, 0, 0)}, 0.1); }),
+            "voxel indices of 1 points"));
+  EXPECT_TRUE(
+      holds(complaint([](Filter& crf) { crf.setVoxels({VoxelIndex(0, 0, 0)}, 0.0); }),
+            "voxel size is 0"));
+  EXPECT_TRUE(holds(
+      complaint([](Filter& crf) { crf.addKernel(Eigen::MatrixXf::Ones(2, 39), 1.0f); }),
+      "39 points, expected 40"));
+  EXPECT_TRUE(holds(complaint([](Filter& crf) {
+                      crf.addKernel(Eigen::MatrixXf::Ones(2, 40), -1.0f);
+                    }),
+                    "kernel weight is -1"));
+  EXPECT_TRUE(holds(complaint([](Filter& crf) {
+                      crf.addKernel(Eigen::MatrixXf::Constant(2, 40, std::nanf("")),
+                                    1.0f);
+                    }),
+                    "not all finite"));
+  EXPECT_TRUE(holds(
+      complaint([](Filter& crf) { crf.setCompatibility(Eigen::MatrixXf::Ones(3, 3)); }),
+      "compatibility is of 3 classes, expected 4"));
+  EXPECT_TRUE(holds(complaint([](Filter& crf) {
+                      Eigen::MatrixXf lopsided = Eigen::MatrixXf::Ones(4, 4);
+                      lopsided(0, 1) = 2.0f;
+                      crf.setCompatibility(lopsided);
+                      crf.setComputeEnergies(true);
+                    }),
+                    "symmetric"));
+  EXPECT_TRUE(holds(complaint([](Filter& crf) {
+                      crf.setIndices(std::make_shared<pcl::Indices>(1, 40));
+                    }),
+                    "index 40 is beyond the cloud of 40"));
+}
+
+TEST(CRFInput, ProbabilitiesThatCannotBeAreNamed)
+{
+  for (const float bad :
+       {std::nanf(""), -0.1f, std::numeric_limits<float>::infinity()}) {
+    LabelledCloud input = makeLabelledCloud(40, 31);
+    input.distributions.matrix()(2, 17) = bad;
+    Filter crf;
+    EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { refine(crf, input); }),
+                      "point 17 has a negative or non-finite probability"));
+  }
+}
+
+TEST(CRFInput, TheScaleOfADistributionDoesNotMatter)
+{
+  LabelledCloud input = makeLabelledCloud(100, 32);
+  Filter crf;
+  const Eigen::MatrixXf expected = refine(crf, input);
+  input.distributions.matrix() *= 8.0f;
+  EXPECT_LT((refine(crf, input) - expected).cwiseAbs().maxCoeff(), 1e-5f);
+}
+
+TEST(CRFInput, ParametersOutOfRangeAreRefused)
+{
+  const auto refused = [](auto&& change) {
+    SemanticCRFParameters parameters;
+    change(parameters);
+    Filter crf;
+    EXPECT_THROW(crf.setParameters(parameters), InvalidParameterException);
+  };
+  const double nan = std::nan("");
+  for (const double bad : {-1.0, nan, 1e300}) {
+    refused([&](SemanticCRFParameters& p) { p.smoothness_weight = bad; });
+    refused([&](SemanticCRFParameters& p) { p.appearance_weight = bad; });
+    refused([&](SemanticCRFParameters& p) { p.clique_weight = bad; });
+    refused([&](SemanticCRFParameters& p) { p.clique_smoothness_weight = bad; });
+    refused([&](SemanticCRFParameters& p) { p.clique_appearance_weight = bad; });
+  }
+  for (const double bad : {0.0, -1.0, nan, 1e300}) {
+    refused([&](SemanticCRFParameters& p) { p.smoothness_deviation = bad; });
+    refused([&](SemanticCRFParameters& p) { p.appearance_deviation = bad; });
+    refused([&](SemanticCRFParameters& p) { p.colour_deviation = bad; });
+    refused([&](SemanticCRFParameters& p) { p.radius = bad; });
+    refused([&](SemanticCRFParameters& p) { p.clique_truncation = bad; });
+    refused([&](SemanticCRFParameters& p) { p.clique_smoothness_deviation = bad; });
+    refused([&](SemanticCRFParameters& p) { p.clique_appearance_deviation = bad; });
+    refused([&](SemanticCRFParameters& p) { p.clique_colour_deviation = bad; });
+  }
+  refused([&](SemanticCRFParameters& p) { p.clique_truncation = 1.1; });
+  refused([&](SemanticCRFParameters& p) { p.settled = -1e-3; });
+  refused([&](SemanticCRFParameters& p) { p.settled = nan; });
+  refused([&](SemanticCRFParameters& p) { p.iterations = -1; });
+}
+
+} // namespace

@@ -1,0 +1,121 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// Labelled clouds, and the CRF over them written out as matrices.
+
+#pragma once
+
+#include "support/brute_force_crf.h"
+#include "support/plain_crf.h"
+
+#include <pcl_semantic/crf/truncated_kernel.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+
+#include <numeric>
+#include <random>
+
+namespace pcl_semantic {
+
+/** \brief A cloud of voxels with random colours, four classes and label 99. */
+struct LabelledCloud {
+  pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{new pcl::PointCloud<pcl::PointXYZRGBL>};
+  LabelDistributions distributions;
+};
+
+inline LabelledCloud
+makeLabelledCloud(Eigen::Index count, unsigned seed)
+{
+  LabelledCloud result;
+  const Eigen::Matrix3Xf positions = makeVoxelPositions(count, seed);
+  std::mt19937 random(seed);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    pcl::PointXYZRGBL point;
+    point.getVector3fMap() = positions.col(i);
+    point.r = static_cast<std::uint8_t>(100 + random() % 30);
+    point.g = static_cast<std::uint8_t>(100 + random() % 30);
+    point.b = static_cast<std::uint8_t>(100 + random() % 30);
+    point.label = 99;
+    result.cloud->push_back(point);
+  }
+  result.distributions =
+      LabelDistributions(makeRandomMatrix(4, count, 0.05f, 1.0f, seed + 1));
+  return result;
+}
+
+inline pcl::Indices
+allIndices(std::size_t count)
+{
+  pcl::Indices indices(count);
+  std::iota(indices.begin(), indices.end(), 0);
+  return indices;
+}
+
+/** \brief w k_ij of eq. (6) with its diagonal, as a truncated kernel means it: all
+ * pairs within the radius, the deviation of positions widened for it.
+ * \param[in] features d x N, divided by their deviations; may be empty */
+inline Eigen::MatrixXf
+plainKernelMatrix(const Eigen::MatrixXf& positions, const Eigen::MatrixXf& features,
+                  double weight, double deviation, const SemanticCRFParameters& crf)
+{
+  const Eigen::Index count = positions.cols();
+  const double sigma =
+      deviation * std::sqrt(double(TruncatedKernel::widening(float(crf.radius))));
+  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const double distance =
+          (positions.col(i) - positions.col(j)).cast<double>().norm();
+      if (distance > deviation * crf.radius + 1e-5)
+        continue;
+      double exponent = distance * distance / (sigma * sigma);
+      if (features.size() > 0)
+        exponent += (features.col(i) - features.col(j)).cast<double>().squaredNorm();
+      k(i, j) = weight * std::exp(-0.5 * exponent);
+    }
+  const Eigen::VectorXd sums = k.rowwise().sum() / weight;
+  if (crf.normalization == Normalization::symmetric)
+    k = (sums.array().rsqrt().matrix().asDiagonal() * k *
+         sums.array().rsqrt().matrix().asDiagonal())
+            .eval();
+  if (crf.normalization == Normalization::one_sided)
+    k = (sums.array().inverse().matrix().asDiagonal() * k).eval();
+  return k.cast<float>();
+}
+
+/** \brief Costs -log p, eq. (4). */
+inline Eigen::MatrixXf
+plainUnary(const Eigen::MatrixXf& distributions)
+{
+  return -distributions.array().max(1e-6f).log();
+}
+
+/** \brief The dense CRF over some points of a cloud. */
+inline PlainCrf
+makePlainCrf(const LabelledCloud& input, const pcl::Indices& indices,
+             const SemanticCRFParameters& parameters)
+{
+  const auto count = Eigen::Index(indices.size());
+  Eigen::MatrixXf positions(3, count), colours(3, count), measured(4, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const pcl::PointXYZRGBL& point =
+        (*input.cloud)[std::size_t(indices[std::size_t(i)])];
+    positions.col(i) = point.getVector3fMap();
+    colours.col(i) << float(point.r), float(point.g), float(point.b);
+    measured.col(i) = input.distributions.matrix().col(indices[std::size_t(i)]);
+  }
+  PlainCrf crf;
+  crf.unary = plainUnary(measured);
+  crf.kernels = {plainKernelMatrix(positions, {}, parameters.smoothness_weight,
+                                   parameters.smoothness_deviation, parameters),
+                 plainKernelMatrix(positions,
+                                   colours / float(parameters.colour_deviation),
+                                   parameters.appearance_weight,
+                                   parameters.appearance_deviation, parameters)};
+  crf.self_interaction = parameters.self_interaction;
+  return crf;
+}
+
+} // namespace pcl_semantic
