@@ -78,12 +78,14 @@ LabelRefiner::setParameters(const SemanticCRFParameters& parameters)
 {
   parameters.validate();
   parameters_ = parameters;
+  history_.reset();
 }
 
 void
 LabelRefiner::setCompatibility(const Eigen::MatrixXf& costs)
 {
   compatibility_ = costs.size() > 0 ? LabelCompatibility(costs) : LabelCompatibility();
+  history_.reset();
 }
 
 void
@@ -149,6 +151,15 @@ LabelRefiner::refine(Elements& elements)
   if (model_ == CRFModelType::unary || elements.indices.empty())
     return elements.measured;
   Builder builder(*this, elements);
+  if (builder.isIncremental()) {
+    history_ = DenseHistory::update(builder.denseProblem(), history_.get());
+    report_.updates = 1;
+    report_.last_change = history_->lastChange();
+    LabelDistributions refined;
+    refined.matrix() = history_->marginals();
+    clearUninformed(elements.measured, refined.matrix());
+    return refined;
+  }
   CrfModel model = builder.build();
   const Eigen::MatrixXf initial = builder.initial();
   CrfModel kept;
