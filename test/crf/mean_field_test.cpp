@@ -123,7 +123,8 @@ TEST(MeanField, LargeCliques)
   PlainCrf crf;
   crf.unary = makeRandomMatrix(3, 30000, 0.0f, 3.0f, 1);
   crf.unary.row(1) = crf.unary.row(0).reverse(); // labels 0 and 1 tie
-  crf.unary(0, 7) -= 2.0f;
+  crf.unary.row(2).array() += 1.0f;
+  crf.unary(0, 7) -= 0.5f;
   PlainCliques cliques;
   cliques.members.emplace_back(30000);
   std::iota(cliques.members[0].begin(), cliques.members[0].end(), 0);
