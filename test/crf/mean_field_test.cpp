@@ -123,7 +123,7 @@ TEST(MeanField, LargeCliques)
   PlainCrf crf;
   crf.unary = makeRandomMatrix(3, 30000, 0.0f, 3.0f, 1);
   crf.unary.row(1) = crf.unary.row(0).reverse(); // labels 0 and 1 tie
-  crf.unary.row(2).array() += 1.0f;
+  crf.unary.row(2).setConstant(2.5f);
   crf.unary(0, 7) -= 0.5f;
   PlainCliques cliques;
   cliques.members.emplace_back(30000);
