@@ -173,14 +173,12 @@ MeanField::Engine::updateSequentially()
   VariableMask active(std::size_t(marginals_.columns()), 0);
   for (Eigen::Index i = 0; i < marginals_.columns(); ++i) {
     active[std::size_t(i)] = 1;
-    messages_.setZero();
-    hear(active);
+    hear(active); // matrices reach no other messages
     change = std::max(change, finish(i, i + 1));
     active[std::size_t(i)] = 0;
     for (const auto& term : terms_)
       term->variableChanged(i, marginals_);
   }
-  messages_.setZero();
   return change;
 }
 

@@ -79,8 +79,8 @@ RobustTerm::hear(const VariableMask& active)
 {
   for (const auto& kernel : potential_.kernels) {
     kernel->addProduct(marginals_.view(), messages_.view(), active);
-    if (self_interaction_)
-      for (Eigen::Index c = 0; c < marginals_.columns(); ++c)
+    for (Eigen::Index c = 0; c < marginals_.columns(); ++c)
+      if (self_interaction_ && (active.empty() || active[std::size_t(c)]))
         messages_.view().col(c) += kernel->diagonal(c) * marginals_.view().col(c);
   }
 }
@@ -161,12 +161,10 @@ RobustTerm::updateSequentially(const PaddedColumns& marginals)
   float change = 0.0f;
   for (Eigen::Index c = 0; c < marginals_.columns(); ++c) {
     active[std::size_t(c)] = 1;
-    messages_.setZero();
-    hear(active);
+    hear(active); // matrices reach no other messages
     change = std::max(change, updateClique(c, marginals));
     active[std::size_t(c)] = 0;
   }
-  messages_.setZero();
   return double(change);
 }
 
