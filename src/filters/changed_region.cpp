@@ -54,9 +54,9 @@ public:
   spread()
   {
     for (std::uint8_t level = 1; level < farthest; ++level) {
-      spreadAlong(1, level);
-      spreadAlong(size_.x(), level);
-      spreadAlong(size_.x() * size_.y(), level);
+      spreadAlong(1, size_.x(), level);
+      spreadAlong(size_.x(), size_.y(), level);
+      spreadAlong(size_.x() * size_.y(), size_.z(), level);
     }
   }
 
@@ -69,18 +69,21 @@ private:
   }
 
   // Marks both sides of blocks that are below a level or were reached by it already.
-  // Neighbours in memory that are none in space only make the region larger.
   void
-  spreadAlong(std::int64_t stride, std::uint8_t level)
+  spreadAlong(std::int64_t stride, std::int64_t size, std::uint8_t level)
   {
     const std::vector<std::uint8_t> before = levels_;
-    const auto count = std::int64_t(levels_.size());
-    for (std::int64_t i = 0; i < count; ++i) {
+    const auto mark = [&](std::int64_t i) {
+      levels_[std::size_t(i)] = std::min(levels_[std::size_t(i)], level);
+    };
+    for (std::int64_t i = 0; i < std::int64_t(levels_.size()); ++i) {
       if (before[std::size_t(i)] > level)
         continue;
-      for (const std::int64_t k : {i - stride, i + stride})
-        if (k >= 0 && k < count)
-          levels_[std::size_t(k)] = std::min(levels_[std::size_t(k)], level);
+      const std::int64_t place = i / stride % size;
+      if (place > 0)
+        mark(i - stride);
+      if (place + 1 < size)
+        mark(i + stride);
     }
   }
 

@@ -116,22 +116,21 @@ CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) cons
   elements.measured = LabelDistributions(refined_.classes(), count);
   if (fields.colours.size() > 0)
     elements.colours.resize(3, count);
-  // Differences from a place near the points keep single precision wherever the cloud
-  // lies; a round one stays the same while a map grows.
-  const auto roundDown = [](const auto& value, double step) -> Eigen::Vector3d {
-    return (value.template cast<double>() / step).array().floor() * step;
-  };
-  elements.origin =
-      voxels_.empty() ? roundDown(fields.positions.col(indices[0]), 64.0)
-                      : roundDown(voxels_[std::size_t(indices[0])], 1024.0);
+  // Differences from one of the points keep single precision wherever the cloud lies.
+  const Eigen::Vector3f first = fields.positions.col(indices[0]);
+  const Eigen::Vector3d first_voxel =
+      voxels_.empty() ? Eigen::Vector3d::Zero()
+                      : voxels_[std::size_t(indices[0])].cast<double>().eval();
+  elements.origin = voxels_.empty() ? first.cast<double>().eval()
+                                    : (first_voxel * voxel_size_).eval();
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Index i = indices[std::size_t(k)];
     if (voxels_.empty())
-      elements.positions.col(k) = (fields.positions.col(i).cast<double>() - elements.origin).cast<float>();
+      elements.positions.col(k) = fields.positions.col(i) - first;
     else
       elements.positions.col(k) =
-          ((voxels_[std::size_t(i)].cast<double>() - elements.origin) * voxel_size_)
+          ((voxels_[std::size_t(i)].cast<double>() - first_voxel) * voxel_size_)
               .cast<float>();
     elements.measured.matrix().col(k) = refined_.matrix().col(i);
     if (fields.colours.size() > 0)

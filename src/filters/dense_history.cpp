@@ -46,17 +46,6 @@ struct OneUpdate {
   Eigen::MatrixXf sums;
 };
 
-// Order of points on a grid: z, then y, then x.
-bool
-isBefore(const Eigen::Vector3f& a, const Eigen::Vector3f& b)
-{
-  if (a.z() != b.z())
-    return a.z() < b.z();
-  if (a.y() != b.y())
-    return a.y() < b.y();
-  return a.x() < b.x();
-}
-
 bool
 equalColumns(const Eigen::MatrixXf& a, Eigen::Index i, const Eigen::MatrixXf& b,
              Eigen::Index j)
@@ -66,35 +55,21 @@ equalColumns(const Eigen::MatrixXf& a, Eigen::Index i, const Eigen::MatrixXf& b,
                      std::size_t(a.rows()) * sizeof(float)) == 0;
 }
 
-// For each point the one in the same place of another cloud, or -1. Both are sorted if
-// they lie on a grid; of others some may not be found, which costs time only.
+// For each point the one in the same place of another cloud, or -1. Both are sorted by
+// z, y and x if they lie on a grid; of others some may not be found, which costs time
+// only.
 Numbers
-findPlaces(const Eigen::Matrix3Xf& positions, const Eigen::Matrix3Xf& others)
+findSame(const DenseHistory::Places& places, const DenseHistory::Places& others)
 {
-  Numbers places(std::size_t(positions.cols()), -1);
-  Eigen::Index j = 0;
-  for (Eigen::Index i = 0; i < positions.cols(); ++i) {
-    while (j < others.cols() && isBefore(others.col(j), positions.col(i)))
+  Numbers same(places.size(), -1);
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    while (j < others.size() && others[j] < places[i])
       ++j;
-    if (j < others.cols() && others.col(j) == positions.col(i))
-      places[std::size_t(i)] = std::int32_t(j++);
+    if (j < others.size() && others[j] == places[i])
+      same[i] = std::int32_t(j++);
   }
-  return places;
-}
-
-// The points that have no place any more.
-Eigen::Matrix3Xf
-findGone(const Eigen::Matrix3Xf& others, const Numbers& places)
-{
-  std::vector<std::uint8_t> is_there(std::size_t(others.cols()), 0);
-  for (const std::int32_t j : places)
-    if (j >= 0)
-      is_there[std::size_t(j)] = 1;
-  Numbers gone;
-  for (std::size_t j = 0; j < is_there.size(); ++j)
-    if (!is_there[j])
-      gone.push_back(std::int32_t(j));
-  return others(Eigen::all, gone);
+  return same;
 }
 
 } // namespace
@@ -103,10 +78,9 @@ std::shared_ptr<const DenseHistory>
 DenseHistory::update(DenseProblem&& problem, const DenseHistory* before)
 {
   auto result = std::make_shared<DenseHistory>();
+  result->findPlaces(problem);
   if (!before || !result->computeChanges(problem, *before))
     result->computeAll(problem);
-  result->origin_ = problem.origin;
-  result->positions_ = std::move(problem.positions);
   result->colours_ = std::move(problem.colours);
   result->measured_ = std::move(problem.measured);
   return result;
@@ -121,29 +95,61 @@ DenseHistory::computeAll(const DenseProblem& problem)
   last_change_ = all.change;
 }
 
+// Numbers of places a thousandth of the radius apart: equal for the same place,
+// whatever the origin is.
+void
+DenseHistory::findPlaces(const DenseProblem& problem)
+{
+  float widest = 0.0f;
+  for (const GaussianTerm& term : problem.terms)
+    widest = std::max(widest, term.position_deviation);
+  radius_ = problem.radius * widest;
+  places_.resize(std::size_t(problem.positions.cols()));
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    for (int a = 0; a < 3; ++a) // z first
+      places_[i][std::size_t(2 - a)] = std::llround(
+          (double(problem.positions(a, Eigen::Index(i))) + problem.origin[a]) / step());
+}
+
+// Positions of points that are no longer there, for another origin.
+Eigen::Matrix3Xf
+DenseHistory::findGone(const Numbers& same, const Eigen::Vector3d& origin) const
+{
+  std::vector<std::uint8_t> is_there(places_.size(), 0);
+  for (const std::int32_t j : same)
+    if (j >= 0)
+      is_there[std::size_t(j)] = 1;
+  std::vector<Eigen::Vector3f> gone;
+  for (std::size_t j = 0; j < is_there.size(); ++j)
+    if (!is_there[j])
+      gone.push_back((Eigen::Vector3d(double(places_[j][2]), double(places_[j][1]),
+                                      double(places_[j][0])) *
+                          step() -
+                      origin)
+                         .cast<float>());
+  return Eigen::Map<const Eigen::Matrix3Xf>(gone.empty() ? nullptr : gone[0].data(), 3,
+                                            Eigen::Index(gone.size()));
+}
+
 // False if that would be no quicker.
 bool
 DenseHistory::computeChanges(const DenseProblem& problem, const DenseHistory& before)
 {
-  if (problem.origin != before.origin_ ||
-      problem.measured.rows() != before.measured_.rows())
+  if (problem.measured.rows() != before.measured_.rows())
     return false;
   const Eigen::Matrix3Xf& positions = problem.positions;
-  const Numbers places = findPlaces(positions, before.positions_);
-  std::vector<std::uint8_t> changed(places.size());
+  const Numbers same = findSame(places_, before.places_);
+  std::vector<std::uint8_t> changed(same.size());
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < places.size(); ++i)
+  for (std::size_t i = 0; i < same.size(); ++i)
     changed[i] =
-        places[i] < 0 ||
-        !equalColumns(problem.colours, Eigen::Index(i), before.colours_, places[i]) ||
-        !equalColumns(problem.measured, Eigen::Index(i), before.measured_, places[i]);
-  float widest = 0.0f;
-  for (const GaussianTerm& term : problem.terms)
-    widest = std::max(widest, term.position_deviation);
-  const ChangedRegion region =
-      findChangedRegion(positions, changed, findGone(before.positions_, places),
-                        problem.radius * widest);
-  if (2 * region.points.size() > places.size())
+        same[i] < 0 ||
+        !equalColumns(problem.colours, Eigen::Index(i), before.colours_, same[i]) ||
+        !equalColumns(problem.measured, Eigen::Index(i), before.measured_, same[i]);
+  const ChangedRegion region = findChangedRegion(
+      positions, changed, before.findGone(same, problem.origin), radius_);
+  if (2 * region.points.size() > same.size())
     return false;
 
   const Numbers& points = region.points;
@@ -156,17 +162,17 @@ DenseHistory::computeChanges(const DenseProblem& problem, const DenseHistory& be
     if (region.fresh[k])
       known.col(Eigen::Index(k)).setConstant(std::nanf(""));
     else
-      known.col(Eigen::Index(k)) = before.sums_.col(places[std::size_t(points[k])]);
+      known.col(Eigen::Index(k)) = before.sums_.col(same[std::size_t(points[k])]);
   const OneUpdate part(problem, positions(Eigen::all, points), terms,
                        problem.measured(Eigen::all, points), known);
 
   marginals_.resize(problem.measured.rows(), positions.cols());
   sums_.resize(known.rows(), positions.cols());
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (places[i] >= 0) {
-      marginals_.col(Eigen::Index(i)) = before.marginals_.col(places[i]);
-      sums_.col(Eigen::Index(i)) = before.sums_.col(places[i]);
+  for (std::size_t i = 0; i < same.size(); ++i)
+    if (same[i] >= 0) {
+      marginals_.col(Eigen::Index(i)) = before.marginals_.col(same[i]);
+      sums_.col(Eigen::Index(i)) = before.sums_.col(same[i]);
     }
   for (std::size_t k = 0; k < points.size(); ++k) {
     sums_.col(points[k]) = part.sums.col(Eigen::Index(k));

@@ -11,6 +11,8 @@
 
 #include <Eigen/Core>
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -18,7 +20,7 @@ namespace pcl_semantic {
 
 /** \brief A dense CRF over points, of which one update is wanted. */
 struct DenseProblem {
-  Eigen::Vector3d origin; ///< of the positions: these are compared only if it is equal
+  Eigen::Vector3d origin; ///< of the positions
   Eigen::Matrix3Xf positions;
   Eigen::MatrixXf colours; ///< rows x N; may be empty
   Eigen::MatrixXf measured;
@@ -34,6 +36,8 @@ struct DenseProblem {
  * to be the same. */
 class DenseHistory {
 public:
+  using Places = std::vector<std::array<std::int64_t, 3>>; ///< z, y, x, in step()s
+
   /** \brief One update of a cloud. \param[in] before null = of all points */
   static std::shared_ptr<const DenseHistory> update(DenseProblem&& problem,
                                                     const DenseHistory* before);
@@ -53,11 +57,20 @@ public:
   }
 
 private:
+  void findPlaces(const DenseProblem& problem);
+  Eigen::Matrix3Xf findGone(const std::vector<std::int32_t>& same,
+                            const Eigen::Vector3d& origin) const;
   void computeAll(const DenseProblem& problem);
   bool computeChanges(const DenseProblem& problem, const DenseHistory& before);
 
-  Eigen::Vector3d origin_;
-  Eigen::Matrix3Xf positions_;
+  double
+  step() const
+  {
+    return double(radius_) * 1e-3;
+  }
+
+  float radius_ = 0.0f; // of the kernels
+  Places places_;
   Eigen::MatrixXf colours_;
   Eigen::MatrixXf measured_;
   Eigen::MatrixXf sums_; // of the kernels, terms x N

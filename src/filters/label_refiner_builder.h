@@ -6,8 +6,8 @@
 
 #pragma once
 
-#include <pcl_semantic/crf/crf_model.h>
 #include "dense_history.h"
+#include <pcl_semantic/crf/crf_model.h>
 
 #include <pcl_semantic/filters/label_refiner.h>
 

@@ -10,8 +10,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Costs -log p, eq. (4), of measurements L x N of any positive scale; one that is
- * all zero has no preference. */
+/** \brief Costs -log p, eq. (4), of measurements L x N of any positive scale; one that
+ * is all zero has no preference. */
 Eigen::MatrixXf unaryCosts(const Eigen::MatrixXf& measured);
 
 } // namespace pcl_semantic

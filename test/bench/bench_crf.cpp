@@ -178,7 +178,7 @@ compareIncremental(const std::string& name, const VoxelCloud& voxels)
       changed.matrix().col(Eigen::Index(i)).reverseInPlace();
   Crf crf;
   crf.setParameters(benchParameters(1));
-  // crf.setIncremental(true);
+  crf.setIncremental(true);
   crf.setInputCloud(voxels.cloud);
   pcl::PointCloud<pcl::PointXYZRGBL> output;
   int run = 0;

@@ -121,9 +121,9 @@ public:
 protected:
   /** \brief The elements that take part, and what is known of them. */
   struct Elements {
-    std::size_t total = 0;       ///< elements of the whole cloud or image
-    pcl::Indices indices;        ///< of the n that take part, each once
-    Eigen::MatrixXf positions;   ///< 1 to 3 rows x n, finite
+    std::size_t total = 0;     ///< elements of the whole cloud or image
+    pcl::Indices indices;      ///< of the n that take part, each once
+    Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the positions
     Eigen::MatrixXf colours;     ///< rows x n [grey levels]; empty = no colour
     LabelDistributions measured; ///< L x n
