@@ -19,8 +19,11 @@ PnPottsTerm::PnPottsTerm(CliquePotential&& potential, const PaddedColumns& margi
 void
 PnPottsTerm::multiplyMembers(Eigen::Index c, const PaddedColumns& marginals)
 {
-  const IndexRange members = potential_.cliques->members()[std::size_t(c)];
-  columnProducts().multiply(members.begin(), members.size(), marginals.column(0),
+  const IndexLists& members = potential_.cliques->members();
+  const std::size_t begin = members.starts[std::size_t(c)];
+  columnProducts().multiply(members.indices.data() + begin,
+                            members.starts[std::size_t(c) + 1] - begin,
+                            members.indices.size() - begin, marginals.column(0),
                             std::size_t(stride_), product(c));
   for (Eigen::Index l = 0; l < stride_; ++l)
     product(c)[l] *= double(weights(c)[l]);

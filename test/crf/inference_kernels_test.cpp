@@ -173,8 +173,8 @@ TEST_P(InferenceKernels, ProductsWithoutOneFactor)
     lists.starts.push_back(lists.indices.size());
   }
   for (std::size_t p = 0; p < 4; ++p)
-    products.multiply(indices.data() + 5 * p, 10, columns.column(0), stride,
-                      &kept[p * stride]);
+    products.multiply(indices.data() + 5 * p, 10, indices.size() - 5 * p,
+                      columns.column(0), stride, &kept[p * stride]);
   PaddedColumns result = padded(Eigen::MatrixXf::Ones(rows, 30));
   products.add_without(lists.starts.data(), lists.indices.data(), 30, kept.data(),
                        columns.column(0), stride, result.column(0));
@@ -204,8 +204,8 @@ TEST_P(InferenceKernels, ProductsOfManyFactors)
   std::vector<double> product(std::size_t(columns.stride()));
   const std::vector<std::int32_t> indices(10000, 0);
   for (const int count : {0, 1, 100, 1000, 10000}) {
-    products.multiply(indices.data(), std::size_t(count), columns.column(0),
-                      product.size(), product.data());
+    products.multiply(indices.data(), std::size_t(count), indices.size(),
+                      columns.column(0), product.size(), product.data());
     const double expected = std::pow(double(0.9f), count);
     ASSERT_NEAR(product[0], expected > 1e-200 ? expected : 0.0, 1e-11 * expected);
   }

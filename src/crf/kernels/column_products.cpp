@@ -35,7 +35,7 @@ isZero(double value)
 
 template <std::size_t Lanes>
 PCL_SEMANTIC_INLINE void
-multiplyBody(const std::int32_t* indices, std::size_t count,
+multiplyBody(const std::int32_t* indices, std::size_t count, std::size_t readable,
              const float* __restrict columns, std::size_t stride,
              double* __restrict product)
 {
@@ -47,6 +47,7 @@ multiplyBody(const std::int32_t* indices, std::size_t count,
       part[k] = 1.0;
     for (std::size_t e = 0; e < count; ++e) {
       const float* const column = columns + std::size_t(indices[e]) * stride + l;
+      fetchAhead(indices, e, readable, columns + l, stride);
 #pragma GCC unroll 1
       for (std::size_t k = 0; k < Lanes; ++k) {
         const double factor = double(column[k]);
@@ -88,24 +89,24 @@ addWithoutBody(const std::size_t* starts, const std::int32_t* indices, std::size
 }
 
 void
-multiplyPlain(const std::int32_t* indices, std::size_t count, const float* columns,
-              std::size_t stride, double* product)
+multiplyPlain(const std::int32_t* indices, std::size_t count, std::size_t readable,
+              const float* columns, std::size_t stride, double* product)
 {
-  multiplyBody<2>(indices, count, columns, stride, product);
+  multiplyBody<2>(indices, count, readable, columns, stride, product);
 }
 
 PCL_SEMANTIC_AVX2 void
-multiplyAvx2(const std::int32_t* indices, std::size_t count, const float* columns,
-             std::size_t stride, double* product)
+multiplyAvx2(const std::int32_t* indices, std::size_t count, std::size_t readable,
+             const float* columns, std::size_t stride, double* product)
 {
-  multiplyBody<4>(indices, count, columns, stride, product);
+  multiplyBody<4>(indices, count, readable, columns, stride, product);
 }
 
 PCL_SEMANTIC_AVX512 void
-multiplyAvx512(const std::int32_t* indices, std::size_t count, const float* columns,
-               std::size_t stride, double* product)
+multiplyAvx512(const std::int32_t* indices, std::size_t count, std::size_t readable,
+               const float* columns, std::size_t stride, double* product)
 {
-  multiplyBody<8>(indices, count, columns, stride, product);
+  multiplyBody<8>(indices, count, readable, columns, stride, product);
 }
 
 void

@@ -22,9 +22,10 @@ namespace pcl_semantic {
  * product of the others if one is, and as 0 if more are, or if it is below 1e-200.
  * Without any one factor such a product would still be below 1e-170. */
 struct ColumnProducts {
-  /** \brief product = that of columns(:, indices[e]), e < count. */
-  void (*multiply)(const std::int32_t* indices, std::size_t count, const float* columns,
-                   std::size_t stride, double* product);
+  /** \brief product = that of columns(:, indices[e]), e < count.
+   * \param[in] readable indices there are, as for ColumnSums::sum */
+  void (*multiply)(const std::int32_t* indices, std::size_t count, std::size_t readable,
+                   const float* columns, std::size_t stride, double* product);
 
   /** \brief result(:, r) += the sum of products(:, indices[e]) without their factor
    * factors(:, r), starts[r] <= e < starts[r + 1], for r < rows. */
