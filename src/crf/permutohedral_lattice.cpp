@@ -36,11 +36,12 @@ public:
 
   // Filters up to 16 rows.
   void
-  filter(const kernels::LatticeColumns& columns)
+  filter(const kernels::LatticeColumns& columns, LatticeBlur order)
   {
     const std::size_t width = widthFor(Eigen::Index(columns.rows));
-    const kernels::LatticeFilter& loops = kernels::latticeFilter(tier_, width);
-    const Values values = borrow(structure.rows * width);
+    const std::size_t halves = order == LatticeBlur::symmetric ? 2 : 1;
+    const kernels::LatticeFilter& loops = kernels::latticeFilter(tier_, width, halves);
+    const Values values = borrow(structure.rows * width * halves);
     float* const lattice = values->data();
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t c = 0; c < structure.chunks(); ++c)
@@ -51,11 +52,8 @@ public:
                   std::min(merge_vertices, structure.shared.size() - m),
                   structure.shared_ends.data() + 1 + m, structure.shared_rows.data(),
                   lattice);
-    for (const LatticeGroup& group : structure.groups) {
-#pragma omp parallel for schedule(dynamic, 1)
-      for (std::size_t b = 0; b < group.buckets.size(); ++b)
-        blur(group.buckets[b], loops, lattice);
-    }
+    for (std::size_t g = 0; g < structure.groups.size(); ++g)
+      blur(g, loops, lattice, halves == 2 ? lattice + width : nullptr);
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t c = 0; c < structure.chunks(); ++c)
       loops.slice(chunk(c), columns, lattice);
@@ -63,9 +61,11 @@ public:
   }
 
   std::size_t
-  memory() const
+  memory(LatticeBlur order) const
   {
-    return structure.memory() + structure.rows * std::size_t(widest) * sizeof(float);
+    const std::size_t halves = order == LatticeBlur::symmetric ? 2 : 1;
+    return structure.memory() +
+           structure.rows * halves * std::size_t(widest) * sizeof(float);
   }
 
   const LatticeStructure structure;
@@ -111,11 +111,27 @@ private:
             structure.represents.data() + partial};
   }
 
-  static void
-  blur(const LatticeBucket& bucket, const kernels::LatticeFilter& loops, float* lattice)
+  // A group of one half in the order of directions, and the opposite group of the other
+  // half, if there is one, in the reverse order.
+  void
+  blur(std::size_t g, const kernels::LatticeFilter& loops, float* forward,
+       float* reverse) const
   {
-    for (std::size_t j = 0; j < bucket.begins.size(); ++j)
-      loops.blur(bucket.steps.data() + bucket.begins[j], bucket.counts[j], lattice);
+    const std::vector<LatticeBucket>& first = structure.groups[g].buckets;
+    const std::vector<LatticeBucket>& second =
+        structure.groups[structure.groups.size() - 1 - g].buckets;
+    const std::size_t count = first.size() + (reverse ? second.size() : 0);
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t b = 0; b < count; ++b) {
+      const bool is_first = b < first.size();
+      const LatticeBucket& bucket = is_first ? first[b] : second[b - first.size()];
+      const std::size_t directions = bucket.begins.size();
+      for (std::size_t j = 0; j < directions; ++j) {
+        const std::size_t direction = is_first ? j : directions - 1 - j;
+        loops.blur(bucket.steps.data() + bucket.begins[direction],
+                   bucket.counts[direction], is_first ? forward : reverse);
+      }
+    }
   }
 
   SimdTier tier_;
@@ -137,6 +153,13 @@ Eigen::Index
 PermutohedralLattice::size() const
 {
   return Eigen::Index(implementation_->structure.points);
+}
+
+Eigen::VectorXd
+PermutohedralLattice::origin() const
+{
+  const auto d = Eigen::Index(implementation_->structure.corners) - 1;
+  return Eigen::Map<const Eigen::VectorXd>(implementation_->structure.frame.low, d);
 }
 
 Eigen::Index
@@ -165,7 +188,8 @@ PermutohedralLattice::selfResponses() const
 void
 PermutohedralLattice::addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
                                   const Scales& scales, const VariableMask& active,
-                                  Eigen::Ref<Eigen::MatrixXf> result) const
+                                  Eigen::Ref<Eigen::MatrixXf> result,
+                                  LatticeBlur blur) const
 {
   if (size() == 0)
     return;
@@ -176,13 +200,14 @@ PermutohedralLattice::addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& value
          result.data() + row, std::size_t(result.outerStride()),
          std::size_t(std::min(widest, values.rows() - row)), scales.splat.data(),
          scales.slice.data(), scales.diagonal.data(),
-         active.empty() ? nullptr : active.data()});
+         active.empty() ? nullptr : active.data()},
+        blur);
 }
 
 std::size_t
-PermutohedralLattice::memory() const
+PermutohedralLattice::memory(LatticeBlur blur) const
 {
-  return implementation_->memory();
+  return implementation_->memory(blur);
 }
 
 } // namespace pcl_semantic

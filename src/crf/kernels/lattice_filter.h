@@ -13,7 +13,9 @@
 
 /** \brief The inner loops of PermutohedralLattice::addFiltered(). Values on the lattice
  * are rows of `width` floats: one for every vertex, then partial rows, where a chunk of
- * points sums what belongs to vertices of earlier chunks. */
+ * points sums what belongs to vertices of earlier chunks. With two halves, two copies
+ * of a row follow each other, to be blurred each in its own way and sliced as their
+ * sum. */
 namespace pcl_semantic::kernels {
 
 /** \brief Bit of a step of a blur: the last vertex of its run. */
@@ -65,7 +67,7 @@ struct LatticeFilter {
                 float* lattice);
 
   /** \brief One direction: adds half of both neighbours in its run to every row. Steps
-   * count ... count + steps_ahead are rows too. */
+   * count ... count + steps_ahead are rows too. \param[in] lattice the half to blur */
   void (*blur)(const std::int32_t* steps, std::size_t count, float* lattice);
 
   /** \brief Fills the partial rows, and adds slice_scale times the weighted sum around
@@ -74,7 +76,9 @@ struct LatticeFilter {
                 float* lattice);
 };
 
-/** \brief The loops for a tier and a width: 1, 4, 8 or 16. All give the same bits. */
-const LatticeFilter& latticeFilter(SimdTier tier, std::size_t width);
+/** \brief The loops for a tier, a width (1, 4, 8 or 16) and 1 or 2 halves. All tiers
+ * give the same bits. */
+const LatticeFilter& latticeFilter(SimdTier tier, std::size_t width,
+                                   std::size_t halves);
 
 } // namespace pcl_semantic::kernels
