@@ -1,0 +1,35 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "pcd_header.h"
+
+namespace pcl_semantic {
+
+/** \brief readPcd() on the bytes of a file. \param[in] path for messages */
+PcdTable decodePcd(const std::string& path, std::string_view file);
+
+/** \brief The data of a `.pcd` file in rows of packed fields, padding included. Memory
+ * is taken only for what the file can hold.
+ * \throws BadInputException as readPcd() */
+std::vector<std::uint8_t>
+decodePcdAscii(const std::string& path, const PcdHeader& header, std::string_view file);
+
+/** \brief As decodePcdAscii(), for both of the binary encodings. */
+std::vector<std::uint8_t> decodePcdBinary(const std::string& path,
+                                          const PcdHeader& header,
+                                          std::string_view file);
+
+/** \brief Unpacks LZF: a control byte c < 32 is followed by c + 1 bytes as they are;
+ * any other repeats earlier ones: length (c >> 5) + 2, where 7 + 2 is lengthened by the
+ * next byte, from (c & 31) * 256 + next byte + 1 bytes back.
+ * \param[in] size of the result
+ * \return whether \a packed is whole and gives exactly that many bytes */
+bool unpackLzf(std::string_view packed, std::size_t size,
+               std::vector<std::uint8_t>& result);
+
+} // namespace pcl_semantic

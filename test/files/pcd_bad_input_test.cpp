@@ -1,0 +1,391 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// Files that PCL's reader crashes on, over-reads, or takes for good.
+
+#include "../../src/files/pcd_data.h"
+
+#include "support/mutate.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/pcd_file.h>
+
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+
+using namespace pcl_semantic;
+
+namespace {
+
+// A whole file, line by line, so that a test can spoil one.
+struct Lines {
+  std::string fields = "FIELDS x y label\n";
+  std::string size = "SIZE 4 8 2\n";
+  std::string type = "TYPE F F U\n";
+  std::string count = "COUNT 1 1 1\n";
+  std::string width = "WIDTH 2\n";
+  std::string height = "HEIGHT 2\n";
+  std::string viewpoint = "VIEWPOINT 0 0 0 1 0 0 0\n";
+  std::string points = "POINTS 4\n";
+  std::string data = "DATA ascii\n";
+  std::string content = "1 2 3\n4 5 6\n7 8 9\n10 11 12\n";
+
+  std::string
+  text() const
+  {
+    return "VERSION 0.7\n" + fields + size + type + count + width + height + viewpoint +
+           points + data + content;
+  }
+};
+
+// The message about a file, which has to name it.
+std::string
+refusal(const std::string& bytes)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("cloud.pcd", bytes);
+  const std::string message = thrownMessage<BadInputException>([&] { readPcd(path); });
+  EXPECT_TRUE(holds(message, path));
+  EXPECT_LT(message.size(), path.size() + 250u);
+  for (const char c : message)
+    EXPECT_TRUE(c >= ' ' && c <= '~') << int(c);
+  return message;
+}
+
+std::string
+refusal(std::string Lines::*line, const std::string& spoilt)
+{
+  Lines lines;
+  lines.*line = spoilt;
+  return refusal(lines.text());
+}
+
+Lines
+binaryLines()
+{
+  Lines lines;
+  lines.data = "DATA binary\n";
+  lines.content = std::string(4 * 14, 'a');
+  return lines;
+}
+
+// Little-endian.
+std::string
+fourBytes(std::uint32_t value)
+{
+  std::string bytes;
+  for (int i = 0; i < 4; ++i)
+    bytes += char(value >> (8 * i) & 0xFF);
+  return bytes;
+}
+
+// 56 bytes in two runs of literals.
+const std::string literals =
+    char(31) + std::string(32, 'a') + char(23) + std::string(24, 'b');
+
+Lines
+compressedLines(std::uint32_t unpacked = 56, const std::string& packed = literals)
+{
+  Lines lines;
+  lines.data = "DATA binary_compressed\n";
+  lines.content =
+      fourBytes(std::uint32_t(packed.size())) + fourBytes(unpacked) + packed;
+  return lines;
+}
+
+} // namespace
+
+TEST(BadPcd, TheFilesAreGoodUnlessSpoilt)
+{
+  const TemporaryFolder folder;
+  for (const Lines& lines : {Lines(), binaryLines(), compressedLines()})
+    EXPECT_EQ(readPcd(folder.write("a.pcd", lines.text())).data.size(), 56u);
+}
+
+TEST(BadPcd, NoPcd)
+{
+  EXPECT_TRUE(holds(refusal(""), "empty"));
+  EXPECT_TRUE(holds(refusal("\n\n# only a comment"), "ends without DATA"));
+  EXPECT_TRUE(holds(refusal("\x89PNG\r\n\x1A\n garbage"), "line 1: '?PNG'"));
+  std::string random;
+  for (int i = 0; i < 5000; ++i)
+    random += char(i * i * 2654435761u >> 7);
+  refusal(random);
+  refusal(std::string(100000, 'x'));
+  refusal(std::string(100000, '\0'));
+  const TemporaryFolder folder;
+  thrownMessage<BadInputException>([&] { readPcd(folder.path()); });
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { readPcd(folder.path("no.pcd")); }),
+            "no.pcd"));
+}
+
+TEST(BadPcd, TheHeaderIsIncomplete)
+{
+  for (const auto& [line, name] :
+       {std::pair(&Lines::fields, "FIELDS"), std::pair(&Lines::size, "SIZE"),
+        std::pair(&Lines::type, "TYPE"), std::pair(&Lines::width, "WIDTH"),
+        std::pair(&Lines::height, "HEIGHT")})
+    EXPECT_TRUE(holds(refusal(line, ""), std::string("has no ") + name));
+  EXPECT_TRUE(holds(refusal(&Lines::data, "DATA\n"), "DATA has 0 value(s)"));
+  EXPECT_TRUE(holds(refusal(&Lines::data, ""), "line 10: '1'"));
+  Lines lines;
+  lines.content.clear();
+  lines.data.clear();
+  EXPECT_TRUE(holds(refusal(lines.text()), "ends without DATA"));
+}
+
+TEST(BadPcd, AKeywordTwiceOrUnknown)
+{
+  EXPECT_TRUE(holds(refusal(&Lines::width, "WIDTH 2\nWIDTH 2\n"),
+                    "line 7: WIDTH for the second time"));
+  EXPECT_TRUE(holds(refusal(&Lines::count, "COUNTS 1 1 1\n"), "line 5: 'COUNTS'"));
+  // PCL goes on reading its header behind DATA.
+  EXPECT_TRUE(holds(refusal(&Lines::content, "FIELDS x\n1 2 3\n4 5 6\n7 8 9\n1 2 3\n"),
+                    "line 11: 'FIELDS' is not a number"));
+  Lines binary = binaryLines();
+  binary.content = "FIELDS x\nCOUNT 9\n" + binary.content;
+  refusal(binary.text());
+}
+
+TEST(BadPcd, FieldsThatAreNone)
+{
+  EXPECT_TRUE(holds(refusal(&Lines::fields, "FIELDS\n"), "line 2: FIELDS names none"));
+  EXPECT_TRUE(holds(refusal(&Lines::fields, "FIELDS x y x\n"), "'x' for the second"));
+  EXPECT_TRUE(holds(refusal(&Lines::fields, "FIELDS _ _ _\n"), "padding"));
+  EXPECT_TRUE(holds(refusal(&Lines::fields, "FIELDS x y\n"),
+                    "line 3: SIZE has 3 value(s), expected 2"));
+  EXPECT_TRUE(holds(refusal(&Lines::fields, "FIELDS x y \x01\n"), "field '?'"));
+  EXPECT_TRUE(holds(refusal(&Lines::type, "TYPE F F U U\n"), "line 4: TYPE has 4"));
+  for (const char* const size :
+       {"3", "16", "0", "-4", "4.0", "x", "99999999999999999999"})
+    EXPECT_TRUE(
+        holds(refusal(&Lines::size, std::string("SIZE ") + size + " 8 2\n"), "line"))
+        << size;
+  for (const char* const type : {"f", "X", "FF", "B"})
+    EXPECT_TRUE(holds(refusal(&Lines::type, std::string("TYPE ") + type + " F U\n"),
+                      "line 4: TYPE"));
+  EXPECT_TRUE(holds(refusal(&Lines::size, "SIZE 4 2 2\n"), "of 2 bytes"));
+}
+
+TEST(BadPcd, CountsThatAreNone)
+{
+  for (const char* const count : {"-1", "0", "1000000000", "65537", "1e3", "nan"})
+    EXPECT_TRUE(holds(refusal(&Lines::count, std::string("COUNT 1 ") + count + " 1\n"),
+                      "line 5: COUNT is '" + std::string(count)));
+  Lines lines;
+  lines.size = "SIZE 8 8 2\n";
+  lines.count = "COUNT 65536 65536 65536\n";
+  EXPECT_TRUE(holds(refusal(lines.text()), "points of 1179648 bytes"));
+}
+
+TEST(BadPcd, SizesThatDoNotFit)
+{
+  for (const char* const width : {"-2", "4000000000000", "2.0", "", "2 2", "0x2"})
+    EXPECT_TRUE(
+        holds(refusal(&Lines::width, "WIDTH " + std::string(width) + "\n"), "line 6"));
+  EXPECT_TRUE(holds(refusal(&Lines::width, "WIDTH 3\n"), "line 9: POINTS is '4'"));
+  EXPECT_TRUE(holds(refusal(&Lines::points, "POINTS 5\n"), "which is 4"));
+  refusal(&Lines::points, "POINTS 18446744073709551620\n"); // 4 in 64 bits
+}
+
+TEST(BadPcd, APointCountBeyondTheFile)
+{
+  // The product of the first pair is 0 in 32 bits, which crashes PCL.
+  for (const auto& [width, height, points] :
+       {std::tuple("65536", "65536", "0"), std::tuple("65536", "65536", "4294967296"),
+        std::tuple("4000000000", "1", "4000000000"),
+        std::tuple("4294967295", "4294967295", "18446744065119617025")})
+    for (Lines lines : {Lines(), binaryLines(), compressedLines()}) {
+      lines.width = "WIDTH " + std::string(width) + "\n";
+      lines.height = "HEIGHT " + std::string(height) + "\n";
+      lines.points = "POINTS " + std::string(points) + "\n";
+      refusal(lines.text());
+    }
+}
+
+TEST(BadPcd, Viewpoints)
+{
+  for (const char* const viewpoint :
+       {"0 0 0 1 0 0", "0 0 0 1 0 0 0 0", "0 0 0 1 0 0 nan", "0 0 inf 1 0 0 0",
+        "0 0 0 1,0 0 0 0", "0 0 0 1e999 0 0 0"})
+    EXPECT_TRUE(
+        holds(refusal(&Lines::viewpoint, "VIEWPOINT " + std::string(viewpoint) + "\n"),
+              "line 8: VIEWPOINT"));
+}
+
+TEST(BadPcd, VersionsAndEncodings)
+{
+  EXPECT_TRUE(holds(refusal(&Lines::data, "DATA Ascii\n"), "line 10: DATA is 'Ascii'"));
+  EXPECT_TRUE(holds(refusal(&Lines::data, "DATA ascii binary\n"), "line 10: DATA has"));
+  std::string text = Lines().text();
+  EXPECT_TRUE(holds(refusal(text.replace(8, 3, "0.8")), "line 1: VERSION is '0.8'"));
+}
+
+TEST(BadPcd, AsciiLinesTooShortTooLongOrTooMany)
+{
+  const auto message = [](const std::string& content) {
+    return refusal(&Lines::content, content);
+  };
+  EXPECT_TRUE(holds(message("1 2 3\n4 5\n7 8 9\n10 11 12\n"),
+                    "line 12: has 2 number(s), expected 3"));
+  EXPECT_TRUE(
+      holds(message("1 2 3\n4 5 6 7\n7 8 9\n10 11 12\n"), "line 12: has more than 3"));
+  EXPECT_TRUE(holds(message("1 2 3\n4 5 6\n7 8 9\n"), "has 3 points, expected 4"));
+  EXPECT_TRUE(holds(message("1 2 3\n4 5 6\n7 8 9\n1 2 3\n1 2 3\n"), "line 15: "));
+  EXPECT_TRUE(holds(message(""), "has 0 points"));
+  // Two lines that together have the right number of values.
+  EXPECT_TRUE(holds(message("1 2\n3 4 5 6\n7 8 9\n10 11 12\n"), "line 11"));
+}
+
+TEST(BadPcd, AsciiWordsThatAreNoNumberOfTheirType)
+{
+  const auto message = [](const std::string& point) {
+    return refusal(&Lines::content, "1 2 3\n" + point + "\n7 8 9\n10 11 12\n");
+  };
+  for (const char* const point :
+       {"abc 5 6", "1,5 5 6", "4x 5 6", "0x10 5 6", "4 5 nan", "4 5 6.5", "4 5 -1",
+        "4 5 65536", "1e39 5 6", "-1e39 5 6", "4 1e309 6", "+-4 5 6", "+ 5 6", "4. . 6",
+        "# 5 6", "4\v5 5 6"})
+    EXPECT_TRUE(holds(message(point), "line 12: '")) << point;
+  EXPECT_TRUE(holds(message("1e39 5 6"), "too large"));
+  EXPECT_TRUE(holds(message("4 5 6.5"), "field 'label', type U of 2 bytes"));
+  EXPECT_TRUE(holds(message(std::string(100000, '9') + " 5 6"), "line 12"));
+  EXPECT_TRUE(holds(message(std::string("4\0 5 6", 7)), "line 12: '4?'"));
+}
+
+TEST(BadPcd, BinaryDataTooShortOrTooLong)
+{
+  for (const std::size_t bytes : {0u, 1u, 55u}) {
+    Lines lines = binaryLines();
+    lines.content.resize(bytes);
+    EXPECT_TRUE(holds(refusal(lines.text()), "expected 4 points of 14 bytes"));
+  }
+  Lines lines = binaryLines();
+  lines.content += "x";
+  EXPECT_TRUE(holds(refusal(lines.text()), "1 bytes behind the data"));
+  lines.content = binaryLines().content + std::string(65537, '\0');
+  EXPECT_TRUE(holds(refusal(lines.text()), "behind the data"));
+}
+
+TEST(BadPcd, CompressedDataThatLie)
+{
+  // PCL believes the size and returns what happens to be in memory.
+  EXPECT_TRUE(holds(refusal(compressedLines(40).text()), "40 bytes long, expected 56"));
+  refusal(compressedLines(57).text());
+  refusal(compressedLines(0xFFFFFFFFu).text());
+  refusal(compressedLines(0).text());
+  Lines lines = compressedLines();
+  for (const std::size_t bytes : {0u, 7u, 8u, 20u, 65u}) {
+    lines.content.resize(bytes);
+    refusal(lines.text());
+  }
+  lines = compressedLines();
+  lines.content.replace(0, 4, fourBytes(0xFFFFFFF0u));
+  refusal(lines.text());
+  lines = compressedLines();
+  lines.content += "x";
+  EXPECT_TRUE(holds(refusal(lines.text()), "behind the data"));
+}
+
+TEST(BadPcd, CompressedDataThatAreDamaged)
+{
+  const std::string start = literals.substr(0, 33);
+  for (const std::string& packed :
+       {start + char(24) + std::string(24, 'b'),        // a literal is cut off
+        start + char(23) + std::string(23, 'b') + "bb", // and ends too late
+        start,                                          // too few bytes
+        literals + char(0) + "x",                       // too many
+        start + "\xE0",                                 // a long repetition is cut off
+        start + "\xE0\x10",                             // so is this one
+        start + "\x20",                                 // a short one
+        start + std::string("\xE0\x0F\x20", 3),         // from before the beginning
+        start + std::string("\xE0\x10\x00", 3)})        // one byte too long
+    EXPECT_TRUE(holds(refusal(compressedLines(56, packed).text()), "damaged"));
+  // The last one, right: 7 + 15 + 2 repetitions of the byte before.
+  const TemporaryFolder folder;
+  const PcdTable table = readPcd(folder.write(
+      "a.pcd", compressedLines(56, start + std::string("\xE0\x0F\x00", 3)).text()));
+  EXPECT_EQ(table.data, std::vector<std::uint8_t>(56, 'a'));
+}
+
+TEST(BadPcd, AHeaderOfAMillionFieldsEnds)
+{
+  std::string fields = "FIELDS", sizes = "SIZE", types = "TYPE";
+  for (int i = 0; i < 300000; ++i) {
+    fields += " _";
+    sizes += " 1";
+    types += " U";
+  }
+  const TemporaryFolder folder;
+  const std::string bytes = fields + " x\n" + sizes + " 4\n" + types +
+                            " F\nWIDTH 1\nHEIGHT 1\nDATA binary\n" +
+                            std::string(300004, 'a');
+  const PcdTable table = readPcd(folder.write("a.pcd", bytes));
+  EXPECT_EQ(table.data, std::vector<std::uint8_t>(4, 'a'));
+}
+
+TEST(BadPcd, DamagedFilesAreReadOrRefused)
+{
+  const TemporaryFolder folder;
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud(16, 4);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud[i].x = 0.5f * float(i);
+    cloud[i].label = unsigned(i / 10);
+  }
+  pcl::PCLPointCloud2 message;
+  pcl::toPCLPointCloud2(cloud, message);
+  const std::string path = folder.path("a.pcd");
+  Mutator mutate(1, {"-1",
+                     "0",
+                     "1",
+                     "4",
+                     "8",
+                     "65536",
+                     "4294967295",
+                     "1e9",
+                     "_",
+                     "nan",
+                     "1e39",
+                     "F",
+                     "U",
+                     "COUNT",
+                     "\n",
+                     "x",
+                     "I",
+                     "ascii",
+                     "DATA binary\n",
+                     "DATA ascii\n",
+                     "99999999999999999999",
+                     "binary_compressed"});
+  int read = 0, refused = 0;
+  for (const int kind : {0, 1, 2, 3}) {
+    if (kind == 0)
+      pcl::io::savePCDFileASCII(path, cloud);
+    else if (kind == 1)
+      pcl::io::savePCDFileBinary(path, cloud);
+    else if (kind == 2)
+      pcl::io::savePCDFileBinaryCompressed(path, cloud);
+    else
+      pcl::PCDWriter().writeBinary(path, message);
+    const std::string good = bytesOf(path);
+    for (int i = 0; i < 5000; ++i) {
+      try {
+        const PcdTable table = decodePcd("b.pcd", mutate(good));
+        ASSERT_EQ(table.data.size(), table.points * table.pointSize());
+        ASSERT_EQ(table.width * table.height, table.points);
+        ++read;
+      }
+      catch (const BadInputException&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(read, 1000);
+  EXPECT_GT(refused, 5000);
+}
