@@ -94,6 +94,16 @@ placeOf(const std::string& path, int line)
 }
 
 std::string
+inQuotes(std::string_view text)
+{
+  constexpr std::size_t longest = 40;
+  std::string result = "'";
+  for (const char c : text.substr(0, longest))
+    result += c >= ' ' && c <= '~' ? c : '?';
+  return result + (text.size() > longest ? "...'" : "'");
+}
+
+std::string
 frameFileName(int frame, const std::string& extension)
 {
   char name[16];

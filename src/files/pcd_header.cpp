@@ -252,14 +252,4 @@ takeWord(std::string_view& line)
   return word;
 }
 
-std::string
-inQuotes(std::string_view text)
-{
-  constexpr std::size_t longest = 40;
-  std::string result = "'";
-  for (const char c : text.substr(0, longest))
-    result += c >= ' ' && c <= '~' ? c : '?';
-  return result + (text.size() > longest ? "...'" : "'");
-}
-
 } // namespace pcl_semantic

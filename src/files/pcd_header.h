@@ -34,7 +34,4 @@ std::string_view takeLine(std::string_view text, std::size_t& offset);
 /** \brief The next word of \a line, which is cut off it; empty at its end. */
 std::string_view takeWord(std::string_view& line);
 
-/** \brief A piece of a file for a message: in quotes, short and printable. */
-std::string inQuotes(std::string_view text);
-
 } // namespace pcl_semantic

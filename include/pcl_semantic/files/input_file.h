@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pcl_semantic {
@@ -35,6 +36,9 @@ std::vector<double> parseNumbers(const std::string& text, const std::string& whe
 
 /** \brief "PATH line N", for messages. */
 std::string placeOf(const std::string& path, int line);
+
+/** \brief A piece of a file for a message: in quotes, short and printable. */
+std::string inQuotes(std::string_view text);
 
 /** \brief File name of a frame: six digits and an extension ("000012.png"). */
 std::string frameFileName(int frame, const std::string& extension);

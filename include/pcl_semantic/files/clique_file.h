@@ -1,0 +1,34 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl/PointIndices.h>
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Reads cliques that may overlap from a text file: the indices of one a line,
+ * from 0, blank-separated. Empty lines and what follows a `#` are passed over.
+ * \param[in] points how many the cloud has; without it any index is taken
+ * \return lists of indices, each ascending
+ * \throws BadInputException that names the line: a word is no index, is not below
+ * \a points, or stands twice in a line */
+std::vector<pcl::PointIndices>
+readCliques(const std::string& path,
+            std::size_t points = std::numeric_limits<pcl::index_t>::max());
+
+/** \brief Writes the format of readCliques().
+ * \throws InvalidParameterException if a clique is empty or an index negative
+ * \throws OutputException */
+void writeCliques(const std::string& path,
+                  const std::vector<pcl::PointIndices>& cliques);
+
+} // namespace pcl_semantic
