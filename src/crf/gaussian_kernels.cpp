@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
 namespace pcl_semantic {
@@ -82,13 +83,14 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         terms.size() << " terms, expected " << methods_.size());
   List kernels;
-  std::vector<GaussianTerm> truncated;
+  // By deviation: a kernel is widened by what its radius cuts off.
+  std::map<float, std::vector<GaussianTerm>> truncated;
   for (std::size_t m = 0; m < terms.size(); ++m) {
     const GaussianTerm& term = terms[m];
     if (term.weight == 0.0f)
       continue;
     if (methods_[m] == KernelMethod::truncated) {
-      truncated.push_back(term);
+      truncated[term.position_deviation].push_back(term);
       continue;
     }
     Eigen::MatrixXf features(positions.rows() + term.features.rows(), positions.cols());
@@ -97,9 +99,9 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
     kernels.push_back(
         std::make_shared<LatticeKernel>(features, term.weight, options_.normalization));
   }
-  if (!truncated.empty())
+  for (const auto& [deviation, group] : truncated)
     kernels.push_back(std::make_shared<TruncatedKernel>(
-        inSpace(positions), truncated, options_.radius, options_.normalization));
+        inSpace(positions), group, options_.radius, options_.normalization));
   return kernels;
 }
 

@@ -61,6 +61,11 @@ TEST(MapperConfig, WhatIsPrintedIsReadBackTheSame)
   config.map.window = {10.5, 11, 12};
   config.crf_parameters.iterations = 5;
   config.pixel_fusion = "product";
+  config.crf = "hierarchical";
+  config.cliques = "cubes:0.5";
+  config.crf_parameters.free_label = false;
+  config.crf_parameters.normalization = Normalization::none;
+  config.crf_parameters.kernel_method = KernelMethod::truncated;
   const TemporaryFolder folder;
   MapperConfig read;
   readMapperConfig(writeConfig(folder, printMapperConfig(config)), read);
@@ -95,8 +100,14 @@ TEST(MapperConfig, ValuesOutOfRangeAreRefused)
 {
   EXPECT_TRUE(holds(complaintAbout("voxel_size: 0\n"), "voxel_size is 0 m"));
   EXPECT_TRUE(holds(complaintAbout("voxel_size: .nan\n"), "'.nan' is not a number"));
-  EXPECT_TRUE(holds(complaintAbout("crf: densest\n"),
-                    "crf is 'densest', expected dense or none"));
+  EXPECT_TRUE(
+      holds(complaintAbout("crf: densest\n"),
+            "crf is 'densest', expected none, dense, pn-potts or hierarchical"));
+  EXPECT_TRUE(holds(complaintAbout("crf_kernels: fast\n"),
+                    "line 1: 'fast', expected automatic, truncated or lattice"));
+  EXPECT_TRUE(
+      holds(complaintAbout("clique_truncation: 0\n"), "clique_truncation is 0"));
+  EXPECT_TRUE(holds(complaintAbout("cliques: slic\n"), "expected cubes:SIZE"));
   EXPECT_TRUE(holds(complaintAbout("crf_every: 0\n"), "crf_every is 0"));
   EXPECT_TRUE(
       holds(complaintAbout("label_confidence: 1.5\n"), "label_confidence is 1.5"));

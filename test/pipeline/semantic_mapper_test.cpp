@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/synthetic_labels.h>
@@ -12,6 +13,7 @@
 #include <pcl_semantic/evaluation/depth_lookup.h>
 #include <pcl_semantic/evaluation/label_reprojection.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <gtest/gtest.h>
@@ -163,6 +165,35 @@ TEST_F(Street, TheCrfRunsEveryNthFrameAndKeepsTheMeasurements)
   }
   EXPECT_GT(unrefined_before, int(after.size()) / 4);
   EXPECT_LT(unrefined_after, int(after.size()) / 100);
+}
+
+TEST_F(Street, EveryModelOfTheCrf)
+{
+  std::vector<Eigen::MatrixXf> refined;
+  for (const char* model : {"none", "dense", "pn-potts", "hierarchical"}) {
+    MapperConfig config;
+    config.crf = model;
+    config.crf_parameters.iterations = 3;
+    const MappedFrame mapped = makeMapper(config).process(frame(0));
+    refined.push_back(mapped.voxels.refined.matrix());
+    // The mapper's result is the filter's.
+    if (config.crf == "none") {
+      EXPECT_EQ(refined[0], mapped.voxels.measured.matrix());
+      continue;
+    }
+    SemanticCRF<pcl::PointXYZRGBL> crf;
+    crf.setModel(config.crfModel());
+    crf.setParameters(config.crf_parameters);
+    crf.setCliqueGenerator(std::make_shared<CubeCliques>(1.0));
+    crf.setInputCloud(mapped.voxels.cloud);
+    crf.setLabelDistributions(mapped.voxels.measured);
+    crf.setVoxels(mapped.voxels.indices, mapped.voxels.voxel_size);
+    pcl::PointCloud<pcl::PointXYZRGBL> output;
+    crf.filter(output);
+    EXPECT_EQ(crf.getLabelDistributions().matrix(), refined.back()) << model;
+  }
+  for (std::size_t i = 1; i < refined.size(); ++i)
+    EXPECT_GT((refined[i] - refined[i - 1]).cwiseAbs().maxCoeff(), 0.1f) << i;
 }
 
 TEST_F(Street, SameMapForAnyNumberOfThreads)

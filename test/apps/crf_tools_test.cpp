@@ -1,0 +1,388 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// pcl_semantic_crf and pcl_semantic_image_crf.
+
+#include "support/bad_case.h"
+#include "support/tiny_street.h"
+
+#include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/files/distribution_file.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/pcd_file.h>
+#include <pcl_semantic/filters/image_crf.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+
+#include <opencv2/core.hpp>
+
+#include <random>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kitti11 =
+    "--label-set " PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
+
+// 12 x 10 points in two rooms of 0.1 m steps, some labelled otherwise than the others.
+struct TextCloud {
+  pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{
+      new pcl::PointCloud<pcl::PointXYZRGBL>(12, 10)};
+
+  TextCloud()
+  {
+    std::mt19937 random(1);
+    for (int i = 0; i < 120; ++i) {
+      pcl::PointXYZRGBL& point = (*cloud)[std::size_t(i)];
+      point.getVector3fMap() << 0.1f * float(i % 12), 0.1f * float(i / 12), 0.5f;
+      point.r = point.g = point.b = std::uint8_t(i % 12 < 6 ? 80 : 120);
+      point.label = random() % 6 == 0 ? 3 : i % 12 < 6 ? 1 : 2;
+    }
+  }
+
+  // Number of the clique that a point has in the file.
+  static int
+  clique(int i)
+  {
+    return i % 12 < 5 ? 8 : i % 12 < 8 ? 0 : 3;
+  }
+
+  std::string
+  text(const std::string& fields = "x y z rgba label serial clique") const
+  {
+    std::ostringstream header, rows;
+    const auto line = [&](const std::string& name, const std::string& floats,
+                          const std::string& others) {
+      header << name;
+      std::istringstream words(fields);
+      for (std::string word; words >> word;)
+        header << " " << (word.size() == 1 ? floats : others);
+      header << "\n";
+    };
+    header << "VERSION 0.7\nFIELDS " << fields << "\n";
+    line("SIZE", "4", "4");
+    line("TYPE", "F", "U");
+    line("COUNT", "1", "1");
+    header << "WIDTH 12\nHEIGHT 10\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS 120\nDATA ascii\n";
+    for (int i = 0; i < 120; ++i) {
+      const pcl::PointXYZRGBL& point = (*cloud)[std::size_t(i)];
+      std::istringstream words(fields);
+      for (std::string word; words >> word;)
+        rows << (word == "x"        ? std::to_string(point.x)
+                 : word == "y"      ? std::to_string(point.y)
+                 : word == "z"      ? std::to_string(point.z)
+                 : word == "rgba"   ? std::to_string(point.rgba)
+                 : word == "label"  ? std::to_string(point.label)
+                 : word == "serial" ? std::to_string(1000 + i)
+                                    : std::to_string(clique(i)))
+             << " ";
+      rows << "\n";
+    }
+    return header.str() + rows.str();
+  }
+
+  // The filter itself.
+  template <typename PointT>
+  Eigen::MatrixXf
+  refined(CRFModelType model, const std::vector<pcl::PointIndices>& cliques = {}) const
+  {
+    const auto points = std::make_shared<pcl::PointCloud<PointT>>();
+    pcl::copyPointCloud(*cloud, *points);
+    for (std::size_t i = 0; i < 120; ++i)
+      (*points)[i].label = (*cloud)[i].label;
+    SemanticCRF<PointT> crf;
+    crf.setModel(model);
+    crf.setCliques(cliques);
+    crf.setInputCloud(points);
+    crf.setLabelConfidence(0.8, 3);
+    pcl::PointCloud<PointT> output;
+    crf.filter(output);
+    return crf.getLabelDistributions().matrix();
+  }
+};
+
+Eigen::MatrixXf
+probabilitiesIn(const std::string& path)
+{
+  const PcdTable table = readPcd(path);
+  const PcdColumn column(table, table.find("probability"));
+  Eigen::MatrixXf matrix(column.field().count, Eigen::Index(table.points));
+  for (Eigen::Index i = 0; i < matrix.cols(); ++i)
+    for (int k = 0; k < int(matrix.rows()); ++k)
+      matrix(k, i) = float(column(std::size_t(i), k));
+  return matrix;
+}
+
+std::string
+write(const std::string& path, const std::string& text)
+{
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+void
+runCrf(const std::string& arguments)
+{
+  const ToolResult result = runTool(arguments);
+  EXPECT_EQ(result.code, 0) << result.text;
+}
+
+double
+largestDifference(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b)
+{
+  if (a.rows() != b.rows() || a.cols() != b.cols())
+    return 1.0;
+  return double((a - b).cwiseAbs().maxCoeff());
+}
+
+} // namespace
+
+TEST(CrfTool, RewritesLabelsAndKeepsEverythingElse)
+{
+  const TemporaryFolder folder;
+  const TextCloud input;
+  const std::string in = write(folder.path("in.pcd"), input.text());
+  runCrf("crf " + in + " " + folder.path("out.pcd"));
+  const PcdTable before = readPcd(in), after = readPcd(folder.path("out.pcd"));
+  EXPECT_EQ(after.width, 12u);
+  EXPECT_EQ(after.height, 10u);
+  EXPECT_EQ(after.viewpoint, before.viewpoint);
+  for (const char* name : {"x", "y", "z", "rgba", "serial", "clique"}) {
+    const PcdColumn was(before, before.find(name)), is(after, after.find(name));
+    for (std::size_t i = 0; i < 120; ++i)
+      EXPECT_EQ(is.bits(i), was.bits(i)) << name;
+  }
+  const Eigen::MatrixXf probabilities = probabilitiesIn(folder.path("out.pcd"));
+  EXPECT_LT(largestDifference(probabilities,
+                              input.refined<pcl::PointXYZRGBL>(CRFModelType::dense)),
+            1e-5);
+  const PcdColumn label(after, after.find("label"));
+  int changed = 0;
+  for (std::size_t i = 0; i < 120; ++i) {
+    EXPECT_EQ(label(i), mapLabel(probabilities.col(Eigen::Index(i)).data(), 3));
+    changed += label(i) != (*input.cloud)[i].label;
+  }
+  EXPECT_GT(changed, 10);
+}
+
+TEST(CrfTool, ItsOwnOutputIsInputAgain)
+{
+  const TemporaryFolder folder;
+  const std::string in = write(folder.path("in.pcd"), TextCloud().text());
+  runCrf("crf " + in + " " + folder.path("once.pcd") + " --model unary");
+  runCrf("crf " + folder.path("once.pcd") + " " + folder.path("twice.pcd"));
+  runCrf("crf " + in + " " + folder.path("direct.pcd"));
+  EXPECT_LT(largestDifference(probabilitiesIn(folder.path("twice.pcd")),
+                              probabilitiesIn(folder.path("direct.pcd"))),
+            1e-5);
+}
+
+TEST(CrfTool, WorksWithoutColour)
+{
+  const TemporaryFolder folder;
+  const TextCloud input;
+  const std::string in = write(folder.path("in.pcd"), input.text("x y z label"));
+  runCrf("crf " + in + " " + folder.path("out.pcd"));
+  EXPECT_LT(largestDifference(probabilitiesIn(folder.path("out.pcd")),
+                              input.refined<pcl::PointXYZL>(CRFModelType::dense)),
+            1e-5);
+}
+
+TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
+{
+  const TemporaryFolder folder;
+  const TextCloud input;
+  const std::string in = write(folder.path("in.pcd"), input.text());
+  std::vector<pcl::PointIndices> cliques(2); // 3 and 8
+  for (int i = 0; i < 120; ++i)
+    if (TextCloud::clique(i) > 0)
+      cliques[TextCloud::clique(i) == 3 ? 0 : 1].indices.push_back(i);
+  std::string list;
+  for (const pcl::PointIndices& clique : cliques) {
+    for (const pcl::index_t index : clique.indices)
+      list += std::to_string(index) + " ";
+    list += "\n";
+  }
+  write(folder.path("list.txt"), list);
+  CliqueGenerator::Cloud places;
+  pcl::copyPointCloud(*input.cloud, places);
+  const auto cubes = CubeCliques(0.35).generate(places);
+  for (const auto& [name, model] :
+       {std::pair<std::string, CRFModelType>("pn-potts", CRFModelType::pn_potts),
+        {"hierarchical", CRFModelType::hierarchical}})
+    for (const auto& [words, expected] :
+         {std::pair<std::string, std::vector<pcl::PointIndices>>("field", cliques),
+          {folder.path("list.txt"), cliques},
+          {"cubes:0.35", cubes}}) {
+      runCrf("crf " + in + " " + folder.path("out.pcd") + " --model " + name +
+             " --cliques " + words);
+      EXPECT_LT(largestDifference(probabilitiesIn(folder.path("out.pcd")),
+                                  input.refined<pcl::PointXYZRGBL>(model, expected)),
+                1e-5)
+          << name << " " << words;
+    }
+}
+
+TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
+{
+  const TemporaryFolder folder;
+  for (const std::string tool : {"crf", "image_crf"}) {
+    const std::string options =
+        " --model hierarchical --cliques slic:40 --iterations 7 --clique-weight 2.5 "
+        "--kernels lattice --normalization one-sided --self-interaction true "
+        "--clique-free-label false --settled 0.001 --print-config";
+    const ToolResult printed = runTool(tool + options);
+    EXPECT_EQ(printed.code, 0);
+    EXPECT_NE(printed.text.find("\nnormalization: one-sided "), std::string::npos);
+    const std::string path = write(folder.path("config.yaml"), printed.text);
+    EXPECT_EQ(runTool(tool + " --config " + path + " --print-config").text,
+              printed.text);
+    EXPECT_NE(runTool(tool + " --print-config").text, printed.text);
+  }
+}
+
+TEST(CrfTool, RefinesAMapAndItsEntropy)
+{
+  const TemporaryFolder folder;
+  runCrf("map " + tinyStreet() + " --labels " + tinyStreet() +
+         "/labels --frames 0:1 --crf none --output " + folder.path("map"));
+  const std::string out = folder.path("refined.pcd");
+  runCrf("crf " + folder.path("map/map.pcd") + " " + out +
+         " --model hierarchical --cliques cubes:1 " + kitti11);
+  const PcdTable table = readPcd(out);
+  const PcdColumn entropy(table, table.find("entropy"));
+  LabelDistributions distributions;
+  distributions.matrix() = probabilitiesIn(out);
+  EXPECT_GT(table.points, 500u);
+  for (std::size_t i = 0; i < table.points; ++i)
+    EXPECT_NEAR(entropy(i), double(distributions.entropy(Eigen::Index(i))), 1e-5);
+}
+
+TEST(ImageCrfTool, WritesWhatTheFilterSays)
+{
+  const TemporaryFolder folder;
+  const std::string image = tinyStreet() + "/image_2/000001.png";
+  const std::string labels = tinyStreet() + "/labels/000001.bin";
+  runCrf("image_crf " + image + " " + labels + " " + folder.path("out.png") +
+         " --model hierarchical --cliques slic:60 --overlay " +
+         folder.path("overlay.png") + " --refined " + folder.path("out.bin"));
+  const cv::Mat picture = readPng(image, ImageKind::grey_or_colour);
+  SlicParameters slic;
+  slic.superpixels = 60;
+  ImageCRF crf;
+  crf.setModel(CRFModelType::hierarchical);
+  crf.setCliques(cliquesOfSegments(slicSuperpixels(picture, slic)));
+  const LabelDistributions measured =
+      readDistributions(labels, picture.cols, picture.rows, 11, 0.8f);
+  const LabelDistributions expected = crf.refine(picture, measured);
+  const cv::Mat1b classes = readPng(folder.path("out.png"), ImageKind::labels);
+  ASSERT_EQ(classes.size(), picture.size());
+  int changed = 0;
+  for (Eigen::Index j = 0; j < expected.size(); ++j) {
+    EXPECT_EQ(classes.data[j], expected.mapLabel(j));
+    changed += classes.data[j] != measured.mapLabel(j);
+  }
+  EXPECT_GT(changed, 100);
+  EXPECT_LT(largestDifference(readDistributions(folder.path("out.bin"), picture.cols,
+                                                picture.rows, 11, 0.8f)
+                                  .matrix(),
+                              expected.matrix()),
+            1e-5);
+  EXPECT_EQ(readPng(folder.path("overlay.png"), ImageKind::grey_or_colour).cols,
+            picture.cols);
+}
+
+TEST(BadInput, OfTheCrfTools)
+{
+  const TextCloud cloud;
+  const auto file = [](const std::string& name, const std::string& text) {
+    return [=](const std::string& street) { write(street + "/" + name, text); };
+  };
+  const std::string crf = "crf STREET/in.pcd OUT ";
+  const auto with = [&](const std::string& from, const std::string& to) {
+    return file("in.pcd", replaceAll(cloud.text(), from, to));
+  };
+  const std::string image =
+      "image_crf STREET/image_2/000000.png STREET/labels/000000.bin OUT ";
+  const cv::Mat small(20, 30, CV_8UC1, cv::Scalar(1));
+  const std::vector<BadCase> cases = {
+      {"no files", 2, "expected IN.pcd OUT.pcd", "crf"},
+      {"no output", 2, "expected IN.pcd OUT.pcd", "crf STREET/in.pcd"},
+      {"missing", 3, "in.pcd: ", crf},
+      {"empty", 3, "in.pcd: ", crf, file("in.pcd", "")},
+      {"no cloud", 3, "in.pcd: ", crf, file("in.pcd", "hello\n")},
+      {"no place", 3, "in.pcd: has no field 'z'", crf,
+       with("FIELDS x y z", "FIELDS x y w")},
+      {"no label", 3, "in.pcd: has no field 'label' or 'probability'", crf,
+       file("in.pcd", cloud.text("x y z rgba"))},
+      {"itself", 2, "in.pcd: is named as an output",
+       "crf STREET/in.pcd STREET/./in.pcd", file("in.pcd", cloud.text())},
+      {"label 300", 3, "in.pcd: point 0 has the label 300, expected a whole number",
+       crf, with(" 1 1000 8", " 300 1000 8")},
+      {"classes", 3, "has the label 12, expected 0 to 11", crf + kitti11,
+       with(" 1 1000 8", " 12 1000 8")},
+      {"model", 2, "--model: 'best', expected unary, dense, pn-potts or hierarchical",
+       crf + "--model best"},
+      {"no cliques", 2, "need cliques", crf + "--model hierarchical"},
+      {"cliques of dense", 2, "not with: --cliques field", crf + "--cliques field"},
+      {"no such field", 3, "in.pcd: has no field 'clique'",
+       crf + "--model pn-potts --cliques field",
+       file("in.pcd", cloud.text("x y z label"))},
+      {"no such file", 3, "none.txt",
+       crf + "--model pn-potts --cliques STREET/none.txt",
+       file("in.pcd", cloud.text())},
+      {"beyond the cloud", 3, "calib.txt line 1",
+       crf + "--model pn-potts --cliques STREET/calib.txt",
+       file("in.pcd", cloud.text())},
+      {"cubes of 0", 2, "", crf + "--model pn-potts --cliques cubes:0",
+       file("in.pcd", cloud.text())},
+      {"cubes of a word", 2, "'big'", crf + "--model pn-potts --cliques cubes:big",
+       file("in.pcd", cloud.text())},
+      {"superpixels", 2, "expected 1 to 1e6", crf + "--model pn-potts --cliques slic:0",
+       file("in.pcd", cloud.text())},
+      {"superpixels of a list", 3, "organized", crf + "--model pn-potts --cliques slic",
+       with("WIDTH 12\nHEIGHT 10", "WIDTH 120\nHEIGHT 1")},
+      {"superpixels without colour", 2, "colour",
+       crf + "--model pn-potts --cliques slic",
+       file("in.pcd", cloud.text("x y z label"))},
+      {"weight", 2, "clique_weight is -1", crf + "--clique-weight -1"},
+      {"deviation", 2, "smoothness_deviation is 0", crf + "--smoothness-deviation 0"},
+      {"a word", 2, "--iterations: 'many'", crf + "--iterations many"},
+      {"neither", 2, "--self-interaction: 'maybe', expected false or true",
+       crf + "--self-interaction maybe"},
+      {"config", 3, "config.yaml line 1: key 'voxel_size'",
+       crf + "--config STREET/config.yaml", file("config.yaml", "voxel_size: 1\n")},
+      {"config out of range", 3, "config.yaml: clique_truncation is 2",
+       crf + "--config STREET/config.yaml",
+       file("config.yaml", "clique_truncation: 2\n")},
+      {"below a file", 5, "calib.txt", "crf STREET/in.pcd STREET/calib.txt/x",
+       file("in.pcd", cloud.text())},
+      {"no files", 2, "expected IMAGE DISTRIBUTIONS OUT.png", "image_crf a b"},
+      {"no image", 3, "none.png",
+       "image_crf STREET/none.png STREET/labels/000000.bin OUT"},
+      {"no distributions", 3, "none.bin",
+       "image_crf STREET/image_2/000000.png STREET/none.bin OUT"},
+      {"onto the image", 2, "000000.png: is named as an output",
+       "image_crf STREET/image_2/000000.png STREET/labels/000000.bin "
+       "STREET/image_2/../image_2/000000.png"},
+      {"overlay onto the output", 2, "is named as an output", image + "--overlay OUT"},
+      {"other classes", 3, "labels/000000.bin: has",
+       image + "--label-set " PCL_SEMANTIC_SOURCE_DIR
+               "/data/label_sets/cityscapes19.yaml"},
+      {"no cliques", 2, "need cliques", image + "--model pn-potts"},
+      {"segments", 3, "small.png: has 30 x 20 pixels, expected 208 x 64",
+       image + "--model pn-potts --cliques STREET/small.png",
+       [=](const std::string& street) { writePng(street + "/small.png", small); }},
+      {"no segments", 3, "none.png",
+       image + "--model pn-potts --cliques STREET/none.png"},
+  };
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+} // namespace pcl_semantic
