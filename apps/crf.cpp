@@ -16,7 +16,10 @@
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/pipeline/crf_config.h>
 
+#include <pcl/common/io.h>
+
 #include <iostream>
+#include <sstream>
 
 namespace {
 
@@ -65,8 +68,7 @@ parse(int argc, char** argv, Arguments& arguments)
   po::variables_map values;
   if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
     return false;
-  if (!arguments.config.empty())
-    readCRFConfig(arguments.config, arguments.parameters);
+  readCRFConfig(arguments.config, arguments.parameters);
   tool::setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();
   return true;
@@ -87,9 +89,9 @@ setCliques(const std::string& cliques, const tool::LabelledTable& input,
     crf.setCliques(readCliques(cliques, input.table.points));
 }
 
-// Runs the filter over points with colour or without.
+// Runs the filter over points with colour or without, and says what became of it.
 template <typename PointT>
-void
+std::string
 filter(const CRFConfig& config, int classes, tool::LabelledTable& input)
 {
   const auto fields = input.cloud();
@@ -106,10 +108,12 @@ filter(const CRFConfig& config, int classes, tool::LabelledTable& input)
     (*fields)[i].label = (*cloud)[i].label;
   input.setResult(*fields, crf.getLabelDistributions());
   const LabelRefiner::Report& report = crf.getReport();
-  std::cout << "points: " << cloud->size() << ", of which " << crf.getSkippedPoints()
-            << " without a place, " << report.unlabelled
-            << " without a measurement\ncliques: " << report.cliques
-            << "\nupdates: " << report.updates << "\n";
+  std::ostringstream text;
+  text << "points: " << cloud->size() << ", of which " << crf.getSkippedPoints()
+       << " without a place, " << report.unlabelled
+       << " without a measurement\ncliques: " << report.cliques
+       << "\nupdates: " << report.updates << "\n";
+  return text.str();
 }
 
 int
@@ -127,11 +131,11 @@ refine(const Arguments& arguments)
   const int classes =
       arguments.label_set.empty() ? 0 : readLabelSet(arguments.label_set).size();
   tool::LabelledTable input(arguments.input);
-  if (input.hasColour())
-    filter<pcl::PointXYZRGBL>(config, classes, input);
-  else
-    filter<pcl::PointXYZL>(config, classes, input);
+  const std::string report = input.hasColour()
+                                 ? filter<pcl::PointXYZRGBL>(config, classes, input)
+                                 : filter<pcl::PointXYZL>(config, classes, input);
   writePcd(arguments.output, input.table);
+  std::cout << report;
   return tool::exit_done;
 }
 

@@ -73,8 +73,7 @@ parse(int argc, char** argv, Arguments& arguments)
   po::variables_map values;
   if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
     return false;
-  if (!arguments.config.empty())
-    readCRFConfig(arguments.config, arguments.parameters);
+  readCRFConfig(arguments.config, arguments.parameters);
   tool::setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();
   return true;

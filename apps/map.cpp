@@ -76,8 +76,7 @@ parseArguments(int argc, char** argv, Arguments& arguments)
   positional.add("sequence", 1);
   if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
     return false;
-  if (!arguments.config.empty())
-    readMapperConfig(arguments.config, arguments.parameters);
+  readMapperConfig(arguments.config, arguments.parameters);
   tool::setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();
   return true;
@@ -167,7 +166,6 @@ mapSequence(const Arguments& arguments)
                         {"label_set", arguments.label_set},
                         {"network", arguments.network},
                         {"model", arguments.model}});
-
   tool::catchInterrupts();
   tool::ProgressBar progress("mapping", frames.size());
   for (const std::size_t i : frames) {

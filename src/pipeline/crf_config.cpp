@@ -152,6 +152,8 @@ parametersOf(CRFConfig& config)
 void
 readCRFConfig(const std::string& path, CRFConfig& config)
 {
+  if (path.empty())
+    return;
   readParameters(path, parametersOf(config));
   try {
     config.validate();

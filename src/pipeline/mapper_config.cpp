@@ -94,6 +94,8 @@ parametersOf(MapperConfig& config)
 void
 readMapperConfig(const std::string& path, MapperConfig& config)
 {
+  if (path.empty())
+    return;
   readParameters(path, parametersOf(config));
   try {
     config.validate();

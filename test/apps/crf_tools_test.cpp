@@ -10,6 +10,7 @@
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/cliques/slic.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/pcd_file.h>
@@ -17,6 +18,7 @@
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <opencv2/core.hpp>
+#include <pcl/common/io.h>
 
 #include <random>
 
@@ -315,7 +317,7 @@ TEST(BadInput, OfTheCrfTools)
       {"no output", 2, "expected IN.pcd OUT.pcd", "crf STREET/in.pcd"},
       {"missing", 3, "in.pcd: ", crf},
       {"empty", 3, "in.pcd: ", crf, file("in.pcd", "")},
-      {"no cloud", 3, "in.pcd: ", crf, file("in.pcd", "hello\n")},
+      {"no cloud", 3, "in.pcd line 1: ", crf, file("in.pcd", "hello\n")},
       {"no place", 3, "in.pcd: has no field 'z'", crf,
        with("FIELDS x y z", "FIELDS x y w")},
       {"no label", 3, "in.pcd: has no field 'label' or 'probability'", crf,

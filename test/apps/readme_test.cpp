@@ -89,7 +89,8 @@ TEST(Readme, ItsCommandsRun)
   }
   EXPECT_GE(run, 5);
   for (const char* file :
-       {"map_05/map.pcd", "map_coarse/map.pcd", "truth_05/000000.png"})
+       {"map_05/map.pcd", "map_coarse/map.pcd", "truth_05/000000.png", "refined.pcd",
+        "refined.png", "overlay.png"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
 }
 

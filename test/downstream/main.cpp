@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/label_set.h>
@@ -96,6 +97,16 @@ checkMapAndFilter()
   crf.filter(refined);
   check(refined.size() == cloud->size(), "the filter keeps all points");
   check(refined[60].label == 2, "the odd one out takes the label of its neighbours");
+
+  // The paper's model, from hard labels: cubes of half a metre as cliques.
+  for (std::size_t i = 0; i < cloud->size(); ++i)
+    (*cloud)[i].label = i == 60 ? 1 : 2;
+  crf.setModel(ps::CRFModelType::hierarchical);
+  crf.setCliqueGenerator(std::make_shared<ps::CubeCliques>(0.5));
+  crf.setLabelConfidence(0.8, 2);
+  crf.filter(*cloud); // in place
+  check((*cloud)[60].label == 2, "and that of its clique");
+  check(crf.getReport().cliques > 1, "there are cliques");
 }
 
 } // namespace

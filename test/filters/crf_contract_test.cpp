@@ -15,6 +15,8 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
+#include <pcl/common/io.h>
+
 #include <gtest/gtest.h>
 
 #include <limits>

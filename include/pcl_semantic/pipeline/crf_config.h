@@ -55,6 +55,7 @@ struct CRFConfig {
 ConfigParameters parametersOf(CRFConfig& config);
 
 /** \brief Sets the parameters a YAML file names; the others keep their values.
+ * \param[in] path empty = no file
  * \throws BadInputException with file and line */
 void readCRFConfig(const std::string& path, CRFConfig& config);
 

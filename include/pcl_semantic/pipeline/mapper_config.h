@@ -39,6 +39,7 @@ struct MapperConfig {
 ConfigParameters parametersOf(MapperConfig& config);
 
 /** \brief Sets the parameters a YAML file names; the others keep their values.
+ * \param[in] path empty = no file
  * \throws BadInputException with file and line, at a misspelt key for example */
 void readMapperConfig(const std::string& path, MapperConfig& config);
 
