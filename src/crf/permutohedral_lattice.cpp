@@ -17,8 +17,10 @@ namespace pcl_semantic {
 
 namespace {
 
+// To wake threads costs more than to filter fewer rows than that by oneself.
+constexpr std::size_t few_rows = 2000;
 constexpr std::size_t merge_vertices = 1024; // that a thread takes at a time
-constexpr Eigen::Index widest = 16;
+constexpr std::size_t widest = 16;           // rows that are filtered at a time
 
 std::size_t
 widthFor(Eigen::Index rows)
@@ -31,7 +33,8 @@ widthFor(Eigen::Index rows)
 class PermutohedralLattice::Implementation {
 public:
   Implementation(const LatticeFeatures& features, SimdTier tier)
-      : structure(buildLattice(features, tier)), tier_(tier)
+      : structure(buildLattice(features, tier)), tier_(tier),
+        is_large_(structure.rows + structure.points > few_rows)
   {}
 
   // Filters up to 16 rows.
@@ -41,22 +44,25 @@ public:
     const std::size_t width = widthFor(Eigen::Index(columns.rows));
     const std::size_t halves = order == LatticeBlur::symmetric ? 2 : 1;
     const kernels::LatticeFilter& loops = kernels::latticeFilter(tier_, width, halves);
-    const Values values = borrow(structure.rows * width * halves);
+    const std::size_t half = structure.rows * width;
+    const Values values = borrow(half * halves);
     float* const lattice = values->data();
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
     for (std::size_t c = 0; c < structure.chunks(); ++c)
       loops.splat(chunk(c), columns, lattice);
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
     for (std::size_t m = 0; m < structure.shared.size(); m += merge_vertices)
       loops.merge(structure.shared.data() + m,
                   std::min(merge_vertices, structure.shared.size() - m),
                   structure.shared_ends.data() + 1 + m, structure.shared_rows.data(),
                   lattice);
+    if (halves == 2)
+      copyRows(lattice, width, lattice + half);
     for (std::size_t g = 0; g < structure.groups.size(); ++g)
-      blur(g, loops, lattice, halves == 2 ? lattice + width : nullptr);
-#pragma omp parallel for schedule(dynamic, 1)
+      blur(g, loops, lattice, halves == 2 ? lattice + half : nullptr);
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
     for (std::size_t c = 0; c < structure.chunks(); ++c)
-      loops.slice(chunk(c), columns, lattice);
+      loops.slice(chunk(c), columns, lattice, half);
     giveBack(values);
   }
 
@@ -64,8 +70,7 @@ public:
   memory(LatticeBlur order) const
   {
     const std::size_t halves = order == LatticeBlur::symmetric ? 2 : 1;
-    return structure.memory() +
-           structure.rows * halves * std::size_t(widest) * sizeof(float);
+    return structure.memory() + structure.rows * halves * widest * sizeof(float);
   }
 
   const LatticeStructure structure;
@@ -111,6 +116,17 @@ private:
             structure.represents.data() + partial};
   }
 
+  // The rows of the vertices.
+  void
+  copyRows(const float* from, std::size_t width, float* to) const
+  {
+    const std::size_t count = structure.vertices * width;
+#pragma omp parallel for schedule(static) if (is_large_)
+    for (std::size_t begin = 0; begin < count; begin += merge_vertices * widest)
+      std::copy_n(from + begin, std::min(merge_vertices * widest, count - begin),
+                  to + begin);
+  }
+
   // A group of one half in the order of directions, and the opposite group of the other
   // half, if there is one, in the reverse order.
   void
@@ -121,7 +137,7 @@ private:
     const std::vector<LatticeBucket>& second =
         structure.groups[structure.groups.size() - 1 - g].buckets;
     const std::size_t count = first.size() + (reverse ? second.size() : 0);
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
     for (std::size_t b = 0; b < count; ++b) {
       const bool is_first = b < first.size();
       const LatticeBucket& bucket = is_first ? first[b] : second[b - first.size()];
@@ -135,6 +151,7 @@ private:
   }
 
   SimdTier tier_;
+  bool is_large_;
   std::mutex mutex_;
   std::vector<Values> spare_;
 };
@@ -194,11 +211,11 @@ PermutohedralLattice::addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& value
   if (size() == 0)
     return;
   const float* const end = values.col(values.cols() - 1).data() + values.rows();
-  for (Eigen::Index row = 0; row < values.rows(); row += widest)
+  for (Eigen::Index row = 0; row < values.rows(); row += Eigen::Index(widest))
     implementation_->filter(
         {values.data() + row, end, std::size_t(values.outerStride()),
          result.data() + row, std::size_t(result.outerStride()),
-         std::size_t(std::min(widest, values.rows() - row)), scales.splat.data(),
+         std::min(widest, std::size_t(values.rows() - row)), scales.splat.data(),
          scales.slice.data(), scales.diagonal.data(),
          active.empty() ? nullptr : active.data()},
         blur);

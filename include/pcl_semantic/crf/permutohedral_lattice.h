@@ -37,7 +37,7 @@ public:
    * \param[in] tier instructions to use; for tests
    * \throws InvalidParameterException if a feature is not finite, d is not 1 to 16, or
    * features span so many deviations that the keys of vertices (128 bits) cannot tell
-   * them apart: not below 200 at d = 16, more at fewer */
+   * them apart: not below 50 at d = 16, more at fewer */
   explicit PermutohedralLattice(const Eigen::Ref<const Eigen::MatrixXf>& features,
                                 SimdTier tier = simdTier());
   ~PermutohedralLattice();

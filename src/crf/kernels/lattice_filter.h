@@ -13,9 +13,7 @@
 
 /** \brief The inner loops of PermutohedralLattice::addFiltered(). Values on the lattice
  * are rows of `width` floats: one for every vertex, then partial rows, where a chunk of
- * points sums what belongs to vertices of earlier chunks. With two halves, two copies
- * of a row follow each other, to be blurred each in its own way and sliced as their
- * sum. */
+ * points sums what belongs to vertices of earlier chunks. */
 namespace pcl_semantic::kernels {
 
 /** \brief Bit of a step of a blur: the last vertex of its run. */
@@ -71,9 +69,10 @@ struct LatticeFilter {
   void (*blur)(const std::int32_t* steps, std::size_t count, float* lattice);
 
   /** \brief Fills the partial rows, and adds slice_scale times the weighted sum around
-   * a point less diagonal times its value to its result. */
+   * a point less diagonal times its value to its result. \param[in] half with two
+   * halves, where the rows are once more, blurred otherwise: means are sliced */
   void (*slice)(const LatticePoints& points, const LatticeColumns& columns,
-                float* lattice);
+                float* lattice, std::size_t half);
 };
 
 /** \brief The loops for a tier, a width (1, 4, 8 or 16) and 1 or 2 halves. All tiers

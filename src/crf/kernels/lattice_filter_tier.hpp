@@ -40,21 +40,20 @@ loadValues(const LatticeColumns& columns, std::size_t column, V* to)
     load(from + std::size_t(b) * lanes, to[b]);
 }
 
-template <typename V, int parts, int halves>
+template <typename V, int parts>
 PCL_SEMANTIC_TARGET void
 splat(const LatticePoints& points, const LatticeColumns& columns, float* lattice)
 {
   constexpr std::size_t lanes = sizeof(V) / sizeof(float), width = parts * lanes;
-  constexpr std::size_t stride = halves * width;
-  for (std::size_t r = 0; r < points.partials * stride; ++r)
-    lattice[points.first_partial * stride + r] = 0.0f;
+  for (std::size_t r = 0; r < points.partials * width; ++r)
+    lattice[points.first_partial * width + r] = 0.0f;
   std::size_t begun = points.first_row;
   for (std::size_t begin = 0; begin < points.count; begin += row_end_points) {
     // Rows are begun shortly before they are needed: they are in the fast cache then.
     const auto row_end = std::size_t(points.row_ends[begin / row_end_points]);
     for (; begun < row_end; ++begun)
-      for (std::size_t r = 0; r < stride; ++r)
-        lattice[begun * stride + r] = 0.0f;
+      for (std::size_t r = 0; r < width; ++r)
+        lattice[begun * width + r] = 0.0f;
     const std::size_t end =
         begin + row_end_points < points.count ? begin + row_end_points : points.count;
     for (std::size_t i = begin; i < end; ++i) {
@@ -64,13 +63,11 @@ splat(const LatticePoints& points, const LatticeColumns& columns, float* lattice
       for (int b = 0; b < parts; ++b)
         value[b] = value[b] * columns.splat_scale[column];
       for (std::size_t k = i * points.corners; k < (i + 1) * points.corners; ++k) {
-        float* const row = lattice + std::size_t(points.rows[k]) * stride;
+        float* const row = lattice + std::size_t(points.rows[k]) * width;
         for (int b = 0; b < parts; ++b) {
           V sum;
           load(row + std::size_t(b) * lanes, sum);
-          sum = sum + value[b] * points.weights[k];
-          for (int h = 0; h < halves; ++h)
-            store(sum, row + std::size_t(h) * width + std::size_t(b) * lanes);
+          store(V(sum + value[b] * points.weights[k]), row + std::size_t(b) * lanes);
         }
       }
     }
@@ -98,15 +95,14 @@ merge(const std::int32_t* vertices, std::size_t count, const std::uint32_t* ends
   }
 }
 
-template <typename V, int parts, int halves>
+template <typename V, int parts>
 PCL_SEMANTIC_TARGET void
 blur(const std::int32_t* steps, std::size_t count, float* lattice)
 {
-  constexpr std::size_t lanes = sizeof(V) / sizeof(float),
-                        stride = halves * parts * lanes;
+  constexpr std::size_t lanes = sizeof(V) / sizeof(float), width = parts * lanes;
   const auto rowOf = [&](std::size_t step) __attribute__((always_inline))
   {
-    return lattice + std::size_t(steps[step] & ~run_end) * stride;
+    return lattice + std::size_t(steps[step] & ~run_end) * width;
   };
   // Runs are of a few vertices: a branch at their ends would be mispredicted.
   const float share[2] = {0.5f, 0.0f};
@@ -156,31 +152,37 @@ addToResult(const LatticeColumns& columns, std::size_t column, const V* added)
 
 template <typename V, int parts, int halves>
 PCL_SEMANTIC_TARGET void
-slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice)
+slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice,
+      std::size_t half)
 {
   constexpr std::size_t lanes = sizeof(V) / sizeof(float), width = parts * lanes;
-  constexpr std::size_t stride = halves * width;
   V part;
-  for (std::size_t p = 0; p < points.partials; ++p)
-    for (std::size_t r = 0; r < stride; r += lanes) {
-      load(lattice + std::size_t(points.represents[p]) * stride + r, part);
-      store(part, lattice + (points.first_partial + p) * stride + r);
-    }
+  for (int h = 0; h < halves; ++h)
+    for (std::size_t p = 0; p < points.partials; ++p)
+      for (std::size_t r = std::size_t(h) * half; r < std::size_t(h) * half + width;
+           r += lanes) {
+        load(lattice + std::size_t(points.represents[p]) * width + r, part);
+        store(part, lattice + (points.first_partial + p) * width + r);
+      }
   for (std::size_t i = 0; i < points.count; ++i) {
     const auto column = std::size_t(points.columns[i]);
     if (columns.active && !columns.active[column])
       continue;
-    V sum[parts * halves], value[parts];
-    for (int b = 0; b < parts * halves; ++b)
+    V sum[parts], value[parts];
+    for (int b = 0; b < parts; ++b)
       sum[b] = V{};
-    for (std::size_t k = i * points.corners; k < (i + 1) * points.corners; ++k)
-      for (int b = 0; b < parts * halves; ++b) {
-        load(lattice + std::size_t(points.rows[k]) * stride + std::size_t(b) * lanes,
-             part);
+    for (std::size_t k = i * points.corners; k < (i + 1) * points.corners; ++k) {
+      const float* const row = lattice + std::size_t(points.rows[k]) * width;
+      for (int b = 0; b < parts; ++b) {
+        load(row + std::size_t(b) * lanes, part);
+        if (halves == 2) {
+          V other;
+          load(row + half + std::size_t(b) * lanes, other);
+          part = (part + other) * 0.5f;
+        }
         sum[b] = sum[b] + part * points.weights[k];
       }
-    for (int b = 0; b < parts * (halves - 1); ++b)
-      sum[b] = (sum[b] + sum[b + parts]) * 0.5f;
+    }
     loadValues<V, parts>(columns, column, value);
     for (int b = 0; b < parts; ++b)
       sum[b] =
@@ -190,8 +192,8 @@ slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice
 }
 
 template <typename V, int parts, int halves>
-constexpr LatticeFilter loops = {splat<V, parts, halves>, merge<V, parts * halves>,
-                                 blur<V, parts, halves>, slice<V, parts, halves>};
+constexpr LatticeFilter loops = {splat<V, parts>, merge<V, parts>, blur<V, parts>,
+                                 slice<V, parts, halves>};
 
 typedef float Four __attribute__((vector_size(16)));
 #if PCL_SEMANTIC_LANES == 4
