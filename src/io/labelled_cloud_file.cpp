@@ -1,0 +1,251 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "clique_column.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/pcd_file.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
+
+#include <pcl/common/point_tests.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
+
+constexpr double kLargest = std::numeric_limits<float>::max();
+
+class Reader {
+public:
+  explicit Reader(const std::string& path) : path_(path)
+  {
+    result_.table = readPcd(path);
+    if (table().points > std::size_t(std::numeric_limits<pcl::index_t>::max()))
+      PCL_THROW_EXCEPTION(BadInputException, path
+                                                 << ": has " << table().points
+                                                 << " points, more than PCL can index");
+  }
+
+  LabelledCloud
+  read()
+  {
+    Cloud& cloud = *result_.cloud;
+    cloud.resize(table().points);
+    cloud.width = static_cast<std::uint32_t>(table().width);
+    cloud.height = static_cast<std::uint32_t>(table().height);
+    readViewpoint();
+    readPositions();
+    readColours();
+    readProbabilities();
+    readLabels();
+    result_.cliques = cliquesOfColumn(path_, table(), cloud);
+    return std::move(result_);
+  }
+
+private:
+  const PcdTable&
+  table() const
+  {
+    return result_.table;
+  }
+
+  void
+  readViewpoint()
+  {
+    const std::array<double, 7>& viewpoint = table().viewpoint;
+    for (const double value : viewpoint)
+      if (std::abs(value) > kLargest)
+        PCL_THROW_EXCEPTION(BadInputException,
+                            path_ << ": VIEWPOINT is beyond single precision: "
+                                  << value);
+    const Eigen::Matrix<float, 7, 1> v =
+        Eigen::Map<const Eigen::Matrix<double, 7, 1>>(viewpoint.data()).cast<float>();
+    result_.cloud->sensor_origin_ << v[0], v[1], v[2], 0.0f;
+    result_.cloud->sensor_orientation_ = Eigen::Quaternionf(v[3], v[4], v[5], v[6]);
+  }
+
+  void
+  readPositions()
+  {
+    Cloud& cloud = *result_.cloud;
+    cloud.is_dense = true;
+    const char* const names[] = {"x", "y", "z"};
+    for (int axis = 0; axis < 3; ++axis) {
+      const int field = table().find(names[axis]);
+      if (field < 0)
+        PCL_THROW_EXCEPTION(BadInputException,
+                            path_ << ": has no field '" << names[axis] << "'");
+      const PcdColumn column = singleColumn(path_, table(), field);
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const double value = column(i);
+        if (std::isfinite(value) && std::abs(value) > kLargest)
+          badPcdValue(path_, column, i, value, "a number of single precision");
+        cloud[i].data[axis] = static_cast<float>(value);
+        cloud.is_dense = cloud.is_dense && std::isfinite(value);
+      }
+    }
+  }
+
+  void
+  readColours()
+  {
+    const int rgb = table().find("rgb"), rgba = table().find("rgba");
+    if (rgb >= 0 && rgba >= 0)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          path_ << ": has both 'rgb' and 'rgba', expected one");
+    if (rgb < 0 && rgba < 0)
+      return;
+    const PcdColumn column = singleColumn(path_, table(), std::max(rgb, rgba));
+    if (column.field().size != 4)
+      PCL_THROW_EXCEPTION(BadInputException, path_ << ": field '" << column.field().name
+                                                   << "' has " << column.field().size
+                                                   << " bytes, expected 4");
+    Cloud& cloud = *result_.cloud;
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      cloud[i].rgba = column.bits(i);
+    result_.has_colour = true;
+  }
+
+  void
+  readProbabilities()
+  {
+    const int field = table().find("probability");
+    if (field < 0)
+      return;
+    const PcdColumn column(table(), field);
+    const int classes = column.field().count;
+    if (classes > 255)
+      PCL_THROW_EXCEPTION(BadInputException, path_ << ": field 'probability' has COUNT "
+                                                   << classes
+                                                   << ", expected 1 to 255 classes");
+    LabelDistributions::Matrix values(classes, Eigen::Index(table().points));
+    for (std::size_t i = 0; i < table().points; ++i) {
+      double sum = 0.0;
+      for (int k = 0; k < classes; ++k) {
+        const double value = column(i, k);
+        if (!(value >= 0.0 && value <= kLargest))
+          badPcdValue(path_, column, i, value, "0 to 1");
+        values(k, Eigen::Index(i)) = static_cast<float>(value);
+        sum += value;
+      }
+      constexpr double tolerance = 0.1; // as in files of distributions
+      if (sum != 0.0 && std::abs(sum - 1.0) > tolerance)
+        PCL_THROW_EXCEPTION(BadInputException,
+                            path_ << ": field 'probability' of point " << i
+                                  << " sums to " << sum << ", expected 1");
+    }
+    result_.distributions = LabelDistributions(classes, 0);
+    if (table().points > 0)
+      result_.distributions = LabelDistributions(std::move(values));
+    result_.has_labels = true;
+  }
+
+  void
+  readLabels()
+  {
+    Cloud& cloud = *result_.cloud;
+    const int field = table().find("label"), classes = result_.distributions.classes();
+    if (field < 0) {
+      for (std::size_t i = 0; i < cloud.size(); ++i)
+        cloud[i].label =
+            classes > 0 ? result_.distributions.mapLabel(Eigen::Index(i)) : kUnlabelled;
+      return;
+    }
+    const PcdColumn column = singleColumn(path_, table(), field);
+    const int largest = classes > 0 ? classes : 255;
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      cloud[i].label = static_cast<std::uint32_t>(
+          wholeNumber(path_, column, i, static_cast<std::uint32_t>(largest)));
+    result_.has_labels = true;
+  }
+
+  const std::string& path_;
+  LabelledCloud result_;
+};
+
+template <typename T>
+std::vector<std::uint8_t>
+bytesOf(const T* values, std::size_t count)
+{
+  std::vector<std::uint8_t> bytes(count * sizeof(T));
+  if (count > 0)
+    std::memcpy(bytes.data(), values, bytes.size());
+  return bytes;
+}
+
+// One column of a cloud; `value` takes a point.
+template <typename Value>
+void
+putColumn(PcdTable& table, const PcdField& field, const Cloud& cloud, Value&& value)
+{
+  std::vector<decltype(value(cloud[0]))> values;
+  values.reserve(cloud.size());
+  for (const pcl::PointXYZRGBL& point : cloud)
+    values.push_back(value(point));
+  table.setColumn(field, bytesOf(values.data(), values.size()));
+}
+
+PcdTable
+tableOf(const LabelledCloud& labelled)
+{
+  const Cloud& cloud = *labelled.cloud;
+  PcdTable table;
+  table.points = cloud.size();
+  if (cloud.isOrganized()) {
+    table.width = cloud.width;
+    table.height = cloud.height;
+  }
+  const Eigen::Vector4f& origin = cloud.sensor_origin_;
+  const Eigen::Quaternionf& q = cloud.sensor_orientation_;
+  table.viewpoint = {origin[0], origin[1], origin[2], q.w(), q.x(), q.y(), q.z()};
+  putColumn(table, {"x"}, cloud, [](const auto& point) { return point.x; });
+  putColumn(table, {"y"}, cloud, [](const auto& point) { return point.y; });
+  putColumn(table, {"z"}, cloud, [](const auto& point) { return point.z; });
+  if (labelled.has_colour)
+    putColumn(table, {"rgba", 'U'}, cloud,
+              [](const auto& point) { return point.rgba; });
+  return table;
+}
+
+} // namespace
+
+LabelledCloud
+readLabelledCloud(const std::string& path)
+{
+  return Reader(path).read();
+}
+
+void
+writeLabelledCloud(const std::string& path, const LabelledCloud& labelled)
+{
+  const Cloud& cloud = *labelled.cloud;
+  const LabelDistributions& distributions = labelled.distributions;
+  PcdTable table = labelled.table.fields.empty() ? tableOf(labelled) : labelled.table;
+  const int classes = distributions.classes();
+  if (table.points != cloud.size() ||
+      (classes > 0 && distributions.size() != Eigen::Index(cloud.size())))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        path << ": the cloud has " << cloud.size()
+                             << " points, its table " << table.points
+                             << ", its distributions " << distributions.size());
+  putColumn(table, {"label", 'U'}, cloud,
+            [](const auto& point) { return point.label; });
+  if (classes > 0)
+    table.setColumn({"probability", 'F', 4, classes},
+                    bytesOf(distributions.matrix().data(),
+                            std::size_t(distributions.matrix().size())));
+  if (!sameCliques(cliquesOfColumn(path, table, cloud), labelled.cliques))
+    setCliqueColumn(path, labelled.cliques, table);
+  writePcd(path, table);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,415 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/full_disk.h"
+#include "support/mutate.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/pcd_file.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
+
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+using namespace pcl_semantic;
+
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// An ascii file; `fields` is "name type size count" a field, `points` a line a point.
+std::string
+pcdText(const std::vector<std::vector<std::string>>& fields, const std::string& points,
+        int width, int height = 1)
+{
+  std::string text = "VERSION 0.7\n";
+  const char* const keywords[] = {"FIELDS", "TYPE", "SIZE", "COUNT"};
+  for (std::size_t k = 0; k < 4; ++k) {
+    text += keywords[k];
+    for (const std::vector<std::string>& field : fields)
+      text += " " + field[k];
+    text += "\n";
+  }
+  return text + "WIDTH " + std::to_string(width) + "\nHEIGHT " +
+         std::to_string(height) + "\nVIEWPOINT 1 2 3 0.5 -0.5 0.5 0.5\nPOINTS " +
+         std::to_string(width * height) + "\nDATA ascii\n" + points;
+}
+
+const std::vector<std::string> x = {"x", "F", "4", "1"}, y = {"y", "F", "4", "1"},
+                               z = {"z", "F", "4", "1"},
+                               label = {"label", "U", "4", "1"},
+                               two_classes = {"probability", "F", "4", "2"},
+                               clique = {"clique", "U", "4", "1"};
+
+LabelledCloud
+read(const std::string& text)
+{
+  const TemporaryFolder folder;
+  return readLabelledCloud(folder.write("a.pcd", text));
+}
+
+std::string
+refusal(const std::vector<std::vector<std::string>>& fields, const std::string& point)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("cloud.pcd", pcdText(fields, point + "\n", 1));
+  const std::string message =
+      thrownMessage<BadInputException>([&] { readLabelledCloud(path); });
+  EXPECT_TRUE(holds(message, path));
+  return message;
+}
+
+// A cloud as a program makes it, without a file.
+LabelledCloud
+someCloud(int width, int height)
+{
+  LabelledCloud labelled;
+  labelled.cloud->resize(std::size_t(width) * std::size_t(height));
+  labelled.cloud->width = unsigned(width);
+  labelled.cloud->height = unsigned(height);
+  labelled.cloud->sensor_origin_ = {1.0f, -2.5f, 0.1f, 0.0f};
+  labelled.has_colour = labelled.has_labels = true;
+  labelled.distributions = LabelDistributions(3, width * height);
+  for (std::size_t i = 0; i < labelled.cloud->size(); ++i) {
+    pcl::PointXYZRGBL& point = (*labelled.cloud)[i];
+    point.getVector3fMap() = Eigen::Vector3f(0.1f, -3.0f, 2e5f) * float(i);
+    point.rgba = 0xFF010203u * unsigned(i);
+    point.label = unsigned(i % 4);
+    labelled.distributions.setLabel(Eigen::Index(i), Label(i % 4), 0.5f);
+  }
+  return labelled;
+}
+
+void
+expectSameCloud(const LabelledCloud& read, const LabelledCloud& written)
+{
+  ASSERT_EQ(read.cloud->size(), written.cloud->size());
+  EXPECT_EQ(read.cloud->width, written.cloud->width);
+  EXPECT_EQ(read.cloud->height, written.cloud->height);
+  EXPECT_EQ(read.cloud->sensor_origin_, written.cloud->sensor_origin_);
+  for (std::size_t i = 0; i < read.cloud->size(); ++i) {
+    const pcl::PointXYZRGBL &a = (*read.cloud)[i], &b = (*written.cloud)[i];
+    for (int axis = 0; axis < 3; ++axis)
+      ASSERT_TRUE(a.data[axis] == b.data[axis] ||
+                  (std::isnan(a.data[axis]) && std::isnan(b.data[axis])));
+    ASSERT_EQ(a.rgba, b.rgba);
+    ASSERT_EQ(a.label, b.label);
+  }
+  ASSERT_EQ(read.distributions.classes(), written.distributions.classes());
+  EXPECT_TRUE(
+      read.distributions.matrix().isApprox(written.distributions.matrix(), 1e-6f));
+  ASSERT_EQ(read.cliques.size(), written.cliques.size());
+  for (std::size_t c = 0; c < read.cliques.size(); ++c)
+    EXPECT_EQ(read.cliques[c].indices, written.cliques[c].indices);
+  EXPECT_EQ(read.has_colour, written.has_colour);
+}
+
+} // namespace
+
+TEST(LabelledCloudFile, ReadsWhatItWrote)
+{
+  for (const auto& [width, height] :
+       {std::pair(7, 5), std::pair(35, 1), std::pair(0, 0)}) {
+    LabelledCloud written = someCloud(width, height);
+    if (width > 0) {
+      (*written.cloud)[4].y = kNaN;
+      written.cliques.resize(2);
+      written.cliques[0].indices = {3, 9, 30};
+      written.cliques[1].indices = {0};
+    }
+    const TemporaryFolder folder;
+    writeLabelledCloud(folder.path("a.pcd"), written);
+    const LabelledCloud once = readLabelledCloud(folder.path("a.pcd"));
+    EXPECT_EQ(once.cloud->is_dense, width == 0);
+    if (width == 0)
+      written.cloud->height = 1; // of a list of points
+    expectSameCloud(once, written);
+    writeLabelledCloud(folder.path("b.pcd"), once);
+    EXPECT_EQ(bytesOf(folder.path("b.pcd")), bytesOf(folder.path("a.pcd")));
+  }
+}
+
+TEST(LabelledCloudFile, PclReadsWhatItWrote)
+{
+  const TemporaryFolder folder;
+  const LabelledCloud written = someCloud(4, 3);
+  writeLabelledCloud(folder.path("a.pcd"), written);
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder.path("a.pcd"), cloud), 0);
+  ASSERT_EQ(cloud.size(), 12u);
+  EXPECT_EQ(cloud.height, 3u);
+  EXPECT_EQ(cloud.sensor_origin_, written.cloud->sensor_origin_);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    EXPECT_EQ(cloud[i].getVector3fMap(), (*written.cloud)[i].getVector3fMap());
+    EXPECT_EQ(cloud[i].label, (*written.cloud)[i].label);
+    EXPECT_EQ(cloud[i].rgba, (*written.cloud)[i].rgba);
+  }
+}
+
+TEST(LabelledCloudFile, ReadsFieldsInAnyOrderAndType)
+{
+  const LabelledCloud labelled = read(pcdText({clique,
+                                               {"probability", "F", "8", "3"},
+                                               {"z", "I", "2", "1"},
+                                               {"label", "F", "4", "1"},
+                                               {"y", "F", "8", "1"},
+                                               {"rgb", "F", "4", "1"},
+                                               x},
+                                              "0  0.5 0.25 0.25  -7 1 0.125 0 1.5\n"
+                                              "4294967295  0 0 0  8 0 1e-300 0 nan\n"
+                                              "7  0.15 0.7 0.1  9 2.0 5 0 3\n",
+                                              3));
+  ASSERT_EQ(labelled.cloud->size(), 3u);
+  const pcl::PointCloud<pcl::PointXYZRGBL>& cloud = *labelled.cloud;
+  EXPECT_EQ(cloud[0].getVector3fMap(), Eigen::Vector3f(1.5f, 0.125f, -7.0f));
+  EXPECT_TRUE(std::isnan(cloud[1].x));
+  EXPECT_EQ(cloud[1].y, 0.0f);
+  EXPECT_FALSE(cloud.is_dense);
+  EXPECT_EQ(cloud[0].label, 1u);
+  EXPECT_EQ(cloud[1].label, 0u);
+  EXPECT_EQ(cloud[2].label, 2u);
+  EXPECT_TRUE(labelled.has_colour);
+  EXPECT_NEAR(labelled.distributions.matrix()(1, 2), 0.7f / 0.95f, 1e-6);
+  EXPECT_EQ(labelled.distributions.matrix().col(1).sum(), 0.0f);
+  ASSERT_EQ(labelled.cliques.size(), 1u); // the other's only point is not finite
+  EXPECT_EQ(labelled.cliques[0].indices, pcl::Indices{2});
+  EXPECT_EQ(cloud.sensor_origin_, Eigen::Vector4f(1, 2, 3, 0));
+  EXPECT_TRUE(
+      cloud.sensor_orientation_.isApprox(Eigen::Quaternionf(0.5f, -0.5f, 0.5f, 0.5f)));
+}
+
+TEST(LabelledCloudFile, BothPackingsOfColourAreRead)
+{
+  const TemporaryFolder folder;
+  pcl::PointCloud<pcl::PointXYZRGB> packed;
+  pcl::PointCloud<pcl::PointXYZRGBA> plain;
+  packed.push_back({1.0f, 2.0f, 3.0f, 10, 20, 30});
+  plain.push_back({1.0f, 2.0f, 3.0f, 10, 20, 30, 40});
+  pcl::PCLPointCloud2 message;
+  pcl::toPCLPointCloud2(packed, message);
+  pcl::PCDWriter().writeBinary(folder.path("a.pcd"), message); // a float
+  pcl::io::savePCDFileASCII(folder.path("b.pcd"), packed);     // the same as U
+  pcl::io::savePCDFileBinary(folder.path("c.pcd"), plain);
+  for (const char* const name : {"a.pcd", "b.pcd", "c.pcd"}) {
+    const LabelledCloud labelled = readLabelledCloud(folder.path(name));
+    ASSERT_EQ(labelled.cloud->size(), 1u);
+    const pcl::PointXYZRGBL& point = (*labelled.cloud)[0];
+    EXPECT_EQ(point.r, 10) << name;
+    EXPECT_EQ(point.g, 20) << name;
+    EXPECT_EQ(point.b, 30) << name;
+    EXPECT_TRUE(labelled.has_colour);
+    EXPECT_FALSE(labelled.has_labels);
+    EXPECT_EQ(point.label, kUnlabelled);
+  }
+}
+
+TEST(LabelledCloudFile, LabelsWithoutProbabilitiesAndTheOtherWayRound)
+{
+  const LabelledCloud hard = read(pcdText({x, y, z, label}, "1 2 3 255\n1 2 3 0\n", 2));
+  EXPECT_EQ(hard.distributions.classes(), 0);
+  EXPECT_EQ((*hard.cloud)[0].label, 255u);
+  EXPECT_TRUE(hard.has_labels);
+  EXPECT_FALSE(hard.has_colour);
+
+  const LabelledCloud soft =
+      read(pcdText({x, y, z, two_classes}, "1 2 3 .2 .8\n1 2 3 0 0\n", 2));
+  EXPECT_EQ((*soft.cloud)[0].label, 2u);
+  EXPECT_EQ((*soft.cloud)[1].label, kUnlabelled);
+  EXPECT_TRUE(soft.has_labels);
+}
+
+TEST(LabelledCloudFile, OtherFieldsSurvive)
+{
+  const TemporaryFolder folder;
+  const std::string text =
+      pcdText({{"time", "F", "8", "1"},
+               {"label", "U", "1", "1"},
+               x,
+               {"y", "F", "8", "1"},
+               z,
+               {"histogram", "U", "2", "3"},
+               clique},
+              "0.1 1 1 0.123456789012 3 7 8 9 5\n0.2 2 4 5 6 10 11 12 0\n", 1, 2);
+  LabelledCloud labelled = readLabelledCloud(folder.write("a.pcd", text));
+  (*labelled.cloud)[0].label = 2;
+  labelled.distributions = LabelDistributions(2, 2);
+  labelled.distributions.setLabel(1, 1, 0.75f);
+  writeLabelledCloud(folder.path("b.pcd"), labelled);
+
+  const PcdTable table = readPcd(folder.path("b.pcd"));
+  std::string names;
+  for (const PcdField& field : table.fields)
+    names += field.name + " ";
+  EXPECT_EQ(names, "time label x y z histogram clique probability ");
+  EXPECT_EQ(table.height, 2u);
+  EXPECT_EQ(table.viewpoint, labelled.table.viewpoint);
+  EXPECT_EQ(PcdColumn(table, 0)(1), 0.2);
+  EXPECT_EQ(PcdColumn(table, 1)(0), 2.0);
+  EXPECT_EQ(PcdColumn(table, 1)(1), 2.0);
+  EXPECT_EQ(PcdColumn(table, 3)(0), 0.123456789012);
+  EXPECT_EQ(PcdColumn(table, 5)(0, 2), 9.0);
+  EXPECT_EQ(PcdColumn(table, 6)(0), 5.0); // not numbered anew
+  EXPECT_EQ(PcdColumn(table, 7)(1, 0), 0.75);
+}
+
+TEST(LabelledCloudFile, NewCliquesTakeThePlaceOfOldOnes)
+{
+  const TemporaryFolder folder;
+  LabelledCloud labelled = readLabelledCloud(
+      folder.write("a.pcd", pcdText({x, clique, y, z, label},
+                                    "1 9 2 3 0\n1 9 2 3 0\n1 4 2 3 0\n", 3)));
+  ASSERT_EQ(labelled.cliques.size(), 2u);
+  EXPECT_EQ(labelled.cliques[0].indices, pcl::Indices{2}); // number 4 before 9
+  labelled.cliques[0].indices = {1};
+  labelled.cliques[1].indices = {2};
+  writeLabelledCloud(folder.path("b.pcd"), labelled);
+  const PcdTable table = readPcd(folder.path("b.pcd"));
+  const PcdColumn column(table, 1);
+  EXPECT_EQ(column.field().name, "clique");
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(column(i), double(i)); // 0 is none
+}
+
+TEST(LabelledCloudFile, MissingOrUnfitFields)
+{
+  EXPECT_TRUE(holds(refusal({x, y, label}, "1 2 3"), "no field 'z'"));
+  EXPECT_TRUE(holds(refusal({y, z}, "1 2"), "no field 'x'"));
+  EXPECT_TRUE(
+      holds(refusal({{"x", "F", "4", "2"}, y, z}, "1 1 2 3"), "'x' has COUNT 2"));
+  EXPECT_TRUE(holds(refusal({x, y, z, {"label", "U", "4", "2"}}, "1 2 3 4 5"),
+                    "'label' has COUNT 2"));
+  EXPECT_TRUE(holds(
+      refusal({x, y, z, {"rgb", "U", "4", "1"}, {"rgba", "U", "4", "1"}}, "1 2 3 4 5"),
+      "both 'rgb' and 'rgba'"));
+  EXPECT_TRUE(
+      holds(refusal({x, y, z, {"rgb", "F", "8", "1"}}, "1 2 3 4"), "has 8 bytes"));
+  std::string values = "1 2 3";
+  for (int i = 0; i < 256; ++i)
+    values += " 0";
+  EXPECT_TRUE(
+      holds(refusal({x, y, z, {"probability", "F", "4", "256"}}, values), "COUNT 256"));
+  refusal({x, y, z, x}, "1 2 3 4");
+}
+
+TEST(LabelledCloudFile, ValuesThatCannotBe)
+{
+  const auto probabilities = [](const std::string& values) {
+    return refusal({x, y, z, two_classes}, "1 2 3 " + values);
+  };
+  for (const char* const values : {"nan 1", "-0.1 1", "inf 0", "0 -inf"})
+    EXPECT_TRUE(holds(probabilities(values), "'probability' of point 0 is "));
+  EXPECT_TRUE(holds(probabilities("0.4 0.4"), "sums to 0.8"));
+  EXPECT_TRUE(holds(probabilities("100 100"), "sums to 200"));
+
+  const std::vector<std::string> real_label = {"label", "F", "8", "1"};
+  for (const char* const value : {"256", "-1", "1.5", "nan", "inf", "1e300"})
+    EXPECT_TRUE(holds(refusal({x, y, z, real_label}, std::string("1 2 3 ") + value),
+                      "'label' of point 0 is "))
+        << value;
+  EXPECT_TRUE(holds(refusal({x, y, z, label, two_classes}, "1 2 3 3 1 0"),
+                    "'label' of point 0 is 3, expected a whole number from 0 to 2"));
+
+  const std::vector<std::string> real_clique = {"clique", "F", "8", "1"};
+  for (const char* const value : {"-1", "0.5", "nan", "4294967296"})
+    EXPECT_TRUE(holds(refusal({x, y, z, real_clique}, std::string("1 2 3 ") + value),
+                      "'clique' of point 0 is "))
+        << value;
+  EXPECT_TRUE(holds(refusal({x, {"y", "F", "8", "1"}, z}, "1 -1e39 3"),
+                    "'y' of point 0 is -1e+39"));
+}
+
+TEST(LabelledCloudFile, TheMessageNamesThePoint)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write(
+      "a.pcd", pcdText({x, y, z, label}, "1 2 3 4\n1 2 3 4\n1 2 3 400\n", 3));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readLabelledCloud(path); }),
+                    path + ": field 'label' of point 2 is 400"));
+}
+
+TEST(LabelledCloudFile, RefusesToWriteWhatDoesNotFit)
+{
+  const TemporaryFolder folder;
+  const auto message = [&](const LabelledCloud& labelled) {
+    return thrownMessage<InvalidParameterException>(
+        [&] { writeLabelledCloud(folder.path("a.pcd"), labelled); });
+  };
+  LabelledCloud labelled = someCloud(4, 3);
+  labelled.distributions = LabelDistributions(3, 11);
+  EXPECT_TRUE(holds(message(labelled), "12 points"));
+  labelled = someCloud(4, 3);
+  labelled.cliques.resize(2);
+  labelled.cliques[0].indices = {1, 2};
+  labelled.cliques[1].indices = {2, 3};
+  EXPECT_TRUE(holds(message(labelled), "point 2 is in cliques 0 and 1"));
+  labelled.cliques[1].indices = {12};
+  EXPECT_TRUE(holds(message(labelled), "point 12 of 12"));
+  labelled = read(pcdText({x, y, z}, "1 2 3\n", 1));
+  labelled.cloud->push_back((*labelled.cloud)[0]);
+  EXPECT_TRUE(holds(message(labelled), "its table 1"));
+  EXPECT_EQ(folder.entries(), 0u);
+
+  const LabelledCloud large = someCloud(100, 100);
+  const FullDisk full(10000);
+  thrownMessage<OutputException>(
+      [&] { writeLabelledCloud(folder.path("a.pcd"), large); });
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(LabelledCloudFile, DamagedFilesAreReadOrRefused)
+{
+  const TemporaryFolder folder;
+  LabelledCloud good = someCloud(4, 3);
+  good.cliques.resize(1);
+  good.cliques[0].indices = {1, 2};
+  writeLabelledCloud(folder.path("a.pcd"), good);
+  const std::string bytes = bytesOf(folder.path("a.pcd"));
+  Mutator mutate(9,
+                 {"x", "label", "clique", "probability", "4", "2", "F", "U", "ascii"});
+  int read_well = 0, refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    folder.write("b.pcd", mutate(bytes));
+    try {
+      const LabelledCloud labelled = readLabelledCloud(folder.path("b.pcd"));
+      for (std::size_t k = 0; k < labelled.cloud->size(); ++k)
+        ASSERT_LE((*labelled.cloud)[k].label, 255u);
+      ++read_well;
+    }
+    catch (const BadInputException&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(read_well, 10);
+  EXPECT_GT(refused, 100);
+}
+
+TEST(LabelledCloudFile, ARealCloudIsReadAsPclReadsIt)
+{
+  const char* const data = std::getenv("PCL_SEMANTIC_DATA");
+  if (!data)
+    GTEST_SKIP() << "PCL_SEMANTIC_DATA is not set";
+  const std::string path = std::string(data) + "/clouds/mosd_learn0.pcd";
+  const LabelledCloud labelled = readLabelledCloud(path);
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(path, cloud), 0);
+  ASSERT_EQ(labelled.cloud->size(), cloud.size());
+  EXPECT_EQ(labelled.cloud->width, 640u);
+  EXPECT_EQ(labelled.cloud->height, 480u);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const pcl::PointXYZRGBL& point = (*labelled.cloud)[i];
+    for (int axis = 0; axis < 3; ++axis)
+      ASSERT_TRUE(point.data[axis] == cloud[i].data[axis] ||
+                  (std::isnan(point.data[axis]) && std::isnan(cloud[i].data[axis])));
+    ASSERT_EQ(point.rgba, cloud[i].rgba);
+    ASSERT_EQ(point.label, cloud[i].label);
+  }
+}
