@@ -18,6 +18,7 @@ namespace pcl_semantic {
  * the variables x, and say to them. */
 class CliqueTerm {
 public:
+  CliqueTerm(CliquePotential&& potential, Eigen::Index labels);
   virtual ~CliqueTerm() = default;
 
   /** \brief Updates all cliques at once from Q(x).
@@ -47,10 +48,29 @@ public:
   {
     return nullptr;
   }
+
+  const CliquePotential&
+  potential() const
+  {
+    return potential_;
+  }
+
+protected:
+  /** \brief k_c^l of all labels. */
+  const float*
+  weights(Eigen::Index c) const
+  {
+    return weights_.column(weights_.columns() == 1 ? 0 : c);
+  }
+
+  CliquePotential potential_;
+
+private:
+  PaddedColumns weights_; // of one clique or all
 };
 
 /** \param[in] costs psi_i(l) up to a constant of the variable */
-std::unique_ptr<CliqueTerm> makeCliqueTerm(const CliquePotential& potential,
+std::unique_ptr<CliqueTerm> makeCliqueTerm(CliquePotential&& potential,
                                            bool self_interaction,
                                            const PaddedColumns& costs);
 

@@ -12,8 +12,9 @@
 namespace pcl_semantic {
 
 LatticeKernel::LatticeKernel(const Eigen::Ref<const Eigen::MatrixXf>& features,
-                             float weight, Normalization normalization, SimdTier tier)
-    : lattice_(features, tier)
+                             float weight, Normalization normalization,
+                             LatticeBlur blur, SimdTier tier)
+    : lattice_(features, tier), blur_(blur)
 {
   if (!(weight >= 0.0f) || !std::isfinite(weight))
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -26,7 +27,7 @@ LatticeKernel::LatticeKernel(const Eigen::Ref<const Eigen::MatrixXf>& features,
   }
   else {
     Eigen::MatrixXf sums = Eigen::MatrixXf::Zero(1, size());
-    lattice_.addFiltered(Eigen::MatrixXf::Ones(1, size()), scales_, {}, sums);
+    lattice_.addFiltered(Eigen::MatrixXf::Ones(1, size()), scales_, {}, sums, blur_);
     if (normalization == Normalization::symmetric)
       scales_.splat = scales_.slice = (weight / sums.row(0).transpose().array()).sqrt();
     else
@@ -40,13 +41,13 @@ LatticeKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                           Eigen::Ref<Eigen::MatrixXf> result,
                           const VariableMask& active) const
 {
-  lattice_.addFiltered(values, scales_, active, result);
+  lattice_.addFiltered(values, scales_, active, result, blur_);
 }
 
 std::size_t
 LatticeKernel::memory() const
 {
-  return lattice_.memory() + 3 * sizeof(float) * std::size_t(size());
+  return lattice_.memory(blur_) + 3 * sizeof(float) * std::size_t(size());
 }
 
 } // namespace pcl_semantic

@@ -59,6 +59,10 @@ public:
     for (int j = 1; j <= d; ++j)
       wrap_ += Key(1) << bits.shift[j];
     wrap_ -= Key(d + 1);
+    for (int j = 1; j <= d; ++j) {
+      const int end = j < d ? bits.shift[j + 1] : bits.bits;
+      cell_masks_[j] = (std::uint64_t(1) << (end - bits.shift[j])) - 1;
+    }
     for (int j = 0; j <= d; ++j)
       steps_[j] = Key(1) - (j > 0 ? Key(1) << bits.shift[j] : Key(0));
   }
@@ -101,98 +105,29 @@ public:
     return int(key & ((Key(1) << bits_.remainder_bits) - 1));
   }
 
-  /** \brief Cell j of 0 ... d, up to a constant. */
-  std::int64_t
+  /** \brief Cell j of 1 ... d, from its lowest. */
+  std::uint64_t
   cell(Key key, int j) const
   {
-    if (j > 0) {
-      const int end = j < bits_.dimensions ? bits_.shift[j + 1] : bits_.bits;
-      return std::int64_t((key >> bits_.shift[j]) &
-                          ((Key(1) << (end - bits_.shift[j])) - 1));
-    }
-    std::int64_t sum = -remainder(key);
-    for (int l = 1; l <= bits_.dimensions; ++l)
-      sum -= cell(key, l);
-    return sum;
+    return std::uint64_t(key >> bits_.shift[j]) & cell_masks_[j];
   }
 
-  /** \brief Mixes all bits of a key into the upper ones. */
+  /** \brief Mixes all bits of a key into the upper ones, and those into the lower. */
   static std::uint64_t
   hash(Key key)
   {
     std::uint64_t mixed = std::uint64_t(key);
     if constexpr (sizeof(Key) > 8)
       mixed ^= std::uint64_t(key >> 64) * 0xD6E8FEB86659FD93u;
-    mixed = (mixed ^ (mixed >> 32)) * 0x9E3779B97F4A7C15u;
-    return (mixed ^ (mixed >> 29)) * 0xBF58476D1CE4E5B9u;
+    mixed *= 0x9E3779B97F4A7C15u;
+    return (mixed ^ (mixed >> 32)) * 0xBF58476D1CE4E5B9u;
   }
 
 private:
   LatticeKeyBits bits_;
   Key wrap_ = 0; // from remainder d + 1 to 0
   Key steps_[kernels::most_dimensions + 1];
-};
-
-/** \brief Numbers keys in the order in which they come; to be used again and again. */
-template <typename Key> class LatticeTable {
-public:
-  /** \brief Forgets all keys. */
-  void
-  clear()
-  {
-    std::fill(slots_.begin(), slots_.end(), 0);
-    keys_.clear();
-  }
-
-  /** \brief The number of a key, which is new or not. */
-  std::int32_t
-  insert(Key key)
-  {
-    if (2 * keys_.size() >= slots_.size())
-      grow();
-    const std::size_t slot = search(key);
-    if (slots_[slot] == 0) {
-      keys_.push_back(key);
-      slots_[slot] = std::int32_t(keys_.size());
-    }
-    return slots_[slot] - 1;
-  }
-
-  /** \brief The number of a key, -1 if it is unknown. */
-  std::int32_t
-  find(Key key) const
-  {
-    return slots_.empty() ? -1 : slots_[search(key)] - 1;
-  }
-
-  const std::vector<Key>&
-  keys() const
-  {
-    return keys_;
-  }
-
-private:
-  std::size_t
-  search(Key key) const
-  {
-    std::size_t slot = std::size_t(LatticeKeys<Key>::hash(key) >> shift_);
-    while (slots_[slot] != 0 && keys_[std::size_t(slots_[slot] - 1)] != key)
-      slot = (slot + 1) & (slots_.size() - 1);
-    return slot;
-  }
-
-  void
-  grow()
-  {
-    shift_ = slots_.empty() ? 64 - 10 : shift_ - 1;
-    slots_.assign(std::size_t(1) << (64 - shift_), 0);
-    for (std::size_t i = 0; i < keys_.size(); ++i)
-      slots_[search(keys_[i])] = std::int32_t(i + 1);
-  }
-
-  int shift_ = 64;
-  std::vector<std::int32_t> slots_; // number + 1; 0 = free
-  std::vector<Key> keys_;
+  std::uint64_t cell_masks_[kernels::most_dimensions + 1] = {};
 };
 
 } // namespace pcl_semantic

@@ -6,6 +6,8 @@
 
 #include "lattice_numbering.h"
 
+#include "lattice_table.h"
+
 #include <pcl_semantic/core/parallel_guard.h>
 
 namespace pcl_semantic {
@@ -15,12 +17,12 @@ namespace {
 constexpr int partition_bits = 6;
 constexpr std::size_t partitions = 1 << partition_bits;
 
-// The keys that a chunk touches, in the order of the first touch.
+// The keys that a chunk touches, numbered in the order of the first touch.
 template <typename Key> struct ChunkKeys {
-  std::vector<Key> keys;
-  std::vector<std::int32_t> by_partition; // their numbers, sorted by partition
-  std::uint32_t begins[partitions + 1];   // of the partitions
-  std::size_t first = 0;                  // keys of earlier chunks
+  std::vector<Key> keys;                // sorted by partition
+  std::vector<std::uint32_t> places;    // of each number among the sorted
+  std::uint32_t begins[partitions + 1]; // of the partitions
+  std::size_t first = 0;                // keys of earlier chunks
 };
 
 template <typename Key> class Numbering {
@@ -50,14 +52,13 @@ public:
 #pragma omp for schedule(dynamic, 1) nowait
       for (std::size_t c = 0; c < chunks_.size(); ++c)
         guard.run([&] {
-          table.clear();
+          table.reset(2 * structure_.chunk_points);
           const std::size_t end = endOf(c);
           for (std::size_t i = c * structure_.chunk_points; i < end;
                i += kernels::batch_points)
             embedBatch(features, frame, tier, i,
                        std::min(end, i + kernels::batch_points), table);
-          chunks_[c].keys = table.keys();
-          sortByPartition(chunks_[c]);
+          sortByPartition(table.keys(), table.size(), chunks_[c]);
         });
     });
     guard.rethrow();
@@ -78,17 +79,20 @@ public:
     for (std::size_t p = 0; p < partitions; ++p)
       guard.run([&] {
         LatticeTable<Key> table;
-        std::vector<std::int32_t> firsts;
-        for (const ChunkKeys<Key>& chunk : chunks_)
-          for (std::uint32_t k = chunk.begins[p]; k < chunk.begins[p + 1]; ++k) {
-            const std::int32_t local = chunk.by_partition[k];
-            const auto number =
-                std::size_t(table.insert(chunk.keys[std::size_t(local)]));
-            const auto here = std::int32_t(chunk.first) + local;
+        table.reset(rows_.size() / partitions);
+        std::vector<std::int32_t> firsts, numbers;
+        for (const ChunkKeys<Key>& chunk : chunks_) {
+          const std::uint32_t begin = chunk.begins[p], end = chunk.begins[p + 1];
+          numbers.resize(end - begin);
+          table.insert(chunk.keys.data() + begin, end - begin, numbers.data());
+          for (std::uint32_t k = begin; k < end; ++k) {
+            const auto number = std::size_t(numbers[k - begin]);
+            const auto here = std::int32_t(chunk.first + k);
             if (number == firsts.size())
               firsts.push_back(here);
             rows_[std::size_t(here)] = firsts[number];
           }
+        }
       });
     guard.rethrow();
   }
@@ -117,7 +121,7 @@ public:
 #pragma omp parallel for schedule(static)
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
       std::size_t row = structure_.first_rows[c];
-      for (std::size_t k = 0; k < chunks_[c].keys.size(); ++k)
+      for (const std::uint32_t k : chunks_[c].places)
         if (isFirst(chunks_[c], k)) {
           vertices_.keys[row] = chunks_[c].keys[k];
           rows_[chunks_[c].first + k] = -1 - std::int32_t(row++);
@@ -185,36 +189,63 @@ private:
       for (std::size_t i = 0; i < kernels::batch_points; ++i)
         directions[k * kernels::batch_points + i] =
             std::uint8_t(batch.directions[k][i]);
+    // Points often lie in the simplex of the one before.
+    Key keys[kernels::batch_points * (kernels::most_dimensions + 1)];
+    std::int32_t numbers[kernels::batch_points * (kernels::most_dimensions + 1)];
+    std::size_t simplex[kernels::batch_points], simplices = 0;
     for (std::size_t i = 0; i < end - begin; ++i) {
-      std::int32_t* const rows = structure_.corner_rows.data() + (begin + i) * corners;
+      Key key = vertices_.arithmetic.first(batch, i);
+      if (i == 0 || key != keys[(simplices - 1) * corners] ||
+          !haveSameDirections(batch, i, corners)) {
+        for (std::size_t k = 0; k < corners; ++k) {
+          keys[simplices * corners + k] = key;
+          key = vertices_.arithmetic.inSimplex(key, batch.directions[k][i]);
+        }
+        ++simplices;
+      }
+      simplex[i] = simplices - 1;
+    }
+    table.insert(keys, simplices * corners, numbers);
+    for (std::size_t i = 0; i < end - begin; ++i) {
+      std::copy_n(numbers + simplex[i] * corners, corners,
+                  structure_.corner_rows.data() + (begin + i) * corners);
       float* const weights = structure_.weights.data() + (begin + i) * corners;
       for (std::size_t k = 0; k < corners; ++k)
         weights[k] = batch.weights[k][i];
-      Key key = vertices_.arithmetic.first(batch, i);
-      for (std::size_t k = 0; k < corners; ++k) {
-        rows[k] = table.insert(key);
-        key = vertices_.arithmetic.inSimplex(key, batch.directions[k][i]);
-      }
     }
   }
 
-  void
-  sortByPartition(ChunkKeys<Key>& chunk)
+  // Whether a point lies in the simplex of the one before, if in that of its vertex 0.
+  static bool
+  haveSameDirections(const kernels::LatticeBatch& batch, std::size_t i,
+                     std::size_t corners)
   {
-    const auto partitionOf = [&](Key key) {
+    for (std::size_t k = 0; k < corners; ++k)
+      if (batch.directions[k][i] != batch.directions[k][i - 1])
+        return false;
+    return true;
+  }
+
+  static void
+  sortByPartition(const Key* keys, std::size_t count, ChunkKeys<Key>& chunk)
+  {
+    const auto partitionOf = [](Key key) {
       // Not the bits that a table takes: its keys would crowd.
       return std::size_t(LatticeKeys<Key>::hash(key) & (partitions - 1));
     };
     std::fill_n(chunk.begins, partitions + 1, 0);
-    for (const Key key : chunk.keys)
-      ++chunk.begins[partitionOf(key) + 1];
+    for (std::size_t k = 0; k < count; ++k)
+      ++chunk.begins[partitionOf(keys[k]) + 1];
     for (std::size_t p = 0; p < partitions; ++p)
       chunk.begins[p + 1] += chunk.begins[p];
     std::uint32_t places[partitions];
     std::copy_n(chunk.begins, partitions, places);
-    chunk.by_partition.resize(chunk.keys.size());
-    for (std::size_t k = 0; k < chunk.keys.size(); ++k)
-      chunk.by_partition[places[partitionOf(chunk.keys[k])]++] = std::int32_t(k);
+    chunk.keys.resize(count);
+    chunk.places.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      chunk.places[k] = places[partitionOf(keys[k])]++;
+      chunk.keys[chunk.places[k]] = keys[k];
+    }
   }
 
   // From numbers of keys of a chunk to rows.
@@ -225,7 +256,7 @@ private:
     std::size_t partial = structure_.first_partials[c];
     std::vector<std::int32_t> rows(chunk.keys.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-      const std::int32_t first = rows_[chunk.first + k];
+      const std::int32_t first = rows_[chunk.first + chunk.places[k]];
       if (first < 0) {
         rows[k] = -1 - first;
         continue;

@@ -35,7 +35,7 @@ boundsOf(const LatticeFeatures& features, std::size_t begin, std::size_t end)
 {
   const auto d = std::size_t(features.rows());
   Bounds bounds;
-  bounds.finite = true;
+  float zero = 0.0f;
   std::copy_n(features.col(Eigen::Index(begin)).data(), d, bounds.low);
   std::copy_n(bounds.low, d, bounds.high);
   for (std::size_t i = begin; i < end; ++i) {
@@ -43,9 +43,10 @@ boundsOf(const LatticeFeatures& features, std::size_t begin, std::size_t end)
     for (std::size_t k = 0; k < d; ++k) {
       bounds.low[k] = std::min(bounds.low[k], feature[k]);
       bounds.high[k] = std::max(bounds.high[k], feature[k]);
-      bounds.finite &= std::isfinite(feature[k]);
+      zero += 0.0f * feature[k]; // not a number, if one is not or is infinite
     }
   }
+  bounds.finite = zero == 0.0f;
   return bounds;
 }
 
@@ -101,8 +102,11 @@ frameOf(const LatticeFeatures& features, double* extents)
       low = std::min(low, part.low[k]);
       high = std::max(high, part.high[k]);
     }
-    frame.low[k] = double(low);
-    extents[k] = double(high) - double(low);
+    // Features often lie on a grid: with its corner at that of the lattice they would
+    // lie between simplices, and rounding would choose.
+    const double offset = std::fmod(0.618033988749895 * double(k + 1), 1.0);
+    frame.low[k] = double(low) - offset;
+    extents[k] = double(high) - frame.low[k];
     frame.scale[k + 1] = std::sqrt(2.0 / (3.0 * double(k + 1) * double(k + 2)));
     constexpr double most = double(1 << 28);
     if (extents[k] > most)

@@ -7,6 +7,7 @@
 #include "kernels/lattice_filter.h"
 #include "lattice_numbering.h"
 #include "lattice_order.h"
+#include "lattice_table.h"
 
 #include <pcl_semantic/core/parallel_guard.h>
 
@@ -18,8 +19,9 @@ namespace {
 constexpr std::size_t bucket_vertices = 4096;
 constexpr std::size_t most_buckets = 4096;
 
-// A number that steps in some directions do not change: a sum of cells of the other
-// directions, by factors whose sum is 0.
+// A number that steps in some directions do not change: a sum of the cells of the other
+// directions, by factors whose sum is 0. Cell 0 is what the others and the remainder
+// leave of 0.
 template <typename Key> class SheetNumber {
 public:
   SheetNumber(const LatticeKeys<Key>& arithmetic, int dimensions, int begin, int end)
@@ -36,15 +38,17 @@ public:
       }
     if (last >= 0)
       factors_[last] -= sum;
+    for (int j = 1; j <= dimensions; ++j)
+      factors_[j] -= factors_[0];
   }
 
+  // 32 bits.
   std::uint64_t
   operator()(Key key) const
   {
-    std::uint64_t sum = 0;
-    for (int j = 0; j <= dimensions_; ++j)
-      if (factors_[j] != 0)
-        sum += factors_[j] * std::uint64_t(arithmetic_.cell(key, j));
+    std::uint64_t sum = -factors_[0] * std::uint64_t(arithmetic_.remainder(key));
+    for (int j = 1; j <= dimensions_; ++j)
+      sum += factors_[j] * arithmetic_.cell(key, j);
     sum = (sum ^ (sum >> 31)) * 0x9E3779B97F4A7C15u;
     return sum >> 32;
   }
@@ -66,23 +70,26 @@ groupSize(int dimensions)
 // none).
 void
 appendRuns(const std::int32_t* members, const std::vector<std::int32_t>& ahead,
-           const std::vector<std::uint8_t>& has_back, LatticeBucket& bucket)
+           const std::vector<std::uint8_t>& has_back, std::vector<std::int32_t>& firsts,
+           LatticeBucket& bucket)
 {
   const std::size_t begin = bucket.steps.size();
-  std::size_t count = 0;
-  for (std::size_t m = 0; m < ahead.size(); ++m)
-    count += ahead[m] >= 0 || has_back[m];
+  std::size_t count = 0, runs = 0;
+  for (std::size_t m = 0; m < ahead.size(); ++m) {
+    const bool has_ahead = ahead[m] >= 0;
+    firsts[runs] = std::int32_t(m); // no branch: none could be predicted
+    runs += has_ahead && !has_back[m + 1];
+    count += has_ahead || has_back[m + 1];
+  }
   bucket.steps.resize(begin + count + 1);
   std::int32_t* step = bucket.steps.data() + begin;
-  for (std::size_t m = 0; m < ahead.size(); ++m)
-    if (ahead[m] >= 0 && !has_back[m]) {
-      std::int32_t here = std::int32_t(m);
-      for (; ahead[std::size_t(here)] >= 0; here = ahead[std::size_t(here)])
-        *step++ = members[here];
-      *step++ = members[here] | kernels::run_end;
-    }
-  if (count > 0)
-    *step = step[-1]; // a loop looks one step ahead
+  for (std::size_t r = 0; r < runs; ++r) {
+    std::int32_t here = firsts[r];
+    for (; ahead[std::size_t(here)] >= 0; here = ahead[std::size_t(here)])
+      *step++ = members[here];
+    *step++ = members[here] | kernels::run_end;
+  }
+  *step = count > 0 ? step[-1] : 0; // a loop looks one step ahead
   bucket.begins.push_back(std::uint32_t(begin));
   bucket.counts.push_back(std::uint32_t(count));
 }
@@ -92,20 +99,20 @@ LatticeBucket
 makeBucket(const LatticeVertices<Key>& vertices, const std::int32_t* members,
            std::size_t count, int begin, int end, LatticeTable<Key>& table)
 {
-  table.clear();
-  for (std::size_t m = 0; m < count; ++m)
-    table.insert(vertices.keys[std::size_t(members[m])]);
+  table.fill(count,
+             [&](std::size_t m) { return vertices.keys[std::size_t(members[m])]; });
   LatticeBucket bucket;
-  std::vector<std::int32_t> ahead(count);
-  std::vector<std::uint8_t> has_back(count);
+  std::vector<Key> keys(count);
+  std::vector<std::int32_t> ahead(count), firsts(count);
+  std::vector<std::uint8_t> has_back(count + 1); // of member - 1
   for (int j = begin; j < end; ++j) {
     std::fill(has_back.begin(), has_back.end(), 0);
-    for (std::size_t m = 0; m < count; ++m) {
-      ahead[m] = table.find(vertices.arithmetic.ahead(table.keys()[m], j));
-      if (ahead[m] >= 0)
-        has_back[std::size_t(ahead[m])] = 1;
-    }
-    appendRuns(members, ahead, has_back, bucket);
+    for (std::size_t m = 0; m < count; ++m)
+      keys[m] = vertices.arithmetic.ahead(table.keys()[m], j);
+    table.find(keys.data(), count, ahead.data());
+    for (std::size_t m = 0; m < count; ++m)
+      has_back[std::size_t(ahead[m] + 1)] = 1; // of 0 = none, no branch
+    appendRuns(members, ahead, has_back, firsts, bucket);
   }
   bucket.steps.resize(bucket.steps.size() + kernels::steps_ahead, bucket.steps.back());
   bucket.steps.shrink_to_fit();

@@ -6,6 +6,7 @@
 
 #include "kernels/lattice_filter.h"
 #include "lattice_numbering.h"
+#include "lattice_table.h"
 
 #include <pcl_semantic/core/parallel_guard.h>
 
@@ -22,28 +23,26 @@ public:
   explicit PathSets(const LatticeStructure& structure)
       : structure_(structure),
         words_(((std::size_t(1) << structure.corners) + 63) / 64),
-        ahead_(structure.rows * words_), back_(structure.rows * words_)
+        sets_(structure.rows * 2 * words_)
   {
 #pragma omp parallel for schedule(static)
-    for (std::size_t v = 0; v < structure.vertices; ++v)
+    for (std::size_t v = 0; v < 2 * structure.vertices; ++v)
       for (std::size_t w = 0; w < words_; ++w)
-        ahead_[v * words_ + w] = back_[v * words_ + w] = w == 0 ? 1 : 0;
+        sets_[v * words_ + w] = w == 0 ? 1 : 0;
     // From the last direction to the first, as a path takes the first one first.
     for (auto group = structure.groups.rbegin(); group != structure.groups.rend();
          ++group) {
+      const auto first = std::size_t(group->first_direction);
 #pragma omp parallel for schedule(dynamic, 1)
       for (std::size_t b = 0; b < group->buckets.size(); ++b)
         for (std::size_t j = group->buckets[b].begins.size(); j-- > 0;)
-          addDirection(group->buckets[b], j, std::size_t(group->first_direction) + j);
+          words_ == 1 ? addDirection<true>(group->buckets[b], j, first + j)
+                      : addDirection<false>(group->buckets[b], j, first + j);
     }
 #pragma omp parallel for schedule(static)
     for (std::size_t p = 0; p < structure.represents.size(); ++p)
-      for (std::size_t w = 0; w < words_; ++w) {
-        const std::size_t from = std::size_t(structure.represents[p]) * words_ + w;
-        const std::size_t to = (structure.vertices + p) * words_ + w;
-        ahead_[to] = ahead_[from];
-        back_[to] = back_[from];
-      }
+      std::copy_n(&sets_[std::size_t(structure.represents[p]) * 2 * words_], 2 * words_,
+                  &sets_[(structure.vertices + p) * 2 * words_]);
   }
 
   kernels::LatticePaths
@@ -51,45 +50,46 @@ public:
   {
     return {int(structure_.corners) - 1,
             words_,
-            ahead_.data(),
-            back_.data(),
+            sets_.data(),
             structure_.corner_rows.data() + begin * structure_.corners,
             structure_.weights.data() + begin * structure_.corners,
             directions + begin * structure_.corners};
   }
 
 private:
-  // Sets of later directions that a neighbour has, with this direction added.
-  void
-  addFrom(const std::uint64_t* neighbour, std::size_t shift, std::uint64_t* sets) const
-  {
-    if (shift < 64)
-      *sets |= *neighbour << shift;
-    else
-      for (std::size_t w = shift / 64; w < 2 * (shift / 64); ++w)
-        sets[w] |= neighbour[w - shift / 64];
-  }
-
+  // Adds to every row of a direction the sets of later directions that its neighbours
+  // have, with this direction. In place: the neighbour that is read is not changed yet.
+  // No branches at the ends of runs, as none could be predicted. \a one_word is words_
+  // == 1, known to the compiler.
+  template <bool one_word>
   void
   addDirection(const LatticeBucket& bucket, std::size_t j, std::size_t direction)
   {
+    const std::size_t words = one_word ? 1 : words_;
     const std::size_t shift = std::size_t(1) << (structure_.corners - 1 - direction);
+    const std::size_t first_word = one_word ? 0 : shift / 64;
+    const std::size_t end_word = one_word || shift < 64 ? 1 : 2 * first_word;
     const std::int32_t* const steps = bucket.steps.data() + bucket.begins[j];
-    const auto at = [&](LatticeArray<std::uint64_t>& sets, std::int32_t step) {
-      return sets.data() + std::size_t(step & ~kernels::run_end) * words_;
+    std::uint64_t* const sets = sets_.data();
+    const auto add = [&](std::int32_t from, bool is_neighbour, std::int32_t to,
+                         std::size_t half) {
+      const std::uint64_t mask = std::uint64_t(0) - std::uint64_t(is_neighbour);
+      const std::uint64_t* const read =
+          sets + (std::size_t(from & ~kernels::run_end) * 2 + half) * words;
+      std::uint64_t* const write =
+          sets + (std::size_t(to & ~kernels::run_end) * 2 + half) * words;
+      for (std::size_t w = first_word; w < end_word; ++w)
+        write[w] |= (read[w - first_word] << (shift % 64)) & mask;
     };
-    // In place: the neighbour that is read has not been changed yet.
     for (std::uint32_t t = 0; t < bucket.counts[j]; ++t)
-      if (!(steps[t] & kernels::run_end))
-        addFrom(at(ahead_, steps[t + 1]), shift, at(ahead_, steps[t]));
+      add(steps[t + 1], steps[t] >= 0, steps[t], 0);
     for (std::uint32_t t = bucket.counts[j]; t-- > 1;)
-      if (!(steps[t - 1] & kernels::run_end))
-        addFrom(at(back_, steps[t - 1]), shift, at(back_, steps[t]));
+      add(steps[t - 1], steps[t - 1] >= 0, steps[t], 1);
   }
 
   const LatticeStructure& structure_;
   std::size_t words_;
-  LatticeArray<std::uint64_t> ahead_, back_;
+  LatticeArray<std::uint64_t> sets_; // a row: those ahead, then those back
 };
 
 void
@@ -128,8 +128,7 @@ public:
   Walker(const LatticeVertices<Key>& vertices, int corners)
       : vertices_(vertices), corners_(corners)
   {
-    for (std::size_t v = 0; v < vertices.keys.size(); ++v)
-      table_.insert(vertices.keys[v]);
+    table_.fill(vertices.keys.size(), [&](std::size_t v) { return vertices.keys[v]; });
   }
 
   // The weight of stepping, in every direction of a set, ahead (1) or back (-1).
@@ -142,7 +141,9 @@ public:
       if (set >> j & 1) {
         key = sign > 0 ? vertices_.arithmetic.ahead(key, j)
                        : vertices_.arithmetic.back(key, j);
-        if (table_.find(key) < 0)
+        std::int32_t number;
+        table_.find(&key, 1, &number);
+        if (number < 0)
           return 0.0f;
         weight *= 0.5f;
       }

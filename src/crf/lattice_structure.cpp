@@ -44,6 +44,7 @@ buildLattice(const LatticeFeatures& features, SimdTier tier)
   double extents[kernels::most_dimensions] = {};
   const kernels::LatticeFrame frame = frameOf(features, extents);
   LatticeStructure structure;
+  structure.frame = frame;
   structure.points = std::size_t(features.cols());
   structure.corners = std::size_t(features.rows()) + 1;
   structure.chunk_points = chunkPoints(structure.points);

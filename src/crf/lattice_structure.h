@@ -42,6 +42,7 @@ struct LatticeGroup {
  * chunk go to rows of its own: those of its vertices, and partial rows (numbered after
  * the vertices) for those of earlier chunks. No number depends on the threads. */
 struct LatticeStructure {
+  kernels::LatticeFrame frame = {};
   std::size_t points = 0;
   std::size_t corners = 0; ///< of a simplex, d + 1
   std::size_t vertices = 0;

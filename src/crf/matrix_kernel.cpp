@@ -7,6 +7,8 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/matrix_kernel.h>
 
+#include <cmath>
+
 namespace pcl_semantic {
 
 MatrixKernel::MatrixKernel(Eigen::MatrixXf matrix) : matrix_(std::move(matrix))
@@ -26,7 +28,7 @@ MatrixKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                          Eigen::Ref<Eigen::MatrixXf> result,
                          const VariableMask& active) const
 {
-#pragma omp parallel for schedule(dynamic, 16)
+#pragma omp parallel for schedule(dynamic, 16) if (size() > 100)
   for (Eigen::Index i = 0; i < size(); ++i) {
     if (!active.empty() && !active[std::size_t(i)])
       continue;
@@ -34,21 +36,6 @@ MatrixKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
       if (j != i)
         result.col(i) += matrix_(i, j) * values.col(j);
   }
-}
-
-void
-MatrixKernel::markAffected(const VariableMask& changed, VariableMask& affected) const
-{
-  if (changed.empty()) {
-    affected.assign(std::size_t(size()), 1);
-    return;
-  }
-  affected.resize(std::size_t(size()), 0);
-  for (Eigen::Index j = 0; j < size(); ++j)
-    if (changed[std::size_t(j)])
-      for (Eigen::Index i = 0; i < size(); ++i)
-        if (i != j && matrix_(i, j) != 0.0f)
-          affected[std::size_t(i)] = 1;
 }
 
 } // namespace pcl_semantic

@@ -25,7 +25,8 @@ MeanField& MeanField::operator=(MeanField&&) noexcept = default;
 double
 MeanField::update()
 {
-  return engine_->update();
+  last_change_ = engine_->update();
+  return last_change_;
 }
 
 int
@@ -47,7 +48,8 @@ MeanField::run(int max_updates, double settled)
 double
 MeanField::updateSequentially()
 {
-  return engine_->updateSequentially();
+  last_change_ = engine_->updateSequentially();
+  return last_change_;
 }
 
 Eigen::MatrixXf
@@ -59,7 +61,12 @@ MeanField::marginals() const
 Eigen::MatrixXf
 MeanField::cliqueMarginals(std::size_t potential) const
 {
-  return engine_->cliqueMarginals(potential)->matrix();
+  const PaddedColumns* const marginals = engine_->cliqueMarginals(potential);
+  if (!marginals)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "clique potential " << potential
+                                            << " has no variables of its own");
+  return marginals->matrix();
 }
 
 double

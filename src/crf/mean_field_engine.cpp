@@ -6,6 +6,7 @@
 
 #include "mean_field_engine.h"
 
+#include "kernels/label_mix.h"
 #include "kernels/soft_max.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -18,60 +19,80 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr Eigen::Index block_size = 64; // variables that stay in the fast cache
+// Variables whose costs, messages and marginals stay in the fast cache together.
+constexpr Eigen::Index block_size = 64;
 
-void
-requireMatrices(const std::vector<std::shared_ptr<const PairwiseKernel>>& kernels)
+// The costs less their minimum, which it returns.
+double
+shiftCosts(const float* costs, Eigen::Index labels, Eigen::Index stride, float* shifted)
 {
-  for (const auto& kernel : kernels) {
-    const auto* const matrix = dynamic_cast<const MatrixKernel*>(kernel.get());
-    if (!matrix || !matrix->isSymmetric())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "sequential updates need a symmetric matrix for every kernel "
-                          "(MatrixKernel)");
-  }
+  float least = costs[0];
+  for (Eigen::Index l = 1; l < labels; ++l)
+    least = std::min(least, costs[l]);
+  for (Eigen::Index l = 0; l < labels; ++l)
+    shifted[l] = std::min(costs[l] - least, kPaddingCost);
+  for (Eigen::Index l = labels; l < stride; ++l)
+    shifted[l] = kPaddingCost;
+  return double(least);
 }
 
 } // namespace
 
 MeanField::Engine::Engine(CrfModel&& model, const Eigen::MatrixXf* initial)
-    : model_(std::move(model))
+    : kernels_(std::move(model.kernels)), compatibility_(std::move(model.compatibility))
 {
-  const Eigen::MatrixXf unary = std::move(model_.unary);
-  model_.unary.resize(0, 0);
-  setCosts(unary);
-  marginals_ = PaddedColumns(unary.rows(), unary.cols());
-  messages_ = PaddedColumns(unary.rows(), unary.cols());
-  softMax(costs_.column(0), messages_.column(0), marginals_.column(0),
-          std::size_t(unary.cols()), std::size_t(costs_.stride()));
+  setUp(model.unary);
+  setUpPairs(model);
   if (initial)
     start(*initial);
-  if (!model_.compatibility.isPotts()) {
-    compatibility_ = PaddedColumns(unary.rows(), unary.rows());
-    for (Eigen::Index k = 0; k < unary.rows(); ++k)
-      for (Eigen::Index l = 0; l < unary.rows(); ++l)
-        compatibility_.column(k)[l] = model_.compatibility.cost(l, k);
-  }
-  if (model_.self_interaction) {
-    self_responses_.assign(std::size_t(unary.cols()), 0.0f);
-    for (const auto& kernel : model_.kernels)
-      for (Eigen::Index i = 0; i < unary.cols(); ++i)
-        self_responses_[std::size_t(i)] += kernel->diagonal(i);
-  }
-  for (const CliquePotential& potential : model_.cliques)
-    terms_.push_back(makeCliqueTerm(potential, model_.self_interaction, costs_));
+  for (CliquePotential& potential : model.cliques)
+    terms_.push_back(
+        makeCliqueTerm(std::move(potential), model.self_interaction, costs_));
+}
+
+// Costs and start, in one pass over memory that is new.
+void
+MeanField::Engine::setUp(const Eigen::MatrixXf& unary)
+{
+  const Eigen::Index labels = unary.rows(), count = unary.cols();
+  costs_ = PaddedColumns(labels, count);
+  marginals_ = PaddedColumns(labels, count);
+  messages_ = PaddedColumns(labels, count);
+  const Eigen::Index stride = costs_.stride();
+  offset_ =
+      orderedSum((count + block_size - 1) / block_size, 8, [&](Eigen::Index block) {
+        const Eigen::Index begin = block * block_size;
+        const Eigen::Index size = std::min(block_size, count - begin);
+        double sum = 0.0;
+        for (Eigen::Index i = begin; i < begin + size; ++i)
+          sum +=
+              shiftCosts(unary.data() + i * labels, labels, stride, costs_.column(i));
+        std::fill_n(messages_.column(begin), size * stride, 0.0f);
+        std::fill_n(marginals_.column(begin), size * stride, 0.0f);
+        softMax(costs_.column(begin), messages_.column(begin), marginals_.column(begin),
+                std::size_t(size), std::size_t(stride));
+        return sum;
+      });
 }
 
 void
-MeanField::Engine::setCosts(const Eigen::MatrixXf& unary)
+MeanField::Engine::setUpPairs(const CrfModel& model)
 {
-  costs_ = PaddedColumns(unary.rows(), unary.cols(), kPaddingCost);
-  for (Eigen::Index i = 0; i < unary.cols(); ++i) {
-    const float least = unary.col(i).minCoeff();
-    offset_ += double(least);
-    for (Eigen::Index l = 0; l < unary.rows(); ++l)
-      costs_.column(i)[l] = std::min(unary(l, i) - least, kPaddingCost);
+  const Eigen::Index labels = marginals_.rows();
+  if (!compatibility_.isPotts()) {
+    mixing_ = PaddedColumns(labels, labels);
+    mixing_.setZero();
+    for (Eigen::Index k = 0; k < labels; ++k)
+      for (Eigen::Index l = 0; l < labels; ++l)
+        mixing_.column(k)[l] = compatibility_.cost(l, k);
   }
+  if (!model.self_interaction)
+    return;
+  self_responses_.assign(std::size_t(marginals_.columns()), 0.0f);
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index i = 0; i < marginals_.columns(); ++i)
+    for (const auto& kernel : kernels_)
+      self_responses_[std::size_t(i)] += kernel->diagonal(i);
 }
 
 void
@@ -84,36 +105,42 @@ MeanField::Engine::start(const Eigen::MatrixXf& initial)
                             << ", expected " << marginals_.rows() << " x "
                             << marginals_.columns());
   for (Eigen::Index i = 0; i < initial.cols(); ++i) {
-    const double sum = initial.col(i).cast<double>().sum();
-    if (!initial.col(i).allFinite() || initial.col(i).minCoeff() < 0.0f)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "marginals to start from: variable "
-                              << i << " has a negative or non-finite one");
-    if (sum > 0.0)
-      for (Eigen::Index l = 0; l < initial.rows(); ++l)
-        marginals_.column(i)[l] = float(double(initial(l, i)) / sum);
+    double sum = 0.0;
+    for (Eigen::Index l = 0; l < initial.rows(); ++l) {
+      if (!(initial(l, i) >= 0.0f) || !std::isfinite(initial(l, i)))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "marginals to start from: one of variable "
+                                << i << " is " << initial(l, i)
+                                << ", expected 0 or more");
+      sum += double(initial(l, i));
+    }
+    for (Eigen::Index l = 0; l < initial.rows() && sum > 0.0; ++l) {
+      const double q = double(initial(l, i)) / sum;
+      marginals_.column(i)[l] = q > 1e-24 ? float(q) : 0.0f; // as soft-max does
+    }
   }
 }
 
 void
 MeanField::Engine::hear(const VariableMask& active)
 {
-  for (const auto& kernel : model_.kernels)
+  for (const auto& kernel : kernels_)
     kernel->addProduct(marginals_.view(), messages_.view(), active);
 }
 
+// From what the kernels said to the marginals of some variables.
 double
 MeanField::Engine::finish(Eigen::Index begin, Eigen::Index end)
 {
   const Eigen::Index stride = messages_.stride();
-  for (Eigen::Index i = begin; i < end; ++i) {
-    auto message = messages_.view().col(i);
-    if (!self_responses_.empty())
-      message += self_responses_[std::size_t(i)] * marginals_.view().col(i);
-    if (compatibility_.columns() > 0)
-      message =
-          (-compatibility_.view() * message.head(compatibility_.columns())).eval();
-  }
+  if (!self_responses_.empty())
+    for (Eigen::Index i = begin; i < end; ++i)
+      for (Eigen::Index l = 0; l < stride; ++l)
+        messages_.column(i)[l] +=
+            self_responses_[std::size_t(i)] * marginals_.column(i)[l];
+  if (mixing_.columns() > 0)
+    mixLabels(mixing_.column(0), std::size_t(mixing_.columns()),
+              messages_.column(begin), std::size_t(end - begin), std::size_t(stride));
   for (const auto& term : terms_)
     term->addMessages(marginals_, begin, end, messages_);
   return double(softMax(costs_.column(begin), messages_.column(begin),
@@ -129,7 +156,8 @@ MeanField::Engine::update()
     change = std::max(change, term->update(marginals_));
   hear({});
   const Eigen::Index count = marginals_.columns();
-#pragma omp parallel for schedule(static) reduction(max : change)
+#pragma omp parallel for schedule(static) reduction(max                                \
+                                                    : change) if (count > block_size)
   for (Eigen::Index begin = 0; begin < count; begin += block_size)
     change = std::max(change, finish(begin, std::min(count, begin + block_size)));
   return change;
@@ -138,66 +166,72 @@ MeanField::Engine::update()
 double
 MeanField::Engine::updateSequentially()
 {
-  requireSymmetry("sequential updates");
-  requireMatrices(model_.kernels);
-  for (const CliquePotential& potential : model_.cliques)
-    requireMatrices(potential.kernels);
+  requireSymmetricMatrices();
   double change = 0.0;
   for (const auto& term : terms_)
     change = std::max(change, term->updateSequentially(marginals_));
   VariableMask active(std::size_t(marginals_.columns()), 0);
   for (Eigen::Index i = 0; i < marginals_.columns(); ++i) {
     active[std::size_t(i)] = 1;
-    messages_.setZero();
-    hear(active);
+    hear(active); // matrices reach no other messages
     change = std::max(change, finish(i, i + 1));
     active[std::size_t(i)] = 0;
     for (const auto& term : terms_)
       term->variableChanged(i, marginals_);
   }
-  messages_.setZero();
   return change;
 }
 
 void
-MeanField::Engine::requireSymmetry(const char* purpose) const
+MeanField::Engine::requireSymmetricMatrices() const
 {
-  if (!model_.compatibility.isSymmetric())
+  if (!compatibility_.isSymmetric())
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        purpose << " need a symmetric label compatibility");
+                        "sequential updates need a symmetric label compatibility");
+  const auto require = [](const auto& kernels) {
+    for (const auto& kernel : kernels) {
+      const auto* const matrix = dynamic_cast<const MatrixKernel*>(kernel.get());
+      if (!matrix || !matrix->isSymmetric())
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "sequential updates need a symmetric matrix for every "
+                            "kernel (MatrixKernel)");
+    }
+  };
+  require(kernels_);
+  for (const auto& term : terms_)
+    require(term->potential().kernels);
 }
 
 const PaddedColumns*
 MeanField::Engine::cliqueMarginals(std::size_t potential) const
 {
-  const PaddedColumns* const result =
-      potential < terms_.size() ? terms_[potential]->cliqueMarginals() : nullptr;
-  if (!result)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "clique potential " << potential
-                                            << " has no variables of its own");
-  return result;
+  return potential < terms_.size() ? terms_[potential]->cliqueMarginals() : nullptr;
 }
 
 double
 MeanField::Engine::freeEnergy() const
 {
-  requireSymmetry("free energies");
+  if (!compatibility_.isSymmetric())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a free energy needs a symmetric label compatibility");
   PaddedColumns heard(marginals_.rows(), marginals_.columns());
-  for (const auto& kernel : model_.kernels)
+  heard.setZero();
+  for (const auto& kernel : kernels_)
     kernel->addProduct(marginals_.view(), heard.view(), {});
   double sum = offset_;
-  for (Eigen::Index i = 0; i < marginals_.columns(); ++i) {
-    const float* const q = marginals_.column(i);
+  sum += orderedSum(marginals_.columns(), 256, [&](Eigen::Index i) {
+    double part = 0.0;
     for (Eigen::Index l = 0; l < marginals_.rows(); ++l) {
-      double pairs = 0.0;
+      const double q = marginals_.column(i)[l];
+      if (q <= 0.0)
+        continue;
+      double pairs = 0.0; // each is met twice
       for (Eigen::Index k = 0; k < marginals_.rows(); ++k)
-        pairs += double(model_.compatibility.cost(l, k)) * double(heard.column(i)[k]);
-      if (q[l] > 0.0f)
-        sum += double(q[l]) *
-               (double(costs_.column(i)[l]) + 0.5 * pairs + std::log(double(q[l])));
+        pairs += double(compatibility_.cost(l, k)) * double(heard.column(i)[k]);
+      part += q * (double(costs_.column(i)[l]) + 0.5 * pairs + std::log(q));
     }
-  }
+    return part;
+  });
   for (const auto& term : terms_)
     sum += term->freeEnergy(marginals_);
   return sum;

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <memory>
 #include <new>
 
@@ -19,22 +20,14 @@ namespace pcl_semantic {
  * there are up to 8 rows) and are filled up with padding: what SIMD loops like. */
 class PaddedColumns {
 public:
-  using View = Eigen::Map<Eigen::MatrixXf>;
-  using ConstView = Eigen::Map<const Eigen::MatrixXf>;
-
   PaddedColumns() = default;
 
-  /** \brief Zeros, and \a padding in the rows that only fill up. */
-  PaddedColumns(Eigen::Index rows, Eigen::Index columns, float padding = 0.0f)
+  /** \brief Values are not set: who sets them first decides where they live. */
+  PaddedColumns(Eigen::Index rows, Eigen::Index columns)
       : rows_(rows), stride_(rows <= 8 ? 8 : (rows + 15) / 16 * 16), columns_(columns),
         values_(static_cast<float*>(::operator new(
             std::size_t(stride_* columns) * sizeof(float), std::align_val_t(64))))
-  {
-#pragma omp parallel for schedule(static)
-    for (Eigen::Index i = 0; i < columns; ++i)
-      for (Eigen::Index l = 0; l < stride_; ++l)
-        column(i)[l] = l < rows ? 0.0f : padding;
-  }
+  {}
 
   Eigen::Index
   rows() const
@@ -68,22 +61,32 @@ public:
   }
 
   /** \brief With padding. */
-  View
+  Eigen::Map<Eigen::MatrixXf>
   view()
   {
     return {values_.get(), stride_, columns_};
   }
 
-  ConstView
+  Eigen::Map<const Eigen::MatrixXf>
   view() const
   {
     return {values_.get(), stride_, columns_};
   }
 
+  /** \brief Copies a column and sets its padding. */
+  void
+  setColumn(Eigen::Index i, const float* values, float padding)
+  {
+    std::copy_n(values, rows_, column(i));
+    std::fill(column(i) + rows_, column(i) + stride_, padding);
+  }
+
   void
   setZero()
   {
-    std::fill_n(values_.get(), stride_ * columns_, 0.0f);
+#pragma omp parallel for schedule(static) if (columns_ > 1000)
+    for (Eigen::Index i = 0; i < columns_; ++i)
+      std::fill_n(column(i), stride_, 0.0f);
   }
 
   /** \brief A copy without padding. */
@@ -91,9 +94,9 @@ public:
   matrix() const
   {
     Eigen::MatrixXf result(rows_, columns_);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (columns_ > 1000)
     for (Eigen::Index i = 0; i < columns_; ++i)
-      std::copy_n(column(i), rows_, result.col(i).data());
+      std::copy_n(column(i), rows_, result.data() + i * rows_);
     return result;
   }
 
@@ -111,5 +114,23 @@ private:
   Eigen::Index columns_ = 0;
   std::unique_ptr<float[], Delete> values_;
 };
+
+/** \brief Sum of \a term(i) for 0 <= i < count, in parallel and always in the same
+ * order.
+ * \param[in] block terms that a thread adds up at once */
+template <typename Term>
+double
+orderedSum(Eigen::Index count, Eigen::Index block, Term&& term)
+{
+  Eigen::VectorXd parts = Eigen::VectorXd::Zero((count + block - 1) / block);
+#pragma omp parallel for schedule(dynamic, 1) if (count > block)
+  for (Eigen::Index b = 0; b < parts.size(); ++b)
+    for (Eigen::Index i = b * block; i < std::min(count, (b + 1) * block); ++i)
+      parts[b] += term(i);
+  double sum = 0.0;
+  for (Eigen::Index b = 0; b < parts.size(); ++b)
+    sum += parts[b];
+  return sum;
+}
 
 } // namespace pcl_semantic

@@ -17,8 +17,10 @@ namespace pcl_semantic {
 
 namespace {
 
+// To wake threads costs more than to filter fewer rows than that by oneself.
+constexpr std::size_t few_rows = 2000;
 constexpr std::size_t merge_vertices = 1024; // that a thread takes at a time
-constexpr Eigen::Index widest = 16;
+constexpr std::size_t widest = 16;           // rows that are filtered at a time
 
 std::size_t
 widthFor(Eigen::Index rows)
@@ -31,41 +33,44 @@ widthFor(Eigen::Index rows)
 class PermutohedralLattice::Implementation {
 public:
   Implementation(const LatticeFeatures& features, SimdTier tier)
-      : structure(buildLattice(features, tier)), tier_(tier)
+      : structure(buildLattice(features, tier)), tier_(tier),
+        is_large_(structure.rows + structure.points > few_rows)
   {}
 
   // Filters up to 16 rows.
   void
-  filter(const kernels::LatticeColumns& columns)
+  filter(const kernels::LatticeColumns& columns, LatticeBlur order)
   {
     const std::size_t width = widthFor(Eigen::Index(columns.rows));
-    const kernels::LatticeFilter& loops = kernels::latticeFilter(tier_, width);
-    const Values values = borrow(structure.rows * width);
+    const std::size_t halves = order == LatticeBlur::symmetric ? 2 : 1;
+    const kernels::LatticeFilter& loops = kernels::latticeFilter(tier_, width, halves);
+    const std::size_t half = structure.rows * width;
+    const Values values = borrow(half * halves);
     float* const lattice = values->data();
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
     for (std::size_t c = 0; c < structure.chunks(); ++c)
       loops.splat(chunk(c), columns, lattice);
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
     for (std::size_t m = 0; m < structure.shared.size(); m += merge_vertices)
       loops.merge(structure.shared.data() + m,
                   std::min(merge_vertices, structure.shared.size() - m),
                   structure.shared_ends.data() + 1 + m, structure.shared_rows.data(),
                   lattice);
-    for (const LatticeGroup& group : structure.groups) {
-#pragma omp parallel for schedule(dynamic, 1)
-      for (std::size_t b = 0; b < group.buckets.size(); ++b)
-        blur(group.buckets[b], loops, lattice);
-    }
-#pragma omp parallel for schedule(dynamic, 1)
+    if (halves == 2)
+      copyRows(lattice, width, lattice + half);
+    for (std::size_t g = 0; g < structure.groups.size(); ++g)
+      blur(g, loops, lattice, halves == 2 ? lattice + half : nullptr);
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
     for (std::size_t c = 0; c < structure.chunks(); ++c)
-      loops.slice(chunk(c), columns, lattice);
+      loops.slice(chunk(c), columns, lattice, half);
     giveBack(values);
   }
 
   std::size_t
-  memory() const
+  memory(LatticeBlur order) const
   {
-    return structure.memory() + structure.rows * std::size_t(widest) * sizeof(float);
+    const std::size_t halves = order == LatticeBlur::symmetric ? 2 : 1;
+    return structure.memory() + structure.rows * halves * widest * sizeof(float);
   }
 
   const LatticeStructure structure;
@@ -111,14 +116,42 @@ private:
             structure.represents.data() + partial};
   }
 
-  static void
-  blur(const LatticeBucket& bucket, const kernels::LatticeFilter& loops, float* lattice)
+  // The rows of the vertices.
+  void
+  copyRows(const float* from, std::size_t width, float* to) const
   {
-    for (std::size_t j = 0; j < bucket.begins.size(); ++j)
-      loops.blur(bucket.steps.data() + bucket.begins[j], bucket.counts[j], lattice);
+    const std::size_t count = structure.vertices * width;
+#pragma omp parallel for schedule(static) if (is_large_)
+    for (std::size_t begin = 0; begin < count; begin += merge_vertices * widest)
+      std::copy_n(from + begin, std::min(merge_vertices * widest, count - begin),
+                  to + begin);
+  }
+
+  // A group of one half in the order of directions, and the opposite group of the other
+  // half, if there is one, in the reverse order.
+  void
+  blur(std::size_t g, const kernels::LatticeFilter& loops, float* forward,
+       float* reverse) const
+  {
+    const std::vector<LatticeBucket>& first = structure.groups[g].buckets;
+    const std::vector<LatticeBucket>& second =
+        structure.groups[structure.groups.size() - 1 - g].buckets;
+    const std::size_t count = first.size() + (reverse ? second.size() : 0);
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
+    for (std::size_t b = 0; b < count; ++b) {
+      const bool is_first = b < first.size();
+      const LatticeBucket& bucket = is_first ? first[b] : second[b - first.size()];
+      const std::size_t directions = bucket.begins.size();
+      for (std::size_t j = 0; j < directions; ++j) {
+        const std::size_t direction = is_first ? j : directions - 1 - j;
+        loops.blur(bucket.steps.data() + bucket.begins[direction],
+                   bucket.counts[direction], is_first ? forward : reverse);
+      }
+    }
   }
 
   SimdTier tier_;
+  bool is_large_;
   std::mutex mutex_;
   std::vector<Values> spare_;
 };
@@ -137,6 +170,13 @@ Eigen::Index
 PermutohedralLattice::size() const
 {
   return Eigen::Index(implementation_->structure.points);
+}
+
+Eigen::VectorXd
+PermutohedralLattice::origin() const
+{
+  const auto d = Eigen::Index(implementation_->structure.corners) - 1;
+  return Eigen::Map<const Eigen::VectorXd>(implementation_->structure.frame.low, d);
 }
 
 Eigen::Index
@@ -165,24 +205,26 @@ PermutohedralLattice::selfResponses() const
 void
 PermutohedralLattice::addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
                                   const Scales& scales, const VariableMask& active,
-                                  Eigen::Ref<Eigen::MatrixXf> result) const
+                                  Eigen::Ref<Eigen::MatrixXf> result,
+                                  LatticeBlur blur) const
 {
   if (size() == 0)
     return;
   const float* const end = values.col(values.cols() - 1).data() + values.rows();
-  for (Eigen::Index row = 0; row < values.rows(); row += widest)
+  for (Eigen::Index row = 0; row < values.rows(); row += Eigen::Index(widest))
     implementation_->filter(
         {values.data() + row, end, std::size_t(values.outerStride()),
          result.data() + row, std::size_t(result.outerStride()),
-         std::size_t(std::min(widest, values.rows() - row)), scales.splat.data(),
+         std::min(widest, std::size_t(values.rows() - row)), scales.splat.data(),
          scales.slice.data(), scales.diagonal.data(),
-         active.empty() ? nullptr : active.data()});
+         active.empty() ? nullptr : active.data()},
+        blur);
 }
 
 std::size_t
-PermutohedralLattice::memory() const
+PermutohedralLattice::memory(LatticeBlur blur) const
 {
-  return implementation_->memory();
+  return implementation_->memory(blur);
 }
 
 } // namespace pcl_semantic

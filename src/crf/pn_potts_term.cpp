@@ -6,58 +6,35 @@
 
 #include "pn_potts_term.h"
 
-#include "robust_term.h"
+#include "kernels/column_products.h"
 
 namespace pcl_semantic {
 
-namespace {
-
-// The product without a member of probability q, from a product as PnPottsTerm keeps
-// it.
-double
-productWithout(double product, double q)
-{
-  if (q > 0.0)
-    return product > 0.0 ? product / q : 0.0;
-  return product < 0.0 ? -product : 0.0;
-}
-
-} // namespace
-
-std::unique_ptr<CliqueTerm>
-makeCliqueTerm(const CliquePotential& potential, bool self_interaction,
-               const PaddedColumns& costs)
-{
-  if (potential.type == CliquePotential::Type::pn_potts)
-    return std::make_unique<PnPottsTerm>(potential, costs.rows());
-  return std::make_unique<RobustTerm>(potential, self_interaction, costs);
-}
-
-PnPottsTerm::PnPottsTerm(const CliquePotential& potential, Eigen::Index labels)
-    : potential_(potential), labels_(labels),
-      products_(std::size_t(labels) * potential.cliques->size())
+PnPottsTerm::PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals)
+    : CliqueTerm(std::move(potential), marginals.rows()), labels_(marginals.rows()),
+      stride_(marginals.stride()),
+      products_(std::size_t(stride_) * potential_.cliques->size())
 {}
 
 void
 PnPottsTerm::multiplyMembers(Eigen::Index c, const PaddedColumns& marginals)
 {
-  double* const product = &products_[std::size_t(c * labels_)];
-  std::fill_n(product, labels_, 1.0);
-  for (const std::int32_t i : potential_.cliques->members()[std::size_t(c)])
-    for (Eigen::Index l = 0; l < labels_; ++l) {
-      const float q = marginals.column(i)[l];
-      if (q > 0.0f)
-        product[l] *= double(q);
-      else
-        product[l] = product[l] > 0.0 ? -product[l] : 0.0;
-    }
+  const IndexLists& members = potential_.cliques->members();
+  const std::size_t begin = members.starts[std::size_t(c)];
+  columnProducts().multiply(members.indices.data() + begin,
+                            members.starts[std::size_t(c) + 1] - begin,
+                            members.indices.size() - begin, marginals.column(0),
+                            std::size_t(stride_), product(c));
+  for (Eigen::Index l = 0; l < stride_; ++l)
+    product(c)[l] *= double(weights(c)[l]);
 }
 
 double
 PnPottsTerm::update(const PaddedColumns& marginals)
 {
-#pragma omp parallel for schedule(dynamic, 16)
-  for (std::size_t c = 0; c < potential_.cliques->size(); ++c)
+  const std::size_t count = potential_.cliques->size();
+#pragma omp parallel for schedule(dynamic, 8) if (count > 8)
+  for (std::size_t c = 0; c < count; ++c)
     multiplyMembers(Eigen::Index(c), marginals);
   return 0.0;
 }
@@ -79,29 +56,27 @@ void
 PnPottsTerm::addMessages(const PaddedColumns& marginals, Eigen::Index begin,
                          Eigen::Index end, PaddedColumns& messages) const
 {
-  for (Eigen::Index i = begin; i < end; ++i)
-    for (const std::int32_t c : potential_.cliques->cliques()[std::size_t(i)])
-      for (Eigen::Index l = 0; l < labels_; ++l)
-        messages.column(i)[l] +=
-            potential_.weight(l, c) *
-            float(productWithout(products_[std::size_t(c * labels_ + l)],
-                                 double(marginals.column(i)[l])));
+  const IndexLists& cliques = potential_.cliques->cliques();
+  columnProducts().add_without(cliques.starts.data() + begin, cliques.indices.data(),
+                               std::size_t(end - begin), products_.data(),
+                               marginals.column(begin), std::size_t(stride_),
+                               messages.column(begin));
 }
 
 double
 PnPottsTerm::freeEnergy(const PaddedColumns& marginals) const
 {
-  double sum = 0.0;
-  for (std::size_t c = 0; c < potential_.cliques->size(); ++c) {
-    sum += double(potential_.largestWeight(Eigen::Index(c)));
+  const auto count = Eigen::Index(potential_.cliques->size());
+  return orderedSum(count, 64, [&](Eigen::Index c) {
+    auto cost = double(potential_.largestWeight(c));
     for (Eigen::Index l = 0; l < labels_; ++l) {
-      double product = double(potential_.weight(l, Eigen::Index(c)));
-      for (const std::int32_t i : potential_.cliques->members()[c])
+      auto product = double(weights(c)[l]);
+      for (const std::int32_t i : potential_.cliques->members()[std::size_t(c)])
         product *= double(marginals.column(i)[l]);
-      sum -= product;
+      cost -= product;
     }
-  }
-  return sum;
+    return cost;
+  });
 }
 
 } // namespace pcl_semantic

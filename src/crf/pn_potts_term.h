@@ -12,16 +12,14 @@
 
 namespace pcl_semantic {
 
-/** \brief The P^n Potts potential (Vineet, Warrell and Torr 2014): a member hears
+/** \brief The P^n Potts potential (Vineet, Warrell and Torr 2014): a member i hears
  * k_c^l prod over the other members j of Q_j(l).
  *
- * The product without i is the whole one over Q_i(l). Whole ones are kept in double
- * precision, whose range does what logarithms would: where one is too small for it, so
- * is the product without i, which is at most 1e45 times as large. Zeros are counted
- * instead of multiplied. */
+ * Design and paper speak of logarithms; kernels/column_products.h says why double
+ * precision does as well without. */
 class PnPottsTerm : public CliqueTerm {
 public:
-  PnPottsTerm(const CliquePotential& potential, Eigen::Index labels);
+  PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals);
 
   double update(const PaddedColumns& marginals) override;
   double updateSequentially(const PaddedColumns& marginals) override;
@@ -31,13 +29,17 @@ public:
   double freeEnergy(const PaddedColumns& marginals) const override;
 
 private:
+  double*
+  product(Eigen::Index c)
+  {
+    return products_.data() + c * stride_;
+  }
+
   void multiplyMembers(Eigen::Index c, const PaddedColumns& marginals);
 
-  CliquePotential potential_;
   Eigen::Index labels_;
-  // L x C: the product over the members; its negative without the member whose Q is
-  // zero, if there is one; 0 if there are more.
-  std::vector<double> products_;
+  Eigen::Index stride_;
+  std::vector<double> products_; // k_c^l times those of kernels/column_products.h
 };
 
 } // namespace pcl_semantic

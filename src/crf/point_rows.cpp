@@ -27,8 +27,10 @@ sortByKey(std::vector<std::uint64_t> keys, std::uint64_t largest)
 {
   constexpr int digit_bits = 11;
   std::vector<std::int32_t> order(keys.size()), next_order(keys.size());
-  std::vector<std::uint64_t> next_keys(keys.size());
   std::iota(order.begin(), order.end(), 0);
+  if (std::is_sorted(keys.begin(), keys.end()))
+    return order;
+  std::vector<std::uint64_t> next_keys(keys.size());
   for (int shift = 0; shift < 64 && largest >> shift; shift += digit_bits) {
     std::vector<std::size_t> starts((1 << digit_bits) + 1, 0);
     const auto digit = [&](std::uint64_t key) {
@@ -77,22 +79,24 @@ PointRows::sortPoints(const Eigen::Matrix3Xf& positions)
 {
   const auto count = static_cast<std::size_t>(positions.cols());
   // Half a cell aside, so that points of a grid lie in the middle of their cells.
+  const auto cellOf = [&](const auto& position) -> Eigen::Vector3i {
+    return ((position.array() - low_) / cell_ + 0.5f).template cast<int>().matrix();
+  };
   std::vector<Eigen::Vector3i> cells(count);
-  Eigen::Vector3i most = Eigen::Vector3i::Zero();
-  for (std::size_t i = 0; i < count; ++i) {
-    cells[i] = ((positions.col(Eigen::Index(i)).array() - low_) / cell_ + 0.5f)
-                   .cast<int>()
-                   .matrix();
-    most = most.cwiseMax(cells[i]);
-  }
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < count; ++i)
+    cells[i] = cellOf(positions.col(Eigen::Index(i)));
+  const Eigen::Vector3i most = cellOf(positions.rowwise().maxCoeff().eval());
   const std::uint64_t nx = std::uint64_t(most.x()) + 1,
                       ny = std::uint64_t(most.y()) + 1;
   std::vector<std::uint64_t> keys(count);
+#pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < count; ++i)
     keys[i] = (std::uint64_t(cells[i].z()) * ny + std::uint64_t(cells[i].y())) * nx +
               std::uint64_t(cells[i].x());
   order_ = sortByKey(std::move(keys), (std::uint64_t(most.z()) + 1) * nx * ny);
   cells_.resize(count);
+#pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < count; ++i)
     cells_[i] = cells[std::size_t(order_[i])];
 }

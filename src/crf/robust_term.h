@@ -8,14 +8,15 @@
 
 #include "clique_term.h"
 
-#include <vector>
-
 namespace pcl_semantic {
 
-/** \brief The robust P^n potential with its variables y_c, eqs. (7)-(10). */
+/** \brief The robust P^n potential with its variables y_c, eqs. (7)-(10).
+ *
+ * Of eq. (11) a member hears of label l what all labels but l say, sum over y != l of
+ * k_c^y Q_c(y); up to a constant that is minus k_c^l Q_c(l), one column a clique. */
 class RobustTerm : public CliqueTerm {
 public:
-  RobustTerm(const CliquePotential& potential, bool self_interaction,
+  RobustTerm(CliquePotential&& potential, bool self_interaction,
              const PaddedColumns& costs);
 
   double update(const PaddedColumns& marginals) override;
@@ -31,19 +32,20 @@ public:
   }
 
 private:
-  void setCosts(const PaddedColumns& costs);
-  void addKernelMessages(const VariableMask& active);
+  void setCosts(Eigen::Index c, const PaddedColumns& costs);
+  void hear(const VariableMask& active);
   void sumMembers(Eigen::Index c, const PaddedColumns& marginals, double* sums) const;
+  void addCosts(Eigen::Index c, const double* sums, const float* heard, double share,
+                double* costs) const;
   float updateClique(Eigen::Index c, const PaddedColumns& marginals);
   void speak(Eigen::Index c);
 
-  CliquePotential potential_;
   bool self_interaction_;
   Eigen::Index labels_;
   PaddedColumns costs_;     // psi_c(y), the free label last if there is one
   PaddedColumns marginals_; // Q(y_c), as the costs
   PaddedColumns messages_;  // sum over d of k_cd Q_d; zero between updates
-  PaddedColumns said_;      // k_c^l Q_c(l), what members hear, L x C
+  PaddedColumns said_;      // k_c^l Q_c(l), what members hear
 };
 
 } // namespace pcl_semantic

@@ -59,7 +59,7 @@ struct TruncatedKernel::Chunk {
   std::vector<std::uint32_t> lengths;    // points in the runs of each group
   std::vector<std::uint32_t> value_ends; // of each group
   // bfloat16; while building the values of each term
-  std::vector<std::vector<std::uint16_t>> values;
+  std::vector<std::unique_ptr<std::uint16_t[]>> values;
   std::size_t longest = 0; // points in the runs of a group
   std::size_t first = 0;   // point
 
@@ -104,15 +104,25 @@ TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin,
     end += std::size_t(view(g).points) * kernels::strideOf(length);
     value_ends.push_back(std::uint32_t(end));
   }
-  values.assign(terms, std::vector<std::uint16_t>(end));
+  for (std::size_t m = 0; m < terms; ++m)
+    values.emplace_back(new std::uint16_t[end]); // written whole by the loops
 }
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
                                  const std::vector<GaussianTerm>& terms, float radius,
-                                 Normalization normalization)
-    : diagonal_(Eigen::VectorXf::Zero(positions.cols()))
+                                 Normalization normalization,
+                                 const Eigen::MatrixXf& known_sums)
+    : sums_(known_sums), diagonal_(Eigen::VectorXf::Zero(positions.cols()))
 {
   validate(positions, terms, radius);
+  const auto count = Eigen::Index(terms.size());
+  if (known_sums.size() == 0)
+    sums_.setConstant(count, positions.cols(), std::nanf(""));
+  if (sums_.rows() != count || sums_.cols() != positions.cols())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "known sums are " << sums_.rows() << " x " << sums_.cols()
+                                          << ", expected " << count << " x "
+                                          << positions.cols());
   float widest = 0.0f;
   for (const GaussianTerm& term : terms)
     widest = std::max(widest, term.position_deviation);
@@ -153,13 +163,16 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
       for (std::size_t g = 0; g < chunk.size(); ++g) {
         const kernels::GroupView group = chunk.view(g);
         for (std::size_t m = 0; m < terms.size(); ++m)
-          values[m] = chunk.values[m].data() + chunk.valuesBegin(g);
+          values[m] = chunk.values[m].get() + chunk.valuesBegin(g);
         loops.sumTerms(points.view(), group, scratch.data(), sums.data(),
                        values.data());
-        for (std::size_t m = 0; m < terms.size(); ++m)
-          for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-            normalize(points, m, group.point + p, terms[m].weight,
-                      sums[m * kernels::most_points + p], normalization);
+        for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
+          auto known = sums_.col(order_[group.point + p]);
+          for (std::size_t m = 0; m < terms.size(); ++m)
+            if (std::isnan(known[Eigen::Index(m)]))
+              known[Eigen::Index(m)] = sums[m * kernels::most_points + p];
+          normalize(points, terms, group.point + p, normalization);
+        }
       }
     });
   guard.rethrow();
@@ -172,14 +185,19 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
 }
 
 void
-TruncatedKernel::normalize(SortedPoints& points, std::size_t term, std::size_t point,
-                           float weight, float sum, Normalization normalization)
+TruncatedKernel::normalize(SortedPoints& points, const std::vector<GaussianTerm>& terms,
+                           std::size_t point, Normalization normalization)
 {
-  const float scale = normalization == Normalization::none ? weight : weight / sum;
   const bool symmetric = normalization == Normalization::symmetric;
-  points.left(term)[point] = symmetric ? std::sqrt(scale) : scale;
-  points.right(term)[point] = symmetric ? std::sqrt(scale) : 1.0f;
-  diagonal_[order_[point]] += scale;
+  const auto sums = sums_.col(order_[point]);
+  for (std::size_t m = 0; m < terms.size(); ++m) {
+    const float divisor =
+        normalization == Normalization::none ? 1.0f : sums[Eigen::Index(m)];
+    const float scale = terms[m].weight / divisor;
+    points.left(m)[point] = symmetric ? std::sqrt(scale) : scale;
+    points.right(m)[point] = symmetric ? std::sqrt(scale) : 1.0f;
+    diagonal_[order_[point]] += scale;
+  }
 }
 
 void
@@ -197,7 +215,7 @@ TruncatedKernel::makeWeights(const SortedPoints& points)
       std::vector<std::uint16_t*> values(left.size());
       for (std::size_t g = 0; g < chunk.size(); ++g) {
         for (std::size_t m = 0; m < left.size(); ++m)
-          values[m] = chunk.values[m].data() + chunk.valuesBegin(g);
+          values[m] = chunk.values[m].get() + chunk.valuesBegin(g);
         loops.makeWeights(chunk.view(g), int(left.size()), left.data(), right.data(),
                           scratch.data(), values.data());
       }
@@ -225,7 +243,7 @@ TruncatedKernel::memory() const
   std::size_t bytes = order_.size() * 4 + std::size_t(diagonal_.size()) * 4;
   for (const Chunk& chunk : chunks_)
     bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 +
-             chunk.values[0].capacity() * 2;
+             chunk.value_ends.back() * 2;
   return bytes;
 }
 
@@ -270,38 +288,14 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
         if (!any)
           continue;
         sums.setZero();
-        loops.addProduct(group, chunk.values[0].data() + chunk.valuesBegin(g), from,
+        loops.addProduct(group, chunk.values[0].get() + chunk.valuesBegin(g), from,
                          stride, scratch.data(), sums.data());
         for (int p = 0; p < group.points; ++p)
-          result.col(column(p)) += sums.col(p).head(values.rows());
+          if (active.empty() || active[std::size_t(column(p))])
+            result.col(column(p)) += sums.col(p).head(values.rows());
       }
     });
   guard.rethrow();
-}
-
-void
-TruncatedKernel::markAffected(const VariableMask& changed, VariableMask& affected) const
-{
-  affected.assign(std::size_t(size()), 0);
-  const auto column = [&](std::size_t point) {
-    return order_.empty() ? point : std::size_t(order_[point]);
-  };
-  std::vector<std::uint32_t> before(std::size_t(size()) + 1, 0); // changed ones
-  for (std::size_t i = 0; i + 1 < before.size(); ++i)
-    before[i + 1] = before[i] + changed[column(i)];
-#pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t c = 0; c < chunks_.size(); ++c)
-    for (std::size_t g = 0; g < chunks_[c].size(); ++g) {
-      const kernels::GroupView group = chunks_[c].view(g);
-      bool hears = false;
-      for (std::size_t r = 0; r < group.count && !hears; ++r) {
-        const std::size_t first = group.runs[r] >> kernels::run_length_bits;
-        hears =
-            before[first] != before[first + (group.runs[r] & kernels::run_length_mask)];
-      }
-      for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-        affected[column(group.point + p)] = hears;
-    }
 }
 
 } // namespace pcl_semantic

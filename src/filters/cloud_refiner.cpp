@@ -121,6 +121,8 @@ CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) cons
   const Eigen::Vector3d first_voxel =
       voxels_.empty() ? Eigen::Vector3d::Zero()
                       : voxels_[std::size_t(indices[0])].cast<double>().eval();
+  elements.origin = voxels_.empty() ? first.cast<double>().eval()
+                                    : (first_voxel * voxel_size_).eval();
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Index i = indices[std::size_t(k)];

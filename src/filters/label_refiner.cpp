@@ -78,12 +78,14 @@ LabelRefiner::setParameters(const SemanticCRFParameters& parameters)
 {
   parameters.validate();
   parameters_ = parameters;
+  history_.reset();
 }
 
 void
 LabelRefiner::setCompatibility(const Eigen::MatrixXf& costs)
 {
   compatibility_ = costs.size() > 0 ? LabelCompatibility(costs) : LabelCompatibility();
+  history_.reset();
 }
 
 void
@@ -149,18 +151,23 @@ LabelRefiner::refine(Elements& elements)
   if (model_ == CRFModelType::unary || elements.indices.empty())
     return elements.measured;
   Builder builder(*this, elements);
+  if (builder.isIncremental()) {
+    history_ = DenseHistory::update(builder.denseProblem(), history_.get());
+    report_.updates = 1;
+    report_.last_change = history_->lastChange();
+    LabelDistributions refined;
+    refined.matrix() = history_->marginals();
+    clearUninformed(elements.measured, refined.matrix());
+    return refined;
+  }
   CrfModel model = builder.build();
   const Eigen::MatrixXf initial = builder.initial();
   CrfModel kept;
   if (compute_energies_)
     kept = model;
   MeanField inference(std::move(model), initial.size() > 0 ? &initial : nullptr);
-  for (int i = 0; i < parameters_.iterations; ++i) {
-    report_.last_change = inference.update();
-    ++report_.updates;
-    if (report_.last_change <= parameters_.settled && parameters_.settled > 0.0)
-      break;
-  }
+  report_.updates = inference.run(parameters_.iterations, parameters_.settled);
+  report_.last_change = inference.lastChange();
   if (compute_energies_) {
     report_.free_energy = inference.freeEnergy();
     report_.energy = energyOfMap(kept, inference);

@@ -6,6 +6,8 @@
 
 #include "label_refiner_builder.h"
 
+#include "unary_costs.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/lattice_kernel.h>
 
@@ -120,29 +122,42 @@ LabelRefiner::Builder::reorder(const std::vector<std::int32_t>& order)
   elements_.measured.matrix() = gather(elements_.measured.matrix(), order);
 }
 
-// Costs -log p, eq. (4); an unlabelled element has no preference.
-Eigen::MatrixXf
-LabelRefiner::Builder::unaryCosts() const
+bool
+LabelRefiner::Builder::isIncremental() const
 {
-  constexpr float smallest = 1e-6f;
-  const Eigen::MatrixXf& measured = elements_.measured.matrix();
-  Eigen::MatrixXf costs(measured.rows(), measured.cols());
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index i = 0; i < measured.cols(); ++i) {
-    const float sum = measured.col(i).sum();
-    if (sum > 0.0f)
-      costs.col(i) = -(measured.col(i) / sum).array().max(smallest).log();
-    else
-      costs.col(i).setZero();
-  }
-  return costs;
+  if (!refiner_.incremental_ || refiner_.model_ != CRFModelType::dense ||
+      parameters_.iterations != 1 || refiner_.compute_energies_ ||
+      !refiner_.kernels_.empty() || !refiner_.initial_.empty() ||
+      elements_.positions.rows() != 3)
+    return false;
+  const std::size_t count = terms().size();
+  for (std::size_t m = 0; m < count; ++m)
+    if (gaussian_kernels_.method(m) != KernelMethod::truncated)
+      return false;
+  return count > 0;
+}
+
+DenseProblem
+LabelRefiner::Builder::denseProblem() const
+{
+  DenseProblem problem;
+  problem.origin = elements_.origin;
+  problem.positions = elements_.positions;
+  problem.colours = elements_.colours;
+  problem.measured = elements_.measured.matrix();
+  problem.terms = terms();
+  problem.radius = float(parameters_.radius);
+  problem.normalization = parameters_.normalization;
+  problem.self_interaction = parameters_.self_interaction;
+  problem.compatibility = refiner_.compatibility_;
+  return problem;
 }
 
 CrfModel
 LabelRefiner::Builder::build()
 {
   CrfModel model;
-  model.unary = unaryCosts();
+  model.unary = unaryCosts(elements_.measured.matrix());
   model.kernels = kernels();
   model.compatibility = refiner_.compatibility_;
   model.self_interaction = parameters_.self_interaction;

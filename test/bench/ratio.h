@@ -14,6 +14,17 @@
 
 namespace pcl_semantic {
 
+/** \brief Wall time of one run [s]. */
+template <typename Work>
+double
+secondsOf(Work&& work)
+{
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
 /** \brief Median wall time of a few runs [s], after one that is not counted. */
 template <typename Work>
 double
@@ -21,13 +32,8 @@ medianSeconds(int runs, Work&& work)
 {
   work();
   std::vector<double> seconds;
-  for (int i = 0; i < runs; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    seconds.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-            .count());
-  }
+  for (int i = 0; i < runs; ++i)
+    seconds.push_back(secondsOf(work));
   std::sort(seconds.begin(), seconds.end());
   return seconds[seconds.size() / 2];
 }

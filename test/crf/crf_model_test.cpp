@@ -158,18 +158,6 @@ TEST(MatrixKernel, IsItsMatrixWithoutTheDiagonal)
   EXPECT_EQ(some.col(7), result.col(7));
 }
 
-TEST(MatrixKernel, KnowsWhomAChangeReaches)
-{
-  Eigen::MatrixXf matrix = Eigen::MatrixXf::Identity(4, 4);
-  matrix(2, 1) = 0.5f; // 2 hears 1
-  const MatrixKernel kernel(matrix);
-  VariableMask affected(4, 0);
-  kernel.markAffected({0, 1, 0, 0}, affected);
-  EXPECT_EQ(affected, (VariableMask{0, 0, 1, 0}));
-  kernel.markAffected({}, affected);
-  EXPECT_EQ(affected, (VariableMask{1, 1, 1, 1}));
-}
-
 TEST(MatrixKernel, RefusesWhatIsNoKernel)
 {
   const auto refusal = [](const Eigen::MatrixXf& matrix) {

@@ -15,7 +15,6 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/crf/mean_field.h>
-#include <pcl_semantic/crf/truncated_kernel.h>
 
 #include <gtest/gtest.h>
 
@@ -37,8 +36,8 @@ errorOfMeanField(const PlainCrf& crf)
 TEST(MeanFieldTheory, HalvingAllCouplingsAtLeastThirdsTheError)
 {
   for (const unsigned seed : {1u, 2u, 3u}) {
-    const auto strong = makeEveryModel(5, 3, 2, 0.6f, seed);
-    const auto weak = makeEveryModel(5, 3, 2, 0.3f, seed);
+    const auto strong = makeEveryModel(4, 3, 2, 0.6f, seed);
+    const auto weak = makeEveryModel(4, 3, 2, 0.3f, seed);
     for (std::size_t m = 1; m < strong.size(); ++m) { // 0 has no couplings
       SCOPED_TRACE(strong[m].name + ", seed " + std::to_string(seed));
       const double error = errorOfMeanField(strong[m].crf);
@@ -150,6 +149,27 @@ TEST(MeanFieldTheory, SequentialUpdatesUseTheNewestValues)
               1e-6);
 }
 
+// A kernel of which nobody knows the matrix.
+class NoMatrix : public PairwiseKernel {
+public:
+  Eigen::Index
+  size() const override
+  {
+    return 10;
+  }
+
+  float
+  diagonal(Eigen::Index) const override
+  {
+    return 0.0f;
+  }
+
+  void
+  addProduct(const Eigen::Ref<const Eigen::MatrixXf>&, Eigen::Ref<Eigen::MatrixXf>,
+             const VariableMask&) const override
+  {}
+};
+
 TEST(MeanFieldTheory, WhatNeedsSymmetryRefusesToGoWithout)
 {
   PlainCrf crf = makeEveryModel(6, 3, 2, 1.0f, 30)[1].crf;
@@ -174,8 +194,7 @@ TEST(MeanFieldTheory, WhatNeedsSymmetryRefusesToGoWithout)
 
   CrfModel model;
   model.unary = Eigen::MatrixXf::Zero(3, 10);
-  model.kernels.push_back(std::make_shared<TruncatedKernel>(
-      makeVoxelPositions(10, 1), std::vector<GaussianTerm>(1), 2.5f));
+  model.kernels.push_back(std::make_shared<NoMatrix>());
   MeanField implicit(model);
   EXPECT_TRUE(holds(refusal([&] { implicit.updateSequentially(); }), "MatrixKernel"));
 }

@@ -5,6 +5,7 @@
  */
 
 #include "crf/kernels/run_search.h"
+#include "crf/kernels/truncated_sums.h"
 #include "crf/point_rows.h"
 #include "support/brute_force_crf.h"
 
@@ -101,6 +102,14 @@ TEST(PointRows, NoPointsAndOnePoint)
   EXPECT_EQ(neighboursOf(Eigen::Matrix3Xf::Ones(3, 1), 1.0f, 0.5f)[0].size(), 1u);
 }
 
+// Random positive numbers for the inner loops.
+std::vector<float>
+makeArray(Eigen::Index size, unsigned seed)
+{
+  const Eigen::MatrixXf values = makeRandomMatrix(1, size, 0.1f, 1.0f, seed);
+  return {values.data(), values.data() + size};
+}
+
 // The terms as a kernel cut off at a radius widens them.
 std::vector<GaussianTerm>
 widened(std::vector<GaussianTerm> terms, float radius)
@@ -124,6 +133,152 @@ TEST(TruncatedKernel, EqualsTheBruteForceSumWithinTheRadius)
   // Weights of 8 bits, rounded twice.
   EXPECT_LT((error.array() / expected.array()).abs().maxCoeff(), 1.0 / 128);
   EXPECT_GT(expected.minCoeff(), 0.1);
+}
+
+TEST(TruncatedKernel, OtherNormalizations)
+{
+  const Eigen::Index count = 300;
+  const Eigen::Matrix3Xf positions = makeRandomMatrix(3, count, 0.0f, 1.0f, 12);
+  const auto terms = twoTerms(count);
+  const Eigen::MatrixXf values = makeRandomMatrix(3, count, 0.0f, 1.0f, 13);
+  for (const auto normalization : {Normalization::one_sided, Normalization::none}) {
+    const TruncatedKernel kernel(positions, terms, 3.5f, normalization);
+    Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(count, count);
+    for (const GaussianTerm& term : widened(terms, 3.5f)) {
+      Eigen::MatrixXd k(count, count);
+      for (Eigen::Index i = 0; i < count; ++i)
+        for (Eigen::Index j = 0; j < count; ++j) {
+          const double distance = double((positions.col(i) - positions.col(j)).norm());
+          double exponent = std::pow(distance / double(term.position_deviation), 2);
+          if (term.features.size() > 0)
+            exponent +=
+                double((term.features.col(i) - term.features.col(j)).squaredNorm());
+          k(i, j) = distance <= 0.70001 ? std::exp(-0.5 * exponent) : 0.0;
+        }
+      if (normalization == Normalization::one_sided)
+        k = (k.rowwise().sum().cwiseInverse().eval().asDiagonal() * k).eval();
+      expected += double(term.weight) * k;
+    }
+    for (Eigen::Index i = 0; i < count; ++i)
+      EXPECT_NEAR(kernel.diagonal(i), expected(i, i), 1e-3 * expected(i, i));
+    expected.diagonal().setZero();
+    const Eigen::MatrixXd sum = values.cast<double>() * expected.transpose();
+    const Eigen::MatrixXd error = product(kernel, values).cast<double>() - sum;
+    EXPECT_LT((error.array() / sum.array()).abs().maxCoeff(), 1.0 / 128);
+  }
+}
+
+TEST(TruncatedKernel, AMaskHasTheOthersStayAsTheyAre)
+{
+  const Eigen::Index count = 500;
+  const TruncatedKernel kernel(makeVoxelPositions(count, 14), twoTerms(count), 2.0f);
+  const Eigen::MatrixXf values = makeRandomMatrix(20, count, 0.0f, 1.0f, 15);
+  const Eigen::MatrixXf all = product(kernel, values);
+  VariableMask active(std::size_t(count), 0);
+  for (std::size_t i = 0; i < active.size(); i += 7)
+    active[i] = 1;
+  Eigen::MatrixXf some = Eigen::MatrixXf::Zero(20, count);
+  kernel.addProduct(values, some, active);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (i % 7 == 0)
+      EXPECT_TRUE(some.col(i) == all.col(i)) << "point " << i;
+    else
+      EXPECT_TRUE(some.col(i).isZero(0.0f)) << "point " << i;
+  }
+}
+
+TEST(TruncatedKernel, APartOfACloudEqualsTheWholeIfTheSumsAreKnown)
+{
+  const Eigen::Index count = 800;
+  const Eigen::Matrix3Xf positions = makeVoxelPositions(count, 18);
+  std::vector<GaussianTerm> terms = twoTerms(count);
+  const Eigen::MatrixXf values = makeRandomMatrix(5, count, 0.0f, 1.0f, 19);
+  const TruncatedKernel whole(positions, terms, 2.0f);
+  const Eigen::MatrixXf expected = product(whole, values);
+  std::vector<int> part; // x < 1.5: those below 1.1 have all their neighbours in it
+  for (int i = 0; i < count; ++i)
+    if (positions(0, i) < 1.45f)
+      part.push_back(i);
+  terms[1].features = terms[1].features(Eigen::all, part).eval();
+  const TruncatedKernel some(positions(Eigen::all, part), terms, 2.0f,
+                             Normalization::symmetric, whole.sums()(Eigen::all, part));
+  const Eigen::MatrixXf result = product(some, values(Eigen::all, part));
+  for (std::size_t k = 0; k < part.size(); ++k)
+    if (positions(0, part[k]) < 1.05f) {
+      EXPECT_NEAR((result.col(Eigen::Index(k)) - expected.col(part[k])).norm(), 0.0,
+                  2e-3 * expected.col(part[k]).norm());
+    }
+}
+
+TEST(TruncatedKernel, TiersAgree)
+{
+  const kernels::TruncatedSums& plain = kernels::truncatedSums(SimdTier::plain);
+  for (const SimdTier tier : {SimdTier::avx2, SimdTier::avx512}) {
+    if (tier > simdTier())
+      continue;
+    const kernels::TruncatedSums& wide = kernels::truncatedSums(tier);
+    // Points 20..23 and the runs 3..12, 17..32 and 40.
+    const std::vector<float> x = makeArray(40 + 1 + 16, 1), y = makeArray(57, 2),
+                             z = makeArray(57, 3), f = makeArray(57, 4);
+    const float* const features[] = {f.data()};
+    const kernels::TermView terms[] = {{4.0f, nullptr, 0}, {2.0f, features, 1}};
+    const kernels::PointsView points{{x.data(), y.data(), z.data()}, 0.6f, terms, 2};
+    const std::uint32_t runs[] = {3 << 5 | 10, 17 << 5 | 16, 40 << 5 | 1};
+    const kernels::GroupView group{runs, 3, 27, 20, 4};
+    const std::size_t size = 4 * kernels::strideOf(27);
+    std::vector<float> scratch(kernels::scratchSize(27, 6)), sums[2];
+    std::vector<std::uint16_t> first[2], second[2];
+    std::vector<float> values = makeArray(41 * 32, 5), results[2];
+    for (int t = 0; t < 2; ++t) {
+      const kernels::TruncatedSums& loops = t == 0 ? plain : wide;
+      first[t].resize(size);
+      second[t].resize(size);
+      std::uint16_t* const arrays[] = {first[t].data(), second[t].data()};
+      sums[t].resize(2 * kernels::most_points);
+      loops.sumTerms(points, group, scratch.data(), sums[t].data(), arrays);
+      const float* const sides[] = {x.data(), y.data()};
+      loops.makeWeights(group, 2, sides, sides, scratch.data(), arrays);
+      results[t].assign(4 * 32, 0.5f);
+      loops.addProduct(group, first[t].data(), values.data(), 32, scratch.data(),
+                       results[t].data());
+    }
+    for (std::size_t k = 0; k < sums[0].size(); ++k)
+      EXPECT_NEAR(sums[0][k], sums[1][k], 1e-4f * sums[0][k]) << nameOf(tier);
+    for (std::size_t k = 0; k < results[0].size(); ++k)
+      EXPECT_NEAR(results[0][k], results[1][k], 2e-3f * results[0][k]) << nameOf(tier);
+  }
+}
+
+TEST(TruncatedKernel, TiersFindTheSameRuns)
+{
+  // 40 rows of 1 to 30 cells, every other one occupied, and 16 without cells.
+  std::vector<std::uint32_t> starts;
+  std::vector<std::int32_t> arrays[4];
+  std::uint32_t points = 0;
+  for (int r = 0; r < 40; ++r) {
+    arrays[0].push_back(int(starts.size()));
+    arrays[1].push_back(r % 9);
+    arrays[2].push_back(1 + r * 29 / 39);
+    arrays[3].push_back(r % 5);
+    for (int c = 0; c <= arrays[2].back(); ++c)
+      starts.push_back(c % 2 == 0 && c < arrays[2].back() ? points++ : points);
+  }
+  for (auto& array : arrays)
+    array.resize(56, 0);
+  const kernels::NearRowsView rows{starts.data(),    arrays[0].data(), arrays[1].data(),
+                                   arrays[2].data(), arrays[3].data(), 40};
+  std::vector<std::uint32_t> expected(56), found(56);
+  for (int cell = -3; cell < 40; ++cell) {
+    const std::size_t count =
+        kernels::runSearch(SimdTier::plain)(rows, cell, cell + 2, expected.data());
+    for (const SimdTier tier : {SimdTier::avx2, SimdTier::avx512})
+      if (tier <= simdTier()) {
+        ASSERT_EQ(kernels::runSearch(tier)(rows, cell, cell + 2, found.data()), count);
+        EXPECT_TRUE(
+            std::equal(found.begin(), found.begin() + long(count), expected.begin()));
+      }
+  }
+  EXPECT_GT(points, 300u);
 }
 
 TEST(TruncatedKernel, TheStatedRadiusKeepsTheMassOfASurface)

@@ -50,6 +50,14 @@ public:
     return keys_.size();
   }
 
+  /** \brief The factor of sums that makes a vertex respond to itself by 1, if it has
+   * all neighbours. */
+  float
+  gain() const
+  {
+    return 1.0f / (1.0f + std::pow(2.0f, -float(d_)));
+  }
+
   /** \brief Splats values times splat_scale to the lattice, blurs them there, and
    * slices them at the points times slice_scale; \a reversed is the transposed map. */
   void
@@ -67,8 +75,7 @@ public:
       }
     for (int j = 0; j <= d_; ++j)
       blur(reversed ? d_ - j : j, blocks);
-    // Factor that makes the kernel's integral about that of the Gaussian's.
-    const float alpha = 1.0f / (1.0f + std::pow(2.0f, -float(d_)));
+    const float alpha = gain();
     for (Eigen::Index i = 0; i < points_; ++i)
       for (Eigen::Index b = 0; b < blocks; ++b) {
         Eigen::Array4f sum = Eigen::Array4f::Zero();
@@ -84,7 +91,7 @@ public:
   Eigen::ArrayXf
   selfResponse() const
   {
-    const float alpha = 1.0f / (1.0f + std::pow(2.0f, -float(d_)));
+    const float alpha = gain();
     Eigen::ArrayXf response = Eigen::ArrayXf::Zero(points_);
     std::vector<bool> ahead(std::size_t(d_) + 1);
     for (Eigen::Index i = 0; i < points_; ++i)

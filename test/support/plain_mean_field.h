@@ -22,6 +22,10 @@ public:
       : crf_(std::move(crf)), q(normalized(-crf_.unary.cast<double>()))
   {
     for (const PlainCliques& cliques : crf_.cliques) {
+      cliques_of_.emplace_back(std::size_t(crf_.variables()));
+      for (std::size_t c = 0; c < cliques.members.size(); ++c)
+        for (const std::int32_t i : cliques.members[c])
+          cliques_of_.back()[std::size_t(i)].push_back(c);
       Eigen::MatrixXd costs(crf_.cliqueLabels(cliques), cliques.members.size());
       for (Eigen::Index c = 0; c < costs.cols(); ++c)
         for (int y = 0; y < costs.rows(); ++y)
@@ -46,6 +50,8 @@ public:
 
 private:
   PlainCrf crf_;
+  // by potential and variable
+  std::vector<std::vector<std::vector<std::size_t>>> cliques_of_;
 
 public:
   Eigen::MatrixXd q;                      // Q(x_i = l)
@@ -88,18 +94,15 @@ private:
   cost(int i, int l) const
   {
     double sum = double(crf_.unary(l, i));
-    for (int j = 0; j < q.cols(); ++j)
+    for (int j = 0; j < q.cols() && !crf_.kernels.empty(); ++j)
       for (int k = 0; k < q.rows(); ++k)
         if (j != i || crf_.self_interaction)
           sum += q(k, j) * plainKernel(crf_.kernels, i, j) *
                  plainCompatibility(crf_, l, k);
     for (std::size_t p = 0; p < crf_.cliques.size(); ++p)
-      for (std::size_t c = 0; c < crf_.cliques[p].members.size(); ++c) {
-        const auto& members = crf_.cliques[p].members[c];
-        if (std::count(members.begin(), members.end(), i) > 0)
-          sum += crf_.cliques[p].isRobust() ? robustCost(p, c, l)
-                                            : pnPottsCost(crf_.cliques[p], c, i, l);
-      }
+      for (const std::size_t c : cliques_of_[p][std::size_t(i)])
+        sum += crf_.cliques[p].isRobust() ? robustCost(p, c, l)
+                                          : pnPottsCost(crf_.cliques[p], c, i, l);
     return sum;
   }
 

@@ -17,12 +17,14 @@ public:
   /** \param[in] features d x N, divided by their deviations; d is 1 to 16
    * \param[in] weight w, 0 or more
    * \param[in] normalization with D_i as the lattice itself responds to ones
+   * \param[in] blur forward makes K a little asymmetric, in exchange for speed
    * \param[in] tier instructions to use; for tests
    * \throws InvalidParameterException at a weight that is negative or not finite, or as
    * PermutohedralLattice */
   explicit LatticeKernel(const Eigen::Ref<const Eigen::MatrixXf>& features,
                          float weight = 1.0f,
                          Normalization normalization = Normalization::symmetric,
+                         LatticeBlur blur = LatticeBlur::symmetric,
                          SimdTier tier = simdTier());
 
   Eigen::Index
@@ -52,6 +54,7 @@ public:
 
 private:
   PermutohedralLattice lattice_;
+  LatticeBlur blur_;
   PermutohedralLattice::Scales scales_;
 };
 

@@ -35,8 +35,6 @@ public:
                   Eigen::Ref<Eigen::MatrixXf> result,
                   const VariableMask& active) const override;
 
-  void markAffected(const VariableMask& changed, VariableMask& affected) const override;
-
   const Eigen::MatrixXf&
   matrix() const
   {

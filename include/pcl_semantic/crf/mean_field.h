@@ -42,6 +42,13 @@ public:
    * \throws InvalidParameterException if an argument is negative or not a number */
   int run(int max_updates, double settled = 0.0);
 
+  /** \brief What the last update returned; 0 before the first. */
+  double
+  lastChange() const
+  {
+    return last_change_;
+  }
+
   /** \brief One update of one variable after the other (first y, then x, in their
    * order), each from the newest values. For symmetric models without self-interaction
    * whose members hear distributions, freeEnergy() never rises.
@@ -66,6 +73,7 @@ public:
 private:
   class Engine;
   std::unique_ptr<Engine> engine_;
+  double last_change_ = 0.0;
 };
 
 } // namespace pcl_semantic

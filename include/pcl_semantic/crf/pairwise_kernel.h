@@ -35,7 +35,7 @@ public:
   virtual float diagonal(Eigen::Index i) const = 0;
 
   /** \brief result(:, i) += sum over j != i of K_ij values(:, j), for the variables i
-   * of a mask at least.
+   * of a mask; the columns of others stay as they are.
    *
    * Fastest where columns start at multiples of 64 bytes and have a multiple of 16
    * rows; the result does not depend on that.
@@ -44,14 +44,6 @@ public:
   virtual void addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                           Eigen::Ref<Eigen::MatrixXf> result,
                           const VariableMask& active) const = 0;
-
-  /** \brief Sets affected[i] = 1 for the variables i with K_ij != 0 for a changed j,
-   * at least. All of them, unless a kernel knows better. */
-  virtual void
-  markAffected(const VariableMask& /*changed*/, VariableMask& affected) const
-  {
-    affected.assign(std::size_t(size()), 1);
-  }
 };
 
 } // namespace pcl_semantic

@@ -16,6 +16,12 @@
 
 namespace pcl_semantic {
 
+/** \brief In which order a lattice is blurred along its directions. Where vertices are
+ * missing the orders differ: from the first to the last, as the paper does, is not a
+ * symmetric map then. The mean of that and of the reverse is one, and nearer to the
+ * Gaussian; it takes half as long again. */
+enum class LatticeBlur { symmetric, forward };
+
 /** \brief The permutohedral lattice of Adams, Baek and Davis (2010): sums with the
  * Gaussian k_ij = exp(-|f_i - f_j|^2 / 2) of N points in time linear in N, near enough.
  *
@@ -31,7 +37,7 @@ public:
    * \param[in] tier instructions to use; for tests
    * \throws InvalidParameterException if a feature is not finite, d is not 1 to 16, or
    * features span so many deviations that the keys of vertices (128 bits) cannot tell
-   * them apart: not below 200 at d = 16, more at fewer */
+   * them apart: not below 50 at d = 16, more at fewer */
   explicit PermutohedralLattice(const Eigen::Ref<const Eigen::MatrixXf>& features,
                                 SimdTier tier = simdTier());
   ~PermutohedralLattice();
@@ -40,6 +46,10 @@ public:
 
   /** \brief N. */
   Eigen::Index size() const;
+
+  /** \brief Features at which a vertex lies: 0 to 1 less than the least of the points.
+   */
+  Eigen::VectorXd origin() const;
 
   /** \brief Number of vertices. */
   Eigen::Index vertices() const;
@@ -64,11 +74,12 @@ public:
    * \param[in,out] result as values, not the same matrix */
   void addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
                    const Scales& scales, const VariableMask& active,
-                   Eigen::Ref<Eigen::MatrixXf> result) const;
+                   Eigen::Ref<Eigen::MatrixXf> result,
+                   LatticeBlur blur = LatticeBlur::symmetric) const;
 
   /** \brief Bytes that the lattice keeps, those for its values at the vertices (of up
    * to 16 rows at a time) included. */
-  std::size_t memory() const;
+  std::size_t memory(LatticeBlur blur = LatticeBlur::symmetric) const;
 
 private:
   class Implementation;

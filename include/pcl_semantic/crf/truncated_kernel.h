@@ -33,10 +33,13 @@ public:
    * \param[in] radius of the sums, in the largest position deviation
    * \throws InvalidParameterException at a deviation or radius that is not positive, a
    * negative weight, features of another size, values that are not finite, or more
-   * pairs than memory is meant to hold (2^32) */
+   * pairs than memory is meant to hold (2^32)
+   * \param[in] known_sums D_i of the points that are known, terms x N; NaN or none =
+   * to be summed. For a part of a cloud, whose border has neighbours outside. */
   TruncatedKernel(const Eigen::Matrix3Xf& positions,
                   const std::vector<GaussianTerm>& terms, float radius,
-                  Normalization normalization = Normalization::symmetric);
+                  Normalization normalization = Normalization::symmetric,
+                  const Eigen::MatrixXf& known_sums = Eigen::MatrixXf());
   ~TruncatedKernel() override;
 
   Eigen::Index
@@ -55,7 +58,12 @@ public:
                   Eigen::Ref<Eigen::MatrixXf> result,
                   const VariableMask& active) const override;
 
-  void markAffected(const VariableMask& changed, VariableMask& affected) const override;
+  /** \brief D_i = sum over all j of k_ij, i included, of each term: terms x N. */
+  const Eigen::MatrixXf&
+  sums() const
+  {
+    return sums_;
+  }
 
   /** \brief Factor of the variance of positions for a radius in deviations: 2 at 2
    * deviations, 1.15 at 2.5, next to 1 beyond 3. */
@@ -75,13 +83,14 @@ private:
   void sumTerms(const PointRows& rows, SortedPoints& points,
                 const std::vector<GaussianTerm>& terms, Normalization normalization);
 
-  void normalize(SortedPoints& points, std::size_t term, std::size_t point,
-                 float weight, float sum, Normalization normalization);
+  void normalize(SortedPoints& points, const std::vector<GaussianTerm>& terms,
+                 std::size_t point, Normalization normalization);
 
   void makeWeights(const SortedPoints& points);
 
   std::vector<std::int32_t> order_; // empty = the points came sorted
   std::vector<Chunk> chunks_;
+  Eigen::MatrixXf sums_;
   Eigen::VectorXf diagonal_;
 };
 

@@ -14,9 +14,12 @@
 #include <pcl/PointIndices.h>
 #include <pcl/types.h>
 
+#include <memory>
 #include <vector>
 
 namespace pcl_semantic {
+
+class DenseHistory;
 
 /** \brief What SemanticCRF and ImageCRF share: the model over elements (points of a
  * cloud, pixels of an image), its settings, and the inference on matrices. */
@@ -86,6 +89,17 @@ public:
     compute_energies_ = compute;
   }
 
+  /** \brief Whether a run takes over from the one before what cannot have changed: for
+   * a map of which each frame changes a part. Works for the dense model with one update
+   * and truncated kernels; others run as without. Results are the same up to rounding.
+   * Keeps a copy of the last input. */
+  void
+  setIncremental(bool incremental)
+  {
+    incremental_ = incremental;
+    history_.reset();
+  }
+
   /** \brief What became of a run. */
   struct Report {
     int updates = 0;            ///< mean-field updates made
@@ -107,9 +121,10 @@ public:
 protected:
   /** \brief The elements that take part, and what is known of them. */
   struct Elements {
-    std::size_t total = 0;       ///< elements of the whole cloud or image
-    pcl::Indices indices;        ///< of the n that take part, each once
-    Eigen::MatrixXf positions;   ///< 1 to 3 rows x n, finite
+    std::size_t total = 0;     ///< elements of the whole cloud or image
+    pcl::Indices indices;      ///< of the n that take part, each once
+    Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the positions
     Eigen::MatrixXf colours;     ///< rows x n [grey levels]; empty = no colour
     LabelDistributions measured; ///< L x n
   };
@@ -144,6 +159,8 @@ private:
   Eigen::MatrixXf clique_costs_;
   LabelDistributions initial_;
   bool compute_energies_ = false;
+  bool incremental_ = false;
+  std::shared_ptr<const DenseHistory> history_; // of the last run
   Report report_;
 };
 

@@ -38,14 +38,13 @@ struct LatticeBatch {
 };
 
 /** \brief Simplices of 64 points as they were found, and the paths between vertices:
- * bit S of ahead (back) of a row tells whether the vertices of the path exist that
- * steps ahead (back) from there in every direction j of the set S, S = sum of 2^(d -
- * j), in their order. */
+ * bit S of the first (second) half of the sets of a row tells whether the vertices of
+ * the path exist that steps ahead (back) from there in every direction j of the set S,
+ * S = sum of 2^(d - j), in their order. */
 struct LatticePaths {
   int dimensions;
-  std::size_t words;              ///< of 64 bits a row
-  const std::uint64_t* ahead;     ///< by row
-  const std::uint64_t* back;      ///< by row
+  std::size_t words;              ///< of 64 bits in half a row
+  const std::uint64_t* sets;      ///< by row
   const std::int32_t* rows;       ///< d + 1 a point
   const float* weights;           ///< d + 1 a point
   const std::uint8_t* directions; ///< (d + 1) x 64

@@ -112,9 +112,9 @@ addPathsFrom(const LatticePaths& paths, int k,
                       paths.directions[std::size_t((k + m - 1) % corners) * lanes + i]);
     if (paths.words > 1 || m == 0)
       for (std::size_t i = 0; i < lanes; ++i) {
-        const std::size_t row = std::size_t(rows[k][i]) * paths.words;
-        first[i] = paths.ahead[row + set[i] / 64];
-        second[i] = paths.back[row + (all ^ set[i]) / 64];
+        const std::size_t row = std::size_t(rows[k][i]) * 2 * paths.words;
+        first[i] = paths.sets[row + set[i] / 64];
+        second[i] = paths.sets[row + paths.words + (all ^ set[i]) / 64];
       }
     const float weight_ahead = 1.0f / float(std::uint32_t(1) << m);
     const float weight_back = // no step at all is counted once

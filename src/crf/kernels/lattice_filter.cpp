@@ -33,16 +33,16 @@ namespace avx512 {
 } // namespace
 
 const LatticeFilter&
-latticeFilter(SimdTier tier, std::size_t width)
+latticeFilter(SimdTier tier, std::size_t width, std::size_t halves)
 {
   const int number = width == 1 ? 0 : width == 4 ? 1 : width == 8 ? 2 : 3;
   switch (tier) {
   case SimdTier::avx512:
-    return avx512::filters[number];
+    return avx512::filters[halves - 1][number];
   case SimdTier::avx2:
-    return avx2::filters[number];
+    return avx2::filters[halves - 1][number];
   default:
-    return plain::filters[number];
+    return plain::filters[halves - 1][number];
   }
 }
 

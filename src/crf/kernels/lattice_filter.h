@@ -65,16 +65,19 @@ struct LatticeFilter {
                 float* lattice);
 
   /** \brief One direction: adds half of both neighbours in its run to every row. Steps
-   * count ... count + steps_ahead are rows too. */
+   * count ... count + steps_ahead are rows too. \param[in] lattice the half to blur */
   void (*blur)(const std::int32_t* steps, std::size_t count, float* lattice);
 
   /** \brief Fills the partial rows, and adds slice_scale times the weighted sum around
-   * a point less diagonal times its value to its result. */
+   * a point less diagonal times its value to its result. \param[in] half with two
+   * halves, where the rows are once more, blurred otherwise: means are sliced */
   void (*slice)(const LatticePoints& points, const LatticeColumns& columns,
-                float* lattice);
+                float* lattice, std::size_t half);
 };
 
-/** \brief The loops for a tier and a width: 1, 4, 8 or 16. All give the same bits. */
-const LatticeFilter& latticeFilter(SimdTier tier, std::size_t width);
+/** \brief The loops for a tier, a width (1, 4, 8 or 16) and 1 or 2 halves. All tiers
+ * give the same bits. */
+const LatticeFilter& latticeFilter(SimdTier tier, std::size_t width,
+                                   std::size_t halves);
 
 } // namespace pcl_semantic::kernels

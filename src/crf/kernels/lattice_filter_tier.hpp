@@ -128,17 +128,42 @@ blur(const std::int32_t* steps, std::size_t count, float* lattice)
   }
 }
 
+// result += added, for the rows of interest.
 template <typename V, int parts>
+PCL_SEMANTIC_TARGET inline __attribute__((always_inline)) void
+addToResult(const LatticeColumns& columns, std::size_t column, const V* added)
+{
+  constexpr std::size_t lanes = sizeof(V) / sizeof(float), width = parts * lanes;
+  float* const result = columns.result + column * columns.result_stride;
+  if (columns.rows == width) {
+    for (int b = 0; b < parts; ++b) {
+      V sum;
+      load(result + std::size_t(b) * lanes, sum);
+      store(V(sum + added[b]), result + std::size_t(b) * lanes);
+    }
+    return;
+  }
+  float some[width];
+  for (int b = 0; b < parts; ++b)
+    store(added[b], some + std::size_t(b) * lanes);
+  for (std::size_t r = 0; r < columns.rows; ++r)
+    result[r] = result[r] + some[r];
+}
+
+template <typename V, int parts, int halves>
 PCL_SEMANTIC_TARGET void
-slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice)
+slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice,
+      std::size_t half)
 {
   constexpr std::size_t lanes = sizeof(V) / sizeof(float), width = parts * lanes;
   V part;
-  for (std::size_t p = 0; p < points.partials; ++p)
-    for (std::size_t r = 0; r < width; r += lanes) {
-      load(lattice + std::size_t(points.represents[p]) * width + r, part);
-      store(part, lattice + (points.first_partial + p) * width + r);
-    }
+  for (int h = 0; h < halves; ++h)
+    for (std::size_t p = 0; p < points.partials; ++p)
+      for (std::size_t r = std::size_t(h) * half; r < std::size_t(h) * half + width;
+           r += lanes) {
+        load(lattice + std::size_t(points.represents[p]) * width + r, part);
+        store(part, lattice + (points.first_partial + p) * width + r);
+      }
   for (std::size_t i = 0; i < points.count; ++i) {
     const auto column = std::size_t(points.columns[i]);
     if (columns.active && !columns.active[column])
@@ -146,46 +171,44 @@ slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice
     V sum[parts], value[parts];
     for (int b = 0; b < parts; ++b)
       sum[b] = V{};
-    for (std::size_t k = i * points.corners; k < (i + 1) * points.corners; ++k)
+    for (std::size_t k = i * points.corners; k < (i + 1) * points.corners; ++k) {
+      const float* const row = lattice + std::size_t(points.rows[k]) * width;
       for (int b = 0; b < parts; ++b) {
-        load(lattice + std::size_t(points.rows[k]) * width + std::size_t(b) * lanes,
-             part);
+        load(row + std::size_t(b) * lanes, part);
+        if (halves == 2) {
+          V other;
+          load(row + half + std::size_t(b) * lanes, other);
+          part = (part + other) * 0.5f;
+        }
         sum[b] = sum[b] + part * points.weights[k];
       }
+    }
     loadValues<V, parts>(columns, column, value);
-    float* const result = columns.result + column * columns.result_stride;
     for (int b = 0; b < parts; ++b)
       sum[b] =
           sum[b] * columns.slice_scale[column] - value[b] * columns.diagonal[column];
-    if (columns.rows == width) {
-      for (int b = 0; b < parts; ++b) {
-        load(result + std::size_t(b) * lanes, part);
-        store(V(part + sum[b]), result + std::size_t(b) * lanes);
-      }
-    }
-    else {
-      float added[width];
-      for (int b = 0; b < parts; ++b)
-        store(sum[b], added + std::size_t(b) * lanes);
-      for (std::size_t r = 0; r < columns.rows; ++r)
-        result[r] = result[r] + added[r];
-    }
+    addToResult<V, parts>(columns, column, sum);
   }
 }
 
-template <typename V, int parts>
+template <typename V, int parts, int halves>
 constexpr LatticeFilter loops = {splat<V, parts>, merge<V, parts>, blur<V, parts>,
-                                 slice<V, parts>};
+                                 slice<V, parts, halves>};
 
 typedef float Four __attribute__((vector_size(16)));
 #if PCL_SEMANTIC_LANES == 4
-constexpr LatticeFilter filters[4] = {loops<float, 1>, loops<Four, 1>, loops<Four, 2>,
-                                      loops<Four, 4>};
+constexpr LatticeFilter filters[2][4] = {
+    {loops<float, 1, 1>, loops<Four, 1, 1>, loops<Four, 2, 1>, loops<Four, 4, 1>},
+    {loops<float, 1, 2>, loops<Four, 1, 2>, loops<Four, 2, 2>, loops<Four, 4, 2>}};
 #else
 typedef float Eight __attribute__((vector_size(32)));
 typedef float Lanes __attribute__((vector_size(4 * PCL_SEMANTIC_LANES)));
-constexpr LatticeFilter filters[4] = {loops<float, 1>, loops<Four, 1>, loops<Eight, 1>,
-                                      loops<Lanes, 16 / PCL_SEMANTIC_LANES>};
+constexpr int lane_parts = 16 / PCL_SEMANTIC_LANES;
+constexpr LatticeFilter filters[2][4] = {
+    {loops<float, 1, 1>, loops<Four, 1, 1>, loops<Eight, 1, 1>,
+     loops<Lanes, lane_parts, 1>},
+    {loops<float, 1, 2>, loops<Four, 1, 2>, loops<Eight, 1, 2>,
+     loops<Lanes, lane_parts, 2>}};
 #endif
 
 #undef PCL_SEMANTIC_TARGET

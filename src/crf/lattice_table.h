@@ -1,0 +1,161 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "lattice_keys.h"
+
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Numbers keys in the order in which they come; to be used again and again.
+ *
+ * At most a quarter of the slots is taken. A slot holds a number + 1 in its lower bits,
+ * and bits of the hash above them. */
+template <typename Key> class LatticeTable {
+public:
+  /** \brief Forgets all keys and makes room for some. */
+  void
+  reset(std::size_t expected)
+  {
+    size_ = 0;
+    keys_.resize(expected);
+    setSlots(4 * expected);
+  }
+
+  /** \brief Numbers keys that are all different. */
+  template <typename KeyOf>
+  void
+  fill(std::size_t count, KeyOf&& key_of)
+  {
+    size_ = count;
+    keys_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) // all at first, as they come from anywhere
+      keys_[i] = key_of(i);
+    setSlots(4 * count);
+    insertAll();
+  }
+
+  /** \brief The numbers of keys, which are new or not. */
+  void
+  insert(const Key* keys, std::size_t count, std::int32_t* numbers)
+  {
+    if (4 * (size_ + count) > slots_.size()) {
+      setSlots(4 * (2 * size_ + count));
+      insertAll();
+    }
+    if (size_ + count > keys_.size())
+      keys_.resize(2 * size_ + count);
+    const View view = this->view();
+    std::uint32_t* const slots = slots_.data();
+    Key* const known = keys_.data();
+    std::size_t size = size_;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint64_t hash = LatticeKeys<Key>::hash(keys[i]);
+      std::uint32_t& slot = slots[view.search(keys[i], hash)];
+      if (slot == 0) {
+        known[size++] = keys[i];
+        slot = view.entry(hash, size);
+      }
+      numbers[i] = std::int32_t(slot & view.number_mask) - 1;
+    }
+    size_ = size;
+  }
+
+  /** \brief The numbers of keys, -1 if they are unknown. */
+  void
+  find(const Key* keys, std::size_t count, std::int32_t* numbers) const
+  {
+    const View view = this->view();
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t slot = view.search(keys[i], LatticeKeys<Key>::hash(keys[i]));
+      numbers[i] = std::int32_t(view.slots[slot] & view.number_mask) - 1;
+    }
+  }
+
+  const Key*
+  keys() const
+  {
+    return keys_.data();
+  }
+
+  std::size_t
+  size() const
+  {
+    return size_;
+  }
+
+private:
+  // What a search needs, for registers.
+  struct View {
+    const std::uint32_t* slots;
+    const Key* keys;
+    int shift;
+    std::uint32_t number_mask;
+
+    std::uint32_t
+    entry(std::uint64_t hash, std::size_t number) const
+    {
+      return (std::uint32_t(hash) & ~number_mask) | std::uint32_t(number);
+    }
+
+    // The slot that has a key or is free for it. Whether there is one cannot be
+    // predicted: what is asked at each slot is whether to go on, which is rare.
+    std::size_t
+    search(Key key, std::uint64_t hash) const
+    {
+      const std::uint32_t tag = std::uint32_t(hash) & ~number_mask;
+      std::size_t slot = std::size_t(hash >> shift);
+      for (;; slot = (slot + 1) & number_mask) {
+        const std::uint32_t found = slots[slot], number = found & number_mask;
+        const bool is_taken = found != 0;
+        if (int(is_taken) & int((found & ~number_mask) != tag))
+          continue;
+        if (int(is_taken) & int(keys[number - std::uint32_t(is_taken)] != key))
+          continue;
+        return slot;
+      }
+    }
+  };
+
+  View
+  view() const
+  {
+    return {slots_.data(), keys_.data(), shift_, number_mask_};
+  }
+
+  void
+  setSlots(std::size_t least)
+  {
+    for (shift_ = 64 - 8; (std::size_t(1) << (64 - shift_)) < least;)
+      --shift_;
+    slots_.assign(std::size_t(1) << (64 - shift_), 0);
+    number_mask_ = std::uint32_t(slots_.size() - 1);
+  }
+
+  void
+  insertAll()
+  {
+    const View view = this->view();
+    std::uint32_t* const slots = slots_.data();
+    for (std::size_t i = 0; i < size_; ++i) {
+      const std::uint64_t hash = LatticeKeys<Key>::hash(view.keys[i]);
+      std::size_t slot = std::size_t(hash >> view.shift);
+      while (slots[slot] != 0)
+        slot = (slot + 1) & view.number_mask;
+      slots[slot] = view.entry(hash, i + 1);
+    }
+  }
+
+  int shift_ = 64;
+  std::uint32_t number_mask_ = 0;
+  std::vector<std::uint32_t> slots_; // 0 = free
+  std::vector<Key> keys_;            // with room for more
+  std::size_t size_ = 0;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,257 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/feature_clouds.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/crf/lattice_kernel.h>
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace {
+
+using namespace pcl_semantic;
+
+constexpr float weight = 3.0f;
+
+Eigen::MatrixXf
+product(const LatticeKernel& kernel, const Eigen::MatrixXf& values,
+        const VariableMask& active = {})
+{
+  Eigen::MatrixXf result = Eigen::MatrixXf::Zero(values.rows(), values.cols());
+  kernel.addProduct(values, result, active);
+  return result;
+}
+
+Eigen::VectorXf
+diagonalOf(const LatticeKernel& kernel)
+{
+  return Eigen::VectorXf::NullaryExpr(
+      kernel.size(), [&](Eigen::Index i) { return kernel.diagonal(i); });
+}
+
+// The matrix of the exact Gaussian, normalised and weighted, without its diagonal.
+Eigen::MatrixXd
+exactMatrix(const Eigen::MatrixXf& features, Normalization normalization)
+{
+  Eigen::MatrixXd matrix = makeGaussianMatrix(features);
+  const Eigen::ArrayXd scale = matrix.rowwise().sum().array().rsqrt();
+  if (normalization == Normalization::symmetric)
+    matrix = scale.matrix().asDiagonal() * matrix * scale.matrix().asDiagonal();
+  if (normalization == Normalization::one_sided)
+    matrix = scale.square().matrix().asDiagonal() * matrix;
+  matrix.diagonal().setZero();
+  return double(weight) * matrix;
+}
+
+// Error of products with labellings of eight classes, relative to the products.
+double
+relativeError(const Eigen::MatrixXf& features, Normalization normalization)
+{
+  const LatticeKernel kernel(features, weight, normalization);
+  Eigen::MatrixXf values = Eigen::MatrixXf::Zero(8, features.cols());
+  std::mt19937 random(1);
+  for (Eigen::Index i = 0; i < features.cols(); ++i)
+    values(Eigen::Index(random() % 8), i) = 1.0f;
+  const Eigen::MatrixXd expected =
+      values.cast<double>() * exactMatrix(features, normalization).transpose();
+  return (product(kernel, values).cast<double>() - expected).norm() / expected.norm();
+}
+
+TEST(LatticeKernel, IsNearTheBruteForceSum)
+{
+  // The lattice approximates: better, the more points lie within a deviation.
+  const struct {
+    Eigen::Index dimensions;
+    double dense, clusters, voxels;
+  } bounds[] = {{1, 0.01, 0.015, 0.01},
+                {2, 0.02, 0.02, 0.04},
+                {3, 0.02, 0.03, 0.05},
+                {5, 0.03, 0.035, 0.07},
+                {6, 0.04, 0.04, 0.08}};
+  for (const auto& bound : bounds) {
+    const Eigen::Index d = bound.dimensions;
+    const auto symmetric = Normalization::symmetric;
+    EXPECT_LT(relativeError(makeNormalCloud(d, 1500, 0.7f, 1), symmetric), bound.dense)
+        << "d " << d;
+    EXPECT_LT(relativeError(makeClusters(d, 1500, 2), symmetric), bound.clusters)
+        << "d " << d;
+    EXPECT_LT(relativeError(makeVoxelSurface(d, 1500, 3), symmetric), bound.voxels)
+        << "d " << d;
+  }
+}
+
+TEST(LatticeKernel, IsNearTheBruteForceSumInEveryNormalization)
+{
+  const Eigen::MatrixXf features = makeNormalCloud(3, 1500, 1.0f, 4);
+  EXPECT_LT(relativeError(features, Normalization::symmetric), 0.02);
+  EXPECT_LT(relativeError(features, Normalization::one_sided), 0.02);
+  EXPECT_LT(relativeError(features, Normalization::none), 0.05);
+}
+
+TEST(LatticeKernel, NormalizationIsExactForTheLatticeItself)
+{
+  const Eigen::MatrixXf features = makeNormalCloud(5, 400, 1.5f, 5);
+  const Eigen::MatrixXf identity = Eigen::MatrixXf::Identity(400, 400);
+  const auto matrixOf = [&](Normalization normalization) {
+    const LatticeKernel kernel(features, weight, normalization);
+    Eigen::MatrixXf matrix = product(kernel, identity).transpose();
+    matrix.diagonal() += diagonalOf(kernel);
+    return matrix;
+  };
+  const Eigen::MatrixXf plain = matrixOf(Normalization::none) / weight;
+  const Eigen::ArrayXf sums = plain.rowwise().sum().array();
+  const Eigen::MatrixXf one_sided =
+      weight * sums.inverse().matrix().asDiagonal() * plain;
+  const Eigen::MatrixXf symmetric = weight * sums.rsqrt().matrix().asDiagonal() *
+                                    plain * sums.rsqrt().matrix().asDiagonal();
+  EXPECT_LT((matrixOf(Normalization::one_sided) - one_sided).cwiseAbs().maxCoeff(),
+            1e-5f);
+  EXPECT_LT((matrixOf(Normalization::symmetric) - symmetric).cwiseAbs().maxCoeff(),
+            1e-5f);
+  EXPECT_LT((symmetric - symmetric.transpose()).cwiseAbs().maxCoeff(), 1e-5f);
+}
+
+TEST(LatticeKernel, ProductsLeaveOutTheVariableItself)
+{
+  for (const Eigen::Index d : {1, 3, 6, 9})
+    for (const LatticeBlur blur : {LatticeBlur::symmetric, LatticeBlur::forward}) {
+      const LatticeKernel kernel(makeNormalCloud(d, 300, 1.0f, 6), weight,
+                                 Normalization::symmetric, blur);
+      const Eigen::MatrixXf matrix =
+          product(kernel, Eigen::MatrixXf::Identity(300, 300));
+      EXPECT_LT(matrix.diagonal().cwiseAbs().maxCoeff(), 1e-5f) << "d " << d;
+      EXPECT_GT(diagonalOf(kernel).minCoeff(), 0.001f) << "d " << d;
+    }
+}
+
+TEST(LatticeKernel, OneVariableHearsNothing)
+{
+  const LatticeKernel kernel(Eigen::MatrixXf::Constant(3, 1, 5.0f), weight);
+  EXPECT_NEAR(kernel.diagonal(0), weight, 1e-5f);
+  EXPECT_NEAR(product(kernel, Eigen::MatrixXf::Ones(2, 1)).cwiseAbs().maxCoeff(), 0.0f,
+              1e-5f);
+}
+
+TEST(LatticeKernel, EveryNumberOfRowsIsDoneRowByRow)
+{
+  const Eigen::Index count = 700;
+  const LatticeKernel kernel(makeNormalCloud(4, count, 1.0f, 7), weight);
+  const Eigen::MatrixXf values = makeNormalCloud(255, count, 1.0f, 8);
+  Eigen::MatrixXf expected(255, count);
+  for (Eigen::Index row = 0; row < 255; ++row)
+    expected.row(row) = product(kernel, values.row(row));
+  for (const Eigen::Index rows : {1, 2, 3, 4, 5, 8, 9, 11, 15, 16, 17, 19, 33, 255})
+    EXPECT_TRUE(product(kernel, values.topRows(rows)) == expected.topRows(rows))
+        << rows << " rows";
+}
+
+TEST(LatticeKernel, AddsToBlocksOfLargerMatricesAndNothingElse)
+{
+  const Eigen::Index count = 300;
+  const LatticeKernel kernel(makeNormalCloud(2, count, 1.0f, 9), weight);
+  Eigen::MatrixXf values = makeNormalCloud(24, count, 1.0f, 10);
+  const Eigen::MatrixXf before = makeNormalCloud(32, count, 1.0f, 11);
+  for (const Eigen::Index rows : {3, 11, 16, 19}) {
+    Eigen::MatrixXf result = before;
+    kernel.addProduct(values.middleRows(2, rows), result.middleRows(5, rows), {});
+    Eigen::MatrixXf expected = before;
+    expected.middleRows(5, rows) += product(kernel, values.middleRows(2, rows));
+    EXPECT_LT((result - expected).cwiseAbs().maxCoeff(), 1e-6f);
+    expected.middleRows(5, rows) = result.middleRows(5, rows);
+    EXPECT_TRUE(result == expected) << rows << " rows";
+  }
+}
+
+TEST(LatticeKernel, OnlyActiveVariablesHear)
+{
+  const Eigen::Index count = 900;
+  const LatticeKernel kernel(makeNormalCloud(3, count, 1.0f, 12), weight);
+  const Eigen::MatrixXf values = makeNormalCloud(11, count, 1.0f, 13);
+  VariableMask active(std::size_t(count), 0);
+  for (std::size_t i = 0; i < active.size(); i += 3)
+    active[i] = 1;
+  Eigen::MatrixXf expected = product(kernel, values);
+  for (Eigen::Index i = 0; i < count; ++i)
+    if (!active[std::size_t(i)])
+      expected.col(i).setZero();
+  EXPECT_TRUE(product(kernel, values, active) == expected);
+}
+
+TEST(LatticeKernel, SameBitsForAnyNumberOfThreads)
+{
+  const Eigen::Index count = 20000;
+  for (const Eigen::Index d : {2, 5}) {
+    const Eigen::MatrixXf features = makeVoxelSurface(d, count, 14);
+    const Eigen::MatrixXf values = makeNormalCloud(11, count, 1.0f, 15);
+    std::vector<Eigen::MatrixXf> results;
+    for (const int threads : {1, 2, 7}) {
+      setNumberOfThreads(threads);
+      results.push_back(product(LatticeKernel(features, weight), values));
+    }
+    setNumberOfThreads(0);
+    EXPECT_TRUE(results[0] == results[1]);
+    EXPECT_TRUE(results[0] == results[2]);
+  }
+}
+
+TEST(LatticeKernel, SameBitsInEverySimdTier)
+{
+  const Eigen::Index count = 700;
+  for (const Eigen::Index d : {1, 2, 5, 6, 8}) {
+    const Eigen::MatrixXf features = makeNormalCloud(d, count, 2.0f, 16);
+    for (const Eigen::Index rows : {1, 3, 7, 11, 16, 19}) {
+      const Eigen::MatrixXf values = makeNormalCloud(rows, count, 1.0f, 17);
+      for (const LatticeBlur blur : {LatticeBlur::symmetric, LatticeBlur::forward}) {
+        const auto inTier = [&](SimdTier tier) {
+          return product(
+              LatticeKernel(features, weight, Normalization::symmetric, blur, tier),
+              values);
+        };
+        const Eigen::MatrixXf plain = inTier(SimdTier::plain);
+        for (const SimdTier tier : {SimdTier::avx2, SimdTier::avx512})
+          if (tier <= simdTier()) {
+            EXPECT_TRUE(inTier(tier) == plain)
+                << nameOf(tier) << ", d " << d << ", " << rows << " rows";
+          }
+      }
+    }
+  }
+}
+
+TEST(LatticeKernel, ThreadsMayShareOne)
+{
+  const Eigen::Index count = 5000;
+  const LatticeKernel kernel(makeNormalCloud(3, count, 1.0f, 18), weight);
+  const Eigen::MatrixXf values = makeNormalCloud(8, count, 1.0f, 19);
+  const Eigen::MatrixXf expected = product(kernel, values);
+  std::vector<Eigen::MatrixXf> results(4);
+  std::vector<std::thread> threads;
+  for (Eigen::MatrixXf& result : results)
+    threads.emplace_back([&] {
+      for (int i = 0; i < 5; ++i)
+        result = product(kernel, values);
+    });
+  for (std::thread& thread : threads)
+    thread.join();
+  for (const Eigen::MatrixXf& result : results)
+    EXPECT_TRUE(result == expected);
+}
+
+TEST(LatticeKernel, RefusesWhatCannotWork)
+{
+  const Eigen::MatrixXf features = makeNormalCloud(3, 10, 1.0f, 20);
+  for (const float bad : {-1.0f, std::nanf(""), INFINITY})
+    EXPECT_THROW(LatticeKernel(features, bad), InvalidParameterException);
+  EXPECT_THROW(LatticeKernel(features * std::nanf("")), InvalidParameterException);
+  const LatticeKernel nothing(features, 0.0f);
+  EXPECT_EQ(product(nothing, Eigen::MatrixXf::Ones(2, 10)).norm(), 0.0f);
+}
+
+} // namespace
