@@ -4,7 +4,6 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "labelled_table.h"
 #include "parameter_options.h"
 #include "tool.h"
 
@@ -12,12 +11,14 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/pipeline/crf_config.h>
 
 #include <pcl/common/io.h>
 
+#include <algorithm>
+#include <cstring>
 #include <iostream>
 #include <sstream>
 
@@ -28,7 +29,6 @@ namespace po = tool::po;
 
 struct Arguments {
   std::string input, output, label_set, config;
-  bool print_config = false;
   CRFConfig parameters;
 
   Arguments()
@@ -53,6 +53,7 @@ const tool::Usage usage{
 bool
 parse(int argc, char** argv, Arguments& arguments)
 {
+  bool print_config = false;
   po::options_description options("Options");
   options.add_options()("input", po::value(&arguments.input), "the labelled cloud")(
       "output", po::value(&arguments.output), "the cloud to write")(
@@ -60,7 +61,7 @@ parse(int argc, char** argv, Arguments& arguments)
       "classes (YAML), if labels alone do not show how many there are")(
       "config", po::value(&arguments.config),
       "parameters as YAML; options override it")(
-      "print-config", po::bool_switch(&arguments.print_config),
+      "print-config", po::bool_switch(&print_config),
       "print the effective parameters as YAML and end");
   tool::addParameters(parametersOf(arguments.parameters), options);
   po::positional_options_description positional;
@@ -71,43 +72,91 @@ parse(int argc, char** argv, Arguments& arguments)
   readCRFConfig(arguments.config, arguments.parameters);
   tool::setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();
-  return true;
+  if (print_config)
+    std::cout << printParameters(parametersOf(arguments.parameters));
+  return !print_config;
 }
 
 template <typename PointT>
 void
-setCliques(const std::string& cliques, const tool::LabelledTable& input,
-           SemanticCRF<PointT>& crf)
+setCliques(const std::string& cliques, const Arguments& arguments,
+           const LabelledCloud& input, SemanticCRF<PointT>& crf)
 {
   if (cliques == "none")
     return;
+  if (cliques == "field" && input.table.find("clique") < 0)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        arguments.input << ": has no field 'clique'");
   if (cliques == "field")
-    crf.setCliques(input.cliques());
+    crf.setCliques(input.cliques);
   else if (cliques == "slic" || cliques.find(':') != std::string::npos)
     crf.setCliqueGenerator(makeCliqueGenerator(cliques));
   else
-    crf.setCliques(readCliques(cliques, input.table.points));
+    crf.setCliques(readCliques(cliques, input.cloud->size()));
+}
+
+template <typename PointT>
+void
+setMeasurements(const Arguments& arguments, const LabelledCloud& input,
+                SemanticCRF<PointT>& crf)
+{
+  const int found = input.distributions.classes();
+  int classes = found;
+  if (!arguments.label_set.empty())
+    classes = readLabelSet(arguments.label_set).size();
+  else if (found == 0)
+    for (const pcl::PointXYZRGBL& point : *input.cloud)
+      classes = std::max({classes, 1, int(point.label)});
+  if (found == 0 && !input.has_labels)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        arguments.input << ": has no field 'label' or 'probability'");
+  if (found > 0 && found != classes)
+    PCL_THROW_EXCEPTION(BadInputException, arguments.input
+                                               << ": has probabilities of " << found
+                                               << " classes, expected " << classes);
+  if (found > 0)
+    crf.setLabelDistributions(input.distributions);
+  else
+    crf.setLabelConfidence(arguments.parameters.label_confidence, std::max(1, classes));
+}
+
+// A map says how certain it is of each voxel.
+void
+setEntropies(LabelledCloud& cloud)
+{
+  if (cloud.table.find("entropy") < 0)
+    return;
+  std::vector<std::uint8_t> bytes(cloud.cloud->size() * sizeof(float));
+  for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {
+    const float entropy = cloud.distributions.entropy(Eigen::Index(i));
+    std::memcpy(&bytes[i * sizeof(float)], &entropy, sizeof(float));
+  }
+  cloud.table.setColumn({"entropy", 'F', 4, 1}, bytes);
 }
 
 // Runs the filter over points with colour or without, and says what became of it.
 template <typename PointT>
 std::string
-filter(const CRFConfig& config, int classes, tool::LabelledTable& input)
+filter(const Arguments& arguments, LabelledCloud& input)
 {
-  const auto fields = input.cloud();
   const auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
-  pcl::copyPointCloud(*fields, *cloud);
+  pcl::copyPointCloud(*input.cloud, *cloud);
   SemanticCRF<PointT> crf;
-  crf.setModel(config.model);
-  crf.setParameters(config.parameters);
-  setCliques(config.cliques, input, crf);
+  crf.setModel(arguments.parameters.model);
+  crf.setParameters(arguments.parameters.parameters);
+  setCliques(arguments.parameters.cliques, arguments, input, crf);
+  setMeasurements(arguments, input, crf);
   crf.setInputCloud(cloud);
-  crf.setLabelDistributions(input.distributions(classes, config.label_confidence));
-  crf.filter(*cloud);
+  try {
+    crf.filter(*cloud);
+  }
+  catch (const BadInputException& error) { // a cloud knows nothing of its file
+    PCL_THROW_EXCEPTION(BadInputException, arguments.input << ": " << error.what());
+  }
   for (std::size_t i = 0; i < cloud->size(); ++i)
-    (*fields)[i].label = (*cloud)[i].label;
-  input.setResult(*fields, crf.getLabelDistributions());
-  const LabelRefiner::Report& report = crf.getReport();
+    (*input.cloud)[i].label = (*cloud)[i].label;
+  input.distributions = crf.getLabelDistributions();
+  const CRFReport& report = crf.getReport();
   std::ostringstream text;
   text << "points: " << cloud->size() << ", of which " << crf.getSkippedPoints()
        << " without a place, " << report.unlabelled
@@ -128,13 +177,12 @@ refine(const Arguments& arguments)
       {arguments.output});
   config.requireFittingCliques();
   setNumberOfThreads(config.threads);
-  const int classes =
-      arguments.label_set.empty() ? 0 : readLabelSet(arguments.label_set).size();
-  tool::LabelledTable input(arguments.input);
-  const std::string report = input.hasColour()
-                                 ? filter<pcl::PointXYZRGBL>(config, classes, input)
-                                 : filter<pcl::PointXYZL>(config, classes, input);
-  writePcd(arguments.output, input.table);
+  LabelledCloud cloud = readLabelledCloud(arguments.input);
+  const std::string report = cloud.has_colour
+                                 ? filter<pcl::PointXYZRGBL>(arguments, cloud)
+                                 : filter<pcl::PointXYZL>(arguments, cloud);
+  setEntropies(cloud);
+  writeLabelledCloud(arguments.output, cloud);
   std::cout << report;
   return tool::exit_done;
 }
@@ -146,12 +194,6 @@ main(int argc, char** argv)
 {
   return tool::run(usage.name, [&] {
     Arguments arguments;
-    if (!parse(argc, argv, arguments))
-      return int(tool::exit_done);
-    if (arguments.print_config) {
-      std::cout << printParameters(parametersOf(arguments.parameters));
-      return int(tool::exit_done);
-    }
-    return refine(arguments);
+    return parse(argc, argv, arguments) ? refine(arguments) : int(tool::exit_done);
   });
 }

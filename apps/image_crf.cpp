@@ -28,7 +28,6 @@ namespace po = tool::po;
 
 struct Arguments {
   std::string image, distributions, output, label_set, overlay, refined, config;
-  bool print_config = false;
   CRFConfig parameters;
 
   Arguments()
@@ -52,6 +51,7 @@ const tool::Usage usage{
 bool
 parse(int argc, char** argv, Arguments& arguments)
 {
+  bool print_config = false;
   po::options_description options("Options");
   options.add_options()("image", po::value(&arguments.image), "the image (.png)")(
       "distributions", po::value(&arguments.distributions),
@@ -65,7 +65,7 @@ parse(int argc, char** argv, Arguments& arguments)
       "also writes the refined distributions (.bin)")(
       "config", po::value(&arguments.config),
       "parameters as YAML; options override it")(
-      "print-config", po::bool_switch(&arguments.print_config),
+      "print-config", po::bool_switch(&print_config),
       "print the effective parameters as YAML and end");
   tool::addParameters(parametersOf(arguments.parameters), options);
   po::positional_options_description positional;
@@ -76,7 +76,9 @@ parse(int argc, char** argv, Arguments& arguments)
   readCRFConfig(arguments.config, arguments.parameters);
   tool::setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();
-  return true;
+  if (print_config)
+    std::cout << printParameters(parametersOf(arguments.parameters));
+  return !print_config;
 }
 
 void
@@ -141,12 +143,6 @@ main(int argc, char** argv)
 {
   return tool::run(usage.name, [&] {
     Arguments arguments;
-    if (!parse(argc, argv, arguments))
-      return int(tool::exit_done);
-    if (arguments.print_config) {
-      std::cout << printParameters(parametersOf(arguments.parameters));
-      return int(tool::exit_done);
-    }
-    return refine(arguments);
+    return parse(argc, argv, arguments) ? refine(arguments) : int(tool::exit_done);
   });
 }

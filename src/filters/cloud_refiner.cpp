@@ -163,7 +163,7 @@ CloudRefiner::makeCliques(const Fields& fields)
       point.b = colour(2);
     }
   }
-  setCliques(generator_->generate(cloud));
+  LabelRefiner::setCliques(generator_->generate(cloud));
 }
 
 void

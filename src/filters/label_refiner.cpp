@@ -140,10 +140,23 @@ LabelRefiner::setInitialDistributions(const LabelDistributions& distributions)
   initial_ = distributions;
 }
 
+void
+LabelRefiner::setComputeEnergies(bool compute)
+{
+  compute_energies_ = compute;
+}
+
+void
+LabelRefiner::setIncremental(bool incremental)
+{
+  incremental_ = incremental;
+  history_.reset();
+}
+
 LabelDistributions
 LabelRefiner::refine(Elements& elements)
 {
-  report_ = Report();
+  report_ = CRFReport();
   report_.unlabelled = checkMeasurements(elements.measured, elements.indices);
   if (compute_energies_ && !compatibility_.isSymmetric())
     PCL_THROW_EXCEPTION(InvalidParameterException,

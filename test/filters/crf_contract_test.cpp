@@ -40,7 +40,7 @@ using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
 using Filter = SemanticCRF<pcl::PointXYZRGBL>;
 
 Eigen::MatrixXf
-refine(Filter& crf, const LabelledCloud& input)
+refine(Filter& crf, const CrfCloud& input)
 {
   crf.setInputCloud(input.cloud);
   crf.setLabelDistributions(input.distributions);
@@ -59,7 +59,7 @@ fiveUpdates()
 
 // A cloud whose points are the voxels of some indices, relative to an origin [m].
 std::vector<VoxelIndex>
-placeVoxels(LabelledCloud& cloud, const VoxelIndex& shift, double origin)
+placeVoxels(CrfCloud& cloud, const VoxelIndex& shift, double origin)
 {
   std::vector<VoxelIndex> indices;
   for (pcl::PointXYZRGBL& point : *cloud.cloud) {
@@ -78,7 +78,7 @@ TEST(CRFPlaces, AVoxelCloudMayLieAnywhere)
     std::vector<Eigen::MatrixXf> results;
     for (const auto& [shift, origin] :
          {std::pair(nowhere, 0.0), {nowhere, 100000.0}, {far, 0.0}, {far, 7000.0}}) {
-      LabelledCloud input = makeLabelledCloud(400, 21);
+      CrfCloud input = makeCrfCloud(400, 21);
       const std::vector<VoxelIndex> indices = placeVoxels(input, shift, origin);
       Filter crf;
       crf.setModel(model);
@@ -89,7 +89,7 @@ TEST(CRFPlaces, AVoxelCloudMayLieAnywhere)
     }
     for (const Eigen::MatrixXf& result : results)
       EXPECT_EQ(result, results[0]) << int(model); // to the last bit
-    EXPECT_GT((results[0] - makeLabelledCloud(400, 21).distributions.matrix())
+    EXPECT_GT((results[0] - makeCrfCloud(400, 21).distributions.matrix())
                   .cwiseAbs()
                   .maxCoeff(),
               0.2f);
@@ -101,7 +101,7 @@ TEST(CRFPlaces, APlainCloudIsReCentred)
   // Multiples of 1/8 are exact as floats up to 1,000 km.
   std::vector<Eigen::MatrixXf> results;
   for (const float shift : {0.0f, 131072.0f, 1048576.0f}) {
-    LabelledCloud input = makeLabelledCloud(300, 22);
+    CrfCloud input = makeCrfCloud(300, 22);
     for (pcl::PointXYZRGBL& point : *input.cloud)
       for (int a = 0; a < 3; ++a)
         point.data[a] = std::round(point.data[a] * 10.0f) * 0.125f - shift;
@@ -114,8 +114,8 @@ TEST(CRFPlaces, APlainCloudIsReCentred)
 
 TEST(CRFPlaces, PointsOutOfReachAreSkippedAndCounted)
 {
-  const LabelledCloud whole = makeLabelledCloud(120, 23);
-  LabelledCloud input = makeLabelledCloud(120, 23);
+  const CrfCloud whole = makeCrfCloud(120, 23);
+  CrfCloud input = makeCrfCloud(120, 23);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::pair<int, float> bad[] = {
       {0, nan}, {7, 1e30f}, {30, -1e30f}, {31, std::numeric_limits<float>::infinity()}};
@@ -149,7 +149,7 @@ TEST(CRFPlaces, PointsOutOfReachAreSkippedAndCounted)
 
 TEST(CRFPlaces, OrganizationHeaderAndPoseAreKept)
 {
-  LabelledCloud input = makeLabelledCloud(120, 24);
+  CrfCloud input = makeCrfCloud(120, 24);
   input.cloud->width = 12;
   input.cloud->height = 10;
   input.cloud->header.frame_id = "map";
@@ -171,7 +171,7 @@ TEST(CRFPlaces, OrganizationHeaderAndPoseAreKept)
 
 TEST(CRFPlaces, SameResultForAnyNumberOfThreadsAndAnyOrderOfIndices)
 {
-  const LabelledCloud input = makeLabelledCloud(700, 25);
+  const CrfCloud input = makeCrfCloud(700, 25);
   std::vector<Eigen::MatrixXf> results;
   for (const int threads : {1, 2, 7}) {
     setNumberOfThreads(threads);
@@ -194,7 +194,7 @@ TEST(CRFPlaces, SameResultForAnyNumberOfThreadsAndAnyOrderOfIndices)
 
 TEST(CRFTypes, FieldsAreFoundByTheirNames)
 {
-  const LabelledCloud input = makeLabelledCloud(200, 26);
+  const CrfCloud input = makeCrfCloud(200, 26);
   pcl::PointCloud<OddPoint>::Ptr odd(new pcl::PointCloud<OddPoint>);
   for (const pcl::PointXYZRGBL& point : *input.cloud) {
     OddPoint other{};
@@ -218,7 +218,7 @@ TEST(CRFTypes, FieldsAreFoundByTheirNames)
 
 TEST(CRFTypes, WithoutColourThereIsNoKernelOfColours)
 {
-  const LabelledCloud input = makeLabelledCloud(200, 27);
+  const CrfCloud input = makeCrfCloud(200, 27);
   SemanticCRFParameters parameters;
   parameters.appearance_weight = 0.0;
   Filter positions_only;
@@ -245,7 +245,7 @@ TEST(CRFTypes, WithoutColourThereIsNoKernelOfColours)
 
 TEST(CRFInput, HardLabelsAreDistributionsOfAConfidence)
 {
-  LabelledCloud input = makeLabelledCloud(200, 28);
+  CrfCloud input = makeCrfCloud(200, 28);
   for (int i = 0; i < 200; ++i) {
     (*input.cloud)[std::size_t(i)].label = std::uint32_t(i % 5); // some unlabelled
     input.distributions.setLabel(i, Label(i % 5), 0.7f);
@@ -268,7 +268,7 @@ TEST(CRFInput, HardLabelsAreDistributionsOfAConfidence)
 
 TEST(CRFInput, AGeneratorsCliquesAreThoseItMakesOfTheCloud)
 {
-  const LabelledCloud input = makeLabelledCloud(300, 29);
+  const CrfCloud input = makeCrfCloud(300, 29);
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*input.cloud, cloud);
   Filter given, made;
@@ -276,13 +276,21 @@ TEST(CRFInput, AGeneratorsCliquesAreThoseItMakesOfTheCloud)
   made.setModel(CRFModelType::hierarchical);
   given.setCliques(CubeCliques(0.4).generate(cloud));
   made.setCliqueGenerator(std::make_shared<CubeCliques>(0.4));
-  EXPECT_EQ(refine(given, input), refine(made, input));
+  const Eigen::MatrixXf expected = refine(given, input);
+  EXPECT_EQ(refine(made, input), expected);
+  // What is set last is in force.
+  made.setCliques({});
+  EXPECT_NE(refine(made, input), expected);
+  made.setCliqueGenerator(std::make_shared<CubeCliques>(0.4));
+  EXPECT_EQ(refine(made, input), expected);
+  made.setCliqueGenerator(nullptr);
+  EXPECT_THROW(refine(made, input), InvalidParameterException);
 }
 
 TEST(CRFInput, WhatDoesNotFitIsRefused)
 {
   const auto complaint = [](auto&& prepare) {
-    LabelledCloud input = makeLabelledCloud(40, 30);
+    CrfCloud input = makeCrfCloud(40, 30);
     Filter crf;
     crf.setInputCloud(input.cloud);
     crf.setLabelDistributions(input.distributions);
@@ -374,7 +382,7 @@ TEST(CRFInput, ProbabilitiesThatCannotBeAreNamed)
 {
   for (const float bad :
        {std::nanf(""), -0.1f, std::numeric_limits<float>::infinity()}) {
-    LabelledCloud input = makeLabelledCloud(40, 31);
+    CrfCloud input = makeCrfCloud(40, 31);
     input.distributions.matrix()(2, 17) = bad;
     Filter crf;
     EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { refine(crf, input); }),
@@ -384,7 +392,7 @@ TEST(CRFInput, ProbabilitiesThatCannotBeAreNamed)
 
 TEST(CRFInput, TheScaleOfADistributionDoesNotMatter)
 {
-  LabelledCloud input = makeLabelledCloud(100, 32);
+  CrfCloud input = makeCrfCloud(100, 32);
   Filter crf;
   const Eigen::MatrixXf expected = refine(crf, input);
   input.distributions.matrix() *= 8.0f;

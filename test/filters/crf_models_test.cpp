@@ -36,7 +36,7 @@ toPcl(const std::vector<std::vector<std::int32_t>>& lists)
 // A cloud of which every fifth point takes no part, and cliques that overlap, leave
 // points out and reach beyond the indices; the first has no member that takes part.
 struct Setting {
-  LabelledCloud input = makeLabelledCloud(points, 11);
+  CrfCloud input = makeCrfCloud(points, 11);
   pcl::Indices indices;
   std::vector<std::vector<std::int32_t>> cliques = makeCliques(25, 12, points, 17);
   SemanticCRFParameters parameters;

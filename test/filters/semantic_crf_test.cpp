@@ -21,8 +21,7 @@ using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
 constexpr double tolerance = 0.01;
 
 Eigen::MatrixXd
-expectedMarginals(const LabelledCloud& input, const pcl::Indices& indices,
-                  int iterations)
+expectedMarginals(const CrfCloud& input, const pcl::Indices& indices, int iterations)
 {
   PlainMeanField inference(makePlainCrf(input, indices, SemanticCRFParameters()));
   for (int i = 0; i < iterations; ++i)
@@ -32,7 +31,7 @@ expectedMarginals(const LabelledCloud& input, const pcl::Indices& indices,
 
 TEST(SemanticCRF, EqualsThePlainModel)
 {
-  const LabelledCloud input = makeLabelledCloud(400, 1);
+  const CrfCloud input = makeCrfCloud(400, 1);
   for (const int iterations : {1, 3}) {
     SemanticCRF<pcl::PointXYZRGBL> crf;
     SemanticCRFParameters parameters;
@@ -56,7 +55,7 @@ TEST(SemanticCRF, EqualsThePlainModel)
 
 TEST(SemanticCRF, PointsOutsideTheIndicesStayAndSendNothing)
 {
-  const LabelledCloud input = makeLabelledCloud(300, 2);
+  const CrfCloud input = makeCrfCloud(300, 2);
   const pcl::IndicesPtr indices(new pcl::Indices);
   for (int i = 0; i < 300; i += 3)
     indices->push_back(i);
@@ -82,7 +81,7 @@ TEST(SemanticCRF, PointsOutsideTheIndicesStayAndSendNothing)
 
 TEST(SemanticCRF, PointsAtNanKeepTheirPlaceWithoutLabel)
 {
-  LabelledCloud input = makeLabelledCloud(100, 3);
+  CrfCloud input = makeCrfCloud(100, 3);
   (*input.cloud)[5].x = std::nanf("");
   input.cloud->is_dense = false;
   input.cloud->width = 10;
@@ -100,7 +99,7 @@ TEST(SemanticCRF, PointsAtNanKeepTheirPlaceWithoutLabel)
 
 TEST(SemanticCRF, AnUnlabelledPointTakesTheLabelOfItsNeighbours)
 {
-  LabelledCloud input = makeLabelledCloud(30, 4);
+  CrfCloud input = makeCrfCloud(30, 4);
   for (int i = 0; i < 30; ++i) {
     (*input.cloud)[std::size_t(i)].getVector3fMap() << 0.1f * float(i), 0.0f, 0.0f;
     input.distributions.setLabel(i, i == 15 ? 0 : 3, 0.9f);
@@ -115,7 +114,7 @@ TEST(SemanticCRF, AnUnlabelledPointTakesTheLabelOfItsNeighbours)
 
 TEST(SemanticCRF, WithoutALabelNearAPointStaysUnlabelled)
 {
-  LabelledCloud input = makeLabelledCloud(30, 4);
+  CrfCloud input = makeCrfCloud(30, 4);
   for (int i = 0; i < 30; ++i) { // two groups far apart, one without any label
     (*input.cloud)[std::size_t(i)].getVector3fMap() << 0.1f * float(i % 15),
         i < 15 ? 0.0f : 50.0f, 0.0f;
@@ -139,7 +138,7 @@ TEST(SemanticCRF, WithoutALabelNearAPointStaysUnlabelled)
 TEST(SemanticCRF, WorksOnPointsWithoutColour)
 {
   pcl::PointCloud<pcl::PointXYZL>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZL>);
-  const LabelledCloud coloured = makeLabelledCloud(50, 5);
+  const CrfCloud coloured = makeCrfCloud(50, 5);
   for (const pcl::PointXYZRGBL& point : *coloured.cloud) {
     pcl::PointXYZL plain;
     plain.getVector3fMap() = point.getVector3fMap();

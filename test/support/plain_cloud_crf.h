@@ -20,15 +20,15 @@
 namespace pcl_semantic {
 
 /** \brief A cloud of voxels with random colours, four classes and label 99. */
-struct LabelledCloud {
+struct CrfCloud {
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{new pcl::PointCloud<pcl::PointXYZRGBL>};
   LabelDistributions distributions;
 };
 
-inline LabelledCloud
-makeLabelledCloud(Eigen::Index count, unsigned seed)
+inline CrfCloud
+makeCrfCloud(Eigen::Index count, unsigned seed)
 {
-  LabelledCloud result;
+  CrfCloud result;
   const Eigen::Matrix3Xf positions = makeVoxelPositions(count, seed);
   std::mt19937 random(seed);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -94,7 +94,7 @@ plainUnary(const Eigen::MatrixXf& distributions)
 
 /** \brief The dense CRF over some points of a cloud. */
 inline PlainCrf
-makePlainCrf(const LabelledCloud& input, const pcl::Indices& indices,
+makePlainCrf(const CrfCloud& input, const pcl::Indices& indices,
              const SemanticCRFParameters& parameters)
 {
   const auto count = Eigen::Index(indices.size());

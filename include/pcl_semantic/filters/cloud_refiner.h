@@ -42,8 +42,16 @@ public:
    * \throws InvalidParameterException if the size is not positive */
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
 
-  /** \brief Makes the cliques of each run (setCliques()) from its input cloud: all of
-   * its points, but for those that are passed over. Null = none. */
+  /** \brief As LabelRefiner::setCliques(); replaces a generator. */
+  void
+  setCliques(const std::vector<pcl::PointIndices>& cliques)
+  {
+    LabelRefiner::setCliques(cliques);
+    generator_.reset();
+  }
+
+  /** \brief Makes the cliques of each run from its input cloud: all of its points, but
+   * for those that are passed over. Replaces setCliques(); null = no cliques. */
   void
   setCliqueGenerator(const CliqueGenerator::Ptr& generator)
   {

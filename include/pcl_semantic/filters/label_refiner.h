@@ -10,6 +10,7 @@
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/crf/label_compatibility.h>
 #include <pcl_semantic/filters/crf_parameters.h>
+#include <pcl_semantic/filters/crf_report.h>
 
 #include <pcl/PointIndices.h>
 #include <pcl/types.h>
@@ -58,12 +59,11 @@ public:
    * the weight is negative or not finite */
   void addKernel(const Eigen::MatrixXf& features, float weight);
 
-  /** \brief Forgets the kernels of addKernel(). */
   void clearKernels();
 
   /** \brief The cliques of the last two models, as indices of elements; they may
    * overlap and leave elements out. Members that take no part are left out of their
-   * cliques, and cliques that lose all are skipped (Report). Replaces a generator.
+   * cliques, and cliques that lose all are skipped (CRFReport).
    * \throws InvalidParameterException that names the clique, if one is empty; an index
    * out of range is found in the run */
   void setCliques(const std::vector<pcl::PointIndices>& cliques);
@@ -83,36 +83,16 @@ public:
 
   /** \brief Whether the report has energies; they cost about as much as an update, and
    * need a symmetric compatibility. */
-  void
-  setComputeEnergies(bool compute)
-  {
-    compute_energies_ = compute;
-  }
+  void setComputeEnergies(bool compute);
 
   /** \brief Whether a run takes over from the one before what cannot have changed: for
    * a map of which each frame changes a part. Works for the dense model with one update
    * and truncated kernels; others run as without. Results are the same up to rounding.
    * Keeps a copy of the last input. */
-  void
-  setIncremental(bool incremental)
-  {
-    incremental_ = incremental;
-    history_.reset();
-  }
-
-  /** \brief What became of a run. */
-  struct Report {
-    int updates = 0;            ///< mean-field updates made
-    double last_change = 0.0;   ///< largest change of a marginal in the last of them
-    std::size_t unlabelled = 0; ///< elements that take part without a measurement
-    std::size_t cliques = 0;    ///< cliques that take part
-    std::size_t skipped_cliques = 0; ///< cliques of which no member does
-    double free_energy = 0.0;        ///< MeanField::freeEnergy()
-    double energy = 0.0;             ///< energy() of the MAP labels
-  };
+  void setIncremental(bool incremental);
 
   /** \brief Of the last run. */
-  const Report&
+  const CRFReport&
   getReport() const
   {
     return report_;
@@ -161,7 +141,7 @@ private:
   bool compute_energies_ = false;
   bool incremental_ = false;
   std::shared_ptr<const DenseHistory> history_; // of the last run
-  Report report_;
+  CRFReport report_;
 };
 
 } // namespace pcl_semantic
