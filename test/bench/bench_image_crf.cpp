@@ -56,9 +56,10 @@ ourModel(const LabelledImage& image, LatticeBlur blur)
   CrfModel model;
   model.unary = image.unary;
   model.self_interaction = true;
-  for (int m = 0; m < 2; ++m)
-    model.kernels.push_back(std::make_shared<LatticeKernel>(
-        image.features[m], weights[m], Normalization::symmetric, blur));
+  model.kernels.push_back(std::make_shared<LatticeKernel>(
+      std::vector<LatticeTerm>{{image.features[0], weights[0]},
+                               {image.features[1], weights[1]}},
+      Normalization::symmetric, blur));
   return model;
 }
 
@@ -94,24 +95,25 @@ printAgreement(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b)
 
 // Where the time goes: set-up of a kernel, and its product with the labels.
 void
-printParts(const char* name, const Eigen::MatrixXf& features, Eigen::Index labels,
+printParts(const char* name, const std::vector<LatticeTerm>& terms, Eigen::Index labels,
            LatticeBlur blur)
 {
   const auto make = [&] {
-    return LatticeKernel(features, 1.0f, Normalization::symmetric, blur);
+    return LatticeKernel(terms, Normalization::symmetric, blur);
   };
   const double set_up = medianSeconds(5, [&] { make(); });
   const LatticeKernel kernel = make();
   const Eigen::Index rows = (labels + 15) / 16 * 16; // as the engine pads them
-  const Eigen::MatrixXf values = Eigen::MatrixXf::Constant(rows, features.cols(), 0.1f);
-  Eigen::MatrixXf result = Eigen::MatrixXf::Zero(rows, features.cols());
+  const Eigen::MatrixXf values = Eigen::MatrixXf::Constant(rows, kernel.size(), 0.1f);
+  Eigen::MatrixXf result = Eigen::MatrixXf::Zero(rows, kernel.size());
   const double product =
       medianSeconds(9, [&] { kernel.addProduct(values, result, {}); });
   std::printf("  %s, %s blur: %ld points, %ld vertices; set-up %.1f ms, product %.1f "
               "ms, %.0f bytes a point\n",
               name, blur == LatticeBlur::forward ? "forward" : "symmetric",
-              long(features.cols()), long(kernel.lattice().vertices()), 1e3 * set_up,
-              1e3 * product, double(kernel.memory()) / double(features.cols()));
+              long(kernel.size()), long(kernel.lattice(terms.size() - 1).vertices()),
+              1e3 * set_up, 1e3 * product,
+              double(kernel.memory()) / double(kernel.size()));
 }
 
 void
@@ -121,8 +123,11 @@ compare(const std::string& name, const LabelledImage& image)
               long(image.unary.rows()));
   const Eigen::Index labels = image.unary.rows();
   for (const LatticeBlur blur : {LatticeBlur::forward, LatticeBlur::symmetric}) {
-    printParts("3 px", image.features[0], labels, blur);
-    printParts("40 px and 4 levels", image.features[1], labels, blur);
+    printParts("3 px", {{image.features[0], weights[0]}}, labels, blur);
+    printParts("40 px and 4 levels", {{image.features[1], weights[1]}}, labels, blur);
+    printParts("both",
+               {{image.features[0], weights[0]}, {image.features[1], weights[1]}},
+               labels, blur);
   }
   const double plain_set_up = medianSeconds(1, [&] { runPlain(image, 0); });
   const double plain = medianSeconds(1, [&] { runPlain(image, updates); });
@@ -168,7 +173,8 @@ printVoxels(const char* name, const VoxelCloud& voxels)
   }
   std::printf("%s\n", name);
   for (const LatticeBlur blur : {LatticeBlur::forward, LatticeBlur::symmetric})
-    printParts("0.2 m and 8 levels", features, voxels.measured.classes(), blur);
+    printParts("0.2 m and 8 levels", {{features, 1.0f}}, voxels.measured.classes(),
+               blur);
 }
 
 } // namespace
