@@ -180,7 +180,7 @@ private:
   {
     std::int32_t columns[kernels::batch_points];
     for (std::size_t i = 0; i < kernels::batch_points; ++i)
-      columns[i] = structure_.columns[std::min(begin + i, end - 1)];
+      columns[i] = (*structure_.columns)[std::min(begin + i, end - 1)];
     kernels::LatticeBatch batch;
     kernels::latticeEmbedding(tier).embed(frame, features.data(), columns, batch);
     const std::size_t corners = structure_.corners;

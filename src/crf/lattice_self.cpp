@@ -117,7 +117,7 @@ respondBySets(const LatticeArray<std::uint8_t>& directions, SimdTier tier,
     float responses[kernels::batch_points];
     loops.selfResponse(paths, responses);
     for (std::size_t i = 0; i < count; ++i)
-      structure.self_responses[std::size_t(structure.columns[begin + i])] =
+      structure.self_responses[std::size_t((*structure.columns)[begin + i])] =
           responses[i];
   }
 }
@@ -199,7 +199,7 @@ findSelfResponses(const LatticeVertices<Key>& vertices, SimdTier tier,
   const Walker<Key> walker(vertices, int(structure.corners));
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t i = 0; i < structure.points; ++i)
-    structure.self_responses[std::size_t(structure.columns[i])] =
+    structure.self_responses[std::size_t((*structure.columns)[i])] =
         walker.respond(structure, i);
 }
 

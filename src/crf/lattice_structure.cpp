@@ -39,7 +39,7 @@ build(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
 } // namespace
 
 LatticeStructure
-buildLattice(const LatticeFeatures& features, SimdTier tier)
+buildLattice(const LatticeFeatures& features, const LatticeOrder& order, SimdTier tier)
 {
   double extents[kernels::most_dimensions] = {};
   const kernels::LatticeFrame frame = frameOf(features, extents);
@@ -60,7 +60,9 @@ buildLattice(const LatticeFeatures& features, SimdTier tier)
                             << features.rows() << " dimensions: keys of lattice "
                             << "vertices would take " << bits.bits
                             << " bits, expected at most 128");
-  structure.columns = orderInTiles(features, frame, extents);
+  structure.columns = order ? order
+                            : std::make_shared<const LatticeArray<std::int32_t>>(
+                                  orderInTiles(features, frame, extents));
   if (bits.bits <= 64)
     build<std::uint64_t>(features, frame, bits, tier, structure);
   else
@@ -71,7 +73,7 @@ buildLattice(const LatticeFeatures& features, SimdTier tier)
 std::size_t
 LatticeStructure::memory() const
 {
-  std::size_t bytes = columns.bytes() + corner_rows.bytes() + weights.bytes() +
+  std::size_t bytes = columns->bytes() + corner_rows.bytes() + weights.bytes() +
                       represents.bytes() + self_responses.bytes() +
                       row_ends.size() * sizeof(std::int32_t) +
                       shared.size() * 2 * sizeof(std::int32_t) +

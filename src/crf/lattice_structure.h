@@ -15,11 +15,15 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace pcl_semantic {
 
 using LatticeFeatures = Eigen::Ref<const Eigen::MatrixXf>;
+
+/** \brief The points (by column) in the order in which a lattice takes them. */
+using LatticeOrder = std::shared_ptr<const LatticeArray<std::int32_t>>;
 
 /** \brief The runs of some vertices, in each direction of a group: their rows one after
  * the other, the last of a run marked. */
@@ -49,7 +53,7 @@ struct LatticeStructure {
   std::size_t rows = 0; ///< vertices and partial rows
   std::size_t chunk_points = 0;
 
-  LatticeArray<std::int32_t> columns; ///< of the sorted points
+  LatticeOrder columns; ///< of the sorted points
   LatticeArray<std::int32_t> corner_rows;
   LatticeArray<float> weights;
   std::vector<std::int32_t> row_ends; ///< of own rows begun, every 64 points
@@ -76,8 +80,10 @@ struct LatticeStructure {
 };
 
 /** \brief Builds the lattice around the columns of features.
+ * \param[in] order to take the points in; null = one that suits the features
  * \throws InvalidParameterException if a feature is not finite, there are none or more
  * than 16 a point, or they span too many deviations for the keys of the vertices */
-LatticeStructure buildLattice(const LatticeFeatures& features, SimdTier tier);
+LatticeStructure buildLattice(const LatticeFeatures& features,
+                              const LatticeOrder& order, SimdTier tier);
 
 } // namespace pcl_semantic

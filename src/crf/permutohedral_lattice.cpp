@@ -4,162 +4,98 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "kernels/lattice_filter.h"
-#include "lattice_structure.h"
+#include "lattice_pass.h"
 
-#include <pcl_semantic/crf/permutohedral_lattice.h>
+#include <pcl_semantic/core/exceptions.h>
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
 namespace pcl_semantic {
 
 namespace {
 
+constexpr std::size_t widest = 16; // rows that are filtered at a time
 // To wake threads costs more than to filter fewer rows than that by oneself.
 constexpr std::size_t few_rows = 2000;
-constexpr std::size_t merge_vertices = 1024; // that a thread takes at a time
-constexpr std::size_t widest = 16;           // rows that are filtered at a time
 
-std::size_t
-widthFor(Eigen::Index rows)
+using Passes = std::vector<std::unique_ptr<LatticePass>>;
+
+// Parts of all passes one after the other, for threads to share.
+template <typename CountOf, typename Work>
+void
+share(const Passes& passes, bool by_threads, CountOf&& count_of, Work&& work)
 {
-  return rows > 8 ? 16 : rows > 4 ? 8 : rows > 1 ? 4 : 1;
+  std::vector<std::size_t> ends;
+  for (const auto& pass : passes)
+    ends.push_back((ends.empty() ? 0 : ends.back()) + count_of(*pass));
+#pragma omp parallel for schedule(dynamic, 1) if (by_threads)
+  for (std::size_t i = 0; i < ends.back(); ++i) {
+    std::size_t p = 0;
+    while (i >= ends[p])
+      ++p;
+    work(*passes[p], i - (p > 0 ? ends[p - 1] : 0));
+  }
+}
+
+void
+run(const Passes& passes, std::size_t chunks, bool by_threads)
+{
+  // All passes of a chunk together: its values and results stay in the fast cache.
+#pragma omp parallel for schedule(dynamic, 1) if (by_threads)
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (const auto& pass : passes)
+      pass->splat(c);
+  share(
+      passes, by_threads, [](const LatticePass& pass) { return pass.merges(); },
+      [](const LatticePass& pass, std::size_t part) { pass.merge(part); });
+  share(
+      passes, by_threads, [](const LatticePass& pass) { return pass.copies(); },
+      [](const LatticePass& pass, std::size_t part) { pass.copy(part); });
+  std::size_t stages = 0;
+  for (const auto& pass : passes)
+    stages = std::max(stages, pass->stages());
+  for (std::size_t s = 0; s < stages; ++s)
+    share(
+        passes, by_threads, [&](const LatticePass& pass) { return pass.blurs(s); },
+        [&](const LatticePass& pass, std::size_t part) { pass.blur(s, part); });
+#pragma omp parallel for schedule(dynamic, 1) if (by_threads)
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (const auto& pass : passes)
+      pass->slice(c);
 }
 
 } // namespace
 
 class PermutohedralLattice::Implementation {
 public:
-  Implementation(const LatticeFeatures& features, SimdTier tier)
-      : structure(buildLattice(features, tier)), tier_(tier),
-        is_large_(structure.rows + structure.points > few_rows)
+  Implementation(const LatticeFeatures& features, const LatticeOrder& order,
+                 SimdTier simd_tier)
+      : structure(buildLattice(features, order, simd_tier)), tier(simd_tier)
   {}
 
-  // Filters up to 16 rows.
-  void
-  filter(const kernels::LatticeColumns& columns, LatticeBlur order)
-  {
-    const std::size_t width = widthFor(Eigen::Index(columns.rows));
-    const std::size_t halves = order == LatticeBlur::symmetric ? 2 : 1;
-    const kernels::LatticeFilter& loops = kernels::latticeFilter(tier_, width, halves);
-    const std::size_t half = structure.rows * width;
-    const Values values = borrow(half * halves);
-    float* const lattice = values->data();
-#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
-    for (std::size_t c = 0; c < structure.chunks(); ++c)
-      loops.splat(chunk(c), columns, lattice);
-#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
-    for (std::size_t m = 0; m < structure.shared.size(); m += merge_vertices)
-      loops.merge(structure.shared.data() + m,
-                  std::min(merge_vertices, structure.shared.size() - m),
-                  structure.shared_ends.data() + 1 + m, structure.shared_rows.data(),
-                  lattice);
-    if (halves == 2)
-      copyRows(lattice, width, lattice + half);
-    for (std::size_t g = 0; g < structure.groups.size(); ++g)
-      blur(g, loops, lattice, halves == 2 ? lattice + half : nullptr);
-#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
-    for (std::size_t c = 0; c < structure.chunks(); ++c)
-      loops.slice(chunk(c), columns, lattice, half);
-    giveBack(values);
-  }
-
-  std::size_t
-  memory(LatticeBlur order) const
-  {
-    const std::size_t halves = order == LatticeBlur::symmetric ? 2 : 1;
-    return structure.memory() + structure.rows * halves * widest * sizeof(float);
-  }
-
   const LatticeStructure structure;
-
-private:
-  using Values = std::shared_ptr<LatticeArray<float>>;
-
-  // Memory is kept from one product to the next: to get it costs more than to fill it.
-  Values
-  borrow(std::size_t size)
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    while (!spare_.empty()) {
-      const Values values = spare_.back();
-      spare_.pop_back();
-      if (values->size() >= size)
-        return values;
-    }
-    return std::make_shared<LatticeArray<float>>(size);
-  }
-
-  void
-  giveBack(const Values& values)
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    spare_.push_back(values);
-  }
-
-  kernels::LatticePoints
-  chunk(std::size_t c) const
-  {
-    const std::size_t begin = c * structure.chunk_points;
-    const std::size_t partial = structure.first_partials[c];
-    return {std::min(structure.chunk_points, structure.points - begin),
-            structure.corners,
-            structure.columns.data() + begin,
-            structure.corner_rows.data() + begin * structure.corners,
-            structure.weights.data() + begin * structure.corners,
-            structure.row_ends.data() + begin / kernels::row_end_points,
-            structure.first_rows[c],
-            structure.vertices + partial,
-            structure.first_partials[c + 1] - partial,
-            structure.represents.data() + partial};
-  }
-
-  // The rows of the vertices.
-  void
-  copyRows(const float* from, std::size_t width, float* to) const
-  {
-    const std::size_t count = structure.vertices * width;
-#pragma omp parallel for schedule(static) if (is_large_)
-    for (std::size_t begin = 0; begin < count; begin += merge_vertices * widest)
-      std::copy_n(from + begin, std::min(merge_vertices * widest, count - begin),
-                  to + begin);
-  }
-
-  // A group of one half in the order of directions, and the opposite group of the other
-  // half, if there is one, in the reverse order.
-  void
-  blur(std::size_t g, const kernels::LatticeFilter& loops, float* forward,
-       float* reverse) const
-  {
-    const std::vector<LatticeBucket>& first = structure.groups[g].buckets;
-    const std::vector<LatticeBucket>& second =
-        structure.groups[structure.groups.size() - 1 - g].buckets;
-    const std::size_t count = first.size() + (reverse ? second.size() : 0);
-#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
-    for (std::size_t b = 0; b < count; ++b) {
-      const bool is_first = b < first.size();
-      const LatticeBucket& bucket = is_first ? first[b] : second[b - first.size()];
-      const std::size_t directions = bucket.begins.size();
-      for (std::size_t j = 0; j < directions; ++j) {
-        const std::size_t direction = is_first ? j : directions - 1 - j;
-        loops.blur(bucket.steps.data() + bucket.begins[direction],
-                   bucket.counts[direction], is_first ? forward : reverse);
-      }
-    }
-  }
-
-  SimdTier tier_;
-  bool is_large_;
-  std::mutex mutex_;
-  std::vector<Values> spare_;
+  const SimdTier tier;
+  LatticeMemory memory;
 };
 
 PermutohedralLattice::PermutohedralLattice(
     const Eigen::Ref<const Eigen::MatrixXf>& features, SimdTier tier)
-    : implementation_(std::make_unique<Implementation>(features, tier))
+    : implementation_(std::make_unique<Implementation>(features, nullptr, tier))
 {}
+
+PermutohedralLattice::PermutohedralLattice(
+    const Eigen::Ref<const Eigen::MatrixXf>& features,
+    const PermutohedralLattice& neighbour, SimdTier tier)
+{
+  if (features.cols() != neighbour.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "lattices to be filtered together are around "
+                            << neighbour.size() << " and " << features.cols()
+                            << " points");
+  implementation_ = std::make_unique<Implementation>(
+      features, neighbour.implementation_->structure.columns, tier);
+}
 
 PermutohedralLattice::~PermutohedralLattice() = default;
 PermutohedralLattice::PermutohedralLattice(PermutohedralLattice&&) noexcept = default;
@@ -204,27 +140,50 @@ PermutohedralLattice::selfResponses() const
 
 void
 PermutohedralLattice::addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                                  const Scales& scales, const VariableMask& active,
-                                  Eigen::Ref<Eigen::MatrixXf> result,
-                                  LatticeBlur blur) const
+                                  const std::vector<Term>& terms,
+                                  const VariableMask& active,
+                                  Eigen::Ref<Eigen::MatrixXf> result, LatticeBlur blur)
 {
-  if (size() == 0)
+  if (terms.empty() || values.cols() == 0)
     return;
+  const LatticeStructure& first = terms[0].lattice->implementation_->structure;
+  bool is_large = false;
+  for (const Term& term : terms) {
+    const LatticeStructure& structure = term.lattice->implementation_->structure;
+    if (structure.columns != first.columns)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "lattices to be filtered together were not made together");
+    is_large |= structure.rows + structure.points > few_rows;
+  }
   const float* const end = values.col(values.cols() - 1).data() + values.rows();
-  for (Eigen::Index row = 0; row < values.rows(); row += Eigen::Index(widest))
-    implementation_->filter(
-        {values.data() + row, end, std::size_t(values.outerStride()),
-         result.data() + row, std::size_t(result.outerStride()),
-         std::min(widest, std::size_t(values.rows() - row)), scales.splat.data(),
-         scales.slice.data(), scales.diagonal.data(),
-         active.empty() ? nullptr : active.data()},
-        blur);
+  for (Eigen::Index row = 0; row < values.rows(); row += Eigen::Index(widest)) {
+    Passes passes;
+    for (const Term& term : terms) {
+      const kernels::LatticeColumns columns = {
+          values.data() + row,
+          end,
+          std::size_t(values.outerStride()),
+          result.data() + row,
+          std::size_t(result.outerStride()),
+          std::min(widest, std::size_t(values.rows() - row)),
+          term.scales->splat.data(),
+          term.scales->slice.data(),
+          term.scales->diagonal.data(),
+          active.empty() ? nullptr : active.data()};
+      Implementation& lattice = *term.lattice->implementation_;
+      passes.push_back(std::make_unique<LatticePass>(lattice.structure, columns, blur,
+                                                     lattice.tier, lattice.memory));
+    }
+    run(passes, first.chunks(), is_large);
+  }
 }
 
 std::size_t
 PermutohedralLattice::memory(LatticeBlur blur) const
 {
-  return implementation_->memory(blur);
+  const LatticeStructure& structure = implementation_->structure;
+  const std::size_t halves = blur == LatticeBlur::symmetric ? 2 : 1;
+  return structure.memory() + structure.rows * halves * widest * sizeof(float);
 }
 
 } // namespace pcl_semantic

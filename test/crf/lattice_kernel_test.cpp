@@ -131,6 +131,28 @@ TEST(LatticeKernel, ProductsLeaveOutTheVariableItself)
     }
 }
 
+TEST(LatticeKernel, TermsAddUp)
+{
+  const Eigen::Index count = 3000;
+  const Eigen::MatrixXf features = makeVoxelSurface(5, count, 21);
+  const std::vector<LatticeTerm> terms = {{features.topRows(3), 2.0f},
+                                          {features, 5.0f}};
+  const Eigen::MatrixXf values = makeNormalCloud(11, count, 1.0f, 22);
+  for (const auto normalization :
+       {Normalization::symmetric, Normalization::one_sided, Normalization::none}) {
+    const LatticeKernel both(terms, normalization);
+    const LatticeKernel first(terms[0].features, 2.0f, normalization);
+    const LatticeKernel second(terms[1].features, 5.0f, normalization);
+    const Eigen::MatrixXf expected = product(first, values) + product(second, values);
+    EXPECT_LT((product(both, values) - expected).cwiseAbs().maxCoeff(),
+              1e-5f * expected.cwiseAbs().maxCoeff());
+    EXPECT_LT((diagonalOf(both) - diagonalOf(first) - diagonalOf(second))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-5f);
+  }
+}
+
 TEST(LatticeKernel, OneVariableHearsNothing)
 {
   const LatticeKernel kernel(Eigen::MatrixXf::Constant(3, 1, 5.0f), weight);
@@ -250,6 +272,10 @@ TEST(LatticeKernel, RefusesWhatCannotWork)
   for (const float bad : {-1.0f, std::nanf(""), INFINITY})
     EXPECT_THROW(LatticeKernel(features, bad), InvalidParameterException);
   EXPECT_THROW(LatticeKernel(features * std::nanf("")), InvalidParameterException);
+  EXPECT_THROW(LatticeKernel(std::vector<LatticeTerm>()), InvalidParameterException);
+  EXPECT_THROW(LatticeKernel(std::vector<LatticeTerm>{{features, 1.0f},
+                                                      {features.leftCols(9), 1.0f}}),
+               InvalidParameterException);
   const LatticeKernel nothing(features, 0.0f);
   EXPECT_EQ(product(nothing, Eigen::MatrixXf::Ones(2, 10)).norm(), 0.0f);
 }

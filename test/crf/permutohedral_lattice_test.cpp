@@ -31,7 +31,8 @@ filtered(const PermutohedralLattice& lattice, const Eigen::MatrixXf& values,
          LatticeBlur blur)
 {
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(values.rows(), values.cols());
-  lattice.addFiltered(values, onesAndZero(lattice.size()), {}, result, blur);
+  const Scales scales = onesAndZero(lattice.size());
+  PermutohedralLattice::addFiltered(values, {{&lattice, &scales}}, {}, result, blur);
   return result;
 }
 
@@ -220,6 +221,26 @@ TEST(PermutohedralLattice, NoPointsOnePointAndPointsInOnePlace)
       EXPECT_NEAR(sums(0, i), lattice.selfResponses()[i] * float(count),
                   2e-5f * sums(0, 0));
   }
+}
+
+TEST(PermutohedralLattice, OnlyLatticesMadeTogetherAreFilteredTogether)
+{
+  const Eigen::MatrixXf features = makeNormalCloud(3, 500, 1.0f, 15);
+  const PermutohedralLattice first(features), stranger(features);
+  const PermutohedralLattice neighbour(features.topRows(1), first);
+  const Scales scales = onesAndZero(500);
+  const Eigen::MatrixXf values = makeNormalCloud(11, 500, 1.0f, 16);
+  Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(11, 500);
+  EXPECT_THROW(PermutohedralLattice::addFiltered(
+                   values, {{&first, &scales}, {&stranger, &scales}}, {}, sum),
+               InvalidParameterException);
+  EXPECT_THROW(PermutohedralLattice(features.leftCols(400), first),
+               InvalidParameterException);
+  PermutohedralLattice::addFiltered(values, {{&first, &scales}, {&neighbour, &scales}},
+                                    {}, sum);
+  const Eigen::MatrixXf expected = filtered(first, values, LatticeBlur::symmetric) +
+                                   filtered(neighbour, values, LatticeBlur::symmetric);
+  EXPECT_TRUE(sum == expected);
 }
 
 TEST(PermutohedralLattice, RefusesWhatHasNoKeys)

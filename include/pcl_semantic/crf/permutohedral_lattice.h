@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include <memory>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -40,6 +41,13 @@ public:
    * them apart: not below 50 at d = 16, more at fewer */
   explicit PermutohedralLattice(const Eigen::Ref<const Eigen::MatrixXf>& features,
                                 SimdTier tier = simdTier());
+
+  /** \brief A lattice around the same points in another space of features, to be
+   * filtered together with a \a neighbour.
+   * \throws InvalidParameterException as above, or if their points are not as many */
+  PermutohedralLattice(const Eigen::Ref<const Eigen::MatrixXf>& features,
+                       const PermutohedralLattice& neighbour,
+                       SimdTier tier = simdTier());
   ~PermutohedralLattice();
   PermutohedralLattice(PermutohedralLattice&&) noexcept;
   PermutohedralLattice& operator=(PermutohedralLattice&&) noexcept;
@@ -68,14 +76,22 @@ public:
     Eigen::ArrayXf diagonal; ///< of a point's own value, which is subtracted
   };
 
-  /** \brief result(:, i) += slice_i sum_j k_ij splat_j values(:, j) - diagonal_i
-   * values(:, i), j = i included, for all i or those of a mask.
+  /** \brief A lattice and its scales. */
+  struct Term {
+    const PermutohedralLattice* lattice;
+    const Scales* scales;
+  };
+
+  /** \brief For every term result(:, i) += slice_i sum_j k_ij splat_j values(:, j) -
+   * diagonal_i values(:, i), j = i included, for all i or those of a mask.
    * \param[in] values any number of rows x N, finite
-   * \param[in,out] result as values, not the same matrix */
-  void addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                   const Scales& scales, const VariableMask& active,
-                   Eigen::Ref<Eigen::MatrixXf> result,
-                   LatticeBlur blur = LatticeBlur::symmetric) const;
+   * \param[in] terms of lattices that are neighbours of the first one
+   * \param[in,out] result as values, not the same matrix
+   * \throws InvalidParameterException if lattices are not neighbours */
+  static void addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
+                          const std::vector<Term>& terms, const VariableMask& active,
+                          Eigen::Ref<Eigen::MatrixXf> result,
+                          LatticeBlur blur = LatticeBlur::symmetric);
 
   /** \brief Bytes that the lattice keeps, those for its values at the vertices (of up
    * to 16 rows at a time) included. */
