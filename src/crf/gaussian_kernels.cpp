@@ -71,8 +71,7 @@ GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
       widest = std::max(widest, deviation);
   }
   if (widest > 0.0f)
-    order_ =
-        TruncatedKernel::fastestOrder(points, options.radius * widest, widest / 2.0f);
+    order_ = TruncatedKernel::fastestOrder(points, options.radius, widest);
 }
 
 GaussianKernels::List

@@ -74,6 +74,7 @@ TEST(GaussianKernels, TheFastestOrderIsOneOfAllPointsAndStays)
   const Eigen::MatrixXf voxels = makeVoxelPositions(500, 3);
   const GaussianKernels kernels(voxels, {0.2f});
   std::vector<std::int32_t> order = kernels.fastestOrder();
+  EXPECT_EQ(order, TruncatedKernel::fastestOrder(voxels, 2.0f, 0.2f));
   Eigen::MatrixXf sorted(3, 500);
   for (Eigen::Index k = 0; k < 500; ++k)
     sorted.col(k) = voxels.col(order[std::size_t(k)]);

@@ -49,6 +49,7 @@ struct Setting {
     for (auto& clique : cliques) // all others have some that do
       if (std::all_of(clique.begin(), clique.end(), [](int i) { return i % 5 == 0; }))
         clique.push_back(clique.front() + 1);
+    cliques.push_back(allIndices(points)); // no point is in no clique
     cliques.insert(cliques.begin(), {0, 5, 10});
     parameters.iterations = 3;
     parameters.clique_weight = 0.7;
