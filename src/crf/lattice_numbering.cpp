@@ -6,6 +6,7 @@
 
 #include "lattice_numbering.h"
 
+#include "lattice_chunk_keys.h"
 #include "lattice_table.h"
 
 #include <pcl_semantic/core/parallel_guard.h>
@@ -14,23 +15,10 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr int partition_bits = 6;
-constexpr std::size_t partitions = 1 << partition_bits;
-
-// The keys that a chunk touches, numbered in the order of the first touch.
-template <typename Key> struct ChunkKeys {
-  std::vector<Key> keys;                // sorted by partition
-  std::vector<std::uint32_t> places;    // of each number among the sorted
-  std::uint32_t begins[partitions + 1]; // of the partitions
-  std::size_t first = 0;                // keys of earlier chunks
-};
-
 template <typename Key> class Numbering {
 public:
   Numbering(LatticeVertices<Key>& vertices, LatticeStructure& structure)
-      : vertices_(vertices), structure_(structure),
-        chunks_((structure.points + structure.chunk_points - 1) /
-                structure.chunk_points)
+      : vertices_(vertices), structure_(structure), chunks_(structure.chunks())
   {
     structure.corner_rows =
         LatticeArray<std::int32_t>(structure.points * structure.corners);
@@ -291,7 +279,7 @@ numberVertices(const LatticeFeatures& features, const kernels::LatticeFrame& fra
                const LatticeKeyBits& bits, SimdTier tier, LatticeStructure& structure)
 {
   LatticeVertices<Key> vertices{LatticeKeys<Key>(bits), {}, {}};
-  Numbering<Key> numbering(vertices, structure);
+  Numbering numbering(vertices, structure);
   numbering.embed(features, frame, tier);
   numbering.findFirst();
   numbering.numberRows();

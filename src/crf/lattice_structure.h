@@ -53,6 +53,12 @@ struct LatticeStructure {
   std::size_t rows = 0; ///< vertices and partial rows
   std::size_t chunk_points = 0;
 
+  std::size_t
+  chunks() const
+  {
+    return (points + chunk_points - 1) / chunk_points;
+  }
+
   LatticeOrder columns; ///< of the sorted points
   LatticeArray<std::int32_t> corner_rows;
   LatticeArray<float> weights;

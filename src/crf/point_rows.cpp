@@ -238,7 +238,7 @@ appendLongRuns(const kernels::NearRowsView& rows, std::int32_t first, std::int32
 PointRows::Groups
 PointRows::findRuns(std::size_t begin, std::size_t end) const
 {
-  constexpr int widest_group = 7; // wider, too many pairs would lie beyond the reach
+  constexpr int widest_group = 4; // wider, too many pairs would lie beyond the reach
   const kernels::RunSearch findShortRuns = kernels::runSearch(simdTier());
   NearRows search(*this);
   kernels::NearRowsView near{};

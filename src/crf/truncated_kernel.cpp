@@ -33,22 +33,8 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
                         "kernel radius is " << radius << ", expected more than 0");
   if (!positions.allFinite())
     PCL_THROW_EXCEPTION(InvalidParameterException, "a position is not finite");
-  for (const GaussianTerm& term : terms) {
-    if (!(term.position_deviation > 0.0f) || !std::isfinite(term.position_deviation))
-      PCL_THROW_EXCEPTION(InvalidParameterException, "position deviation is "
-                                                         << term.position_deviation
-                                                         << ", expected more than 0");
-    if (!(term.weight >= 0.0f) || !std::isfinite(term.weight))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "kernel weight is " << term.weight << ", expected 0 or more");
-    if (term.features.size() > 0 && term.features.cols() != positions.cols())
-      PCL_THROW_EXCEPTION(InvalidParameterException, "features have "
-                                                         << term.features.cols()
-                                                         << " columns, expected "
-                                                         << positions.cols());
-    if (!term.features.allFinite())
-      PCL_THROW_EXCEPTION(InvalidParameterException, "a feature is not finite");
-  }
+  for (const GaussianTerm& term : terms)
+    term.validate(positions.cols());
 }
 
 } // namespace

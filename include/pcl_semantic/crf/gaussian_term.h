@@ -20,6 +20,10 @@ struct GaussianTerm {
   float position_deviation = 1.0f; ///< sigma, in the unit of the positions
   Eigen::MatrixXf
       features; ///< d x N, divided by their deviations; empty = positions only
+
+  /** \throws InvalidParameterException if the deviation is not positive, the weight
+   * negative, the features are not of \a points, or something is not finite */
+  void validate(Eigen::Index points) const;
 };
 
 } // namespace pcl_semantic
