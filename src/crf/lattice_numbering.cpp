@@ -18,7 +18,7 @@ namespace {
 template <typename Key> class Numbering {
 public:
   Numbering(LatticeVertices<Key>& vertices, LatticeStructure& structure)
-      : vertices_(vertices), structure_(structure), chunks_(structure.chunks())
+      : vertices_(vertices), structure_(structure), chunks_(structure.pointChunks())
   {
     structure.corner_rows =
         LatticeArray<std::int32_t>(structure.points * structure.corners);

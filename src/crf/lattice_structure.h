@@ -53,8 +53,9 @@ struct LatticeStructure {
   std::size_t rows = 0; ///< vertices and partial rows
   std::size_t chunk_points = 0;
 
+  /** \brief Chunks that the points fill. */
   std::size_t
-  chunks() const
+  pointChunks() const
   {
     return (points + chunk_points - 1) / chunk_points;
   }
