@@ -63,7 +63,7 @@ powerOfTwo(const Floats& v)
   power = power * fraction + 0.2402265070f;
   power = power * fraction + 0.6931471806f;
   power = power * fraction + 1.0f;
-  return (Floats)(((Ints)power + ((Ints)shifted << 23)) & (v >= -126.0f));
+  return (Floats)(((Words)power + ((Words)shifted << 23)) & (Words)(v >= -126.0f));
 }
 
 PCL_SEMANTIC_INLINE void
