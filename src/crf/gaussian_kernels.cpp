@@ -94,7 +94,8 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
     }
     Eigen::MatrixXf features(positions.rows() + term.features.rows(), positions.cols());
     features.topRows(positions.rows()) = positions / term.position_deviation;
-    features.bottomRows(term.features.rows()) = term.features;
+    if (term.features.size() > 0)
+      features.bottomRows(term.features.rows()) = term.features;
     kernels.push_back(
         std::make_shared<LatticeKernel>(features, term.weight, options_.normalization));
   }
