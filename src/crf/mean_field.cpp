@@ -52,10 +52,10 @@ MeanField::updateSequentially()
   return last_change_;
 }
 
-Eigen::MatrixXf
+MeanField::Marginals
 MeanField::marginals() const
 {
-  return engine_->marginals().matrix();
+  return engine_->marginals().view().topRows(engine_->marginals().rows());
 }
 
 Eigen::MatrixXf

@@ -52,9 +52,29 @@ sortByKey(std::vector<std::uint64_t> keys, std::uint64_t largest)
 
 } // namespace
 
-PointRows::PointRows(const Eigen::Matrix3Xf& positions, float reach, float cell)
+PointRows::PointRows(float reach, float cell)
     // On a grid many pairs lie at the reach exactly: rounding must not decide on them.
     : cell_(cell), reach_(reach / cell * 1.0001f)
+{}
+
+PointRows::PointRows(const Eigen::Matrix3Xf& positions, float reach, float cell)
+    : PointRows(reach, cell)
+{
+  sort(positions);
+  if (size() > 0)
+    buildRows(positions);
+}
+
+std::vector<std::int32_t>
+PointRows::orderOf(const Eigen::Matrix3Xf& positions, float reach, float cell)
+{
+  PointRows rows(reach, cell);
+  rows.sort(positions);
+  return std::move(rows.order_);
+}
+
+void
+PointRows::sort(const Eigen::Matrix3Xf& positions)
 {
   if (positions.cols() >= Eigen::Index(most_points))
     PCL_THROW_EXCEPTION(InvalidParameterException, positions.cols()
@@ -67,11 +87,10 @@ PointRows::PointRows(const Eigen::Matrix3Xf& positions, float reach, float cell)
       (positions.rowwise().maxCoeff().array() - low_).cast<double>() / double(cell_);
   if (!(extent < most_cells).all())
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "positions lie " << extent.maxCoeff() * double(cell)
+                        "positions lie " << extent.maxCoeff() * double(cell_)
                                          << " apart, expected at most "
-                                         << most_cells * double(cell));
+                                         << most_cells * double(cell_));
   sortPoints(positions);
-  buildRows(positions);
 }
 
 void

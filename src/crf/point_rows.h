@@ -31,6 +31,10 @@ public:
    * apart for the reach */
   PointRows(const Eigen::Matrix3Xf& positions, float reach, float cell);
 
+  /** \brief order() alone. */
+  static std::vector<std::int32_t> orderOf(const Eigen::Matrix3Xf& positions,
+                                           float reach, float cell);
+
   std::size_t
   size() const
   {
@@ -57,6 +61,8 @@ public:
   Groups findRuns(std::size_t begin, std::size_t end) const;
 
 private:
+  PointRows(float reach, float cell);
+
   // Points of one y and z, whose cells leave no wide gap between them.
   struct Row {
     std::int32_t z, y;
@@ -66,6 +72,7 @@ private:
   };
   class NearRows;
 
+  void sort(const Eigen::Matrix3Xf& positions);
   void sortPoints(const Eigen::Matrix3Xf& positions);
   void buildRows(const Eigen::Matrix3Xf& positions);
   void findWidths(const Eigen::Array3f& slack);

@@ -35,37 +35,26 @@ public:
     return view_;
   }
 
-  /** \brief Arrays of scratch that sumTerms needs. */
-  std::size_t
-  scratchArrays() const
-  {
-    return 4 + features_.size();
-  }
-
   /** \brief Factors of a term's values, on the side of the point and of its neighbour:
    * weight / D, or its root on both sides. */
-  std::vector<float>&
+  float*
   left(std::size_t term)
   {
-    return left_[term];
+    return left_.data() + term * stride_;
   }
 
-  std::vector<float>&
+  float*
   right(std::size_t term)
   {
-    return right_[term];
+    return arrays_.data() + (view_.features_end + term) * stride_;
   }
 
-  /** \brief The factors of all terms. */
-  std::vector<const float*> leftArrays() const;
-  std::vector<const float*> rightArrays() const;
-
 private:
-  std::vector<float> positions_[3];
-  std::vector<std::vector<float>> features_; // of all terms
-  std::vector<const float*> feature_arrays_;
+  std::size_t stride_;
+  std::vector<float> arrays_; // see PointsView
+  std::vector<float> left_;   // of the terms
+  std::vector<const float*> left_arrays_;
   std::vector<kernels::TermView> terms_;
-  std::vector<std::vector<float>> left_, right_; // of the terms
   kernels::PointsView view_;
 };
 

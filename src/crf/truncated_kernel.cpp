@@ -6,7 +6,9 @@
 
 #include "kernels/run_search.h"
 #include "kernels/truncated_sums.h"
+#include "padded_columns.h"
 #include "point_rows.h"
+#include "scratch.h"
 #include "sorted_points.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -22,7 +24,7 @@ namespace pcl_semantic {
 namespace {
 
 constexpr std::size_t chunk_points = 256;
-constexpr std::size_t most_values = std::size_t(1) << 32;
+constexpr std::size_t most_pairs = std::size_t(1) << 32;
 
 void
 validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& terms,
@@ -42,19 +44,24 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
 // The neighbours of up to 256 sorted points, by groups of these.
 struct TruncatedKernel::Chunk {
   PointRows::Groups groups;
-  std::vector<std::uint32_t> lengths;    // points in the runs of each group
-  std::vector<std::uint32_t> value_ends; // of each group
-  // bfloat16; while building the values of each term
-  std::vector<std::unique_ptr<std::uint16_t[]>> values;
-  std::size_t longest = 0; // points in the runs of a group
-  std::size_t first = 0;   // point
+  std::vector<std::uint32_t> lengths;       // points in the runs of each group
+  std::vector<std::uint32_t> pair_ends;     // of each group, in pairs
+  std::unique_ptr<std::uint32_t[]> weights; // two pairs each
+  std::size_t longest = 0;                  // points in the runs of a group
+  std::size_t first = 0;                    // point
 
-  void find(const PointRows& rows, std::size_t begin, std::size_t terms);
+  void find(const PointRows& rows, std::size_t begin);
 
   std::size_t
   size() const
   {
     return lengths.size();
+  }
+
+  std::size_t
+  pairs() const
+  {
+    return pair_ends.empty() ? 0 : pair_ends.back();
   }
 
   kernels::GroupView
@@ -66,16 +73,15 @@ struct TruncatedKernel::Chunk {
             int(groups.point_ends[g] - point)};
   }
 
-  std::size_t
-  valuesBegin(std::size_t g) const
+  std::uint32_t*
+  weightsOf(std::size_t g) const
   {
-    return g == 0 ? 0 : value_ends[g - 1];
+    return weights.get() + (g == 0 ? 0 : pair_ends[g - 1]) / 2;
   }
 };
 
 void
-TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin,
-                             std::size_t terms)
+TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin)
 {
   first = begin;
   groups = rows.findRuns(begin, std::min(rows.size(), begin + chunk_points));
@@ -88,10 +94,8 @@ TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin,
     lengths.push_back(std::uint32_t(length));
     longest = std::max(longest, length);
     end += std::size_t(view(g).points) * kernels::strideOf(length);
-    value_ends.push_back(std::uint32_t(end));
+    pair_ends.push_back(std::uint32_t(end));
   }
-  for (std::size_t m = 0; m < terms; ++m)
-    values.emplace_back(new std::uint16_t[end]); // written whole by the loops
 }
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
@@ -133,41 +137,52 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
 {
   chunks_.resize((rows.size() + chunk_points - 1) / chunk_points);
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
-  std::atomic<std::size_t> size{0};
+  std::atomic<std::size_t> pairs{0};
   ParallelGuard guard;
-#pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t c = 0; c < chunks_.size(); ++c)
-    guard.run([&] {
-      Chunk& chunk = chunks_[c];
-      if (size < most_values) // else it is refused below
-        chunk.find(rows, c * chunk_points, terms.size());
-      size += chunk.size() > 0 ? chunk.value_ends.back() : 0;
-      std::vector<float> scratch(
-          kernels::scratchSize(chunk.longest, points.scratchArrays()));
-      std::vector<float> sums(terms.size() * kernels::most_points);
-      std::vector<std::uint16_t*> values(terms.size());
-      for (std::size_t g = 0; g < chunk.size(); ++g) {
-        const kernels::GroupView group = chunk.view(g);
-        for (std::size_t m = 0; m < terms.size(); ++m)
-          values[m] = chunk.values[m].get() + chunk.valuesBegin(g);
-        loops.sumTerms(points.view(), group, scratch.data(), sums.data(),
-                       values.data());
-        for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
-          auto known = sums_.col(order_[group.point + p]);
-          for (std::size_t m = 0; m < terms.size(); ++m)
-            if (std::isnan(known[Eigen::Index(m)]))
-              known[Eigen::Index(m)] = sums[m * kernels::most_points + p];
-          normalize(points, terms, group.point + p, normalization);
+#pragma omp parallel
+  {
+    Scratch scratch;
+    std::vector<float> sums(terms.size() * kernels::most_points);
+#pragma omp for schedule(dynamic, 1)
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+      guard.run([&] {
+        Chunk& chunk = chunks_[c];
+        if (pairs < most_pairs) // else it is refused below
+          chunk.find(rows, c * chunk_points);
+        pairs += chunk.pairs();
+        float* const gathered =
+            scratch.floats(kernels::scratchSize(chunk.longest, points.view().features_end));
+        for (std::size_t g = 0; g < chunk.size(); ++g) {
+          const kernels::GroupView group = chunk.view(g);
+          if (!areKnown(group))
+            loops.sumTerms(points.view(), group, gathered, sums.data());
+          for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
+            auto known = sums_.col(order_[group.point + p]);
+            for (std::size_t m = 0; m < terms.size(); ++m)
+              if (std::isnan(known[Eigen::Index(m)]))
+                known[Eigen::Index(m)] = sums[m * kernels::most_points + p];
+            normalize(points, terms, group.point + p, normalization);
+          }
         }
-      }
-    });
+      });
+  }
   guard.rethrow();
-  if (size >= most_values)
+  if (pairs >= most_pairs)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "too many pairs of points lie within the radius, expected less "
                         "than "
-                            << most_values
+                            << most_pairs
                             << ": take a smaller radius or fewer points");
+}
+
+// Whether the sums of all points of a group are.
+bool
+TruncatedKernel::areKnown(const kernels::GroupView& group) const
+{
+  for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+    if (sums_.col(order_[group.point + p]).array().isNaN().any())
+      return false;
+  return true;
 }
 
 void
@@ -190,23 +205,22 @@ void
 TruncatedKernel::makeWeights(const SortedPoints& points)
 {
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
-  const std::vector<const float*> left = points.leftArrays();
-  const std::vector<const float*> right = points.rightArrays();
+  const std::size_t arrays = points.view().features_end + std::size_t(points.view().count);
   ParallelGuard guard;
-#pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t c = 0; c < chunks_.size(); ++c)
-    guard.run([&] {
-      Chunk& chunk = chunks_[c];
-      std::vector<float> scratch(kernels::scratchSize(chunk.longest, left.size()));
-      std::vector<std::uint16_t*> values(left.size());
-      for (std::size_t g = 0; g < chunk.size(); ++g) {
-        for (std::size_t m = 0; m < left.size(); ++m)
-          values[m] = chunk.values[m].get() + chunk.valuesBegin(g);
-        loops.makeWeights(chunk.view(g), int(left.size()), left.data(), right.data(),
-                          scratch.data(), values.data());
-      }
-      chunk.values.resize(1);
-    });
+#pragma omp parallel
+  {
+    Scratch scratch;
+#pragma omp for schedule(dynamic, 1)
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+      guard.run([&] {
+        Chunk& chunk = chunks_[c];
+        chunk.weights.reset(new std::uint32_t[chunk.pairs() / 2]);
+        float* const gathered =
+            scratch.floats(kernels::scratchSize(chunk.longest, arrays));
+        for (std::size_t g = 0; g < chunk.size(); ++g)
+          loops.makeWeights(points.view(), chunk.view(g), gathered, chunk.weightsOf(g));
+      });
+  }
   guard.rethrow();
 }
 
@@ -220,7 +234,7 @@ std::vector<std::int32_t>
 TruncatedKernel::fastestOrder(const Eigen::Matrix3Xf& positions, float radius,
                               float deviation)
 {
-  return PointRows(positions, radius * deviation, deviation / 2.0f).order();
+  return PointRows::orderOf(positions, radius * deviation, deviation / 2.0f);
 }
 
 std::size_t
@@ -229,7 +243,7 @@ TruncatedKernel::memory() const
   std::size_t bytes = order_.size() * 4 + std::size_t(diagonal_.size()) * 4;
   for (const Chunk& chunk : chunks_)
     bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 +
-             chunk.value_ends.back() * 2;
+             chunk.pairs() * 2;
   return bytes;
 }
 
@@ -255,32 +269,36 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
   const float* const from = direct ? values.data() : copy.data();
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   ParallelGuard guard;
-#pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t c = 0; c < chunks_.size(); ++c)
-    guard.run([&] {
-      const Chunk& chunk = chunks_[c];
-      std::vector<float> scratch(
-          kernels::scratchSize(chunk.longest, 1 + kernels::most_points));
-      Eigen::MatrixXf sums(stride, Eigen::Index(kernels::most_points));
-      for (std::size_t g = 0; g < chunk.size(); ++g) {
-        const kernels::GroupView group = chunk.view(g);
-        const auto column = [&](int p) {
-          const std::size_t point = group.point + std::size_t(p);
-          return sorted ? Eigen::Index(point) : Eigen::Index(order_[point]);
-        };
-        bool any = active.empty();
-        for (int p = 0; p < group.points && !any; ++p)
-          any = active[std::size_t(column(p))];
-        if (!any)
-          continue;
-        sums.setZero();
-        loops.addProduct(group, chunk.values[0].get() + chunk.valuesBegin(g), from,
-                         stride, scratch.data(), sums.data());
-        for (int p = 0; p < group.points; ++p)
-          if (active.empty() || active[std::size_t(column(p))])
-            result.col(column(p)) += sums.col(p).head(values.rows());
-      }
-    });
+#pragma omp parallel
+  {
+    Scratch scratch;
+    PaddedColumns sums(Eigen::Index(stride), kernels::most_points);
+#pragma omp for schedule(dynamic, 1)
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+      guard.run([&] {
+        const Chunk& chunk = chunks_[c];
+        float* const weights = scratch.floats(
+            kernels::scratchSize(chunk.longest, 1 + kernels::most_points));
+        for (std::size_t g = 0; g < chunk.size(); ++g) {
+          const kernels::GroupView group = chunk.view(g);
+          const auto column = [&](int p) {
+            const std::size_t point = group.point + std::size_t(p);
+            return sorted ? Eigen::Index(point) : Eigen::Index(order_[point]);
+          };
+          bool any = active.empty();
+          for (int p = 0; p < group.points && !any; ++p)
+            any = active[std::size_t(column(p))];
+          if (!any)
+            continue;
+          std::fill_n(sums.column(0), stride * kernels::most_points, 0.0f);
+          loops.addProduct(group, chunk.weightsOf(g), from, stride, weights,
+                           sums.column(0));
+          for (int p = 0; p < group.points; ++p)
+            if (active.empty() || active[std::size_t(column(p))])
+              result.col(column(p)) += sums.view().col(p).head(values.rows());
+        }
+      });
+  }
   guard.rethrow();
 }
 

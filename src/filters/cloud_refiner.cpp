@@ -104,7 +104,6 @@ CloudRefiner::measurements(const Fields& fields) const
   return distributions;
 }
 
-// refined_ holds the measurements.
 LabelRefiner::Elements
 CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) const
 {
@@ -113,7 +112,6 @@ CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) cons
   elements.indices = indices;
   const auto count = static_cast<Eigen::Index>(indices.size());
   elements.positions.resize(3, count);
-  elements.measured = LabelDistributions(refined_.classes(), count);
   if (fields.colours.size() > 0)
     elements.colours.resize(3, count);
   // Differences from one of the points keep single precision wherever the cloud lies.
@@ -132,7 +130,6 @@ CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) cons
       elements.positions.col(k) =
           ((voxels_[std::size_t(i)].cast<double>() - first_voxel) * voxel_size_)
               .cast<float>();
-    elements.measured.matrix().col(k) = refined_.matrix().col(i);
     if (fields.colours.size() > 0)
       elements.colours.col(k) = fields.colours.col(i);
   }
@@ -185,13 +182,10 @@ CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
   if (usesCliques() && generator_)
     makeCliques(fields);
   Elements elements = elementsOf(fields, placed);
-  const LabelDistributions refined = refine(elements);
+  refine(elements, refined_);
 #pragma omp parallel for schedule(static)
-  for (Eigen::Index k = 0; k < refined.size(); ++k) {
-    const pcl::index_t index = elements.indices[std::size_t(k)];
-    refined_.matrix().col(index) = refined.matrix().col(k);
-    fields.labels[std::size_t(index)] = refined.mapLabel(k);
-  }
+  for (std::size_t k = 0; k < placed.size(); ++k)
+    fields.labels[std::size_t(placed[k])] = refined_.mapLabel(placed[k]);
 }
 
 } // namespace pcl_semantic

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 namespace pcl_semantic {
 
@@ -24,14 +25,14 @@ using Numbers = std::vector<std::int32_t>;
 
 // The kernel over some points and one update of the model with it.
 struct OneUpdate {
-  OneUpdate(const DenseProblem& problem, const Eigen::Matrix3Xf& positions,
-            const std::vector<GaussianTerm>& terms, const Eigen::MatrixXf& measured,
+  OneUpdate(const DenseProblem& problem, const Numbers& points,
+            const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& terms,
             const Eigen::MatrixXf& known_sums)
   {
     const auto kernel = std::make_shared<TruncatedKernel>(
         positions, terms, problem.radius, problem.normalization, known_sums);
     CrfModel model;
-    model.unary = unaryCosts(measured);
+    model.unary = unaryCosts(problem.measured, points);
     model.kernels = {kernel};
     model.compatibility = problem.compatibility;
     model.self_interaction = problem.self_interaction;
@@ -89,7 +90,9 @@ DenseHistory::update(DenseProblem&& problem, const DenseHistory* before)
 void
 DenseHistory::computeAll(const DenseProblem& problem)
 {
-  OneUpdate all(problem, problem.positions, problem.terms, problem.measured, {});
+  Numbers points(places_.size());
+  std::iota(points.begin(), points.end(), 0);
+  OneUpdate all(problem, points, problem.positions, problem.terms, {});
   marginals_ = std::move(all.marginals);
   sums_ = std::move(all.sums);
   last_change_ = all.change;
@@ -163,8 +166,7 @@ DenseHistory::computeChanges(const DenseProblem& problem, const DenseHistory& be
       known.col(Eigen::Index(k)).setConstant(std::nanf(""));
     else
       known.col(Eigen::Index(k)) = before.sums_.col(same[std::size_t(points[k])]);
-  const OneUpdate part(problem, positions(Eigen::all, points), terms,
-                       problem.measured(Eigen::all, points), known);
+  const OneUpdate part(problem, points, positions(Eigen::all, points), terms, known);
 
   marginals_.resize(problem.measured.rows(), positions.cols());
   sums_.resize(known.rows(), positions.cols());

@@ -65,7 +65,6 @@ ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
   std::iota(elements.indices.begin(), elements.indices.end(), 0);
   elements.positions.resize(2, measured.size());
   elements.colours.resize(channels, measured.size());
-  elements.measured = measured;
 #pragma omp parallel for schedule(static)
   for (int y = 0; y < image.rows; ++y)
     for (Eigen::Index x = 0; x < width; ++x) {
@@ -73,11 +72,8 @@ ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
       for (Eigen::Index c = 0; c < channels; ++c)
         elements.colours(c, y * width + x) = float(image.ptr(y)[x * channels + c]);
     }
-  const LabelDistributions refined = LabelRefiner::refine(elements);
-  LabelDistributions result(measured.classes(), measured.size());
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index k = 0; k < refined.size(); ++k)
-    result.matrix().col(elements.indices[std::size_t(k)]) = refined.matrix().col(k);
+  LabelDistributions result = measured;
+  LabelRefiner::refine(elements, result);
   return result;
 }
 

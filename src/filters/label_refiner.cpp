@@ -21,15 +21,17 @@ namespace {
 std::size_t
 checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indices)
 {
-  Eigen::Index bad = measured.size(), unlabelled = 0;
+  const auto count = static_cast<Eigen::Index>(indices.size());
+  Eigen::Index bad = count, unlabelled = 0;
 #pragma omp parallel for schedule(static) reduction(min : bad) reduction(+ : unlabelled)
-  for (Eigen::Index i = 0; i < measured.size(); ++i) {
-    const auto column = measured.matrix().col(i);
-    if (!column.allFinite() || column.minCoeff() < 0.0f)
-      bad = std::min(bad, i);
-    unlabelled += column.isZero(0.0f);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto column = measured.matrix().col(indices[std::size_t(k)]);
+    const float sum = column.sum();
+    if (!(column.minCoeff() >= 0.0f) || (!std::isfinite(sum) && !column.allFinite()))
+      bad = std::min(bad, k);
+    unlabelled += sum == 0.0f;
   }
-  if (bad < measured.size())
+  if (bad < count)
     PCL_THROW_EXCEPTION(BadInputException, "the label distribution of point "
                                                << indices[std::size_t(bad)]
                                                << " has a negative or "
@@ -37,21 +39,25 @@ checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indice
   return std::size_t(unlabelled);
 }
 
-// An element that is unlabelled and hears of no label either has a uniform marginal, of
-// which the first class would be the largest: it stays unlabelled.
+// The marginals for the measurements. An element that is unlabelled and hears of no
+// label either has a uniform one, of which the first class would be the largest: it
+// stays unlabelled.
 void
-clearUninformed(const LabelDistributions& measured, Eigen::MatrixXf& marginals)
+writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
+            LabelDistributions& distributions)
 {
 #pragma omp parallel for schedule(static)
-  for (Eigen::Index i = 0; i < measured.size(); ++i)
-    if (measured.matrix().col(i).isZero(0.0f) &&
-        marginals.col(i).minCoeff() == marginals.col(i).maxCoeff())
-      marginals.col(i).setZero();
+  for (Eigen::Index k = 0; k < marginals.cols(); ++k) {
+    auto column = distributions.matrix().col(indices[std::size_t(k)]);
+    const auto marginal = marginals.col(k);
+    if (!column.isZero(0.0f) || marginal.minCoeff() < marginal.maxCoeff())
+      column = marginal;
+  }
 }
 
 // The row of the largest value of every column.
 std::vector<int>
-largestRows(const Eigen::MatrixXf& values)
+largestRows(const MeanField::Marginals& values)
 {
   std::vector<int> rows(static_cast<std::size_t>(values.cols()));
   for (Eigen::Index i = 0; i < values.cols(); ++i) {
@@ -153,25 +159,23 @@ LabelRefiner::setIncremental(bool incremental)
   history_.reset();
 }
 
-LabelDistributions
-LabelRefiner::refine(Elements& elements)
+void
+LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
 {
   report_ = CRFReport();
-  report_.unlabelled = checkMeasurements(elements.measured, elements.indices);
+  report_.unlabelled = checkMeasurements(distributions, elements.indices);
   if (compute_energies_ && !compatibility_.isSymmetric())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "energies need a symmetric label compatibility");
   if (model_ == CRFModelType::unary || elements.indices.empty())
-    return elements.measured;
-  Builder builder(*this, elements);
+    return;
+  Builder builder(*this, elements, distributions);
   if (builder.isIncremental()) {
     history_ = DenseHistory::update(builder.denseProblem(), history_.get());
     report_.updates = 1;
     report_.last_change = history_->lastChange();
-    LabelDistributions refined;
-    refined.matrix() = history_->marginals();
-    clearUninformed(elements.measured, refined.matrix());
-    return refined;
+    writeResult(history_->marginals(), elements.indices, distributions);
+    return;
   }
   CrfModel model = builder.build();
   const Eigen::MatrixXf initial = builder.initial();
@@ -185,10 +189,7 @@ LabelRefiner::refine(Elements& elements)
     report_.free_energy = inference.freeEnergy();
     report_.energy = energyOfMap(kept, inference);
   }
-  LabelDistributions refined;
-  refined.matrix() = inference.marginals();
-  clearUninformed(elements.measured, refined.matrix());
-  return refined;
+  writeResult(inference.marginals(), elements.indices, distributions);
 }
 
 } // namespace pcl_semantic

@@ -92,8 +92,10 @@ keptColumns(const Eigen::MatrixXf& matrix, std::size_t cliques,
 
 } // namespace
 
-LabelRefiner::Builder::Builder(LabelRefiner& refiner, Elements& elements)
+LabelRefiner::Builder::Builder(LabelRefiner& refiner, Elements& elements,
+                               const LabelDistributions& measured)
     : refiner_(refiner), parameters_(refiner.parameters_), elements_(elements),
+      measured_(measured),
       gaussian_kernels_(elements.positions, deviationsOf(terms()),
                         kernelOptions(parameters_))
 {
@@ -119,7 +121,6 @@ LabelRefiner::Builder::reorder(const std::vector<std::int32_t>& order)
   elements_.positions = gather(elements_.positions, order);
   if (hasColours())
     elements_.colours = gather(elements_.colours, order);
-  elements_.measured.matrix() = gather(elements_.measured.matrix(), order);
 }
 
 bool
@@ -144,7 +145,7 @@ LabelRefiner::Builder::denseProblem() const
   problem.origin = elements_.origin;
   problem.positions = elements_.positions;
   problem.colours = elements_.colours;
-  problem.measured = elements_.measured.matrix();
+  problem.measured = gather(measured_.matrix(), elements_.indices);
   problem.terms = terms();
   problem.radius = float(parameters_.radius);
   problem.normalization = parameters_.normalization;
@@ -157,7 +158,7 @@ CrfModel
 LabelRefiner::Builder::build()
 {
   CrfModel model;
-  model.unary = unaryCosts(elements_.measured.matrix());
+  model.unary = unaryCosts(measured_.matrix(), elements_.indices);
   model.kernels = kernels();
   model.compatibility = refiner_.compatibility_;
   model.self_interaction = parameters_.self_interaction;
@@ -191,11 +192,11 @@ LabelRefiner::Builder::initial() const
   if (initial.empty())
     return {};
   if (std::size_t(initial.size()) != elements_.total ||
-      initial.classes() != elements_.measured.classes())
+      initial.classes() != measured_.classes())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "initial distributions are "
                             << initial.classes() << " x " << initial.size()
-                            << ", expected " << elements_.measured.classes() << " x "
+                            << ", expected " << measured_.classes() << " x "
                             << elements_.total);
   return gather(initial.matrix(), elements_.indices);
 }

@@ -16,8 +16,10 @@ namespace pcl_semantic {
 /** \brief Makes the CrfModel of a LabelRefiner over elements. */
 class LabelRefiner::Builder {
 public:
-  /** \brief Brings the elements into the order that suits the kernels. */
-  Builder(LabelRefiner& refiner, Elements& elements);
+  /** \brief Brings the elements into the order that suits the kernels.
+   * \param[in] measured of all elements */
+  Builder(LabelRefiner& refiner, Elements& elements,
+          const LabelDistributions& measured);
 
   /** \throws as LabelRefiner::refine() */
   CrfModel build();
@@ -55,6 +57,7 @@ private:
   LabelRefiner& refiner_;
   const SemanticCRFParameters& parameters_;
   Elements& elements_;
+  const LabelDistributions& measured_;
   GaussianKernels gaussian_kernels_;
 };
 

@@ -269,7 +269,7 @@ permuteCliques(PlainCrf crf, unsigned seed)
 
 TEST(MeanFieldTheory, TheOrderOfVariablesLabelsAndCliquesDoesNotMatter)
 {
-  const auto marginals = [](const PlainCrf& crf) {
+  const auto marginals = [](const PlainCrf& crf) -> Eigen::MatrixXf {
     MeanField inference(makeModel(crf));
     inference.run(5);
     return inference.marginals();

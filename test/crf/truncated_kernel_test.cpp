@@ -212,40 +212,39 @@ TEST(TruncatedKernel, APartOfACloudEqualsTheWholeIfTheSumsAreKnown)
 
 TEST(TruncatedKernel, TiersAgree)
 {
-  const kernels::TruncatedSums& plain = kernels::truncatedSums(SimdTier::plain);
-  for (const SimdTier tier : {SimdTier::avx2, SimdTier::avx512}) {
-    if (tier > simdTier())
-      continue;
-    const kernels::TruncatedSums& wide = kernels::truncatedSums(tier);
-    // Points 20..23 and the runs 3..12, 17..32 and 40.
-    const std::vector<float> x = makeArray(40 + 1 + 16, 1), y = makeArray(57, 2),
-                             z = makeArray(57, 3), f = makeArray(57, 4);
-    const float* const features[] = {f.data()};
-    const kernels::TermView terms[] = {{4.0f, nullptr, 0}, {2.0f, features, 1}};
-    const kernels::PointsView points{{x.data(), y.data(), z.data()}, 0.6f, terms, 2};
-    const std::uint32_t runs[] = {3 << 5 | 10, 17 << 5 | 16, 40 << 5 | 1};
-    const kernels::GroupView group{runs, 3, 27, 20, 4};
-    const std::size_t size = 4 * kernels::strideOf(27);
-    std::vector<float> scratch(kernels::scratchSize(27, 6)), sums[2];
-    std::vector<std::uint16_t> first[2], second[2];
-    std::vector<float> values = makeArray(41 * 32, 5), results[2];
-    for (int t = 0; t < 2; ++t) {
-      const kernels::TruncatedSums& loops = t == 0 ? plain : wide;
-      first[t].resize(size);
-      second[t].resize(size);
-      std::uint16_t* const arrays[] = {first[t].data(), second[t].data()};
-      sums[t].resize(2 * kernels::most_points);
-      loops.sumTerms(points, group, scratch.data(), sums[t].data(), arrays);
-      const float* const sides[] = {x.data(), y.data()};
-      loops.makeWeights(group, 2, sides, sides, scratch.data(), arrays);
-      results[t].assign(4 * 32, 0.5f);
-      loops.addProduct(group, first[t].data(), values.data(), 32, scratch.data(),
-                       results[t].data());
+  // Points 20..23 and the runs 3..12, 17..32 and 40.
+  constexpr std::size_t stride = 40 + 1 + 16;
+  const std::vector<float> arrays = makeArray(8 * stride, 1);
+  const float* const left[] = {arrays.data(), arrays.data() + stride};
+  const std::uint32_t runs[] = {3 << 5 | 10, 17 << 5 | 16, 40 << 5 | 1};
+  const kernels::GroupView group{runs, 3, 27, 20, 4};
+  const std::vector<float> values = makeArray(41 * 32, 5);
+  for (const int dimensions : {1, 3}) { // three have a loop of their own
+    const kernels::TermView terms[] = {{4.0f, 0, 3}, {2.0f, dimensions, 3}};
+    const kernels::PointsView points{
+        arrays.data(), stride, 3 + std::size_t(dimensions), 0.6f, terms, 2, left};
+    std::vector<float> scratch(kernels::scratchSize(27, 5 + std::size_t(dimensions)));
+    std::vector<float> expected_sums, expected;
+    for (const SimdTier tier : {SimdTier::plain, SimdTier::avx2, SimdTier::avx512}) {
+      if (tier > simdTier())
+        continue;
+      const kernels::TruncatedSums& loops = kernels::truncatedSums(tier);
+      std::vector<float> sums(2 * kernels::most_points), results(4 * 32, 0.5f);
+      loops.sumTerms(points, group, scratch.data(), sums.data());
+      std::vector<std::uint32_t> weights(4 * kernels::strideOf(27) / 2);
+      loops.makeWeights(points, group, scratch.data(), weights.data());
+      loops.addProduct(group, weights.data(), values.data(), 32, scratch.data(),
+                       results.data());
+      if (tier == SimdTier::plain) {
+        expected_sums = sums;
+        expected = results;
+      }
+      for (std::size_t k = 0; k < sums.size(); ++k)
+        EXPECT_NEAR(sums[k], expected_sums[k], 1e-4f * expected_sums[k])
+            << nameOf(tier);
+      for (std::size_t k = 0; k < results.size(); ++k)
+        EXPECT_NEAR(results[k], expected[k], 2e-3f * expected[k]) << nameOf(tier);
     }
-    for (std::size_t k = 0; k < sums[0].size(); ++k)
-      EXPECT_NEAR(sums[0][k], sums[1][k], 1e-4f * sums[0][k]) << nameOf(tier);
-    for (std::size_t k = 0; k < results[0].size(); ++k)
-      EXPECT_NEAR(results[0][k], results[1][k], 2e-3f * results[0][k]) << nameOf(tier);
   }
 }
 

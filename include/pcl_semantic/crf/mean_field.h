@@ -20,6 +20,8 @@ namespace pcl_semantic {
  * values before). The result does not depend on the number of threads. */
 class MeanField {
 public:
+  using Marginals = Eigen::Ref<const Eigen::MatrixXf>;
+
   /** \brief Starts at Q(x_i) ~ exp(-psi_i) and Q(y_c) ~ exp(-psi_c).
    * \param[in] model is checked once, here
    * \param[in] initial marginals to start from instead, L x N with columns of any
@@ -57,8 +59,8 @@ public:
    * and the compatibility are symmetric */
   double updateSequentially();
 
-  /** \brief Q(x), L x N, columns sum to one. */
-  Eigen::MatrixXf marginals() const;
+  /** \brief Q(x), L x N, columns sum to one: not a copy, the next update changes it. */
+  Marginals marginals() const;
 
   /** \brief Q(y) of a clique potential of the model, L x C, or (L + 1) x C with the
    * free label last. \throws InvalidParameterException if there is no such potential,

@@ -15,6 +15,9 @@
 
 namespace pcl_semantic {
 
+namespace kernels {
+struct GroupView;
+}
 class PointRows;
 class SortedPoints;
 
@@ -82,6 +85,8 @@ private:
 
   void sumTerms(const PointRows& rows, SortedPoints& points,
                 const std::vector<GaussianTerm>& terms, Normalization normalization);
+
+  bool areKnown(const kernels::GroupView& group) const;
 
   void normalize(SortedPoints& points, const std::vector<GaussianTerm>& terms,
                  std::size_t point, Normalization normalization);

@@ -105,19 +105,19 @@ protected:
     pcl::Indices indices;      ///< of the n that take part, each once
     Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the positions
-    Eigen::MatrixXf colours;     ///< rows x n [grey levels]; empty = no colour
-    LabelDistributions measured; ///< L x n
+    Eigen::MatrixXf colours; ///< rows x n [grey levels]; empty = no colour
   };
 
   ~LabelRefiner() = default;
 
   /** \brief Runs the model.
    * \param[in,out] elements are brought into the order that suits the kernels
-   * \return refined distributions in the new order, L x n; an element that had no
-   * measurement and heard of no label stays unlabelled
+   * \param[in,out] distributions of the whole cloud or image: the columns of the
+   * elements hold their measurements and then the refined distributions; an element
+   * that had no measurement and heard of no label stays unlabelled
    * \throws InvalidParameterException if something that was set does not fit
    * \throws BadInputException if a measurement is negative or not finite */
-  LabelDistributions refine(Elements& elements);
+  void refine(Elements& elements, LabelDistributions& distributions);
 
   bool
   usesCliques() const

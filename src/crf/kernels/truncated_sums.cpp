@@ -8,6 +8,8 @@
 
 #include "run_search.h"
 
+#include <algorithm>
+
 namespace pcl_semantic::kernels {
 
 namespace {

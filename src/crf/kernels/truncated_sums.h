@@ -19,17 +19,22 @@ namespace pcl_semantic::kernels {
 /** \brief 2^-(squared distance of positions * position_scale + squared distance of
  * features). */
 struct TermView {
-  float position_scale;         ///< log2(e) / (2 sigma^2)
-  const float* const* features; ///< by their deviations, times (log2(e) / 2)^1/2
-  int dimensions;               ///< number of features
+  float position_scale; ///< log2(e) / (2 sigma^2)
+  int dimensions;       ///< number of features
+  std::size_t first;    ///< of their arrays
 };
 
 /** \brief The points and the terms over them. */
 struct PointsView {
-  const float* position[3];
-  float squared_radius; ///< pairs farther apart have weight 0
+  /// Positions x, y, z; features of the terms, by their deviations and times
+  /// (log2(e) / 2)^1/2; for each term a factor of its values on the neighbour's side.
+  const float* arrays;
+  std::size_t stride;       ///< from one array to the next
+  std::size_t features_end; ///< arrays of positions and features
+  float squared_radius;     ///< pairs farther apart have weight 0
   const TermView* terms;
-  int count; ///< of the terms
+  int count;                ///< of the terms
+  const float* const* left; ///< factors on the point's side
 };
 
 /** \brief A group of points and the runs that hold the neighbours of all of them. A
@@ -44,25 +49,27 @@ struct GroupView {
 
 constexpr int most_points = 4;
 
+/** \brief Weights are bfloat16, two in a word: of each block of so many pairs the first
+ * half lies in the lower halves of the words, the second half in the upper ones. */
+constexpr std::size_t pair_block = 32;
+
 struct TruncatedSums {
-  /** \brief Values of each term at the pairs of a group, those of a point with itself
-   * included, and their sums. \param[in] scratch scratchSize() floats
-   * \param[out] sums one a term and point \param[out] values for each term arrays of
-   * bfloat16, one a point with strideOf(length) values */
+  /** \brief Sums of the values of each term over the pairs of each point of a group, that
+   * of a point with itself included. \param[in] scratch scratchSize() floats
+   * \param[out] sums of term m and point p at m * most_points + p */
   void (*sumTerms)(const PointsView& points, const GroupView& group, float* scratch,
-                   float* sums, std::uint16_t* const* values);
+                   float* sums);
 
   /** \brief Weights of the pairs of a group: sum over the terms of left[m][point] times
-   * right[m][neighbour] times the value; 0 for a point and itself.
-   * \param[in,out] values as sumTerms gave them; the first become the weights */
-  void (*makeWeights)(const GroupView& group, int terms, const float* const* left,
-                      const float* const* right, float* scratch,
-                      std::uint16_t* const* values);
+   * the neighbour's factor times the value; 0 for a point and itself.
+   * \param[out] weights one after the other for each point strideOf(length) / 2 */
+  void (*makeWeights)(const PointsView& points, const GroupView& group, float* scratch,
+                      std::uint32_t* weights);
 
   /** \brief result[p * rows + k] += sum over the points j of the runs of
    * weight values[j * rows + k], for the points p of the group.
    * \param[in] rows a multiple of 16 */
-  void (*addProduct)(const GroupView& group, const std::uint16_t* weights,
+  void (*addProduct)(const GroupView& group, const std::uint32_t* weights,
                      const float* values, std::size_t rows, float* scratch,
                      float* result);
 };
@@ -71,11 +78,11 @@ struct TruncatedSums {
 constexpr std::size_t
 strideOf(std::size_t length)
 {
-  return (length + 15) / 16 * 16;
+  return (length + pair_block - 1) / pair_block * pair_block;
 }
 
 /** \brief Floats of scratch for groups with runs of that many points: \a arrays of
- * them, 4 more than all terms have features for sumTerms, one a term for makeWeights,
+ * them, those of the points for sumTerms, one a term more for makeWeights,
  * 1 + most_points for addProduct. */
 std::size_t scratchSize(std::size_t length, std::size_t arrays);
 

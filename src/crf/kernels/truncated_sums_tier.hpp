@@ -12,9 +12,7 @@
 
 constexpr std::size_t lanes = PCL_SEMANTIC_LANES;
 typedef float Floats __attribute__((vector_size(4 * lanes)));
-typedef std::int32_t Ints __attribute__((vector_size(4 * lanes)));
 typedef std::uint32_t Words __attribute__((vector_size(4 * lanes)));
-typedef std::uint16_t Halves __attribute__((vector_size(2 * lanes)));
 typedef float Eight __attribute__((vector_size(32)));
 
 // Vectors anywhere in memory.
@@ -22,7 +20,6 @@ struct Unaligned {
   typedef Floats F __attribute__((aligned(4), may_alias));
   typedef Eight E __attribute__((aligned(4), may_alias));
   typedef Words W __attribute__((aligned(4), may_alias));
-  typedef Halves H __attribute__((aligned(2), may_alias));
 };
 
 PCL_SEMANTIC_INLINE Floats
@@ -52,69 +49,87 @@ lane()
   return numbers;
 }
 
-// 2^v for v <= 0, to 4e-5: enough for weights of 8 bits.
+// 2^v for v <= 0, to 8e-5 (Remez): enough for weights of 8 bits.
 PCL_SEMANTIC_INLINE Floats
 powerOfTwo(const Floats& v)
 {
   const float magic = 12582912.0f; // 1.5 * 2^23: a sum with it is rounded to an integer
   const Floats shifted = v + magic;
   const Floats fraction = v - (shifted - magic);
-  Floats power = fraction * 0.0096181291f + 0.0555041087f;
-  power = power * fraction + 0.2402265070f;
-  power = power * fraction + 0.6931471806f;
-  power = power * fraction + 1.0f;
-  return (Floats)(((Words)power + ((Words)shifted << 23)) & (Words)(v >= -126.0f));
+  Floats power = fraction * 0.0551716691f + 0.2426111222f;
+  power = power * fraction + 0.6932609855f;
+  power = power * fraction + 0.9999280735f;
+  const Words bits = (Words)power + ((Words)shifted << 23);
+  return (Floats)(v >= -126.0f ? bits : Words{});
 }
 
-PCL_SEMANTIC_INLINE void
-toBfloat16(const Floats& values, std::uint16_t* to)
+// Two vectors of bfloat16 in one: first in the lower halves, second in the upper ones.
+PCL_SEMANTIC_INLINE Words
+pack(const Floats& first, const Floats& second)
 {
-  const Words bits = (Words)values;
-  // To the nearest, of two equally near ones the even one.
-  const Words rounded = (bits + 0x7FFF + ((bits >> 16) & 1)) >> 16;
-  *reinterpret_cast<Unaligned::H*>(to) = __builtin_convertvector(rounded, Halves);
+  constexpr std::uint32_t half = 0x8000; // to the nearest
+  return (((Words)first + half) >> 16) | (((Words)second + half) & 0xFFFF0000u);
 }
 
 PCL_SEMANTIC_INLINE Floats
-fromBfloat16(const std::uint16_t* from)
+firstOf(const Words& packed)
 {
-  const Halves halves = *reinterpret_cast<const Unaligned::H*>(from);
-  return (Floats)(__builtin_convertvector(halves, Words) << 16);
+  return (Floats)(packed << 16);
 }
 
-// Values of some arrays at the pairs, one after the other. Most runs are short, so they
-// are copied by halves of the longest one.
-template <int count>
+PCL_SEMANTIC_INLINE Floats
+secondOf(const Words& packed)
+{
+  return (Floats)(packed & 0xFFFF0000u);
+}
+
+PCL_SEMANTIC_INLINE float
+sumOf(const Floats& values)
+{
+  float parts[lanes];
+  store(values, parts);
+  for (std::size_t half = lanes / 2; half > 0; half /= 2)
+    for (std::size_t k = 0; k < half; ++k)
+      parts[k] += parts[k + half];
+  return parts[0];
+}
+
+// The first arrays of the points at the pairs of a group, one after the other. Most runs
+// are short, so they are copied by halves of the longest one.
+template <int fixed>
 PCL_SEMANTIC_INLINE void
-gather(const GroupView& group, const float* const* arrays, float* scratch,
-       std::size_t stride)
+gather(const PointsView& points, const GroupView& group, std::size_t arrays,
+       float* scratch)
 {
   constexpr std::size_t half = longest_run / 2;
-  const float* from[count];
-  for (int a = 0; a < count; ++a)
-    from[a] = arrays[a];
+  const std::size_t from_stride = points.stride, stride = scratchStride(group.length);
+  const float* const values = points.arrays;
+  const std::size_t count = fixed > 0 ? std::size_t(fixed) : arrays;
   const std::uint32_t* const end = group.runs + group.count;
   for (const std::uint32_t* run = group.runs; run != end; ++run) {
-    const std::size_t first = *run >> run_length_bits, length = *run & run_length_mask;
-    for (int a = 0; a < count; ++a)
-      copyHalf(from[a] + first, scratch + std::size_t(a) * stride);
+    const float* const from = values + (*run >> run_length_bits);
+    const std::size_t length = *run & run_length_mask;
+    for (std::size_t a = 0; a < count; ++a)
+      copyHalf(from + a * from_stride, scratch + a * stride);
     if (length > half)
-      for (int a = 0; a < count; ++a)
-        copyHalf(from[a] + first + half, scratch + std::size_t(a) * stride + half);
+      for (std::size_t a = 0; a < count; ++a)
+        copyHalf(from + a * from_stride + half, scratch + a * stride + half);
     scratch += length;
   }
 }
 
+// Behind the last pair, up to a whole block, lies a point beyond every radius.
 PCL_SEMANTIC_INLINE void
-gatherAll(const GroupView& group, const float* const* arrays, int count, float* scratch,
-          std::size_t stride)
+gatherArrays(const PointsView& points, const GroupView& group, std::size_t arrays,
+             float* scratch)
 {
-  for (; count >= 3; count -= 3, arrays += 3, scratch += 3 * stride)
-    gather<3>(group, arrays, scratch, stride);
-  for (; count >= 2; count -= 2, arrays += 2, scratch += 2 * stride)
-    gather<2>(group, arrays, scratch, stride);
-  for (; count > 0; --count, ++arrays, scratch += stride)
-    gather<1>(group, arrays, scratch, stride);
+  if (arrays == 6)
+    gather<6>(points, group, arrays, scratch);
+  else if (arrays == 8)
+    gather<8>(points, group, arrays, scratch);
+  else
+    gather<0>(points, group, arrays, scratch);
+  std::fill(scratch + group.length, scratch + strideOf(group.length), 1e30f);
 }
 
 PCL_SEMANTIC_INLINE Floats
@@ -123,166 +138,262 @@ squared(const Floats& value)
   return value * value;
 }
 
-// Squared distances of positions from a point; beyond the radius very large ones.
-PCL_SEMANTIC_INLINE void
-squaredDistances(const PointsView& points, std::size_t point, std::size_t length,
-                 const float* positions, std::size_t stride, float* distances)
+// log2 of the part of positions in the values of a term.
+PCL_SEMANTIC_INLINE Floats
+exponentOf(const Floats& squared_distance, float squared_radius, float scale)
 {
-  for (std::size_t e = 0; e < length; e += lanes) {
-    Floats sum = squared(load(positions + e) - points.position[0][point]);
-    sum += squared(load(positions + stride + e) - points.position[1][point]);
-    sum += squared(load(positions + 2 * stride + e) - points.position[2][point]);
-    const Ints inside = (sum <= points.squared_radius) &
-                        ((Ints)lane() < std::int32_t(length) - std::int32_t(e));
-    store(inside ? sum : Floats{} + 1e30f, distances + e);
-  }
+  return squared_distance <= squared_radius ? squared_distance * -scale
+                                            : Floats{} - 1e30f;
 }
 
-// Values of a term at the pairs of a point. \a features: gathered ones of the term.
-template <int dimensions>
-PCL_SEMANTIC_INLINE float
-evaluate(const TermView& term, std::size_t point, std::size_t length,
-         const float* features, std::size_t stride, const float* distances,
-         std::uint16_t* values)
+PCL_SEMANTIC_INLINE Floats
+squaredDistance(const float* position, const float* gathered, std::size_t stride)
 {
-  Floats total{};
-  const int count = dimensions >= 0 ? dimensions : term.dimensions;
-  for (std::size_t e = 0; e < length; e += lanes) {
-    Floats sum = load(distances + e) * term.position_scale;
-    for (int d = 0; d < count; ++d)
-      sum += squared(load(features + std::size_t(d) * stride + e) -
-                     term.features[d][point]);
-    const Floats value = powerOfTwo(-sum);
-    total += value;
-    toBfloat16(value, values + e);
-  }
-  float result = 0.0f;
-  for (std::size_t k = 0; k < lanes; ++k)
-    result += total[k];
-  return result;
+  Floats sum = squared(load(gathered) - position[0]);
+  sum += squared(load(gathered + stride) - position[1]);
+  return sum + squared(load(gathered + 2 * stride) - position[2]);
 }
+
+// A point of the usual two terms, smoothness and appearance of three colours, in
+// variables that the compiler holds in registers.
+struct UsualPoint {
+  float position[3], colour[3], scale[2], left[2], squared_radius;
+
+  PCL_SEMANTIC_INLINE
+  UsualPoint(const PointsView& points, std::size_t point)
+      : squared_radius(points.squared_radius)
+  {
+    for (std::size_t k = 0; k < 3; ++k) {
+      position[k] = points.arrays[k * points.stride + point];
+      colour[k] = points.arrays[(3 + k) * points.stride + point];
+    }
+    for (std::size_t m = 0; m < 2; ++m) {
+      scale[m] = points.terms[m].position_scale;
+      left[m] = points.left[m][point];
+    }
+  }
+
+  static bool
+  fits(const PointsView& points)
+  {
+    return points.count == 2 && points.terms[0].dimensions == 0 &&
+           points.terms[1].dimensions == 3;
+  }
+
+  // Values of both terms at some pairs, of what was gathered of them.
+  PCL_SEMANTIC_INLINE void
+  evaluate(const float* gathered, std::size_t stride, Floats& smoothness,
+           Floats& appearance) const
+  {
+    const Floats distance = squaredDistance(position, gathered, stride);
+    smoothness = powerOfTwo(exponentOf(distance, squared_radius, scale[0]));
+    Floats exponent = exponentOf(distance, squared_radius, scale[1]);
+    for (std::size_t k = 0; k < 3; ++k)
+      exponent -= squared(load(gathered + (3 + k) * stride) - colour[k]);
+    appearance = powerOfTwo(exponent);
+  }
+
+  PCL_SEMANTIC_INLINE Floats
+  weights(const float* gathered, std::size_t stride) const
+  {
+    Floats smoothness, appearance;
+    evaluate(gathered, stride, smoothness, appearance);
+    return smoothness * (load(gathered + 6 * stride) * left[0]) +
+           appearance * (load(gathered + 7 * stride) * left[1]);
+  }
+};
+
+// A point of any terms.
+struct AnyPoint {
+  const PointsView& points;
+  std::size_t point;
+
+  PCL_SEMANTIC_INLINE
+  AnyPoint(const PointsView& all, std::size_t number) : points(all), point(number) {}
+
+  PCL_SEMANTIC_INLINE Floats
+  evaluate(int m, const float* gathered, std::size_t stride) const
+  {
+    const TermView& term = points.terms[m];
+    const float* const own = points.arrays + point;
+    const float position[] = {own[0], own[points.stride], own[2 * points.stride]};
+    Floats exponent = exponentOf(squaredDistance(position, gathered, stride),
+                                 points.squared_radius, term.position_scale);
+    for (std::size_t a = term.first; a < term.first + std::size_t(term.dimensions); ++a)
+      exponent -= squared(load(gathered + a * stride) - own[a * points.stride]);
+    return powerOfTwo(exponent);
+  }
+
+  PCL_SEMANTIC_INLINE Floats
+  weights(const float* gathered, std::size_t stride) const
+  {
+    Floats sum{};
+    for (int m = 0; m < points.count; ++m)
+      sum += evaluate(m, gathered, stride) *
+             (load(gathered + (points.features_end + std::size_t(m)) * stride) *
+              points.left[m][point]);
+    return sum;
+  }
+};
 
 PCL_SEMANTIC_TARGET void
-sumTerms(const PointsView& points, const GroupView& group, float* scratch, float* sums,
-         std::uint16_t* const* values)
+sumTerms(const PointsView& points, const GroupView& group, float* scratch, float* sums)
 {
   const std::size_t stride = scratchStride(group.length);
-  float* const distances = scratch;
-  float* const positions = scratch + stride;
-  float* const features = positions + 3 * stride;
-  gather<3>(group, points.position, positions, stride);
-  float* next = features;
-  for (int m = 0; m < points.count; ++m) {
-    gatherAll(group, points.terms[m].features, points.terms[m].dimensions, next,
-              stride);
-    next += std::size_t(points.terms[m].dimensions) * stride;
-  }
+  gatherArrays(points, group, points.features_end, scratch);
+  const bool usual = UsualPoint::fits(points);
   for (int p = 0; p < group.points; ++p) {
     const std::size_t point = group.point + std::size_t(p);
-    squaredDistances(points, point, group.length, positions, stride, distances);
-    next = features;
+    if (usual) {
+      const UsualPoint center(points, point);
+      Floats totals[2] = {}, smoothness, appearance;
+      for (std::size_t e = 0; e < group.length; e += lanes) {
+        center.evaluate(scratch + e, stride, smoothness, appearance);
+        totals[0] += smoothness;
+        totals[1] += appearance;
+      }
+      sums[p] = sumOf(totals[0]);
+      sums[most_points + p] = sumOf(totals[1]);
+      continue;
+    }
     for (int m = 0; m < points.count; ++m) {
-      const TermView term = points.terms[m];
-      std::uint16_t* const to = values[m] + std::size_t(p) * strideOf(group.length);
-      float& sum = sums[m * most_points + p];
-      if (term.dimensions == 0)
-        sum = evaluate<0>(term, point, group.length, next, stride, distances, to);
-      else if (term.dimensions == 3)
-        sum = evaluate<3>(term, point, group.length, next, stride, distances, to);
-      else
-        sum = evaluate<-1>(term, point, group.length, next, stride, distances, to);
-      next += std::size_t(term.dimensions) * stride;
+      Floats total{};
+      for (std::size_t e = 0; e < group.length; e += lanes)
+        total += AnyPoint(points, point).evaluate(m, scratch + e, stride);
+      sums[m * most_points + p] = sumOf(total);
     }
   }
 }
 
-PCL_SEMANTIC_TARGET void
-makeWeights(const GroupView& group, int terms, const float* const* left,
-            const float* const* right, float* scratch, std::uint16_t* const* values)
+// No pair of a point with itself.
+PCL_SEMANTIC_INLINE void
+clearOwnWeights(const GroupView& group, std::uint32_t* weights)
 {
-  const std::size_t stride = scratchStride(group.length);
-  gatherAll(group, right, terms, scratch, stride);
-  for (int p = 0; p < group.points; ++p) {
-    const std::size_t begin = std::size_t(p) * strideOf(group.length);
-    for (std::size_t e = 0; e < group.length; e += lanes) {
-      Floats sum{};
-      for (int m = 0; m < terms; ++m)
-        sum += fromBfloat16(values[m] + begin + e) *
-               load(scratch + std::size_t(m) * stride + e) *
-               left[m][group.point + std::size_t(p)];
-      toBfloat16(sum, values[0] + begin + e);
-    }
-  }
+  constexpr std::size_t half = pair_block / 2;
   const std::size_t end = group.point + std::size_t(group.points);
-  std::size_t e = 0; // no pair of a point with itself
+  std::size_t begin = 0; // of the run, in the pairs of a point
   for (std::size_t r = 0; r < group.count; ++r) {
     const std::size_t first = group.runs[r] >> run_length_bits;
     const std::size_t length = group.runs[r] & run_length_mask;
     if (first < end && first + length > group.point)
       for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-        if (group.point + p - first < length)
-          values[0][p * strideOf(group.length) + e + group.point + p - first] = 0;
-    e += length;
+        if (group.point + p - first < length) {
+          const std::size_t e = begin + group.point + p - first;
+          weights[p * strideOf(group.length) / 2 + e / pair_block * half + e % half] &=
+              e % pair_block < half ? 0xFFFF0000u : 0x0000FFFFu;
+        }
+    begin += length;
   }
 }
 
-// The product for some points and some blocks of rows at a time.
+template <typename Point>
+PCL_SEMANTIC_INLINE void
+makeWeightsOf(const Point& point, const float* gathered, std::size_t stride,
+              std::size_t length, std::uint32_t* weights)
+{
+  constexpr std::size_t half = pair_block / 2;
+  for (std::size_t e = 0; e < length; e += pair_block)
+    for (std::size_t k = e; k < e + half; k += lanes, weights += lanes) {
+      const Floats first = point.weights(gathered + k, stride);
+      Floats second{};
+      if (k + half < length)
+        second = point.weights(gathered + k + half, stride);
+      *reinterpret_cast<Unaligned::W*>(weights) = pack(first, second);
+    }
+}
+
+PCL_SEMANTIC_TARGET void
+makeWeights(const PointsView& points, const GroupView& group, float* scratch,
+            std::uint32_t* weights)
+{
+  const std::size_t stride = scratchStride(group.length), length = group.length;
+  gatherArrays(points, group, points.features_end + std::size_t(points.count), scratch);
+  const bool usual = UsualPoint::fits(points);
+  for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
+    std::uint32_t* const to = weights + p * strideOf(length) / 2;
+    if (usual)
+      makeWeightsOf(UsualPoint(points, group.point + p), scratch, stride, length, to);
+    else
+      makeWeightsOf(AnyPoint(points, group.point + p), scratch, stride, length, to);
+  }
+  clearOwnWeights(group, weights);
+}
+
+// The product for some points and some blocks of rows at a time, in enough sums for
+// the units that add.
 template <int points, int blocks>
 PCL_SEMANTIC_INLINE void
 addRows(const std::uint32_t* neighbours, const float* weights, std::size_t stride,
         std::size_t length, const float* values, std::size_t rows, float* result)
 {
-  Floats sums[points][blocks];
-  for (int p = 0; p < points; ++p)
-    for (int b = 0; b < blocks; ++b)
-      sums[p][b] = load(result + std::size_t(p) * rows + b * lanes);
-  for (std::size_t e = 0; e < length; ++e) {
-    const float* const from = values + neighbours[e] * rows;
-    for (int b = 0; b < blocks; ++b) {
-      const Floats value = load(from + b * lanes);
-      for (int p = 0; p < points; ++p)
-        sums[p][b] += value * weights[std::size_t(p) * stride + e];
+  constexpr int ways = points * blocks >= 3 ? 2 : 4;
+  Floats sums[ways][points][blocks] = {};
+  for (std::size_t e = 0; e < length; e += ways)
+    for (int w = 0; w < ways; ++w) {
+      const float* const from = values + neighbours[e + w] * rows;
+      for (int b = 0; b < blocks; ++b) {
+        const Floats value = load(from + b * lanes);
+        for (int p = 0; p < points; ++p)
+          sums[w][p][b] += value * weights[std::size_t(p) * stride + e + w];
+      }
     }
-  }
   for (int p = 0; p < points; ++p)
-    for (int b = 0; b < blocks; ++b)
-      store(sums[p][b], result + std::size_t(p) * rows + b * lanes);
+    for (int b = 0; b < blocks; ++b) {
+      Floats sum = sums[0][p][b];
+      for (int w = 1; w < ways; ++w)
+        sum += sums[w][p][b];
+      float* const to = result + std::size_t(p) * rows + b * lanes;
+      store(load(to) + sum, to);
+    }
+}
+
+// Numbers of the neighbours, behind them that of a point of the group.
+PCL_SEMANTIC_INLINE void
+listNeighbours(const GroupView& group, std::uint32_t* neighbours)
+{
+  for (std::size_t r = 0; r < group.count; ++r) {
+    for (std::size_t k = 0; k < longest_run; k += lanes)
+      *reinterpret_cast<Unaligned::W*>(neighbours + k) =
+          lane() + (group.runs[r] >> run_length_bits) + std::uint32_t(k);
+    neighbours += group.runs[r] & run_length_mask;
+  }
+  for (int k = 0; k < most_points; ++k)
+    neighbours[k] = std::uint32_t(group.point);
 }
 
 PCL_SEMANTIC_TARGET void
-addProduct(const GroupView& group, const std::uint16_t* weights, const float* values,
+addProduct(const GroupView& group, const std::uint32_t* packed, const float* values,
            std::size_t rows, float* scratch, float* result)
 {
+  constexpr std::size_t half = pair_block / 2;
   const std::size_t stride = scratchStride(group.length);
   auto* const neighbours =
       reinterpret_cast<std::uint32_t*>(scratch + most_points * stride);
-  std::uint32_t* next = neighbours;
-  for (std::size_t r = 0; r < group.count; ++r) {
-    for (std::size_t k = 0; k < longest_run; k += lanes)
-      *reinterpret_cast<Unaligned::W*>(next + k) =
-          lane() + (group.runs[r] >> run_length_bits) + std::uint32_t(k);
-    next += group.runs[r] & run_length_mask;
-  }
+  listNeighbours(group, neighbours);
   for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-    for (std::size_t e = 0; e < group.length; e += lanes)
-      store(fromBfloat16(weights + p * strideOf(group.length) + e),
-            scratch + p * stride + e);
+    for (std::size_t e = 0; e < group.length; e += pair_block)
+      for (std::size_t k = 0; k < half; k += lanes, packed += lanes) {
+        const Words both = *reinterpret_cast<const Unaligned::W*>(packed);
+        store(firstOf(both), scratch + p * stride + e + k);
+        store(secondOf(both), scratch + p * stride + e + half + k);
+      }
+  const std::size_t length = group.length;
   constexpr int blocks = lanes > 4 ? 16 / lanes : 2;
   for (std::size_t row = 0; row < rows; row += blocks * lanes) {
     const float* const from = values + row;
     float* const to = result + row;
     switch (group.points) {
     case 4:
-      addRows<4, blocks>(neighbours, scratch, stride, group.length, from, rows, to);
+      addRows<4, blocks>(neighbours, scratch, stride, length, from, rows, to);
       break;
     case 3:
-      addRows<3, blocks>(neighbours, scratch, stride, group.length, from, rows, to);
+      addRows<3, blocks>(neighbours, scratch, stride, length, from, rows, to);
       break;
     case 2:
-      addRows<2, blocks>(neighbours, scratch, stride, group.length, from, rows, to);
+      addRows<2, blocks>(neighbours, scratch, stride, length, from, rows, to);
       break;
     default:
-      addRows<1, blocks>(neighbours, scratch, stride, group.length, from, rows, to);
+      addRows<1, blocks>(neighbours, scratch, stride, length, from, rows, to);
     }
   }
 }
