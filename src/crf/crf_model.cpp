@@ -4,27 +4,16 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "finite.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/crf_model.h>
 
 #include <algorithm>
-#include <cstring>
 
 namespace pcl_semantic {
 
 namespace {
-
-bool
-areFinite(const float* values, Eigen::Index count)
-{
-  unsigned bad = 0; // sums of bits instead of an early exit: many values at once
-  for (Eigen::Index i = 0; i < count; ++i) {
-    unsigned bits = 0;
-    std::memcpy(&bits, values + i, sizeof(bits));
-    bad |= (bits & 0x7f800000u) == 0x7f800000u ? 1u : 0u;
-  }
-  return bad == 0;
-}
 
 // The first variable with a cost that is not finite; N if there is none.
 Eigen::Index

@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "finite.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/gaussian_kernels.h>
 #include <pcl_semantic/crf/lattice_kernel.h>
@@ -26,6 +28,23 @@ inSpace(const Eigen::MatrixXf& positions)
   return padded;
 }
 
+// By rows, which the processor takes many at a time.
+using PointsByRow = Eigen::Matrix<float, 3, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Points within a radius of one of them, itself included.
+std::size_t
+countWithin(const PointsByRow& points, Eigen::Index center, float squared_radius)
+{
+  const Eigen::Vector3f position = points.col(center);
+  unsigned count = 0;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const float dx = points(0, i) - position.x(), dy = points(1, i) - position.y(),
+                dz = points(2, i) - position.z();
+    count += dx * dx + dy * dy + dz * dz <= squared_radius ? 1 : 0;
+  }
+  return count;
+}
+
 void
 validate(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
          const GaussianKernelOptions& options)
@@ -34,7 +53,7 @@ validate(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "positions have " << positions.rows()
                                           << " coordinates, expected 1 to 3");
-  if (!positions.allFinite())
+  if (!areFinite(positions))
     PCL_THROW_EXCEPTION(InvalidParameterException, "a position is not finite");
   if (!(options.radius > 0.0f) || !std::isfinite(options.radius))
     PCL_THROW_EXCEPTION(InvalidParameterException, "kernel radius is "
@@ -114,9 +133,7 @@ GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
     return 0.0;
   // All points or some drawn at random: any regular choice would fall into step with
   // the rows of an image.
-  // By rows, which the processor takes many at a time.
-  Eigen::Matrix<float, 3, Eigen::Dynamic, Eigen::RowMajor> others(
-      3, std::min(count, most_others));
+  PointsByRow others(3, std::min(count, most_others));
   std::minstd_rand random;
   for (Eigen::Index i = 0; i < others.cols(); ++i)
     others.col(i) =
@@ -124,11 +141,7 @@ GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
   const Eigen::Index step = std::max<Eigen::Index>(1, others.cols() / samples);
   std::size_t found = 0, sampled = 0;
   for (Eigen::Index i = 0; i < others.cols(); i += step, ++sampled)
-    found += std::size_t(((others.row(0).array() - others(0, i)).square() +
-                              (others.row(1).array() - others(1, i)).square() +
-                              (others.row(2).array() - others(2, i)).square() <=
-                          reach * reach)
-                             .count());
+    found += countWithin(others, i, reach * reach);
   // A point itself is one; the others found stand for as many as were not drawn.
   return 1.0 + double(found - sampled) / double(sampled) * double(count) /
                    double(others.cols());

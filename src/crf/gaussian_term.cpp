@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "finite.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/gaussian_term.h>
 
@@ -25,7 +27,7 @@ GaussianTerm::validate(Eigen::Index points) const
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "features have " << features.cols() << " columns, expected "
                                          << points);
-  if (!features.allFinite())
+  if (!areFinite(features))
     PCL_THROW_EXCEPTION(InvalidParameterException, "a feature is not finite");
 }
 

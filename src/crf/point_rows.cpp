@@ -82,19 +82,23 @@ PointRows::sort(const Eigen::Matrix3Xf& positions)
                                                        << most_points);
   if (positions.cols() == 0)
     return;
-  low_ = positions.rowwise().minCoeff();
-  const Eigen::Array3d extent =
-      (positions.rowwise().maxCoeff().array() - low_).cast<double>() / double(cell_);
+  low_ = positions.col(0);
+  Eigen::Array3f high = low_;
+  for (Eigen::Index i = 1; i < positions.cols(); ++i) {
+    low_ = low_.min(positions.col(i).array());
+    high = high.max(positions.col(i).array());
+  }
+  const Eigen::Array3d extent = (high - low_).cast<double>() / double(cell_);
   if (!(extent < most_cells).all())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "positions lie " << extent.maxCoeff() * double(cell_)
                                          << " apart, expected at most "
                                          << most_cells * double(cell_));
-  sortPoints(positions);
+  sortPoints(positions, high);
 }
 
 void
-PointRows::sortPoints(const Eigen::Matrix3Xf& positions)
+PointRows::sortPoints(const Eigen::Matrix3Xf& positions, const Eigen::Array3f& high)
 {
   const auto count = static_cast<std::size_t>(positions.cols());
   // Half a cell aside, so that points of a grid lie in the middle of their cells.
@@ -105,7 +109,7 @@ PointRows::sortPoints(const Eigen::Matrix3Xf& positions)
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < count; ++i)
     cells[i] = cellOf(positions.col(Eigen::Index(i)));
-  const Eigen::Vector3i most = cellOf(positions.rowwise().maxCoeff().eval());
+  const Eigen::Vector3i most = cellOf(high.matrix());
   const std::uint64_t nx = std::uint64_t(most.x()) + 1,
                       ny = std::uint64_t(most.y()) + 1;
   std::vector<std::uint64_t> keys(count);

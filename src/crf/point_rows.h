@@ -73,7 +73,7 @@ private:
   class NearRows;
 
   void sort(const Eigen::Matrix3Xf& positions);
-  void sortPoints(const Eigen::Matrix3Xf& positions);
+  void sortPoints(const Eigen::Matrix3Xf& positions, const Eigen::Array3f& high);
   void buildRows(const Eigen::Matrix3Xf& positions);
   void findWidths(const Eigen::Array3f& slack);
 

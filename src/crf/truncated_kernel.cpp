@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "finite.h"
 #include "kernels/run_search.h"
 #include "kernels/truncated_sums.h"
 #include "padded_columns.h"
@@ -33,7 +34,7 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
   if (!(radius > 0.0f) || !std::isfinite(radius))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "kernel radius is " << radius << ", expected more than 0");
-  if (!positions.allFinite())
+  if (!areFinite(positions))
     PCL_THROW_EXCEPTION(InvalidParameterException, "a position is not finite");
   for (const GaussianTerm& term : terms)
     term.validate(positions.cols());

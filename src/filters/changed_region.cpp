@@ -53,10 +53,12 @@ public:
   void
   spread()
   {
+    const auto nx = std::size_t(size_.x()), ny = std::size_t(size_.y()),
+               nz = std::size_t(size_.z());
     for (std::uint8_t level = 1; level < farthest; ++level) {
-      spreadAlong(1, size_.x(), level);
-      spreadAlong(size_.x(), size_.y(), level);
-      spreadAlong(size_.x() * size_.y(), size_.z(), level);
+      spreadAlong(1, nx, level);
+      spreadAlong(nx, ny, level);
+      spreadAlong(nx * ny, nz, level);
     }
   }
 
@@ -68,23 +70,21 @@ private:
     return std::size_t((block.z() * size_.y() + block.y()) * size_.x() + block.x());
   }
 
-  // Marks both sides of blocks that are below a level or were reached by it already.
+  // Marks blocks that are, or have beside them, one of at most a level.
   void
-  spreadAlong(std::int64_t stride, std::int64_t size, std::uint8_t level)
+  spreadAlong(std::size_t stride, std::size_t size, std::uint8_t level)
   {
     const std::vector<std::uint8_t> before = levels_;
-    const auto mark = [&](std::int64_t i) {
-      levels_[std::size_t(i)] = std::min(levels_[std::size_t(i)], level);
-    };
-    for (std::int64_t i = 0; i < std::int64_t(levels_.size()); ++i) {
-      if (before[std::size_t(i)] > level)
-        continue;
-      const std::int64_t place = i / stride % size;
-      if (place > 0)
-        mark(i - stride);
-      if (place + 1 < size)
-        mark(i + stride);
-    }
+    std::size_t i = 0;
+    while (i < before.size())
+      for (std::size_t place = 0; place < size; ++place)
+        for (const std::size_t end = i + stride; i < end; ++i) {
+          const bool reached = before[i] <= level ||
+                               (place > 0 && before[i - stride] <= level) ||
+                               (place + 1 < size && before[i + stride] <= level);
+          if (reached)
+            levels_[i] = std::min(levels_[i], level);
+        }
   }
 
   Eigen::Array3f low_;

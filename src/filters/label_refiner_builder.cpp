@@ -158,8 +158,8 @@ CrfModel
 LabelRefiner::Builder::build()
 {
   CrfModel model;
+  model.kernels = kernels(); // first: they need the most memory while they are made
   model.unary = unaryCosts(measured_.matrix(), elements_.indices);
-  model.kernels = kernels();
   model.compatibility = refiner_.compatibility_;
   model.self_interaction = parameters_.self_interaction;
   if (refiner_.usesCliques())

@@ -73,6 +73,9 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud)
   fields.labels.resize(cloud.size());
   if constexpr (has_rgba || has_rgb)
     fields.colours.resize(3, count);
+#ifdef _OPENMP // it may not be where a user's own point type is compiled
+#pragma omp parallel for schedule(static)
+#endif
   for (Eigen::Index i = 0; i < count; ++i) {
     const PointT& point = cloud[std::size_t(i)];
     fields.positions.col(i) << float(detail::getField<x>(point)),
