@@ -151,8 +151,8 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
         if (pairs < most_pairs) // else it is refused below
           chunk.find(rows, c * chunk_points);
         pairs += chunk.pairs();
-        float* const gathered =
-            scratch.floats(kernels::scratchSize(chunk.longest, points.view().features_end));
+        float* const gathered = scratch.floats(
+            kernels::scratchSize(chunk.longest, points.view().features_end));
         for (std::size_t g = 0; g < chunk.size(); ++g) {
           const kernels::GroupView group = chunk.view(g);
           if (!areKnown(group))
@@ -172,8 +172,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "too many pairs of points lie within the radius, expected less "
                         "than "
-                            << most_pairs
-                            << ": take a smaller radius or fewer points");
+                            << most_pairs << ": take a smaller radius or fewer points");
 }
 
 // Whether the sums of all points of a group are.
@@ -206,7 +205,8 @@ void
 TruncatedKernel::makeWeights(const SortedPoints& points)
 {
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
-  const std::size_t arrays = points.view().features_end + std::size_t(points.view().count);
+  const std::size_t arrays =
+      points.view().features_end + std::size_t(points.view().count);
   ParallelGuard guard;
 #pragma omp parallel
   {
@@ -243,8 +243,7 @@ TruncatedKernel::memory() const
 {
   std::size_t bytes = order_.size() * 4 + std::size_t(diagonal_.size()) * 4;
   for (const Chunk& chunk : chunks_)
-    bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 +
-             chunk.pairs() * 2;
+    bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 + chunk.pairs() * 2;
   return bytes;
 }
 
@@ -268,6 +267,8 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                   copy.data() + std::size_t(i) * stride);
   }
   const float* const from = direct ? values.data() : copy.data();
+  const bool in_place =
+      direct && active.empty() && std::size_t(result.outerStride()) == stride;
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   ParallelGuard guard;
 #pragma omp parallel
@@ -282,6 +283,11 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
             kernels::scratchSize(chunk.longest, 1 + kernels::most_points));
         for (std::size_t g = 0; g < chunk.size(); ++g) {
           const kernels::GroupView group = chunk.view(g);
+          if (in_place) {
+            loops.addProduct(group, chunk.weightsOf(g), from, stride, weights,
+                             result.col(Eigen::Index(group.point)).data());
+            continue;
+          }
           const auto column = [&](int p) {
             const std::size_t point = group.point + std::size_t(p);
             return sorted ? Eigen::Index(point) : Eigen::Index(order_[point]);

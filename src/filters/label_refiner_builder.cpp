@@ -95,9 +95,8 @@ keptColumns(const Eigen::MatrixXf& matrix, std::size_t cliques,
 LabelRefiner::Builder::Builder(LabelRefiner& refiner, Elements& elements,
                                const LabelDistributions& measured)
     : refiner_(refiner), parameters_(refiner.parameters_), elements_(elements),
-      measured_(measured),
-      gaussian_kernels_(elements.positions, deviationsOf(terms()),
-                        kernelOptions(parameters_))
+      measured_(measured), gaussian_kernels_(elements.positions, deviationsOf(terms()),
+                                             kernelOptions(parameters_))
 {
   if (!gaussian_kernels_.fastestOrder().empty())
     reorder(gaussian_kernels_.fastestOrder());
@@ -194,10 +193,10 @@ LabelRefiner::Builder::initial() const
   if (std::size_t(initial.size()) != elements_.total ||
       initial.classes() != measured_.classes())
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "initial distributions are "
-                            << initial.classes() << " x " << initial.size()
-                            << ", expected " << measured_.classes() << " x "
-                            << elements_.total);
+                        "initial distributions are " << initial.classes() << " x "
+                                                     << initial.size() << ", expected "
+                                                     << measured_.classes() << " x "
+                                                     << elements_.total);
   return gather(initial.matrix(), elements_.indices);
 }
 

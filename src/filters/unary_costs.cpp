@@ -29,9 +29,8 @@ unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& col
       else
         costs.col(Eigen::Index(k)).setOnes(); // no cost
     }
-    Eigen::Map<Eigen::ArrayXf> values(
-        costs.data() + Eigen::Index(begin) * costs.rows(),
-        Eigen::Index(end - begin) * costs.rows());
+    Eigen::Map<Eigen::ArrayXf> values(costs.data() + Eigen::Index(begin) * costs.rows(),
+                                      Eigen::Index(end - begin) * costs.rows());
     values = -values.max(smallest).log();
   }
   return costs;

@@ -54,8 +54,8 @@ constexpr int most_points = 4;
 constexpr std::size_t pair_block = 32;
 
 struct TruncatedSums {
-  /** \brief Sums of the values of each term over the pairs of each point of a group, that
-   * of a point with itself included. \param[in] scratch scratchSize() floats
+  /** \brief Sums of the values of each term over the pairs of each point of a group,
+   * that of a point with itself included. \param[in] scratch scratchSize() floats
    * \param[out] sums of term m and point p at m * most_points + p */
   void (*sumTerms)(const PointsView& points, const GroupView& group, float* scratch,
                    float* sums);

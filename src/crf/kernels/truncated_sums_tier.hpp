@@ -94,8 +94,8 @@ sumOf(const Floats& values)
   return parts[0];
 }
 
-// The first arrays of the points at the pairs of a group, one after the other. Most runs
-// are short, so they are copied by halves of the longest one.
+// The first arrays of the points at the pairs of a group, one after the other. Most
+// runs are short, so they are copied by halves of the longest one.
 template <int fixed>
 PCL_SEMANTIC_INLINE void
 gather(const PointsView& points, const GroupView& group, std::size_t arrays,
@@ -373,6 +373,7 @@ addProduct(const GroupView& group, const std::uint32_t* packed, const float* val
   for (std::size_t p = 0; p < std::size_t(group.points); ++p)
     for (std::size_t e = 0; e < group.length; e += pair_block)
       for (std::size_t k = 0; k < half; k += lanes, packed += lanes) {
+        __builtin_prefetch(packed + 192); // else a sixth of the time goes in waiting
         const Words both = *reinterpret_cast<const Unaligned::W*>(packed);
         store(firstOf(both), scratch + p * stride + e + k);
         store(secondOf(both), scratch + p * stride + e + half + k);
