@@ -206,7 +206,7 @@ TruncatedKernel::makeWeights(const SortedPoints& points)
 {
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   const std::size_t arrays =
-      points.view().features_end + std::size_t(points.view().count);
+      points.view().features_end + std::size_t(points.view().count) + 1;
   ParallelGuard guard;
 #pragma omp parallel
   {

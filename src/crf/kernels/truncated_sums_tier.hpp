@@ -286,20 +286,19 @@ clearOwnWeights(const GroupView& group, std::uint32_t* weights)
   }
 }
 
+// \a line: room for the weights before they are packed
 template <typename Point>
 PCL_SEMANTIC_INLINE void
 makeWeightsOf(const Point& point, const float* gathered, std::size_t stride,
-              std::size_t length, std::uint32_t* weights)
+              std::size_t length, float* line, std::uint32_t* weights)
 {
   constexpr std::size_t half = pair_block / 2;
+  for (std::size_t e = 0; e < length; e += lanes)
+    store(point.weights(gathered + e, stride), line + e);
   for (std::size_t e = 0; e < length; e += pair_block)
-    for (std::size_t k = e; k < e + half; k += lanes, weights += lanes) {
-      const Floats first = point.weights(gathered + k, stride);
-      Floats second{};
-      if (k + half < length)
-        second = point.weights(gathered + k + half, stride);
-      *reinterpret_cast<Unaligned::W*>(weights) = pack(first, second);
-    }
+    for (std::size_t k = e; k < e + half; k += lanes, weights += lanes)
+      *reinterpret_cast<Unaligned::W*>(weights) =
+          pack(load(line + k), load(line + k + half));
 }
 
 PCL_SEMANTIC_TARGET void
@@ -307,14 +306,18 @@ makeWeights(const PointsView& points, const GroupView& group, float* scratch,
             std::uint32_t* weights)
 {
   const std::size_t stride = scratchStride(group.length), length = group.length;
-  gatherArrays(points, group, points.features_end + std::size_t(points.count), scratch);
+  const std::size_t arrays = points.features_end + std::size_t(points.count);
+  gatherArrays(points, group, arrays, scratch);
+  float* const line = scratch + arrays * stride;
+  std::fill(line + length / lanes * lanes, line + strideOf(length), 0.0f);
   const bool usual = UsualPoint::fits(points);
   for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
     std::uint32_t* const to = weights + p * strideOf(length) / 2;
+    const std::size_t number = group.point + p;
     if (usual)
-      makeWeightsOf(UsualPoint(points, group.point + p), scratch, stride, length, to);
+      makeWeightsOf(UsualPoint(points, number), scratch, stride, length, line, to);
     else
-      makeWeightsOf(AnyPoint(points, group.point + p), scratch, stride, length, to);
+      makeWeightsOf(AnyPoint(points, number), scratch, stride, length, line, to);
   }
   clearOwnWeights(group, weights);
 }
