@@ -81,8 +81,12 @@ private:
       for (std::size_t w = first_word; w < end_word; ++w)
         write[w] |= (read[w - first_word] << (shift % 64)) & mask;
     };
-    for (std::uint32_t t = 0; t < bucket.counts[j]; ++t)
+    for (std::uint32_t t = 0; t < bucket.counts[j]; ++t) {
+      const auto later =
+          std::size_t(steps[t + kernels::steps_ahead] & ~kernels::run_end);
+      __builtin_prefetch(sets + later * 2 * words, 1);
       add(steps[t + 1], steps[t] >= 0, steps[t], 0);
+    }
     for (std::uint32_t t = bucket.counts[j]; t-- > 1;)
       add(steps[t - 1], steps[t - 1] >= 0, steps[t], 1);
   }
