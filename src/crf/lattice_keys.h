@@ -7,6 +7,7 @@
 #pragma once
 
 #include "kernels/lattice_embedding.h"
+#include "kernels/lattice_search.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -116,11 +117,11 @@ public:
   static std::uint64_t
   hash(Key key)
   {
-    std::uint64_t mixed = std::uint64_t(key);
     if constexpr (sizeof(Key) > 8)
-      mixed ^= std::uint64_t(key >> 64) * 0xD6E8FEB86659FD93u;
-    mixed *= 0x9E3779B97F4A7C15u;
-    return (mixed ^ (mixed >> 32)) * 0xBF58476D1CE4E5B9u;
+      return kernels::mixKey(std::uint64_t(key) ^
+                             std::uint64_t(key >> 64) * 0xD6E8FEB86659FD93u);
+    else
+      return kernels::mixKey(key);
   }
 
 private:

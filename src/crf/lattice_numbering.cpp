@@ -36,7 +36,7 @@ public:
     ParallelGuard guard;
 #pragma omp parallel
     guard.run([&] {
-      LatticeTable<Key> table;
+      LatticeTable<Key> table(tier);
 #pragma omp for schedule(dynamic, 1) nowait
       for (std::size_t c = 0; c < chunks_.size(); ++c)
         guard.run([&] {
@@ -54,7 +54,7 @@ public:
 
   // Finds for every key of every chunk the first chunk that has it.
   void
-  findFirst()
+  findFirst(SimdTier tier)
   {
     std::size_t sum = 0;
     for (ChunkKeys<Key>& chunk : chunks_) {
@@ -66,7 +66,7 @@ public:
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t p = 0; p < partitions; ++p)
       guard.run([&] {
-        LatticeTable<Key> table;
+        LatticeTable<Key> table(tier);
         table.reset(rows_.size() / partitions);
         std::vector<std::int32_t> firsts, numbers;
         for (const ChunkKeys<Key>& chunk : chunks_) {
@@ -195,11 +195,12 @@ private:
     }
     table.insert(keys, simplices * corners, numbers);
     for (std::size_t i = 0; i < end - begin; ++i) {
-      std::copy_n(numbers + simplex[i] * corners, corners,
-                  structure_.corner_rows.data() + (begin + i) * corners);
+      std::int32_t* const rows = structure_.corner_rows.data() + (begin + i) * corners;
       float* const weights = structure_.weights.data() + (begin + i) * corners;
-      for (std::size_t k = 0; k < corners; ++k)
+      for (std::size_t k = 0; k < corners; ++k) {
+        rows[k] = numbers[simplex[i] * corners + k];
         weights[k] = batch.weights[k][i];
+      }
     }
   }
 
@@ -281,7 +282,7 @@ numberVertices(const LatticeFeatures& features, const kernels::LatticeFrame& fra
   LatticeVertices<Key> vertices{LatticeKeys<Key>(bits), {}, {}};
   Numbering numbering(vertices, structure);
   numbering.embed(features, frame, tier);
-  numbering.findFirst();
+  numbering.findFirst(tier);
   numbering.numberRows();
   numbering.findShared();
   return vertices;

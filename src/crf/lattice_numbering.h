@@ -38,10 +38,12 @@ numberVertices(const LatticeFeatures&, const kernels::LatticeFrame&,
 
 /** \brief Finds the runs of vertices in every direction: the groups of a structure. */
 template <typename Key>
-void findRuns(const LatticeVertices<Key>& vertices, LatticeStructure& structure);
+void findRuns(const LatticeVertices<Key>& vertices, SimdTier tier,
+              LatticeStructure& structure);
 
-extern template void findRuns(const LatticeVertices<std::uint64_t>&, LatticeStructure&);
-extern template void findRuns(const LatticeVertices<LongLatticeKey>&,
+extern template void findRuns(const LatticeVertices<std::uint64_t>&, SimdTier,
+                              LatticeStructure&);
+extern template void findRuns(const LatticeVertices<LongLatticeKey>&, SimdTier,
                               LatticeStructure&);
 
 /** \brief What a one at each point sends back to it: the self-responses of a structure

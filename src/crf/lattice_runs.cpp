@@ -123,7 +123,8 @@ makeBucket(const LatticeVertices<Key>& vertices, const std::int32_t* members,
 
 template <typename Key>
 void
-findRuns(const LatticeVertices<Key>& vertices, LatticeStructure& structure)
+findRuns(const LatticeVertices<Key>& vertices, SimdTier tier,
+         LatticeStructure& structure)
 {
   const int corners = int(structure.corners), size = groupSize(corners - 1);
   const std::size_t buckets =
@@ -140,7 +141,7 @@ findRuns(const LatticeVertices<Key>& vertices, LatticeStructure& structure)
     ParallelGuard guard;
 #pragma omp parallel
     guard.run([&] {
-      LatticeTable<Key> table;
+      LatticeTable<Key> table(tier);
 #pragma omp for schedule(dynamic, 1) nowait
       for (std::size_t b = 0; b < buckets; ++b)
         guard.run([&] {
@@ -153,7 +154,9 @@ findRuns(const LatticeVertices<Key>& vertices, LatticeStructure& structure)
   }
 }
 
-template void findRuns(const LatticeVertices<std::uint64_t>&, LatticeStructure&);
-template void findRuns(const LatticeVertices<LongLatticeKey>&, LatticeStructure&);
+template void findRuns(const LatticeVertices<std::uint64_t>&, SimdTier,
+                       LatticeStructure&);
+template void findRuns(const LatticeVertices<LongLatticeKey>&, SimdTier,
+                       LatticeStructure&);
 
 } // namespace pcl_semantic

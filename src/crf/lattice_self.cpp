@@ -81,8 +81,12 @@ private:
       for (std::size_t w = first_word; w < end_word; ++w)
         write[w] |= (read[w - first_word] << (shift % 64)) & mask;
     };
-    for (std::uint32_t t = 0; t < bucket.counts[j]; ++t)
+    for (std::uint32_t t = 0; t < bucket.counts[j]; ++t) {
+      const auto later =
+          std::size_t(steps[t + kernels::steps_ahead] & ~kernels::run_end);
+      __builtin_prefetch(sets + later * 2 * words, 1);
       add(steps[t + 1], steps[t] >= 0, steps[t], 0);
+    }
     for (std::uint32_t t = bucket.counts[j]; t-- > 1;)
       add(steps[t - 1], steps[t - 1] >= 0, steps[t], 1);
   }
@@ -125,8 +129,8 @@ respondBySets(const LatticeArray<std::uint8_t>& directions, SimdTier tier,
 // Walks every path of every point: for many dimensions, where few of them exist.
 template <typename Key> class Walker {
 public:
-  Walker(const LatticeVertices<Key>& vertices, int corners)
-      : vertices_(vertices), corners_(corners)
+  Walker(const LatticeVertices<Key>& vertices, int corners, SimdTier tier)
+      : vertices_(vertices), corners_(corners), table_(tier)
   {
     table_.fill(vertices.keys.size(), [&](std::size_t v) { return vertices.keys[v]; });
   }
@@ -196,7 +200,7 @@ findSelfResponses(const LatticeVertices<Key>& vertices, SimdTier tier,
     respondBySets(vertices.directions, tier, structure);
     return;
   }
-  const Walker<Key> walker(vertices, int(structure.corners));
+  const Walker<Key> walker(vertices, int(structure.corners), tier);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t i = 0; i < structure.points; ++i)
     structure.self_responses[std::size_t((*structure.columns)[i])] =

@@ -24,21 +24,17 @@ template <typename Key> struct LatticeSlots {
     return (std::uint32_t(hash) & ~number_mask) | std::uint32_t(number);
   }
 
-  // The slot that has a key or is free for it. Whether there is one cannot be
-  // predicted: what is asked at each slot is whether to go on, which is rare.
+  // The slot that has a key or is free for it.
   std::size_t
   search(Key key, std::uint64_t hash) const
   {
     const std::uint32_t tag = std::uint32_t(hash) & ~number_mask;
     std::size_t slot = std::size_t(hash >> shift);
     for (;; slot = (slot + 1) & number_mask) {
-      const std::uint32_t found = slots[slot], number = found & number_mask;
-      const bool is_taken = found != 0;
-      if (int(is_taken) & int((found & ~number_mask) != tag))
-        continue;
-      if (int(is_taken) & int(keys[number - std::uint32_t(is_taken)] != key))
-        continue;
-      return slot;
+      const std::uint32_t found = slots[slot];
+      if (found == 0 ||
+          ((found & ~number_mask) == tag && keys[(found & number_mask) - 1] == key))
+        return slot;
     }
   }
 };

@@ -32,7 +32,7 @@ build(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
 {
   const LatticeVertices<Key> vertices =
       numberVertices<Key>(features, frame, bits, tier, structure);
-  findRuns(vertices, structure);
+  findRuns(vertices, tier, structure);
   findSelfResponses(vertices, tier, structure);
 }
 

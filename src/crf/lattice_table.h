@@ -15,16 +15,18 @@ namespace pcl_semantic {
 
 /** \brief Numbers keys in the order in which they come; to be used again and again.
  *
- * At most a quarter of the slots is taken. A slot holds a number + 1 in its lower bits,
- * and bits of the hash above them. */
+ * At most a quarter of the slots is taken, or an eighth. A slot holds a number + 1 in
+ * its lower bits, and bits of the hash above them. */
 template <typename Key> class LatticeTable {
 public:
+  explicit LatticeTable(SimdTier tier) : search_(kernels::latticeSearch(tier)) {}
+
   /** \brief Forgets all keys and makes room for some. */
   void
   reset(std::size_t expected)
   {
     size_ = 0;
-    keys_.resize(expected);
+    keys_.resize(std::max<std::size_t>(expected, 1)); // a search may read the first
     setSlots(4 * expected);
   }
 
@@ -34,10 +36,10 @@ public:
   fill(std::size_t count, KeyOf&& key_of)
   {
     size_ = count;
-    keys_.resize(count);
+    keys_.resize(std::max<std::size_t>(count, 1));
     for (std::size_t i = 0; i < count; ++i) // all at first, as they come from anywhere
       keys_[i] = key_of(i);
-    setSlots(4 * count);
+    setSlots(8 * count);
     insertAll();
   }
 
@@ -51,11 +53,14 @@ public:
     }
     if (size_ + count > keys_.size())
       keys_.resize(2 * size_ + count);
+    findFirst(keys, count, numbers);
     const View view = this->view();
     std::uint32_t* const slots = slots_.data();
     Key* const known = keys_.data();
     std::size_t size = size_;
     for (std::size_t i = 0; i < count; ++i) {
+      if (numbers[i] >= 0)
+        continue;
       const std::uint64_t hash = LatticeKeys<Key>::hash(keys[i]);
       std::uint32_t& slot = slots[view.search(keys[i], hash)];
       if (slot == 0) {
@@ -71,8 +76,11 @@ public:
   void
   find(const Key* keys, std::size_t count, std::int32_t* numbers) const
   {
+    findFirst(keys, count, numbers);
     const View view = this->view();
     for (std::size_t i = 0; i < count; ++i) {
+      if (numbers[i] != kernels::not_first)
+        continue;
       const std::size_t slot = view.search(keys[i], LatticeKeys<Key>::hash(keys[i]));
       numbers[i] = std::int32_t(view.slots[slot] & view.number_mask) - 1;
     }
@@ -92,6 +100,17 @@ public:
 
 private:
   using View = LatticeSlots<Key>;
+
+  // Numbers of the keys that are where they are looked for first.
+  void
+  findFirst(const Key* keys, std::size_t count, std::int32_t* numbers) const
+  {
+    if constexpr (sizeof(Key) == sizeof(std::uint64_t))
+      search_({slots_.data(), keys_.data(), shift_, number_mask_}, keys, count,
+              numbers);
+    else
+      std::fill_n(numbers, count, kernels::not_first);
+  }
 
   View
   view() const
@@ -122,6 +141,7 @@ private:
     }
   }
 
+  kernels::LatticeSearch search_;
   int shift_ = 64;
   std::uint32_t number_mask_ = 0;
   std::vector<std::uint32_t> slots_; // 0 = free

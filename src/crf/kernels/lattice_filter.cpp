@@ -10,6 +10,9 @@ namespace pcl_semantic::kernels {
 
 namespace {
 
+constexpr std::size_t points_ahead = 12; // to be fetched
+constexpr std::size_t rows_ahead = 16;   // to be fetched
+
 namespace plain {
 #define PCL_SEMANTIC_TARGET
 #define PCL_SEMANTIC_LANES 4

@@ -40,6 +40,14 @@ loadValues(const LatticeColumns& columns, std::size_t column, V* to)
     load(from + std::size_t(b) * lanes, to[b]);
 }
 
+// Columns are not in the order of memory: to be fetched some points ahead.
+PCL_SEMANTIC_TARGET inline __attribute__((always_inline)) std::size_t
+laterColumn(const LatticePoints& points, std::size_t i)
+{
+  const std::size_t later = i + points_ahead;
+  return std::size_t(points.columns[later < points.count ? later : i]);
+}
+
 template <typename V, int parts>
 PCL_SEMANTIC_TARGET void
 splat(const LatticePoints& points, const LatticeColumns& columns, float* lattice)
@@ -51,13 +59,17 @@ splat(const LatticePoints& points, const LatticeColumns& columns, float* lattice
   for (std::size_t begin = 0; begin < points.count; begin += row_end_points) {
     // Rows are begun shortly before they are needed: they are in the fast cache then.
     const auto row_end = std::size_t(points.row_ends[begin / row_end_points]);
-    for (; begun < row_end; ++begun)
+    for (; begun < row_end; ++begun) {
+      __builtin_prefetch(lattice + (begun + rows_ahead) * width, 1);
       for (std::size_t r = 0; r < width; ++r)
         lattice[begun * width + r] = 0.0f;
+    }
     const std::size_t end =
         begin + row_end_points < points.count ? begin + row_end_points : points.count;
     for (std::size_t i = begin; i < end; ++i) {
       const auto column = std::size_t(points.columns[i]);
+      __builtin_prefetch(columns.values +
+                         laterColumn(points, i) * columns.values_stride);
       V value[parts];
       loadValues<V, parts>(columns, column, value);
       for (int b = 0; b < parts; ++b)
@@ -82,6 +94,9 @@ merge(const std::int32_t* vertices, std::size_t count, const std::uint32_t* ends
   constexpr std::size_t lanes = sizeof(V) / sizeof(float), width = parts * lanes;
   for (std::size_t m = 0; m < count; ++m) {
     float* const row = lattice + std::size_t(vertices[m]) * width;
+    const std::size_t later = m + rows_ahead < count ? m + rows_ahead : m;
+    __builtin_prefetch(lattice + std::size_t(vertices[later]) * width, 1);
+    __builtin_prefetch(lattice + std::size_t(partials[ends[later] - 1]) * width);
     V sum[parts], part;
     for (int b = 0; b < parts; ++b)
       load(row + std::size_t(b) * lanes, sum[b]);
@@ -166,6 +181,9 @@ slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice
       }
   for (std::size_t i = 0; i < points.count; ++i) {
     const auto column = std::size_t(points.columns[i]);
+    const std::size_t later = laterColumn(points, i);
+    __builtin_prefetch(columns.values + later * columns.values_stride);
+    __builtin_prefetch(columns.result + later * columns.result_stride, 1);
     if (columns.active && !columns.active[column])
       continue;
     V sum[parts], value[parts];
