@@ -89,7 +89,8 @@ setCliques(const std::string& cliques, const Arguments& arguments,
                         arguments.input << ": has no field 'clique'");
   if (cliques == "field")
     crf.setCliques(input.cliques);
-  else if (cliques == "slic" || cliques.find(':') != std::string::npos)
+  else if (cliques == "slic" || cliques.rfind("slic:", 0) == 0 ||
+           cliques.rfind("cubes:", 0) == 0)
     crf.setCliqueGenerator(makeCliqueGenerator(cliques));
   else
     crf.setCliques(readCliques(cliques, input.cloud->size()));
@@ -160,8 +161,9 @@ filter(const Arguments& arguments, LabelledCloud& input)
   std::ostringstream text;
   text << "points: " << cloud->size() << ", of which " << crf.getSkippedPoints()
        << " without a place, " << report.unlabelled
-       << " without a measurement\ncliques: " << report.cliques
-       << "\nupdates: " << report.updates << "\n";
+       << " without a measurement\ncliques: " << report.cliques << ", and "
+       << report.skipped_cliques
+       << " without a point that takes part\nupdates: " << report.updates << "\n";
   return text.str();
 }
 

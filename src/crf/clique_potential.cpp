@@ -26,10 +26,10 @@ validateWeights(const Eigen::MatrixXf& weights, Eigen::Index labels,
                                               << " cliques");
   for (Eigen::Index c = 0; c < weights.cols(); ++c)
     for (Eigen::Index l = 0; l < weights.rows(); ++l)
-      if (!(weights(l, c) >= 0.0f) || !std::isfinite(weights(l, c)))
+      if (!(weights(l, c) >= 0.0f && weights(l, c) <= 1e9f))
         PCL_THROW_EXCEPTION(InvalidParameterException,
                             "the weight of clique " << c << " is " << weights(l, c)
-                                                    << ", expected 0 or more");
+                                                    << ", expected 0 to 1e9");
 }
 
 void

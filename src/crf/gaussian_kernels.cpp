@@ -82,9 +82,11 @@ GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
     if (method == KernelMethod::automatic && m > 0 && deviation == deviations[m - 1])
       method = methods_[m - 1];
     else if (method == KernelMethod::automatic)
-      method = meanNeighbours(points, options.radius * deviation) <= most_neighbours
-                   ? KernelMethod::truncated
-                   : KernelMethod::lattice;
+      method =
+          TruncatedKernel::canHold(points, deviation) &&
+                  meanNeighbours(points, options.radius * deviation) <= most_neighbours
+              ? KernelMethod::truncated
+              : KernelMethod::lattice;
     methods_.push_back(method);
     if (method == KernelMethod::truncated)
       widest = std::max(widest, deviation);

@@ -73,6 +73,17 @@ PointRows::orderOf(const Eigen::Matrix3Xf& positions, float reach, float cell)
   return std::move(rows.order_);
 }
 
+bool
+PointRows::canHold(const Eigen::Matrix3Xf& positions, float cell)
+{
+  if (positions.cols() == 0)
+    return true;
+  const Eigen::Vector3d extent =
+      (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).cast<double>();
+  return positions.cols() < Eigen::Index(most_points) &&
+         extent.maxCoeff() / double(cell) < most_cells;
+}
+
 void
 PointRows::sort(const Eigen::Matrix3Xf& positions)
 {
@@ -93,7 +104,9 @@ PointRows::sort(const Eigen::Matrix3Xf& positions)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "positions lie " << extent.maxCoeff() * double(cell_)
                                          << " apart, expected at most "
-                                         << most_cells * double(cell_));
+                                         << most_cells * double(cell_)
+                                         << " for truncated kernels: take lattices, or "
+                                            "leave out what lies far off");
   sortPoints(positions, high);
 }
 
@@ -122,6 +135,25 @@ PointRows::sortPoints(const Eigen::Matrix3Xf& positions, const Eigen::Array3f& h
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < count; ++i)
     cells_[i] = cells[std::size_t(order_[i])];
+  sortWithinCells(positions);
+}
+
+// Sums must not depend on the order that the points came in.
+void
+PointRows::sortWithinCells(const Eigen::Matrix3Xf& positions)
+{
+  const auto before = [&](std::int32_t a, std::int32_t b) {
+    const float* const p = positions.col(a).data();
+    const float* const q = positions.col(b).data();
+    return std::lexicographical_compare(p, p + 3, q, q + 3);
+  };
+  for (std::size_t begin = 0, end = 0; begin < size(); begin = end) {
+    for (end = begin + 1; end < size() && cells_[end] == cells_[begin];)
+      ++end;
+    if (end > begin + 1)
+      std::stable_sort(order_.begin() + std::ptrdiff_t(begin),
+                       order_.begin() + std::ptrdiff_t(end), before);
+  }
 }
 
 void

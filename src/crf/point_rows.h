@@ -31,6 +31,9 @@ public:
    * apart for the reach */
   PointRows(const Eigen::Matrix3Xf& positions, float reach, float cell);
 
+  /** \brief Whether there are few enough points, and near enough to each other. */
+  static bool canHold(const Eigen::Matrix3Xf& positions, float cell);
+
   /** \brief order() alone. */
   static std::vector<std::int32_t> orderOf(const Eigen::Matrix3Xf& positions,
                                            float reach, float cell);
@@ -74,6 +77,7 @@ private:
 
   void sort(const Eigen::Matrix3Xf& positions);
   void sortPoints(const Eigen::Matrix3Xf& positions, const Eigen::Array3f& high);
+  void sortWithinCells(const Eigen::Matrix3Xf& positions);
   void buildRows(const Eigen::Matrix3Xf& positions);
   void findWidths(const Eigen::Array3f& slack);
 

@@ -25,7 +25,7 @@ namespace pcl_semantic {
 namespace {
 
 constexpr std::size_t chunk_points = 256;
-constexpr std::size_t most_pairs = std::size_t(1) << 32;
+constexpr std::size_t most_pairs = std::size_t(1) << 31; // 4 GiB of weights
 
 void
 validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& terms,
@@ -122,7 +122,8 @@ TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
   const PointRows rows(positions, radius * widest, widest / 2.0f);
   order_ = rows.order();
   const float reach = radius * widest * 1.0001f; // as that of the rows
-  SortedPoints points(positions, order_, terms, reach * reach, widening(radius));
+  SortedPoints points(positions, order_, terms, reach * reach,
+                      widening(radius, normalization));
   sumTerms(rows, points, terms, normalization);
   makeWeights(points);
   if (std::is_sorted(order_.begin(), order_.end()))
@@ -226,9 +227,19 @@ TruncatedKernel::makeWeights(const SortedPoints& points)
 }
 
 float
-TruncatedKernel::widening(float radius)
+TruncatedKernel::widening(float radius, Normalization normalization)
 {
-  return 1.0f + std::exp(-0.84f * (radius * radius - 4.0f));
+  // Without normalisation a wider kernel would be a heavier one.
+  return normalization == Normalization::none
+             ? 1.0f
+             : 1.0f + std::exp(-0.84f * (radius * radius - 4.0f));
+}
+
+// Cells of rows are half as wide as the widest kernel.
+bool
+TruncatedKernel::canHold(const Eigen::Matrix3Xf& positions, float deviation)
+{
+  return PointRows::canHold(positions, deviation / 2.0f);
 }
 
 std::vector<std::int32_t>

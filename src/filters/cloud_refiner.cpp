@@ -49,6 +49,34 @@ placedPoints(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices,
   return placed;
 }
 
+// Of each coordinate.
+Eigen::Vector3f
+medianOf(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices)
+{
+  Eigen::Vector3f median;
+#pragma omp parallel for schedule(static, 1)
+  for (int a = 0; a < 3; ++a) {
+    std::vector<float> values;
+    values.reserve(indices.size());
+    for (const pcl::index_t index : indices)
+      values.push_back(positions(a, index));
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    median[a] = *middle;
+  }
+  return median;
+}
+
+// The least of each coordinate.
+VoxelIndex
+cornerOf(const std::vector<VoxelIndex>& voxels, const pcl::Indices& indices)
+{
+  VoxelIndex corner = voxels[std::size_t(indices[0])];
+  for (const pcl::index_t index : indices)
+    corner = corner.cwiseMin(voxels[std::size_t(index)]);
+  return corner;
+}
+
 void
 requireSize(const char* what, std::size_t size, std::size_t points)
 {
@@ -85,7 +113,7 @@ CloudRefiner::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_siz
 }
 
 LabelDistributions
-CloudRefiner::measurements(const Fields& fields) const
+CloudRefiner::measurements(const Fields& fields, const pcl::Indices& indices) const
 {
   const std::size_t count = fields.labels.size();
   if (label_classes_ == 0) {
@@ -93,14 +121,16 @@ CloudRefiner::measurements(const Fields& fields) const
     return measured_;
   }
   LabelDistributions distributions(label_classes_, Eigen::Index(count));
-  for (std::size_t i = 0; i < count; ++i) {
-    if (fields.labels[i] > std::uint32_t(label_classes_))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          "point " << i << " has the label " << fields.labels[i]
-                                   << ", expected 0 to " << label_classes_);
-    distributions.setLabel(Eigen::Index(i), Label(fields.labels[i]),
-                           float(label_confidence_));
-  }
+  for (const pcl::index_t i : indices)
+    if (fields.labels[std::size_t(i)] > std::uint32_t(label_classes_))
+      PCL_THROW_EXCEPTION(BadInputException, "point " << i << " has the label "
+                                                      << fields.labels[std::size_t(i)]
+                                                      << ", expected 0 to "
+                                                      << label_classes_);
+  for (std::size_t i = 0; i < count; ++i)
+    if (fields.labels[i] <= std::uint32_t(label_classes_))
+      distributions.setLabel(Eigen::Index(i), Label(fields.labels[i]),
+                             float(label_confidence_));
   return distributions;
 }
 
@@ -114,21 +144,22 @@ CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) cons
   elements.positions.resize(3, count);
   if (fields.colours.size() > 0)
     elements.colours.resize(3, count);
-  // Differences from one of the points keep single precision wherever the cloud lies.
-  const Eigen::Vector3f first = fields.positions.col(indices[0]);
-  const Eigen::Vector3d first_voxel =
-      voxels_.empty() ? Eigen::Vector3d::Zero()
-                      : voxels_[std::size_t(indices[0])].cast<double>().eval();
-  elements.origin = voxels_.empty() ? first.cast<double>().eval()
-                                    : (first_voxel * voxel_size_).eval();
+  // Differences from a place among the points keep single precision wherever the cloud
+  // lies; it must not depend on their order, nor on what lies far from most.
+  const Eigen::Vector3f middle =
+      voxels_.empty() ? medianOf(fields.positions, indices) : Eigen::Vector3f::Zero();
+  const VoxelIndex corner =
+      voxels_.empty() ? VoxelIndex::Zero().eval() : cornerOf(voxels_, indices);
+  elements.origin = voxels_.empty() ? middle.cast<double>().eval()
+                                    : (corner.cast<double>() * voxel_size_).eval();
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Index i = indices[std::size_t(k)];
     if (voxels_.empty())
-      elements.positions.col(k) = fields.positions.col(i) - first;
+      elements.positions.col(k) = fields.positions.col(i) - middle;
     else
       elements.positions.col(k) =
-          ((voxels_[std::size_t(i)].cast<double>() - first_voxel) * voxel_size_)
+          ((voxels_[std::size_t(i)] - corner).cast<double>() * voxel_size_)
               .cast<float>();
     if (fields.colours.size() > 0)
       elements.colours.col(k) = fields.colours.col(i);
@@ -169,19 +200,18 @@ CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
   const std::size_t count = fields.labels.size();
   if (!voxels_.empty())
     requireSize("voxel indices", voxels_.size(), count);
-  LabelDistributions measured = measurements(fields);
   const pcl::Indices placed = placedPoints(fields.positions, indices, skipped_points_);
-  refined_ = std::move(measured);
+  refined_ = measurements(fields, indices);
   for (const pcl::index_t index : indices)
     if (!hasPlace(fields.positions.col(index))) {
       fields.labels[std::size_t(index)] = kUnlabelled;
       refined_.matrix().col(index).setZero();
     }
-  if (placed.empty())
-    return;
-  if (usesCliques() && generator_)
+  if (usesCliques() && generator_ && !placed.empty())
     makeCliques(fields);
-  Elements elements = elementsOf(fields, placed);
+  Elements elements;
+  if (!placed.empty())
+    elements = elementsOf(fields, placed);
   refine(elements, refined_);
 #pragma omp parallel for schedule(static)
   for (std::size_t k = 0; k < placed.size(); ++k)

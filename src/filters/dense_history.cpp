@@ -176,8 +176,10 @@ DenseHistory::computeChanges(const DenseProblem& problem, const DenseHistory& be
       marginals_.col(Eigen::Index(i)) = before.marginals_.col(same[i]);
       sums_.col(Eigen::Index(i)) = before.sums_.col(same[i]);
     }
+  taken_over_ = same.size();
   for (std::size_t k = 0; k < points.size(); ++k) {
     sums_.col(points[k]) = part.sums.col(Eigen::Index(k));
+    taken_over_ -= region.result[k] ? 1 : 0;
     if (region.result[k])
       marginals_.col(points[k]) = part.marginals.col(Eigen::Index(k));
   }

@@ -56,6 +56,13 @@ public:
     return last_change_;
   }
 
+  /** \brief Points whose marginals are those of the cloud before. */
+  std::size_t
+  takenOver() const
+  {
+    return taken_over_;
+  }
+
 private:
   void findPlaces(const DenseProblem& problem);
   Eigen::Matrix3Xf findGone(const std::vector<std::int32_t>& same,
@@ -76,6 +83,7 @@ private:
   Eigen::MatrixXf sums_; // of the kernels, terms x N
   Eigen::MatrixXf marginals_;
   double last_change_ = 0.0;
+  std::size_t taken_over_ = 0;
 };
 
 } // namespace pcl_semantic

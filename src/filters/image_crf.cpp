@@ -21,6 +21,13 @@ ImageCRF::ImageCRF()
 }
 
 void
+ImageCRF::setCliques(const std::vector<pcl::PointIndices>& cliques)
+{
+  LabelRefiner::setCliques(cliques);
+  segments_width_ = segments_height_ = 0;
+}
+
+void
 ImageCRF::setSegments(const cv::Mat& segments)
 {
   const int type = segments.type();
@@ -45,6 +52,8 @@ ImageCRF::setSegments(const cv::Mat& segments)
   for (auto& [number, indices] : members)
     (clique++)->indices = std::move(indices);
   setCliques(cliques);
+  segments_width_ = segments.cols;
+  segments_height_ = segments.rows;
 }
 
 LabelDistributions
@@ -58,6 +67,13 @@ ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
                         "there are label distributions of "
                             << measured.size() << " pixels for an image of "
                             << image.cols << " x " << image.rows);
+  if (segments_width_ > 0 &&
+      (segments_width_ != image.cols || segments_height_ != image.rows))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "there are segments of "
+                            << segments_width_ << " x " << segments_height_
+                            << " pixels for an image of " << image.cols << " x "
+                            << image.rows);
   const Eigen::Index channels = image.channels(), width = image.cols;
   Elements elements;
   elements.total = image.total();

@@ -17,6 +17,15 @@ namespace pcl_semantic {
 
 namespace {
 
+constexpr float greatest_weight = 1e9f; // as that of the parameters
+
+bool
+isDistribution(const Eigen::Ref<const Eigen::VectorXf>& column)
+{
+  return column.minCoeff() >= 0.0f &&
+         (std::isfinite(column.sum()) || column.allFinite());
+}
+
 // Refuses what is no distribution; counts the unlabelled ones.
 std::size_t
 checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indices)
@@ -26,10 +35,9 @@ checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indice
 #pragma omp parallel for schedule(static) reduction(min : bad) reduction(+ : unlabelled)
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto column = measured.matrix().col(indices[std::size_t(k)]);
-    const float sum = column.sum();
-    if (!(column.minCoeff() >= 0.0f) || (!std::isfinite(sum) && !column.allFinite()))
+    if (!isDistribution(column))
       bad = std::min(bad, k);
-    unlabelled += sum == 0.0f;
+    unlabelled += column.isZero(0.0f);
   }
   if (bad < count)
     PCL_THROW_EXCEPTION(BadInputException, "the label distribution of point "
@@ -37,6 +45,18 @@ checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indice
                                                << " has a negative or "
                                                   "non-finite probability");
   return std::size_t(unlabelled);
+}
+
+void
+normalize(const pcl::Indices& indices, LabelDistributions& distributions)
+{
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    auto column = distributions.matrix().col(indices[k]);
+    const double sum = column.cast<double>().sum();
+    if (sum > 0.0)
+      column = (column.cast<double>() / sum).cast<float>();
+  }
 }
 
 // The marginals for the measurements. An element that is unlabelled and hears of no
@@ -97,9 +117,10 @@ LabelRefiner::setCompatibility(const Eigen::MatrixXf& costs)
 void
 LabelRefiner::addKernel(const Eigen::MatrixXf& features, float weight)
 {
-  if (!(weight >= 0.0f) || !std::isfinite(weight))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "kernel weight is " << weight << ", expected 0 or more");
+  if (!(weight >= 0.0f && weight <= greatest_weight))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "kernel weight is "
+                                                       << weight << ", expected 0 to "
+                                                       << greatest_weight);
   if (features.rows() < 1 || !features.allFinite())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "the features of a kernel are "
@@ -126,9 +147,13 @@ LabelRefiner::setCliques(const std::vector<pcl::PointIndices>& cliques)
 void
 LabelRefiner::setCliqueWeights(const Eigen::MatrixXf& weights)
 {
-  if (weights.size() > 0 && (!weights.allFinite() || weights.minCoeff() < 0.0f))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a clique weight is negative or not finite");
+  for (Eigen::Index c = 0; c < weights.cols(); ++c)
+    for (Eigen::Index l = 0; l < weights.rows(); ++l)
+      if (!(weights(l, c) >= 0.0f && weights(l, c) <= greatest_weight))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "the weight of clique " << c << " is " << weights(l, c)
+                                                    << ", expected 0 to "
+                                                    << greatest_weight);
   clique_weights_ = weights;
 }
 
@@ -143,6 +168,11 @@ LabelRefiner::setCliqueCosts(const Eigen::MatrixXf& costs)
 void
 LabelRefiner::setInitialDistributions(const LabelDistributions& distributions)
 {
+  for (Eigen::Index i = 0; i < distributions.size(); ++i)
+    if (!isDistribution(distributions.matrix().col(i)))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "the initial distribution of point "
+                              << i << " has a negative or non-finite probability");
   initial_ = distributions;
 }
 
@@ -167,13 +197,16 @@ LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
   if (compute_energies_ && !compatibility_.isSymmetric())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "energies need a symmetric label compatibility");
-  if (model_ == CRFModelType::unary || elements.indices.empty())
+  if (elements.indices.empty())
     return;
+  if (model_ == CRFModelType::unary)
+    return normalize(elements.indices, distributions);
   Builder builder(*this, elements, distributions);
   if (builder.isIncremental()) {
     history_ = DenseHistory::update(builder.denseProblem(), history_.get());
     report_.updates = 1;
     report_.last_change = history_->lastChange();
+    report_.taken_over = history_->takenOver();
     writeResult(history_->marginals(), elements.indices, distributions);
     return;
   }

@@ -76,13 +76,11 @@ meansOf(const Eigen::MatrixXf& values,
   return means;
 }
 
-// What belongs to the cliques that take part: one column a clique, or one for all.
+// What belongs to the cliques that take part, of one column a clique.
 Eigen::MatrixXf
 keptColumns(const Eigen::MatrixXf& matrix, std::size_t cliques,
             const std::vector<int>& kept, const char* what)
 {
-  if (matrix.cols() <= 1 && std::string(what) == "weights")
-    return matrix;
   if (matrix.size() > 0 && std::size_t(matrix.cols()) != cliques)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "there are clique " << what << " of " << matrix.cols()
@@ -208,6 +206,7 @@ LabelRefiner::Builder::cliquesOfElements(std::vector<int>& kept) const
   for (std::size_t k = 0; k < elements_.indices.size(); ++k)
     places[std::size_t(elements_.indices[k])] = std::int32_t(k);
   std::vector<std::vector<std::int32_t>> cliques;
+  std::vector<std::int32_t> last_clique(elements_.total, -1); // that an index was in
   for (std::size_t c = 0; c < refiner_.cliques_.size(); ++c) {
     std::vector<std::int32_t> members;
     for (const pcl::index_t index : refiner_.cliques_[c].indices) {
@@ -216,6 +215,10 @@ LabelRefiner::Builder::cliquesOfElements(std::vector<int>& kept) const
                             "clique " << c << " has the index " << index
                                       << ", expected 0 to "
                                       << std::int64_t(elements_.total) - 1);
+      if (last_clique[std::size_t(index)] == std::int32_t(c))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "clique " << c << " has the index " << index << " twice");
+      last_clique[std::size_t(index)] = std::int32_t(c);
       if (places[std::size_t(index)] >= 0)
         members.push_back(places[std::size_t(index)]);
     }
@@ -244,7 +247,9 @@ LabelRefiner::Builder::addCliques(CrfModel& model)
   potential.cliques =
       std::make_shared<CliqueSet>(cliques, std::size_t(model.unary.cols()));
   potential.weights.setConstant(1, 1, float(parameters_.clique_weight));
-  if (refiner_.clique_weights_.size() > 0)
+  if (refiner_.clique_weights_.cols() == 1) // of all cliques
+    potential.weights = refiner_.clique_weights_;
+  else if (refiner_.clique_weights_.size() > 0)
     potential.weights = keptColumns(refiner_.clique_weights_, all, kept, "weights");
   potential.type = CliquePotential::Type::pn_potts;
   if (refiner_.model_ == CRFModelType::hierarchical) {

@@ -21,11 +21,11 @@ unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& col
     const std::size_t end = std::min(columns.size(), begin + block);
     for (std::size_t k = begin; k < end; ++k) {
       const auto column = measured.col(columns[k]);
-      float sum = 0.0f; // in this order, wherever the column lies
+      double sum = 0.0; // in this order, wherever the column lies
       for (const float value : column)
-        sum += value;
-      if (sum > 0.0f)
-        costs.col(Eigen::Index(k)) = column / sum;
+        sum += double(value);
+      if (sum > 0.0)
+        costs.col(Eigen::Index(k)) = (column.cast<double>() / sum).cast<float>();
       else
         costs.col(Eigen::Index(k)).setOnes(); // no cost
     }

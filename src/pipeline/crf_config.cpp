@@ -10,6 +10,8 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/crf_config.h>
 
+#include <cmath>
+
 namespace pcl_semantic {
 
 namespace {
@@ -93,9 +95,10 @@ parseSlic(const std::string& text, SlicParameters& parameters)
   if (text.rfind("slic:", 0) != 0)
     return false;
   const double number = numberAfterColon(text);
-  if (!(number >= 1.0 && number <= 1e6))
+  if (!(number >= 1.0 && number <= 65536.0) || number != std::floor(number))
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques are '" << text << "', expected 1 to 1e6 superpixels");
+                        "cliques are '" << text
+                                        << "', expected slic:N with N 1 to 65536");
   parameters.superpixels = int(number);
   return true;
 }

@@ -310,7 +310,7 @@ TEST(BadInput, OfTheCrfTools)
     return file("in.pcd", replaceAll(cloud.text(), from, to));
   };
   const std::string image =
-      "image_crf STREET/image_2/000000.png STREET/labels/000000.bin OUT ";
+      "image_crf STREET/image_2/000000.png STREET/labels/000000.bin OUT.png ";
   const cv::Mat small(20, 30, CV_8UC1, cv::Scalar(1));
   const std::vector<BadCase> cases = {
       {"no files", 2, "expected IN.pcd OUT.pcd", "crf"},
@@ -345,7 +345,12 @@ TEST(BadInput, OfTheCrfTools)
        file("in.pcd", cloud.text())},
       {"cubes of a word", 2, "'big'", crf + "--model pn-potts --cliques cubes:big",
        file("in.pcd", cloud.text())},
-      {"superpixels", 2, "expected 1 to 1e6", crf + "--model pn-potts --cliques slic:0",
+      {"superpixels", 2, "expected slic:N with N 1 to 65536",
+       crf + "--model pn-potts --cliques slic:0", file("in.pcd", cloud.text())},
+      {"half a superpixel", 2, "with N 1 to 65536",
+       crf + "--model pn-potts --cliques slic:2.5", file("in.pcd", cloud.text())},
+      {"a file with a colon", 3, "no:ne.txt",
+       crf + "--model pn-potts --cliques STREET/no:ne.txt",
        file("in.pcd", cloud.text())},
       {"superpixels of a list", 3, "organized", crf + "--model pn-potts --cliques slic",
        with("WIDTH 12\nHEIGHT 10", "WIDTH 120\nHEIGHT 1")},
@@ -366,13 +371,16 @@ TEST(BadInput, OfTheCrfTools)
        file("in.pcd", cloud.text())},
       {"no files", 2, "expected IMAGE DISTRIBUTIONS OUT.png", "image_crf a b"},
       {"no image", 3, "none.png",
-       "image_crf STREET/none.png STREET/labels/000000.bin OUT"},
+       "image_crf STREET/none.png STREET/labels/000000.bin OUT.png"},
       {"no distributions", 3, "none.bin",
-       "image_crf STREET/image_2/000000.png STREET/none.bin OUT"},
+       "image_crf STREET/image_2/000000.png STREET/none.bin OUT.png"},
       {"onto the image", 2, "000000.png: is named as an output",
        "image_crf STREET/image_2/000000.png STREET/labels/000000.bin "
        "STREET/image_2/../image_2/000000.png"},
-      {"overlay onto the output", 2, "is named as an output", image + "--overlay OUT"},
+      {"overlay onto the output", 2, "is named as an output",
+       image + "--overlay OUT.png"},
+      {"a name of another kind", 2, "expected a name that ends in .bin",
+       image + "--refined OUT.txt"},
       {"other classes", 3, "labels/000000.bin: has",
        image + "--label-set " PCL_SEMANTIC_SOURCE_DIR
                "/data/label_sets/cityscapes19.yaml"},

@@ -70,7 +70,7 @@ TEST(CrfModel, RefusesWhatCannotWork)
       {[](CrfModel& m) { m.cliques[0].weights = Matrix::Ones(1, 3); }, "1 x 3"},
       {[](CrfModel& m) { m.cliques[0].weights = Matrix(); }, "0 x 0"},
       {[](CrfModel& m) { m.cliques[0].weights(0, 0) = -1.0f; }, "clique 0 is -1"},
-      {[](CrfModel& m) { m.cliques[0].weights(0, 0) = NAN; }, "expected 0 or more"},
+      {[](CrfModel& m) { m.cliques[0].weights(0, 0) = NAN; }, "expected 0 to 1e9"},
       {[](CrfModel& m) { m.cliques[0].weights(0, 0) = INFINITY; }, "clique 0 is inf"},
       {[](CrfModel& m) { m.cliques[0].truncation = 0.0f; }, "truncation is 0"},
       {[](CrfModel& m) { m.cliques[0].truncation = 1.1f; }, "truncation is 1.1"},

@@ -5,6 +5,7 @@
  */
 
 #include "support/brute_force_crf.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/gaussian_kernels.h>
@@ -39,6 +40,19 @@ TEST(GaussianKernels, ChoosesByTheNumberOfNeighbours)
   const GaussianKernels image(makePixels(300, 200), {3.0f, 40.0f});
   EXPECT_EQ(image.method(0), KernelMethod::truncated);
   EXPECT_EQ(image.method(1), KernelMethod::lattice);
+}
+
+TEST(GaussianKernels, TakesLatticesForPointsTooFarApartForRows)
+{
+  Eigen::MatrixXf positions = makeVoxelPositions(100, 1);
+  positions(0, 99) = 150000.0f; // 750,000 deviations
+  EXPECT_EQ(GaussianKernels(positions, {0.2f}).method(0), KernelMethod::lattice);
+  GaussianKernelOptions options;
+  options.method = KernelMethod::truncated;
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>(
+                [&] { GaussianKernels kernels(positions, {0.2f}, options); }),
+            "apart, expected at most 104858 for truncated kernels: take lattices"));
 }
 
 TEST(GaussianKernels, AMethodCanBeAskedFor)

@@ -19,7 +19,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <numeric>
+#include <random>
 
 /** \brief Members are called otherwise than their fields, and colour is PCL's float. */
 struct OddPoint {
@@ -98,18 +101,96 @@ TEST(CRFPlaces, AVoxelCloudMayLieAnywhere)
 
 TEST(CRFPlaces, APlainCloudIsReCentred)
 {
-  // Multiples of 1/8 are exact as floats up to 1,000 km.
-  std::vector<Eigen::MatrixXf> results;
-  for (const float shift : {0.0f, 131072.0f, 1048576.0f}) {
-    CrfCloud input = makeCrfCloud(300, 22);
-    for (pcl::PointXYZRGBL& point : *input.cloud)
-      for (int a = 0; a < 3; ++a)
-        point.data[a] = std::round(point.data[a] * 10.0f) * 0.125f - shift;
-    Filter crf;
-    results.push_back(refine(crf, input));
+  // Multiples of 1/8 are exact as floats up to 1,000 km; divided by a deviation of a
+  // kernel they are not, unless they are taken from nearby.
+  for (const KernelMethod method : {KernelMethod::truncated, KernelMethod::lattice}) {
+    std::vector<Eigen::MatrixXf> results;
+    for (const float shift : {0.0f, 131072.0f, 1048576.0f}) {
+      CrfCloud input = makeCrfCloud(300, 22);
+      for (pcl::PointXYZRGBL& point : *input.cloud)
+        for (int a = 0; a < 3; ++a)
+          point.data[a] = std::round(point.data[a] * 10.0f) * 0.125f - shift;
+      Filter crf;
+      SemanticCRFParameters parameters;
+      parameters.kernel_method = method;
+      crf.setParameters(parameters);
+      results.push_back(refine(crf, input));
+    }
+    EXPECT_EQ(results[1], results[0]);
+    EXPECT_EQ(results[2], results[0]);
   }
-  EXPECT_EQ(results[1], results[0]);
-  EXPECT_EQ(results[2], results[0]);
+}
+
+TEST(CRFPlaces, APointFarOffHurtsNoOther)
+{
+  for (const KernelMethod method : {KernelMethod::automatic, KernelMethod::lattice})
+    for (const float distance : {50e3f, 5000e3f}) { // 50 km, 5,000 km
+      CrfCloud input = makeCrfCloud(300, 22);
+      SemanticCRFParameters parameters;
+      parameters.kernel_method = method;
+      std::vector<Eigen::MatrixXf> results;
+      for (const std::size_t far : {0, 299}) {
+        const pcl::PointXYZRGBL kept = (*input.cloud)[far];
+        (*input.cloud)[far].x = distance;
+        Filter crf;
+        crf.setParameters(parameters);
+        results.push_back(refine(crf, input));
+        (*input.cloud)[far] = kept;
+        // Alone, it keeps its measurement; the others hear the same without it.
+        EXPECT_LT((results.back().col(Eigen::Index(far)) -
+                   input.distributions.matrix().col(Eigen::Index(far)))
+                      .cwiseAbs()
+                      .maxCoeff(),
+                  1e-5f);
+        pcl::IndicesPtr others(new pcl::Indices(allIndices(300)));
+        others->erase(others->begin() + std::ptrdiff_t(far));
+        Filter near;
+        parameters.kernel_method =
+            distance > 100e3f ? KernelMethod::lattice : method; // as automatic chooses
+        near.setParameters(parameters);
+        near.setIndices(others);
+        const Eigen::MatrixXf expected = refine(near, input);
+        for (const pcl::index_t i : *others)
+          EXPECT_LT((results.back().col(i) - expected.col(i)).cwiseAbs().maxCoeff(),
+                    1e-4f);
+        parameters.kernel_method = method;
+      }
+    }
+}
+
+TEST(CRFPlaces, TheOrderOfPointsDoesNotMatter)
+{
+  const Eigen::Index count = 1500;
+  for (const bool are_voxels : {true, false})
+    for (const KernelMethod method : {KernelMethod::truncated, KernelMethod::lattice}) {
+      CrfCloud input = makeCrfCloud(count, 31), shuffled = makeCrfCloud(count, 31);
+      if (!are_voxels)
+        for (Eigen::Index i = 0; i < count; ++i)
+          (*input.cloud)[std::size_t(i)].getVector3fMap() =
+              makeRandomMatrix(3, 1, 0.0f, 2.0f, unsigned(i) + 100);
+      const std::vector<VoxelIndex> voxels = placeVoxels(shuffled, {7, -3, 2}, 0.0);
+      std::vector<int> order(static_cast<std::size_t>(count));
+      std::iota(order.begin(), order.end(), 0);
+      std::shuffle(order.begin(), order.end(), std::minstd_rand(32));
+      std::vector<VoxelIndex> shuffled_voxels;
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        (*shuffled.cloud)[k] = (*input.cloud)[std::size_t(order[k])];
+        shuffled_voxels.push_back(voxels[std::size_t(order[k])]);
+      }
+      shuffled.distributions.matrix() =
+          input.distributions.matrix()(Eigen::all, order).eval();
+      SemanticCRFParameters parameters = fiveUpdates();
+      parameters.kernel_method = method;
+      Filter crf, other;
+      crf.setParameters(parameters);
+      other.setParameters(parameters);
+      if (are_voxels) {
+        crf.setVoxels(voxels, 0.1);
+        other.setVoxels(shuffled_voxels, 0.1);
+      }
+      const Eigen::MatrixXf expected = refine(crf, input)(Eigen::all, order);
+      EXPECT_LT((refine(other, shuffled) - expected).cwiseAbs().maxCoeff(), 1e-5f);
+    }
 }
 
 TEST(CRFPlaces, PointsOutOfReachAreSkippedAndCounted)
@@ -133,6 +214,7 @@ TEST(CRFPlaces, PointsOutOfReachAreSkippedAndCounted)
   }
   const Eigen::MatrixXf refined = refine(crf, input);
   EXPECT_EQ(crf.getSkippedPoints(), 4u);
+  EXPECT_GT(crf.getReport().updates, 0);
   alone.setInputCloud(whole.cloud);
   alone.setIndices(others);
   alone.setLabelDistributions(whole.distributions);
@@ -145,6 +227,19 @@ TEST(CRFPlaces, PointsOutOfReachAreSkippedAndCounted)
     EXPECT_EQ(output[std::size_t(i)].label, 0u);
     EXPECT_EQ(refined.col(i).sum(), 0.0f);
   }
+}
+
+TEST(CRFPlaces, ACloudWithoutPlacesHasAReportOfItsOwn)
+{
+  CrfCloud input = makeCrfCloud(50, 23);
+  Filter crf;
+  refine(crf, input);
+  EXPECT_EQ(crf.getReport().updates, 1);
+  for (pcl::PointXYZRGBL& point : *input.cloud)
+    point.x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(refine(crf, input).isZero(0.0f));
+  EXPECT_EQ(crf.getSkippedPoints(), 50u);
+  EXPECT_EQ(crf.getReport().updates, 0);
 }
 
 TEST(CRFPlaces, OrganizationHeaderAndPoseAreKept)
@@ -261,6 +356,11 @@ TEST(CRFInput, HardLabelsAreDistributionsOfAConfidence)
   (*input.cloud)[9].label = 5;
   EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { hard.filter(output); }),
                     "point 9 has the label 5, expected 0 to 4"));
+  pcl::IndicesPtr others(new pcl::Indices(allIndices(200)));
+  others->erase(others->begin() + 9);
+  hard.setIndices(others);
+  hard.filter(output);
+  EXPECT_EQ(output[9].label, 5u);
   EXPECT_THROW(hard.setLabelConfidence(1.1, 4), InvalidParameterException);
   EXPECT_THROW(hard.setLabelConfidence(0.5, 0), InvalidParameterException);
   EXPECT_THROW(hard.setLabelConfidence(0.5, 256), InvalidParameterException);
@@ -287,6 +387,50 @@ TEST(CRFInput, AGeneratorsCliquesAreThoseItMakesOfTheCloud)
   EXPECT_THROW(refine(made, input), InvalidParameterException);
 }
 
+// Groups nothing, and keeps what it was given.
+struct Watcher : CliqueGenerator {
+  std::vector<pcl::PointIndices>
+  generate(const CliqueGenerator::Cloud& cloud) override
+  {
+    *seen = cloud;
+    return {};
+  }
+
+  bool
+  usesColour() const override
+  {
+    return true;
+  }
+
+  std::shared_ptr<CliqueGenerator::Cloud> seen =
+      std::make_shared<CliqueGenerator::Cloud>();
+};
+
+TEST(CRFInput, AGeneratorIsGivenPlacesAndColours)
+{
+  CrfCloud input = makeCrfCloud(60, 33);
+  input.cloud->width = 10;
+  input.cloud->height = 6;
+  (*input.cloud)[7].z = 1e30f;
+  Filter crf;
+  crf.setModel(CRFModelType::hierarchical);
+  const auto watcher = std::make_shared<Watcher>();
+  crf.setCliqueGenerator(watcher);
+  refine(crf, input);
+  ASSERT_EQ(watcher->seen->size(), 60u);
+  EXPECT_EQ(watcher->seen->height, 6u);
+  for (std::size_t i = 0; i < 60; ++i) {
+    const pcl::PointXYZRGB& seen = (*watcher->seen)[i];
+    EXPECT_EQ(seen.r, (*input.cloud)[i].r);
+    EXPECT_EQ(seen.g, (*input.cloud)[i].g);
+    EXPECT_EQ(seen.b, (*input.cloud)[i].b);
+    if (i == 7)
+      EXPECT_TRUE(std::isnan(seen.x) && std::isnan(seen.y) && std::isnan(seen.z));
+    else
+      EXPECT_EQ(seen.getVector3fMap(), (*input.cloud)[i].getVector3fMap());
+  }
+}
+
 TEST(CRFInput, WhatDoesNotFitIsRefused)
 {
   const auto complaint = [](auto&& prepare) {
@@ -299,6 +443,11 @@ TEST(CRFInput, WhatDoesNotFitIsRefused)
       Cloud output;
       crf.filter(output);
     });
+  };
+  const auto empty_of = [](int index) { // a clique of a point that takes no part
+    pcl::PointIndices clique;
+    clique.indices = {index};
+    return clique;
   };
   pcl::PointIndices good, empty, high, negative, twice;
   good.indices = {0, 1};
@@ -314,7 +463,25 @@ TEST(CRFInput, WhatDoesNotFitIsRefused)
   EXPECT_TRUE(holds(complaint(with(empty)), "clique 1 is empty"));
   EXPECT_TRUE(holds(complaint(with(high)), "clique 1 has the index 40"));
   EXPECT_TRUE(holds(complaint(with(negative)), "clique 1 has the index -1"));
-  EXPECT_TRUE(holds(complaint(with(twice)), "clique 1"));
+  EXPECT_TRUE(holds(complaint(with(twice)), "clique 1 has the index 1 twice"));
+  EXPECT_TRUE(
+      holds(complaint([&](Filter& crf) { // the numbers are the caller's
+              with(twice)(crf);
+              crf.setIndices(std::make_shared<pcl::Indices>(pcl::Indices{1, 2}));
+              crf.setCliques({empty_of(3), twice});
+            }),
+            "clique 1 has the index 1 twice"));
+  EXPECT_TRUE(holds(complaint([&](Filter& crf) {
+                      with(good)(crf);
+                      crf.setCliqueWeights(Eigen::MatrixXf::Constant(1, 2, 2e9f));
+                    }),
+                    "the weight of clique 0 is 2e+09, expected 0 to 1e+09"));
+  EXPECT_TRUE(holds(complaint([&](Filter& crf) {
+                      LabelDistributions initial(4, 40);
+                      initial.matrix()(2, 17) = -1.0f;
+                      crf.setInitialDistributions(initial);
+                    }),
+                    "the initial distribution of point 17 has a negative"));
   EXPECT_TRUE(
       holds(complaint([](Filter& crf) { crf.setModel(CRFModelType::pn_potts); }),
             "needs cliques"));

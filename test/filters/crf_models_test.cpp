@@ -51,6 +51,9 @@ struct Setting {
         clique.push_back(clique.front() + 1);
     cliques.push_back(allIndices(points)); // no point is in no clique
     cliques.insert(cliques.begin(), {0, 5, 10});
+    // Certain where their neighbours are not: the cost of what is ruled out counts.
+    input.distributions.matrix().col(7) << 0.0f, 1.0f, 0.0f, 0.0f;
+    input.distributions.matrix().col(8) << 0.5f, 0.0f, 0.5f, 0.0f;
     parameters.iterations = 3;
     parameters.clique_weight = 0.7;
   }
@@ -153,11 +156,16 @@ TEST(CRFModels, EqualThePlainOnes)
 TEST(CRFModels, UnaryKeepsTheMeasurements)
 {
   const Setting setting;
+  const Eigen::MatrixXf& measured = setting.input.distributions.matrix();
   Filter crf;
   setting.prepare(crf, CRFModelType::unary);
+  LabelDistributions scaled = setting.input.distributions;
+  scaled.matrix().col(1) *= 8.0f;
+  crf.setLabelDistributions(scaled);
   Cloud output;
   crf.filter(output);
-  EXPECT_EQ(crf.getLabelDistributions().matrix(), setting.input.distributions.matrix());
+  EXPECT_LT((crf.getLabelDistributions().matrix() - measured).cwiseAbs().maxCoeff(),
+            1e-6f);
   EXPECT_EQ(crf.getReport().updates, 0);
   EXPECT_EQ(output[1].label, setting.input.distributions.mapLabel(1));
   EXPECT_EQ(output[5].label, 99u);
@@ -302,12 +310,56 @@ TEST(CRFModels, AKernelOfTheCallersOwn)
           .maxCoeff(),
       1e-5f);
   own.clearKernels();
-  own.filter(output);
+  own.filter(output); // what is ruled out has 1e-6, and takes as much from the others
   EXPECT_LT(
       (own.getLabelDistributions().matrix() - setting.input.distributions.matrix())
           .cwiseAbs()
           .maxCoeff(),
-      1e-6f);
+      4e-6f);
+}
+
+// Two groups of points that hear nothing of each other; in the second none is measured.
+CrfCloud
+makeIslands(int classes)
+{
+  CrfCloud input = makeCrfCloud(100, 19);
+  input.distributions = LabelDistributions(classes, 100);
+  for (std::size_t i = 0; i < 100; ++i) {
+    (*input.cloud)[i].x += i < 50 ? 0.0f : 100.0f;
+    if (i < 25)
+      input.distributions.setLabel(Eigen::Index(i), 1, 0.9f);
+  }
+  return input;
+}
+
+TEST(CRFModels, WhatHearsOfNoLabelStaysUnlabelled)
+{
+  for (const int classes : {1, 2, 5}) {
+    const CrfCloud input = makeIslands(classes);
+    Filter crf;
+    SemanticCRFParameters parameters;
+    parameters.iterations = 8;
+    crf.setParameters(parameters);
+    crf.setInputCloud(input.cloud);
+    crf.setLabelDistributions(input.distributions);
+    Cloud output;
+    crf.filter(output);
+    EXPECT_EQ(crf.getReport().unlabelled, 75u);
+    int labelled = 0;
+    for (std::size_t i = 25; i < 50; ++i)
+      labelled += output[i].label == 1 ? 1 : 0;
+    EXPECT_EQ(labelled, classes == 1 ? 0 : 25)
+        << classes; // of one class nothing is heard
+    for (std::size_t i = 50; i < 100; ++i)
+      EXPECT_EQ(output[i].label, kUnlabelled) << classes;
+    if (classes != 2)
+      continue;
+    Eigen::MatrixXf costs(2, 2); // a matrix that prefers a class by itself
+    costs << 0.0f, 0.5f, 1.0f, 0.0f;
+    crf.setCompatibility(costs);
+    crf.filter(output);
+    EXPECT_EQ(output[60].label, 1u);
+  }
 }
 
 TEST(CRFModels, StartsFromGivenMarginals)

@@ -187,7 +187,12 @@ TEST(ImageCRF, RefusesWhatDoesNotFit)
   crf.setModel(CRFModelType::hierarchical);
   EXPECT_TRUE(holds(complaint([&] { crf.refine(makeImage(3), makeDistributions()); }),
                     "needs cliques"));
-  crf.setSegments(cv::Mat1i(height + 1, width, 1));
+  crf.setSegments(cv::Mat1i(width, height, 1)); // as many pixels
+  EXPECT_TRUE(holds(complaint([&] { crf.refine(makeImage(3), makeDistributions()); }),
+                    "segments of 11 x 18 pixels for an image of 18 x 11"));
+  pcl::PointIndices beyond;
+  beyond.indices = {198};
+  crf.setCliques({beyond}); // of no image
   EXPECT_TRUE(holds(complaint([&] { crf.refine(makeImage(3), makeDistributions()); }),
                     "clique 0 has the index 198, expected 0 to 197"));
 }

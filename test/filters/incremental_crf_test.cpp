@@ -35,6 +35,7 @@ float
 differenceFromANewRun(Crf& incremental, const VoxelCloud& voxels)
 {
   Crf anew;
+  anew.setParameters(incremental.getParameters());
   return (run(incremental, voxels) - run(anew, voxels)).cwiseAbs().maxCoeff();
 }
 
@@ -99,15 +100,40 @@ TEST(IncrementalCRF, OtherParametersBeginAnew)
   EXPECT_EQ(run(crf, voxels), run(anew, voxels));
 }
 
+TEST(IncrementalCRF, HasTheWholeModel)
+{
+  VoxelCloud voxels = makeStreetMap(2, 310, 94);
+  Eigen::MatrixXf costs =
+      Eigen::MatrixXf::Ones(11, 11) - Eigen::MatrixXf::Identity(11, 11);
+  costs(0, 1) = costs(1, 0) = 0.3f;
+  SemanticCRFParameters parameters;
+  parameters.self_interaction = true;
+  parameters.normalization = Normalization::one_sided;
+  Crf crf, anew;
+  for (Crf* filter : {&crf, &anew}) {
+    filter->setParameters(parameters);
+    filter->setCompatibility(costs);
+  }
+  crf.setIncremental(true);
+  EXPECT_EQ(run(crf, voxels), run(anew, voxels));
+  voxels.measured.matrix().col(0).reverseInPlace();
+  const Eigen::MatrixXf expected = run(anew, voxels);
+  EXPECT_LT((run(crf, voxels) - expected).cwiseAbs().maxCoeff(), rounding);
+  EXPECT_GT(crf.getReport().taken_over, 0u);
+}
+
 TEST(IncrementalCRF, WhatAChangeCannotReachIsTakenOver)
 {
   const VoxelCloud voxels = makeStreetMap(2, 310, 94);
   Crf crf;
   crf.setIncremental(true);
   const Eigen::MatrixXf before = run(crf, voxels);
+  EXPECT_EQ(crf.getReport().taken_over, 0u);
   VoxelCloud changed = voxels;
   changed.measured.matrix().col(0).reverseInPlace();
   const Eigen::MatrixXf after = run(crf, changed);
+  EXPECT_GT(crf.getReport().taken_over, voxels.size() / 2);
+  EXPECT_LT(crf.getReport().taken_over, voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const float distance =
         ((*voxels.cloud)[i].getVector3fMap() - (*voxels.cloud)[0].getVector3fMap())

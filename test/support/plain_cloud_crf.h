@@ -61,8 +61,8 @@ plainKernelMatrix(const Eigen::MatrixXf& positions, const Eigen::MatrixXf& featu
                   double weight, double deviation, const SemanticCRFParameters& crf)
 {
   const Eigen::Index count = positions.cols();
-  const double sigma =
-      deviation * std::sqrt(double(TruncatedKernel::widening(float(crf.radius))));
+  const double sigma = deviation * std::sqrt(double(TruncatedKernel::widening(
+                                       float(crf.radius), crf.normalization)));
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j < count; ++j) {

@@ -24,21 +24,24 @@ class SortedPoints;
 /** \brief Sum of Gaussian terms over points in space, each normalised by itself, as
  * exact sums over all pairs within a radius.
  *
- * What is cut off beyond a short radius would make a kernel narrower: its deviation of
- * positions is widened in turn (widening(); doc/crf.md has the measurements).
+ * What is cut off beyond a short radius would make a kernel narrower: the deviation of
+ * positions of a normalised one is widened in turn (widening()). That is good for
+ * points closer than a deviation, as voxels are; sparser ones, and kernels without
+ * normalisation, want a radius of 3 (doc/crf.md has the errors).
  * Set-up finds the neighbours of every point and keeps their weights, summed over the
- * terms, in 16 bits (a relative error of up to 2^-8 each). A product visits each pair
- * once a side. */
+ * terms, as bfloat16 (a relative error of up to 2^-8 each). A product goes over all
+ * pairs (i, j) and (j, i). Points of different places may come in any order: the result
+ * has the same bits. */
 class TruncatedKernel : public PairwiseKernel {
 public:
   /** \param[in] positions 3 x N
    * \param[in] terms their features have N columns
    * \param[in] radius of the sums, in the largest position deviation
-   * \throws InvalidParameterException at a deviation or radius that is not positive, a
-   * negative weight, features of another size, values that are not finite, or more
-   * pairs than memory is meant to hold (2^32)
    * \param[in] known_sums D_i of the points that are known, terms x N; NaN or none =
-   * to be summed. For a part of a cloud, whose border has neighbours outside. */
+   * to be summed. For a part of a cloud, whose border has neighbours outside.
+   * \throws InvalidParameterException at a deviation or radius that is not positive, a
+   * negative weight, features of another size, values that are not finite, positions
+   * too far apart (canHold()), or more pairs than memory is meant to hold (2^31) */
   TruncatedKernel(const Eigen::Matrix3Xf& positions,
                   const std::vector<GaussianTerm>& terms, float radius,
                   Normalization normalization = Normalization::symmetric,
@@ -69,8 +72,12 @@ public:
   }
 
   /** \brief Factor of the variance of positions for a radius in deviations: 2 at 2
-   * deviations, 1.15 at 2.5, next to 1 beyond 3. */
-  static float widening(float radius);
+   * deviations, 1.15 at 2.5, next to 1 beyond 3; 1 without normalisation. */
+  static float widening(float radius, Normalization normalization);
+
+  /** \brief Whether positions lie near enough to each other: 2^19 deviations along each
+   * axis. */
+  static bool canHold(const Eigen::Matrix3Xf& positions, float deviation);
 
   /** \brief Bytes that the kernel keeps. */
   std::size_t memory() const;

@@ -95,7 +95,8 @@ protected:
   void refineCloud(Fields& fields, const pcl::Indices& indices);
 
 private:
-  LabelDistributions measurements(const Fields& fields) const;
+  LabelDistributions measurements(const Fields& fields,
+                                  const pcl::Indices& indices) const;
 
   Elements elementsOf(const Fields& fields, const pcl::Indices& indices) const;
 

@@ -20,10 +20,13 @@ class ImageCRF : public LabelRefiner {
 public:
   ImageCRF();
 
+  /** \brief As LabelRefiner::setCliques(), of pixels. */
+  void setCliques(const std::vector<pcl::PointIndices>& cliques);
+
   /** \brief The pixels of each positive number of an image are a clique, in the order
    * of the numbers; 0 is in none. As setCliques(). \param[in] segments CV_8UC1,
    * CV_16UC1 or CV_32SC1 \throws InvalidParameterException at another type or a
-   * negative number */
+   * negative number; another size than that of the image is found in the run */
   void setSegments(const cv::Mat& segments);
 
   /** \brief Runs the model.
@@ -34,6 +37,10 @@ public:
    * was set another size
    * \throws BadInputException if a measurement is negative or not finite */
   LabelDistributions refine(const cv::Mat& image, const LabelDistributions& measured);
+
+private:
+  int segments_width_ = 0; // 0 = the cliques are of no image
+  int segments_height_ = 0;
 };
 
 } // namespace pcl_semantic

@@ -56,21 +56,14 @@ public:
    * all models but unary.
    * \param[in] features d x number of elements, divided by their deviations
    * \throws InvalidParameterException if there are no features or one is not finite, or
-   * the weight is negative or not finite */
+   * the weight is not 0 to 1e9 */
   void addKernel(const Eigen::MatrixXf& features, float weight);
 
   void clearKernels();
 
-  /** \brief The cliques of the last two models, as indices of elements; they may
-   * overlap and leave elements out. Members that take no part are left out of their
-   * cliques, and cliques that lose all are skipped (CRFReport).
-   * \throws InvalidParameterException that names the clique, if one is empty; an index
-   * out of range is found in the run */
-  void setCliques(const std::vector<pcl::PointIndices>& cliques);
-
   /** \brief k_c^l instead of the parameter clique_weight: L x C, or 1 x C or L x 1
    * where all labels or cliques have the same; empty = the parameter.
-   * \throws InvalidParameterException unless all are 0 or more, and finite */
+   * \throws InvalidParameterException unless all are 0 to 1e9 */
   void setCliqueWeights(const Eigen::MatrixXf& weights);
 
   /** \brief psi_c(l), L x C, of the hierarchical model; empty = the mean unary cost of
@@ -78,7 +71,9 @@ public:
   void setCliqueCosts(const Eigen::MatrixXf& costs);
 
   /** \brief Marginals to start from, as the result of the previous frame: L x number of
-   * elements; a column of zeros starts from its measurement. Empty = all do. */
+   * elements; a column of zeros starts from its measurement. Empty = all do.
+   * \throws InvalidParameterException if one is negative or not finite; another size is
+   * found in the run */
   void setInitialDistributions(const LabelDistributions& distributions);
 
   /** \brief Whether the report has energies; they cost about as much as an update, and
@@ -99,6 +94,13 @@ public:
   }
 
 protected:
+  /** \brief The cliques of the last two models, as indices of elements; they may
+   * overlap and leave elements out. Members that take no part are left out of their
+   * cliques, and cliques that lose all are skipped (CRFReport).
+   * \throws InvalidParameterException that names the clique, if one is empty; an index
+   * out of range is found in the run */
+  void setCliques(const std::vector<pcl::PointIndices>& cliques);
+
   /** \brief The elements that take part, and what is known of them. */
   struct Elements {
     std::size_t total = 0;     ///< elements of the whole cloud or image
