@@ -40,10 +40,9 @@ struct Arguments {
 
 const tool::Usage usage{
     "pcl_semantic_crf", "IN.pcd OUT.pcd [options]",
-    "Makes the labels of a cloud consistent with a CRF. IN.pcd has the fields x y z "
-    "and\n"
-    "probability (one a class) or label (0 = unlabelled); with rgb or rgba, colours\n"
-    "count too. OUT.pcd is the same with label and probability rewritten.",
+    "Makes the labels of a cloud consistent with a CRF. IN.pcd has the fields x y z,\n"
+    "probability (one a class) or label (0 = unlabelled), and, for kernels of colour,\n"
+    "rgb or rgba. OUT.pcd is the same with label and probability rewritten.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \\\n"
     "    --output /tmp/raw_map && \\\n"

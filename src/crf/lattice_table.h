@@ -55,14 +55,13 @@ public:
       keys_.resize(2 * size_ + count);
     findFirst(keys, count, numbers);
     const View view = this->view();
-    std::uint32_t* const slots = slots_.data();
     Key* const known = keys_.data();
     std::size_t size = size_;
     for (std::size_t i = 0; i < count; ++i) {
       if (numbers[i] >= 0)
         continue;
       const std::uint64_t hash = LatticeKeys<Key>::hash(keys[i]);
-      std::uint32_t& slot = slots[view.search(keys[i], hash)];
+      std::uint32_t& slot = slots_[view.search(keys[i], hash)];
       if (slot == 0) {
         known[size++] = keys[i];
         slot = view.entry(hash, size);
@@ -131,13 +130,12 @@ private:
   insertAll()
   {
     const View view = this->view();
-    std::uint32_t* const slots = slots_.data();
     for (std::size_t i = 0; i < size_; ++i) {
       const std::uint64_t hash = LatticeKeys<Key>::hash(view.keys[i]);
       std::size_t slot = std::size_t(hash >> view.shift);
-      while (slots[slot] != 0)
+      while (slots_[slot] != 0)
         slot = (slot + 1) & view.number_mask;
-      slots[slot] = view.entry(hash, i + 1);
+      slots_[slot] = view.entry(hash, i + 1);
     }
   }
 

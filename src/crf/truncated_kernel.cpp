@@ -5,12 +5,12 @@
  */
 
 #include "finite.h"
-#include "kernels/run_search.h"
 #include "kernels/truncated_sums.h"
 #include "padded_columns.h"
 #include "point_rows.h"
 #include "scratch.h"
 #include "sorted_points.h"
+#include "truncated_chunk.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/parallel_guard.h>
@@ -24,7 +24,6 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr std::size_t chunk_points = 256;
 constexpr std::size_t most_pairs = std::size_t(1) << 31; // 4 GiB of weights
 
 void
@@ -41,63 +40,6 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
 }
 
 } // namespace
-
-// The neighbours of up to 256 sorted points, by groups of these.
-struct TruncatedKernel::Chunk {
-  PointRows::Groups groups;
-  std::vector<std::uint32_t> lengths;       // points in the runs of each group
-  std::vector<std::uint32_t> pair_ends;     // of each group, in pairs
-  std::unique_ptr<std::uint32_t[]> weights; // two pairs each
-  std::size_t longest = 0;                  // points in the runs of a group
-  std::size_t first = 0;                    // point
-
-  void find(const PointRows& rows, std::size_t begin);
-
-  std::size_t
-  size() const
-  {
-    return lengths.size();
-  }
-
-  std::size_t
-  pairs() const
-  {
-    return pair_ends.empty() ? 0 : pair_ends.back();
-  }
-
-  kernels::GroupView
-  view(std::size_t g) const
-  {
-    const std::size_t run = g == 0 ? 0 : groups.run_ends[g - 1];
-    const std::size_t point = g == 0 ? first : groups.point_ends[g - 1];
-    return {groups.runs.data() + run, groups.run_ends[g] - run, lengths[g], point,
-            int(groups.point_ends[g] - point)};
-  }
-
-  std::uint32_t*
-  weightsOf(std::size_t g) const
-  {
-    return weights.get() + (g == 0 ? 0 : pair_ends[g - 1]) / 2;
-  }
-};
-
-void
-TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin)
-{
-  first = begin;
-  groups = rows.findRuns(begin, std::min(rows.size(), begin + chunk_points));
-  groups.runs.shrink_to_fit();
-  std::size_t end = 0, run = 0;
-  for (std::size_t g = 0; g < groups.run_ends.size(); ++g) {
-    std::size_t length = 0;
-    for (; run < groups.run_ends[g]; ++run)
-      length += groups.runs[run] & kernels::run_length_mask;
-    lengths.push_back(std::uint32_t(length));
-    longest = std::max(longest, length);
-    end += std::size_t(view(g).points) * kernels::strideOf(length);
-    pair_ends.push_back(std::uint32_t(end));
-  }
-}
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
                                  const std::vector<GaussianTerm>& terms, float radius,
@@ -137,7 +79,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
                           const std::vector<GaussianTerm>& terms,
                           Normalization normalization)
 {
-  chunks_.resize((rows.size() + chunk_points - 1) / chunk_points);
+  chunks_.resize((rows.size() + Chunk::most_points - 1) / Chunk::most_points);
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   std::atomic<std::size_t> pairs{0};
   ParallelGuard guard;
@@ -150,7 +92,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
       guard.run([&] {
         Chunk& chunk = chunks_[c];
         if (pairs < most_pairs) // else it is refused below
-          chunk.find(rows, c * chunk_points);
+          chunk.find(rows, c * Chunk::most_points);
         pairs += chunk.pairs();
         float* const gathered = scratch.floats(
             kernels::scratchSize(chunk.longest, points.view().features_end));

@@ -24,13 +24,25 @@ scratchStride(std::size_t length)
 namespace plain {
 #define PCL_SEMANTIC_TARGET
 #define PCL_SEMANTIC_LANES 4
+#include "float_lanes_tier.hpp"
+#include "truncated_product_tier.hpp"
 #include "truncated_sums_tier.hpp"
+constexpr TruncatedSums loops = {sumTerms, makeWeights, addProduct};
+#undef PCL_SEMANTIC_INLINE
+#undef PCL_SEMANTIC_TARGET
+#undef PCL_SEMANTIC_LANES
 } // namespace plain
 
 namespace avx2 {
 #define PCL_SEMANTIC_TARGET __attribute__((target("avx2,fma")))
 #define PCL_SEMANTIC_LANES 8
+#include "float_lanes_tier.hpp"
+#include "truncated_product_tier.hpp"
 #include "truncated_sums_tier.hpp"
+constexpr TruncatedSums loops = {sumTerms, makeWeights, addProduct};
+#undef PCL_SEMANTIC_INLINE
+#undef PCL_SEMANTIC_TARGET
+#undef PCL_SEMANTIC_LANES
 } // namespace avx2
 
 namespace avx512 {
@@ -38,7 +50,13 @@ namespace avx512 {
   __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
                         "512")))
 #define PCL_SEMANTIC_LANES 16
+#include "float_lanes_tier.hpp"
+#include "truncated_product_tier.hpp"
 #include "truncated_sums_tier.hpp"
+constexpr TruncatedSums loops = {sumTerms, makeWeights, addProduct};
+#undef PCL_SEMANTIC_INLINE
+#undef PCL_SEMANTIC_TARGET
+#undef PCL_SEMANTIC_LANES
 } // namespace avx512
 
 } // namespace
