@@ -20,21 +20,25 @@ constexpr float log2_e = 1.44269504f;
 SortedPoints::SortedPoints(const Eigen::Matrix3Xf& positions,
                            const std::vector<std::int32_t>& order,
                            const std::vector<GaussianTerm>& terms, float squared_radius,
-                           float widening)
+                           float variance)
     : stride_(order.size() + padding)
 {
   std::size_t arrays = 3;
   for (const GaussianTerm& term : terms) {
-    const float variance = term.position_deviation * term.position_deviation * widening;
-    terms_.push_back({log2_e / (2.0f * variance), int(term.features.rows()), arrays});
+    terms_.push_back({int(term.features.rows()), arrays});
     arrays += std::size_t(term.features.rows());
   }
   arrays_.resize((arrays + terms.size()) * stride_);
   left_.resize(terms.size() * stride_);
   for (std::size_t m = 0; m < terms.size(); ++m)
     left_arrays_.push_back(left(m));
-  view_ = {arrays_.data(),     stride_,       arrays,
-           squared_radius,     terms_.data(), int(terms_.size()),
+  view_ = {arrays_.data(),
+           stride_,
+           arrays,
+           squared_radius,
+           log2_e / (2.0f * variance),
+           terms_.data(),
+           int(terms_.size()),
            left_arrays_.data()};
   const auto copyRows = [&](const auto& matrix, std::size_t first, float scale) {
 #pragma omp parallel for schedule(static)

@@ -21,11 +21,11 @@ class SortedPoints {
 public:
   /** \param[in] order numbers of the columns of \a positions
    * \param[in] squared_radius pairs farther apart are none
-   * \param[in] widening factor of the variance of positions */
+   * \param[in] variance of positions, in all terms */
   SortedPoints(const Eigen::Matrix3Xf& positions,
                const std::vector<std::int32_t>& order,
                const std::vector<GaussianTerm>& terms, float squared_radius,
-               float widening);
+               float variance);
   SortedPoints(const SortedPoints&) = delete; // views point into it
   SortedPoints& operator=(const SortedPoints&) = delete;
 

@@ -25,6 +25,7 @@ struct TruncatedKernel::Chunk {
   std::vector<std::uint32_t> lengths;       // points in the runs of each group
   std::vector<std::uint32_t> pair_ends;     // of each group, in pairs
   std::unique_ptr<std::uint32_t[]> weights; // two pairs each
+  std::size_t pairs = 0;                    // of all groups
   std::size_t longest = 0;                  // points in the runs of a group
   std::size_t first = 0;                    // point
 
@@ -34,12 +35,6 @@ struct TruncatedKernel::Chunk {
   size() const
   {
     return lengths.size();
-  }
-
-  std::size_t
-  pairs() const
-  {
-    return pair_ends.empty() ? 0 : pair_ends.back();
   }
 
   kernels::GroupView

@@ -35,8 +35,14 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
                         "kernel radius is " << radius << ", expected more than 0");
   if (!areFinite(positions))
     PCL_THROW_EXCEPTION(InvalidParameterException, "a position is not finite");
-  for (const GaussianTerm& term : terms)
+  for (const GaussianTerm& term : terms) {
     term.validate(positions.cols());
+    if (term.position_deviation != terms[0].position_deviation)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "terms of a truncated kernel have position deviations of "
+                              << terms[0].position_deviation << " and "
+                              << term.position_deviation << ", expected the same");
+  }
 }
 
 } // namespace
@@ -56,16 +62,14 @@ TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
                         "known sums are " << sums_.rows() << " x " << sums_.cols()
                                           << ", expected " << count << " x "
                                           << positions.cols());
-  float widest = 0.0f;
-  for (const GaussianTerm& term : terms)
-    widest = std::max(widest, term.position_deviation);
   if (terms.empty() || positions.cols() == 0)
     return;
-  const PointRows rows(positions, radius * widest, widest / 2.0f);
+  const float deviation = terms[0].position_deviation;
+  const PointRows rows(positions, radius * deviation, deviation / 2.0f);
   order_ = rows.order();
-  const float reach = radius * widest * 1.0001f; // as that of the rows
+  const float reach = radius * deviation * 1.0001f; // as that of the rows
   SortedPoints points(positions, order_, terms, reach * reach,
-                      widening(radius, normalization));
+                      deviation * deviation * widening(radius, normalization));
   sumTerms(rows, points, terms, normalization);
   makeWeights(points);
   if (std::is_sorted(order_.begin(), order_.end()))
@@ -91,15 +95,17 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
     for (std::size_t c = 0; c < chunks_.size(); ++c)
       guard.run([&] {
         Chunk& chunk = chunks_[c];
-        if (pairs < most_pairs) // else it is refused below
+        if (pairs < most_pairs)
           chunk.find(rows, c * Chunk::most_points);
-        pairs += chunk.pairs();
+        if ((pairs += chunk.pairs) >= most_pairs)
+          return; // it is refused below
+        chunk.weights.reset(new std::uint32_t[chunk.pairs / 2]);
         float* const gathered = scratch.floats(
-            kernels::scratchSize(chunk.longest, points.view().features_end));
+            kernels::scratchSize(chunk.longest, 1 + points.view().features_end));
         for (std::size_t g = 0; g < chunk.size(); ++g) {
           const kernels::GroupView group = chunk.view(g);
-          if (!areKnown(group))
-            loops.sumTerms(points.view(), group, gathered, sums.data());
+          loops.sumTerms(points.view(), group, gathered, sums.data(),
+                         chunk.weightsOf(g));
           for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
             auto known = sums_.col(order_[group.point + p]);
             for (std::size_t m = 0; m < terms.size(); ++m)
@@ -116,16 +122,6 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
                         "too many pairs of points lie within the radius, expected less "
                         "than "
                             << most_pairs << ": take a smaller radius or fewer points");
-}
-
-// Whether the sums of all points of a group are.
-bool
-TruncatedKernel::areKnown(const kernels::GroupView& group) const
-{
-  for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-    if (sums_.col(order_[group.point + p]).array().isNaN().any())
-      return false;
-  return true;
 }
 
 void
@@ -149,7 +145,7 @@ TruncatedKernel::makeWeights(const SortedPoints& points)
 {
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   const std::size_t arrays =
-      points.view().features_end + std::size_t(points.view().count) + 1;
+      1 + points.view().features_end + std::size_t(points.view().count);
   ParallelGuard guard;
 #pragma omp parallel
   {
@@ -158,7 +154,6 @@ TruncatedKernel::makeWeights(const SortedPoints& points)
     for (std::size_t c = 0; c < chunks_.size(); ++c)
       guard.run([&] {
         Chunk& chunk = chunks_[c];
-        chunk.weights.reset(new std::uint32_t[chunk.pairs() / 2]);
         float* const gathered =
             scratch.floats(kernels::scratchSize(chunk.longest, arrays));
         for (std::size_t g = 0; g < chunk.size(); ++g)
@@ -196,7 +191,7 @@ TruncatedKernel::memory() const
 {
   std::size_t bytes = order_.size() * 4 + std::size_t(diagonal_.size()) * 4;
   for (const Chunk& chunk : chunks_)
-    bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 + chunk.pairs() * 2;
+    bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 + chunk.pairs * 2;
   return bytes;
 }
 

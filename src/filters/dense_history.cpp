@@ -103,10 +103,7 @@ DenseHistory::computeAll(const DenseProblem& problem)
 void
 DenseHistory::findPlaces(const DenseProblem& problem)
 {
-  float widest = 0.0f;
-  for (const GaussianTerm& term : problem.terms)
-    widest = std::max(widest, term.position_deviation);
-  radius_ = problem.radius * widest;
+  radius_ = problem.radius * problem.terms[0].position_deviation;
   places_.resize(std::size_t(problem.positions.cols()));
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < places_.size(); ++i)

@@ -24,7 +24,7 @@ struct DenseProblem {
   Eigen::Matrix3Xf positions;
   Eigen::MatrixXf colours; ///< rows x N; may be empty
   Eigen::MatrixXf measured;
-  std::vector<GaussianTerm> terms; ///< their features belong to all points
+  std::vector<GaussianTerm> terms; ///< of one position deviation
   float radius = 2.0f;
   Normalization normalization = Normalization::symmetric;
   bool self_interaction = false;

@@ -128,11 +128,12 @@ LabelRefiner::Builder::isIncremental() const
       !refiner_.kernels_.empty() || !refiner_.initial_.empty() ||
       elements_.positions.rows() != 3)
     return false;
-  const std::size_t count = terms().size();
-  for (std::size_t m = 0; m < count; ++m)
-    if (gaussian_kernels_.method(m) != KernelMethod::truncated)
+  const std::vector<float> deviations = deviationsOf(terms());
+  for (std::size_t m = 0; m < deviations.size(); ++m)
+    if (gaussian_kernels_.method(m) != KernelMethod::truncated ||
+        deviations[m] != deviations[0])
       return false;
-  return count > 0;
+  return !deviations.empty();
 }
 
 DenseProblem

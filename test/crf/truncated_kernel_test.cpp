@@ -25,7 +25,7 @@ std::vector<GaussianTerm>
 twoTerms(Eigen::Index count)
 {
   return {{3.0f, 0.2f, Eigen::MatrixXf()},
-          {8.0f, 0.15f, makeRandomMatrix(3, count, 0.0f, 4.0f, 7)}};
+          {8.0f, 0.2f, makeRandomMatrix(3, count, 0.0f, 4.0f, 7)}};
 }
 
 Eigen::MatrixXf
@@ -222,9 +222,9 @@ TEST(TruncatedKernel, TiersAgree)
   const kernels::GroupView group{runs, 3, 27, 20, 4};
   const std::vector<float> values = makeArray(41 * 32, 5);
   for (const int dimensions : {1, 3}) { // three have a loop of their own
-    const kernels::TermView terms[] = {{4.0f, 0, 3}, {2.0f, dimensions, 3}};
+    const kernels::TermView terms[] = {{0, 3}, {dimensions, 3}};
     const kernels::PointsView points{
-        arrays.data(), stride, 3 + std::size_t(dimensions), 0.6f, terms, 2, left};
+        arrays.data(), stride, 3 + std::size_t(dimensions), 0.6f, 4.0f, terms, 2, left};
     std::vector<float> scratch(kernels::scratchSize(27, 6 + std::size_t(dimensions)));
     std::vector<float> expected_sums, expected;
     for (const SimdTier tier : {SimdTier::plain, SimdTier::avx2, SimdTier::avx512}) {
@@ -232,8 +232,8 @@ TEST(TruncatedKernel, TiersAgree)
         continue;
       const kernels::TruncatedSums& loops = kernels::truncatedSums(tier);
       std::vector<float> sums(2 * kernels::most_points), results(4 * 32, 0.5f);
-      loops.sumTerms(points, group, scratch.data(), sums.data());
       std::vector<std::uint32_t> weights(4 * kernels::strideOf(27) / 2);
+      loops.sumTerms(points, group, scratch.data(), sums.data(), weights.data());
       loops.makeWeights(points, group, scratch.data(), weights.data());
       loops.addProduct(group, weights.data(), values.data(), 32, scratch.data(),
                        results.data());

@@ -15,9 +15,6 @@
 
 namespace pcl_semantic {
 
-namespace kernels {
-struct GroupView;
-}
 class PointRows;
 class SortedPoints;
 
@@ -35,13 +32,14 @@ class SortedPoints;
 class TruncatedKernel : public PairwiseKernel {
 public:
   /** \param[in] positions 3 x N
-   * \param[in] terms their features have N columns
-   * \param[in] radius of the sums, in the largest position deviation
+   * \param[in] terms all of one position deviation; their features have N columns
+   * \param[in] radius of the sums, in deviations of positions
    * \param[in] known_sums D_i of the points that are known, terms x N; NaN or none =
    * to be summed. For a part of a cloud, whose border has neighbours outside.
-   * \throws InvalidParameterException at a deviation or radius that is not positive, a
-   * negative weight, features of another size, values that are not finite, positions
-   * too far apart (canHold()), or more pairs than memory is meant to hold (2^31) */
+   * \throws InvalidParameterException at a deviation or radius that is not positive,
+   * deviations of positions that differ, a negative weight, features of another size,
+   * values that are not finite, positions too far apart (canHold()), or more pairs than
+   * memory is meant to hold (2^31) */
   TruncatedKernel(const Eigen::Matrix3Xf& positions,
                   const std::vector<GaussianTerm>& terms, float radius,
                   Normalization normalization = Normalization::symmetric,
@@ -82,8 +80,8 @@ public:
   /** \brief Bytes that the kernel keeps. */
   std::size_t memory() const;
 
-  /** \brief An order of points in which kernels over them work fastest: numbers of the
-   * columns of \a positions. \param[in] deviation the largest of the positions */
+  /** \brief An order of points in which a kernel over them works fastest: numbers of
+   * the columns of \a positions. \param[in] deviation of positions */
   static std::vector<std::int32_t> fastestOrder(const Eigen::Matrix3Xf& positions,
                                                 float radius, float deviation);
 
@@ -92,8 +90,6 @@ private:
 
   void sumTerms(const PointRows& rows, SortedPoints& points,
                 const std::vector<GaussianTerm>& terms, Normalization normalization);
-
-  bool areKnown(const kernels::GroupView& group) const;
 
   void normalize(SortedPoints& points, const std::vector<GaussianTerm>& terms,
                  std::size_t point, Normalization normalization);

@@ -82,8 +82,8 @@ public:
 
   /** \brief Whether a run takes over from the one before what cannot have changed: for
    * a map of which each frame changes a part. Works for the dense model with one update
-   * and truncated kernels; others run as without. Results are the same up to rounding.
-   * Keeps a copy of the last input. */
+   * and truncated kernels of one deviation; others run as without. Results are the same
+   * up to rounding. Keeps a copy of the last input. */
   void setIncremental(bool incremental);
 
   /** \brief Of the last run. */

@@ -40,8 +40,8 @@ listNeighbours(const GroupView& group, std::uint32_t* neighbours)
 {
   for (std::size_t r = 0; r < group.count; ++r) {
     for (std::size_t k = 0; k < longest_run; k += lanes)
-      *reinterpret_cast<Unaligned::W*>(neighbours + k) =
-          lane() + (group.runs[r] >> run_length_bits) + std::uint32_t(k);
+      store(lane() + (group.runs[r] >> run_length_bits) + std::uint32_t(k),
+            neighbours + k);
     neighbours += group.runs[r] & run_length_mask;
   }
   for (int k = 0; k < most_points; ++k)
@@ -52,19 +52,13 @@ PCL_SEMANTIC_TARGET void
 addProduct(const GroupView& group, const std::uint32_t* packed, const float* values,
            std::size_t rows, float* scratch, float* result)
 {
-  constexpr std::size_t half = pair_block / 2;
   const std::size_t stride = scratchStride(group.length);
   auto* const neighbours =
       reinterpret_cast<std::uint32_t*>(scratch + most_points * stride);
   listNeighbours(group, neighbours);
   for (std::size_t p = 0; p < std::size_t(group.points); ++p)
-    for (std::size_t e = 0; e < group.length; e += pair_block)
-      for (std::size_t k = 0; k < half; k += lanes, packed += lanes) {
-        __builtin_prefetch(packed + 192); // else a sixth of the time goes in waiting
-        const Words both = *reinterpret_cast<const Unaligned::W*>(packed);
-        store(firstOf(both), scratch + p * stride + e + k);
-        store(secondOf(both), scratch + p * stride + e + half + k);
-      }
+    unpackLine(packed + p * strideOf(group.length) / 2, group.length,
+               scratch + p * stride);
   const std::size_t length = group.length;
   constexpr int blocks = lanes > 4 ? 16 / lanes : 2;
   for (std::size_t row = 0; row < rows; row += blocks * lanes) {

@@ -19,9 +19,8 @@ namespace pcl_semantic::kernels {
 /** \brief 2^-(squared distance of positions * position_scale + squared distance of
  * features). */
 struct TermView {
-  float position_scale; ///< log2(e) / (2 sigma^2)
-  int dimensions;       ///< number of features
-  std::size_t first;    ///< of their arrays
+  int dimensions;    ///< number of features
+  std::size_t first; ///< of their arrays
 };
 
 /** \brief The points and the terms over them. */
@@ -32,6 +31,7 @@ struct PointsView {
   std::size_t stride;       ///< from one array to the next
   std::size_t features_end; ///< arrays of positions and features
   float squared_radius;     ///< pairs farther apart have weight 0
+  float position_scale;     ///< log2(e) / (2 sigma^2), of all terms
   const TermView* terms;
   int count;                ///< of the terms
   const float* const* left; ///< factors on the point's side
@@ -49,20 +49,22 @@ struct GroupView {
 
 constexpr int most_points = 4;
 
-/** \brief Weights are bfloat16, two in a word: of each block of so many pairs the first
- * half lies in the lower halves of the words, the second half in the upper ones. */
+/** \brief Weights are bfloat16, two in a word, strideOf(length) / 2 words for each
+ * point: of each block of so many pairs the first half lies in the lower halves of the
+ * words, the second half in the upper ones. */
 constexpr std::size_t pair_block = 32;
 
 struct TruncatedSums {
   /** \brief Sums of the values of each term over the pairs of each point of a group,
    * that of a point with itself included. \param[in] scratch scratchSize() floats
-   * \param[out] sums of term m and point p at m * most_points + p */
+   * \param[out] sums of term m and point p at m * most_points + p
+   * \param[out] weights for makeWeights: what the positions leave of each value */
   void (*sumTerms)(const PointsView& points, const GroupView& group, float* scratch,
-                   float* sums);
+                   float* sums, std::uint32_t* weights);
 
   /** \brief Weights of the pairs of a group: sum over the terms of left[m][point] times
    * the neighbour's factor times the value; 0 for a point and itself.
-   * \param[out] weights one after the other for each point strideOf(length) / 2 */
+   * \param[in,out] weights as sumTerms left them */
   void (*makeWeights)(const PointsView& points, const GroupView& group, float* scratch,
                       std::uint32_t* weights);
 
@@ -82,7 +84,7 @@ strideOf(std::size_t length)
 }
 
 /** \brief Floats of scratch for groups with runs of that many points: \a arrays of
- * them, those of the points for sumTerms, one a term more for makeWeights,
+ * them, 1 + features_end for sumTerms and one a term more for makeWeights,
  * 1 + most_points for addProduct. */
 std::size_t scratchSize(std::size_t length, std::size_t arrays);
 

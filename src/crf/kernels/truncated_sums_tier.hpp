@@ -6,20 +6,20 @@
 
 // Included once a tier, behind float_lanes_tier.hpp: values of the terms and weights.
 
-// The first arrays of the points at the pairs of a group, one after the other. Most
-// runs are short, so they are copied by halves of the longest one.
+// Some arrays of the points at the pairs of a group, one after the other. Most runs are
+// short, so they are copied by halves of the longest one.
 template <int fixed>
 PCL_SEMANTIC_INLINE void
-gather(const PointsView& points, const GroupView& group, std::size_t arrays,
-       float* scratch)
+gather(const PointsView& points, const GroupView& group, std::size_t first,
+       std::size_t any, float* scratch)
 {
   constexpr std::size_t half = longest_run / 2;
   const std::size_t from_stride = points.stride, stride = scratchStride(group.length);
-  const float* const values = points.arrays;
-  const std::size_t count = fixed > 0 ? std::size_t(fixed) : arrays;
+  const float* const arrays = points.arrays + first * from_stride;
+  const std::size_t count = fixed > 0 ? std::size_t(fixed) : any;
   const std::uint32_t* const end = group.runs + group.count;
   for (const std::uint32_t* run = group.runs; run != end; ++run) {
-    const float* const from = values + (*run >> run_length_bits);
+    const float* const from = arrays + (*run >> run_length_bits);
     const std::size_t length = *run & run_length_mask;
     for (std::size_t a = 0; a < count; ++a)
       copyHalf(from + a * from_stride, scratch + a * stride);
@@ -30,18 +30,16 @@ gather(const PointsView& points, const GroupView& group, std::size_t arrays,
   }
 }
 
-// Behind the last pair, up to a whole block, lies a point beyond every radius.
 PCL_SEMANTIC_INLINE void
-gatherArrays(const PointsView& points, const GroupView& group, std::size_t arrays,
-             float* scratch)
+gatherArrays(const PointsView& points, const GroupView& group, std::size_t first,
+             std::size_t count, float* scratch)
 {
-  if (arrays == 6)
-    gather<6>(points, group, arrays, scratch);
-  else if (arrays == 8)
-    gather<8>(points, group, arrays, scratch);
+  if (count == 6)
+    gather<6>(points, group, first, count, scratch);
+  else if (count == 5)
+    gather<5>(points, group, first, count, scratch);
   else
-    gather<0>(points, group, arrays, scratch);
-  std::fill(scratch + group.length, scratch + strideOf(group.length), 1e30f);
+    gather<0>(points, group, first, count, scratch);
 }
 
 PCL_SEMANTIC_INLINE Floats
@@ -50,130 +48,98 @@ squared(const Floats& value)
   return value * value;
 }
 
-// log2 of the part of positions in the values of a term.
-PCL_SEMANTIC_INLINE Floats
-exponentOf(const Floats& squared_distance, float squared_radius, float scale)
+// Smoothness and appearance of three colours: these have loops of their own.
+PCL_SEMANTIC_INLINE bool
+areUsual(const PointsView& points)
 {
-  return squared_distance <= squared_radius ? squared_distance * -scale
-                                            : Floats{} - 1e30f;
+  return points.count == 2 && points.terms[0].dimensions == 0 &&
+         points.terms[1].dimensions == 3;
 }
 
-PCL_SEMANTIC_INLINE Floats
-squaredDistance(const float* position, const float* gathered, std::size_t stride)
-{
-  Floats sum = squared(load(gathered) - position[0]);
-  sum += squared(load(gathered + stride) - position[1]);
-  return sum + squared(load(gathered + 2 * stride) - position[2]);
-}
-
-// A point of the usual two terms, smoothness and appearance of three colours, in
-// variables that the compiler holds in registers.
-struct UsualPoint {
-  float position[3], colour[3], scale[2], left[2], squared_radius;
+// The colours of a point in variables that the compiler holds in registers.
+struct Colour {
+  float value[3];
 
   PCL_SEMANTIC_INLINE
-  UsualPoint(const PointsView& points, std::size_t point)
-      : squared_radius(points.squared_radius)
+  Colour(const PointsView& points, std::size_t point)
   {
-    for (std::size_t k = 0; k < 3; ++k) {
-      position[k] = points.arrays[k * points.stride + point];
-      colour[k] = points.arrays[(3 + k) * points.stride + point];
-    }
-    for (std::size_t m = 0; m < 2; ++m) {
-      scale[m] = points.terms[m].position_scale;
-      left[m] = points.left[m][point];
-    }
-  }
-
-  static bool
-  fits(const PointsView& points)
-  {
-    return points.count == 2 && points.terms[0].dimensions == 0 &&
-           points.terms[1].dimensions == 3;
-  }
-
-  // Values of both terms at some pairs, of what was gathered of them.
-  PCL_SEMANTIC_INLINE void
-  evaluate(const float* gathered, std::size_t stride, Floats& smoothness,
-           Floats& appearance) const
-  {
-    const Floats distance = squaredDistance(position, gathered, stride);
-    smoothness = powerOfTwo(exponentOf(distance, squared_radius, scale[0]));
-    Floats exponent = exponentOf(distance, squared_radius, scale[1]);
     for (std::size_t k = 0; k < 3; ++k)
-      exponent -= squared(load(gathered + (3 + k) * stride) - colour[k]);
-    appearance = powerOfTwo(exponent);
+      value[k] = points.arrays[(3 + k) * points.stride + point];
   }
 
+  // What the colours at some pairs leave of the values there.
   PCL_SEMANTIC_INLINE Floats
-  weights(const float* gathered, std::size_t stride) const
+  part(const float* gathered, std::size_t stride) const
   {
-    Floats smoothness, appearance;
-    evaluate(gathered, stride, smoothness, appearance);
-    return smoothness * (load(gathered + 6 * stride) * left[0]) +
-           appearance * (load(gathered + 7 * stride) * left[1]);
+    Floats sum = squared(load(gathered) - value[0]);
+    sum += squared(load(gathered + stride) - value[1]);
+    return powerOfTwo(-(sum + squared(load(gathered + 2 * stride) - value[2])));
   }
 };
 
-// A point of any terms.
-struct AnyPoint {
-  const PointsView& points;
-  std::size_t point;
+// The same for the features of any term.
+PCL_SEMANTIC_INLINE Floats
+featurePart(const PointsView& points, int m, std::size_t point, const float* gathered,
+            std::size_t stride)
+{
+  const TermView& term = points.terms[m];
+  Floats sum{};
+  for (std::size_t d = 0; d < std::size_t(term.dimensions); ++d)
+    sum += squared(load(gathered + (term.first - 3 + d) * stride) -
+                   points.arrays[(term.first + d) * points.stride + point]);
+  return powerOfTwo(-sum);
+}
 
-  PCL_SEMANTIC_INLINE
-  AnyPoint(const PointsView& all, std::size_t number) : points(all), point(number) {}
-
-  PCL_SEMANTIC_INLINE Floats
-  evaluate(int m, const float* gathered, std::size_t stride) const
-  {
-    const TermView& term = points.terms[m];
-    const float* const own = points.arrays + point;
-    const float position[] = {own[0], own[points.stride], own[2 * points.stride]};
-    Floats exponent = exponentOf(squaredDistance(position, gathered, stride),
-                                 points.squared_radius, term.position_scale);
-    for (std::size_t a = term.first; a < term.first + std::size_t(term.dimensions); ++a)
-      exponent -= squared(load(gathered + a * stride) - own[a * points.stride]);
-    return powerOfTwo(exponent);
+// What the positions at some pairs leave: nothing beyond the radius.
+PCL_SEMANTIC_INLINE void
+positionParts(const PointsView& points, std::size_t point, const float* gathered,
+              std::size_t stride, std::size_t length, float* line)
+{
+  const float x = points.arrays[point], y = points.arrays[points.stride + point],
+              z = points.arrays[2 * points.stride + point];
+  const float radius = points.squared_radius, scale = -points.position_scale;
+  for (std::size_t e = 0; e < length; e += lanes) {
+    Floats sum = squared(load(gathered + e) - x);
+    sum += squared(load(gathered + stride + e) - y);
+    sum += squared(load(gathered + 2 * stride + e) - z);
+    store(powerOfTwo(sum <= radius ? sum * scale : Floats{} - 1e30f), line + e);
   }
-
-  PCL_SEMANTIC_INLINE Floats
-  weights(const float* gathered, std::size_t stride) const
-  {
-    Floats sum{};
-    for (int m = 0; m < points.count; ++m)
-      sum += evaluate(m, gathered, stride) *
-             (load(gathered + (points.features_end + std::size_t(m)) * stride) *
-              points.left[m][point]);
-    return sum;
-  }
-};
+}
 
 PCL_SEMANTIC_TARGET void
-sumTerms(const PointsView& points, const GroupView& group, float* scratch, float* sums)
+sumTerms(const PointsView& points, const GroupView& group, float* scratch, float* sums,
+         std::uint32_t* weights)
 {
-  const std::size_t stride = scratchStride(group.length);
-  gatherArrays(points, group, points.features_end, scratch);
-  const bool usual = UsualPoint::fits(points);
-  for (int p = 0; p < group.points; ++p) {
-    const std::size_t point = group.point + std::size_t(p);
+  const std::size_t stride = scratchStride(group.length), length = group.length;
+  gatherArrays(points, group, 0, points.features_end, scratch);
+  // Behind the last pair, up to a whole block, lies a point beyond every radius.
+  std::fill(scratch + length, scratch + strideOf(length), 1e30f);
+  const float* const features = scratch + 3 * stride;
+  float* const line = scratch + points.features_end * stride;
+  std::fill(line + length, line + strideOf(length), 0.0f);
+  const bool usual = areUsual(points);
+  for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
+    const std::size_t point = group.point + p;
+    positionParts(points, point, scratch, stride, length, line);
     if (usual) {
-      const UsualPoint center(points, point);
-      Floats totals[2] = {}, smoothness, appearance;
-      for (std::size_t e = 0; e < group.length; e += lanes) {
-        center.evaluate(scratch + e, stride, smoothness, appearance);
-        totals[0] += smoothness;
-        totals[1] += appearance;
+      const Colour colour(points, point);
+      Floats totals[2] = {};
+      for (std::size_t e = 0; e < length; e += lanes) {
+        const Floats part = load(line + e);
+        totals[0] += part;
+        totals[1] += part * colour.part(features + e, stride);
       }
       sums[p] = sumOf(totals[0]);
       sums[most_points + p] = sumOf(totals[1]);
-      continue;
     }
-    for (int m = 0; m < points.count; ++m) {
-      Floats total{};
-      for (std::size_t e = 0; e < group.length; e += lanes)
-        total += AnyPoint(points, point).evaluate(m, scratch + e, stride);
-      sums[m * most_points + p] = sumOf(total);
-    }
+    else
+      for (int m = 0; m < points.count; ++m) {
+        Floats total{};
+        for (std::size_t e = 0; e < length; e += lanes)
+          total += load(line + e) * featurePart(points, m, point, features + e, stride);
+        sums[std::size_t(m) * most_points + p] = sumOf(total);
+      }
+    packLine(line, length, weights + p * strideOf(length) / 2);
   }
 }
 
@@ -198,38 +164,41 @@ clearOwnWeights(const GroupView& group, std::uint32_t* weights)
   }
 }
 
-// \a line: room for the weights before they are packed
-template <typename Point>
-PCL_SEMANTIC_INLINE void
-makeWeightsOf(const Point& point, const float* gathered, std::size_t stride,
-              std::size_t length, float* line, std::uint32_t* weights)
-{
-  constexpr std::size_t half = pair_block / 2;
-  for (std::size_t e = 0; e < length; e += lanes)
-    store(point.weights(gathered + e, stride), line + e);
-  for (std::size_t e = 0; e < length; e += pair_block)
-    for (std::size_t k = e; k < e + half; k += lanes, weights += lanes)
-      *reinterpret_cast<Unaligned::W*>(weights) =
-          pack(load(line + k), load(line + k + half));
-}
-
 PCL_SEMANTIC_TARGET void
 makeWeights(const PointsView& points, const GroupView& group, float* scratch,
             std::uint32_t* weights)
 {
   const std::size_t stride = scratchStride(group.length), length = group.length;
-  const std::size_t arrays = points.features_end + std::size_t(points.count);
-  gatherArrays(points, group, arrays, scratch);
-  float* const line = scratch + arrays * stride;
-  std::fill(line + length / lanes * lanes, line + strideOf(length), 0.0f);
-  const bool usual = UsualPoint::fits(points);
+  const std::size_t features = points.features_end - 3;
+  const auto count = std::size_t(points.count);
+  gatherArrays(points, group, 3, features + count, scratch);
+  const float* const right = scratch + features * stride;
+  float* const line = scratch + (features + count) * stride;
+  const bool usual = areUsual(points);
   for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
-    std::uint32_t* const to = weights + p * strideOf(length) / 2;
-    const std::size_t number = group.point + p;
-    if (usual)
-      makeWeightsOf(UsualPoint(points, number), scratch, stride, length, line, to);
+    std::uint32_t* const words = weights + p * strideOf(length) / 2;
+    const std::size_t point = group.point + p;
+    unpackLine(words, length, line);
+    if (usual) {
+      const Colour colour(points, point);
+      const float smoothness = points.left[0][point],
+                  appearance = points.left[1][point];
+      for (std::size_t e = 0; e < length; e += lanes)
+        store(load(line + e) * (load(right + e) * smoothness +
+                                load(right + stride + e) * appearance *
+                                    colour.part(scratch + e, stride)),
+              line + e);
+    }
     else
-      makeWeightsOf(AnyPoint(points, number), scratch, stride, length, line, to);
+      for (std::size_t e = 0; e < length; e += lanes) {
+        Floats sum{};
+        for (std::size_t m = 0; m < count; ++m)
+          sum += load(right + m * stride + e) * points.left[m][point] *
+                 featurePart(points, int(m), point, scratch + e, stride);
+        store(load(line + e) * sum, line + e);
+      }
+    std::fill(line + length, line + strideOf(length), 0.0f); // no numbers, maybe
+    packLine(line, length, words);
   }
   clearOwnWeights(group, weights);
 }
