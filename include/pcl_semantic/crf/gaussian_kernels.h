@@ -42,7 +42,7 @@ public:
   using List = std::vector<std::shared_ptr<const PairwiseKernel>>;
 
   /** \brief Where the automatic rule goes over to the lattice. */
-  static constexpr double most_neighbours = 300.0;
+  static constexpr double most_neighbours = 200.0;
 
   /** \param[in] positions 1 to 3 rows x N
    * \param[in] deviations of the positions, of every term
