@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
 namespace pcl_semantic {
 
@@ -50,6 +52,18 @@ sortByKey(std::vector<std::uint64_t> keys, std::uint64_t largest)
   return order;
 }
 
+// Low and high corner of the points, of which there are some.
+std::pair<Eigen::Array3f, Eigen::Array3f>
+boundsOf(const Eigen::Matrix3Xf& positions)
+{
+  Eigen::Array3f low = positions.col(0), high = low;
+  for (Eigen::Index i = 1; i < positions.cols(); ++i) {
+    low = low.min(positions.col(i).array());
+    high = high.max(positions.col(i).array());
+  }
+  return {low, high};
+}
+
 } // namespace
 
 PointRows::PointRows(float reach, float cell)
@@ -78,10 +92,9 @@ PointRows::canHold(const Eigen::Matrix3Xf& positions, float cell)
 {
   if (positions.cols() == 0)
     return true;
-  const Eigen::Vector3d extent =
-      (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).cast<double>();
+  const auto [low, high] = boundsOf(positions);
   return positions.cols() < Eigen::Index(most_points) &&
-         extent.maxCoeff() / double(cell) < most_cells;
+         double((high - low).maxCoeff()) / double(cell) < most_cells;
 }
 
 void
@@ -93,12 +106,8 @@ PointRows::sort(const Eigen::Matrix3Xf& positions)
                                                        << most_points);
   if (positions.cols() == 0)
     return;
-  low_ = positions.col(0);
-  Eigen::Array3f high = low_;
-  for (Eigen::Index i = 1; i < positions.cols(); ++i) {
-    low_ = low_.min(positions.col(i).array());
-    high = high.max(positions.col(i).array());
-  }
+  Eigen::Array3f high;
+  std::tie(low_, high) = boundsOf(positions);
   const Eigen::Array3d extent = (high - low_).cast<double>() / double(cell_);
   if (!(extent < most_cells).all())
     PCL_THROW_EXCEPTION(InvalidParameterException,

@@ -172,7 +172,7 @@ TruncatedKernel::widening(float radius, Normalization normalization)
              : 1.0f + std::exp(-0.84f * (radius * radius - 4.0f));
 }
 
-// Cells of rows are half as wide as the widest kernel.
+// Cells of rows are half as wide as the deviation.
 bool
 TruncatedKernel::canHold(const Eigen::Matrix3Xf& positions, float deviation)
 {

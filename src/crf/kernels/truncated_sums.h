@@ -16,8 +16,8 @@
  * has 16 values more than there are points. */
 namespace pcl_semantic::kernels {
 
-/** \brief 2^-(squared distance of positions * position_scale + squared distance of
- * features). */
+/** \brief A term, of values 2^-(squared distance of positions * position_scale +
+ * squared distance of features). */
 struct TermView {
   int dimensions;    ///< number of features
   std::size_t first; ///< of their arrays
