@@ -6,31 +6,34 @@
 
 #include <pcl_semantic/map/block_store.h>
 
+#include <algorithm>
+#include <vector>
+
 namespace pcl_semantic {
 
 void
-MemoryBlockStore::put(const VoxelIndex& block, std::unique_ptr<VoxelBlock> content)
+MemoryBlockStore::put(const VoxelIndex& block, const VoxelBlock& content)
 {
-  blocks_[block] = std::move(content);
+  blocks_.insert_or_assign(block, content);
 }
 
 std::unique_ptr<VoxelBlock>
-MemoryBlockStore::take(const VoxelIndex& block)
+MemoryBlockStore::get(const VoxelIndex& block) const
 {
   const auto found = blocks_.find(block);
-  if (found == blocks_.end())
-    return nullptr;
-  std::unique_ptr<VoxelBlock> content = std::move(found->second);
-  blocks_.erase(found);
-  return content;
+  return found == blocks_.end() ? nullptr : std::make_unique<VoxelBlock>(found->second);
 }
 
 void
 MemoryBlockStore::forEach(
     const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const
 {
-  for (const auto& [index, block] : blocks_)
-    visit(index, *block);
+  std::vector<VoxelIndex> order;
+  for (const auto& entry : blocks_)
+    order.push_back(entry.first);
+  std::sort(order.begin(), order.end(), VoxelIndexLess());
+  for (const VoxelIndex& block : order)
+    visit(block, blocks_.at(block));
 }
 
 } // namespace pcl_semantic

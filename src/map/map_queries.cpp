@@ -8,126 +8,71 @@
 
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 namespace pcl_semantic {
-
-namespace {
-
-// Measured and refined distribution of a record; all zero where it has no label.
-void
-readDistributions(const VoxelBlock& block, int record, int classes, float* measured,
-                  float* refined)
-{
-  std::fill_n(measured, classes, 0.0f);
-  if (block.records[record].label_observations > 0)
-    distributionFromLog(block.measured.data() + record * classes, classes, measured);
-  const float* const stored = block.refined.data() + record * classes;
-  const bool is_refined =
-      std::any_of(stored, stored + classes, [](float p) { return p > 0.0f; });
-  std::copy_n(is_refined ? stored : measured, classes, refined);
-}
-
-void
-setColour(const VoxelRecord& record, pcl::PointXYZRGBL& point)
-{
-  const auto mean = [&](int channel) {
-    const std::uint32_t count = std::max(record.colour_count, 1u);
-    return static_cast<std::uint8_t>((record.colour_sum[channel] + count / 2) / count);
-  };
-  point.r = mean(0);
-  point.g = mean(1);
-  point.b = mean(2);
-}
-
-VoxelCloud
-emptyVoxels(std::size_t count, int classes)
-{
-  VoxelCloud voxels;
-  voxels.measured = LabelDistributions(classes, Eigen::Index(count));
-  voxels.refined = LabelDistributions(classes, Eigen::Index(count));
-  voxels.indices.resize(count);
-  voxels.observations.resize(count);
-  voxels.cloud->resize(count);
-  voxels.cloud->is_dense = true;
-  return voxels;
-}
-
-// Voxel i of a cloud, from its place in a block.
-void
-setVoxel(const VoxelBlock& block, int place, const VoxelIndex& index, std::size_t i,
-         VoxelCloud& voxels)
-{
-  const int record = block.record[place];
-  const auto column = Eigen::Index(i);
-  readDistributions(block, record, voxels.measured.classes(),
-                    voxels.measured.column(column), voxels.refined.column(column));
-  voxels.indices[i] = index;
-  voxels.observations[i] = block.records[record].observations;
-  const Eigen::Vector3d centre =
-      (index.cast<double>().array() + 0.5).matrix() * voxels.voxel_size;
-  pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
-  point.getVector3fMap() = (centre - voxels.origin).cast<float>();
-  setColour(block.records[record], point);
-  point.label = voxels.refined.mapLabel(column);
-}
-
-} // namespace
 
 VoxelCloud
 SemanticVoxelMap::occupied() const
 {
   std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks;
   grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-    blocks.emplace_back(index, &block);
+    if (!block.records.empty())
+      blocks.emplace_back(index, &block);
   });
-  return makeCloud(std::move(blocks));
+  std::vector<std::size_t> first(blocks.size() + 1, 0);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    first[b + 1] = reader_.countOccupied(*blocks[b].second);
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  VoxelCloud voxels =
+      reader_.makeCloud(first.back(), parameters_.voxel_size, cloud_origin_);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    reader_.read(blocks[b].first, *blocks[b].second, first[b], voxels);
+  return voxels;
 }
 
 VoxelCloud
 SemanticVoxelMap::occupiedEverywhere() const
 {
-  std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks;
-  const auto add = [&](const VoxelIndex& index, const VoxelBlock& block) {
-    blocks.emplace_back(index, &block);
-  };
-  grid_.forEach(add);
-  store_->forEach(add);
-  std::sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) {
-    return VoxelIndexLess()(a.first, b.first);
+  std::size_t count = 0;
+  forEachBlock([&](const VoxelIndex&, const VoxelBlock& block) {
+    count += reader_.countOccupied(block);
   });
-  return makeCloud(std::move(blocks));
+  VoxelCloud voxels = reader_.makeCloud(count, parameters_.voxel_size, cloud_origin_);
+  std::size_t first = 0;
+  forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
+    reader_.read(index, block, first, voxels);
+    first += reader_.countOccupied(block);
+  });
+  return voxels;
 }
 
-VoxelCloud
-SemanticVoxelMap::makeCloud(
-    std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks) const
+void
+SemanticVoxelMap::forEachBlock(
+    const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const
 {
-  const auto is_occupied = [&](const VoxelBlock& block, int place) {
-    return block.record[place] != VoxelBlock::kNoRecord &&
-           occupancy_update_.isOccupied(block.log_odds[place]);
+  // Two ordered lists become one; of a block in both, the window has the newer state.
+  std::vector<std::pair<VoxelIndex, const VoxelBlock*>> window;
+  grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    window.emplace_back(index, &block);
+  });
+  auto next = window.begin();
+  const auto visitWindowBefore = [&](const VoxelIndex& index) {
+    for (; next != window.end() && VoxelIndexLess()(next->first, index); ++next)
+      visit(next->first, *next->second);
   };
-  std::vector<std::size_t> first(blocks.size() + 1, 0);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    for (int place = 0; place < kBlockVoxels; ++place)
-      first[b + 1] += is_occupied(*blocks[b].second, place);
-  std::partial_sum(first.begin(), first.end(), first.begin());
-
-  VoxelCloud voxels = emptyVoxels(first.back(), label_set_.size());
-  voxels.voxel_size = parameters_.voxel_size;
-  voxels.origin = origin_;
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const VoxelBlock& block = *blocks[b].second;
-    std::size_t i = first[b];
-    for (int place = 0; place < kBlockVoxels; ++place)
-      if (is_occupied(block, place))
-        setVoxel(block, place, voxelAt(blocks[b].first, place), i++, voxels);
-  }
-  return voxels;
+  store_->forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    visitWindowBefore(index);
+    if (!grid_.contains(index))
+      visit(index, block);
+  });
+  for (; next != window.end(); ++next)
+    visit(next->first, *next->second);
 }
 
 VoxelIndex
@@ -163,18 +108,8 @@ SemanticVoxelMap::label(const Eigen::Vector3d& point) const
 {
   int place = 0;
   const VoxelBlock* const block = findVoxel(point, place);
-  if (!block || block->record[place] == VoxelBlock::kNoRecord ||
-      !occupancy_update_.isOccupied(block->log_odds[place]))
-    return kUnlabelled;
-  const int classes = label_set_.size();
-  const int record = block->record[place];
-  const Label refined = mapLabel(block->refined.data() + record * classes, classes);
-  if (refined != kUnlabelled || block->records[record].label_observations == 0)
-    return refined;
-  // The largest log-probability is 0, the others are negative.
-  const float* const measured = block->measured.data() + record * classes;
-  return static_cast<Label>(std::max_element(measured, measured + classes) - measured +
-                            1);
+  return block && reader_.isOccupied(*block, place) ? reader_.label(*block, place)
+                                                    : kUnlabelled;
 }
 
 } // namespace pcl_semantic

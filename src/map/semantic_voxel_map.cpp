@@ -27,7 +27,7 @@ windowInBlocks(const SemanticVoxelMap::Parameters& parameters)
 // A cloud's points are single precision: far from the world's origin they are given
 // relative to a multiple of a kilometre.
 Eigen::Vector3d
-cloudOrigin(const Eigen::Vector3d& sensor)
+nearbyOrigin(const Eigen::Vector3d& sensor)
 {
   constexpr double step = 1000.0;
   return (sensor / step).array().round() * step + 0.0; // no -0
@@ -35,29 +35,12 @@ cloudOrigin(const Eigen::Vector3d& sensor)
 
 } // namespace
 
-void
-SemanticVoxelMap::Parameters::validate() const
-{
-  if (!(voxel_size >= 1e-3 && voxel_size <= 100.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "voxel_size is " << voxel_size << " m, expected 0.001 to 100");
-  if (!((window.array() >= voxel_size).all() && (window.array() <= 1e5).all()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "window is "
-                            << window.transpose()
-                            << " m, expected at least a voxel and at most 1e5");
-  if (!(max_range > 0.0 && max_range <= 1e4))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "max_range is " << max_range
-                                        << " m, expected more than 0, at most 1e4");
-  fusion.validate();
-}
-
 SemanticVoxelMap::SemanticVoxelMap(const LabelSet& label_set,
                                    const Parameters& parameters,
                                    std::shared_ptr<BlockStore> store)
     : label_set_(label_set), parameters_(parameters),
-      occupancy_update_(parameters.fusion), grid_(windowInBlocks(parameters)),
+      occupancy_update_(parameters.fusion),
+      reader_(label_set.size(), parameters.fusion), grid_(windowInBlocks(parameters)),
       store_(store ? std::move(store) : std::make_shared<MemoryBlockStore>()),
       ray_caster_(grid_.slots())
 {}
@@ -71,18 +54,39 @@ SemanticVoxelMap::centreWindow(const Eigen::Vector3d& sensor)
                                                << sensor.transpose()
                                                << " m, expected at most " << farthest
                                                << " m from the origin");
-  if (!started_)
-    origin_ = cloudOrigin(sensor);
-  started_ = true;
+  if (!has_cloud_origin_)
+    setCloudOrigin(nearbyOrigin(sensor));
   const Eigen::Vector3d centre = sensor / (parameters_.voxel_size * kBlockEdge);
   const VoxelIndex origin =
       (centre - 0.5 * grid_.size().cast<double>()).array().round().cast<int>();
   grid_.scrollTo(
       origin,
       [&](const VoxelIndex& block, std::unique_ptr<VoxelBlock> content) {
-        store_->put(block, std::move(content));
+        if (!content->changed)
+          return; // the store has it
+        content->changed = false;
+        store_->put(block, *content);
       },
-      [&](const VoxelIndex& block) { return store_->take(block); });
+      [&](const VoxelIndex& block) { return store_->get(block); });
+}
+
+void
+SemanticVoxelMap::flush()
+{
+  grid_.forEachSlot([&](const VoxelIndex& index, std::size_t slot) {
+    VoxelBlock* const block = grid_.at(slot).get();
+    if (!block || !block->changed)
+      return;
+    block->changed = false;
+    store_->put(index, *block);
+  });
+}
+
+void
+SemanticVoxelMap::setCloudOrigin(const Eigen::Vector3d& origin)
+{
+  cloud_origin_ = origin;
+  has_cloud_origin_ = true;
 }
 
 ScanCounts
@@ -127,6 +131,7 @@ SemanticVoxelMap::updateOccupancy()
     auto& block = grid_.at(grid_.slotOf(index));
     if (!block)
       block = std::make_unique<VoxelBlock>();
+    block->changed = true;
   }
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -181,7 +186,7 @@ SemanticVoxelMap::fuseBlock(const Scan& scan, std::size_t begin, std::size_t end
       if (scan.distributions)
         measurement.addDistribution(scan.distributions->column(Eigen::Index(point)));
     }
-    const int record = block.recordOf(first.place(), classes);
+    const int record = block.makeRecord(first.place(), classes);
     measurement.fuseInto(block.records[record],
                          block.measured.data() + record * classes);
     // What was concluded from older measurements does not hold any more.
@@ -205,10 +210,12 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
     VoxelBlock* const block = grid_.find(blockOf(voxel));
     if (!block)
       continue; // has left the window since
-    const int record = block->record[voxelInBlock(voxel)];
-    if (record != VoxelBlock::kNoRecord)
-      std::copy_n(refined.column(Eigen::Index(i)), classes,
-                  block->refined.data() + record * classes);
+    const int record = block->recordAt(voxelInBlock(voxel));
+    if (record == VoxelBlock::kNoRecord)
+      continue;
+    std::copy_n(refined.column(Eigen::Index(i)), classes,
+                block->refined.data() + record * classes);
+    block->changed = true;
   }
 }
 

@@ -113,6 +113,14 @@ TEST(ScrollingVoxelGrid, EqualsAnUnboundedMapFarFromTheOrigin)
 TEST(ScrollingVoxelGrid, KnowsWhatIsInside)
 {
   ScrollingVoxelGrid<int> grid(Eigen::Vector3i(2, 3, 4));
+  EXPECT_FALSE(grid.contains({0, 0, 0})); // no window yet
+  const auto leave = [](const VoxelIndex&, std::unique_ptr<int>) {};
+  int entered = 0;
+  grid.scrollTo({0, 0, 0}, leave, [&](const VoxelIndex&) {
+    ++entered;
+    return std::unique_ptr<int>();
+  });
+  EXPECT_EQ(entered, 2 * 3 * 4);
   EXPECT_TRUE(grid.contains({1, 2, 3}));
   EXPECT_FALSE(grid.contains({2, 0, 0}));
   EXPECT_FALSE(grid.contains({0, 0, -1}));

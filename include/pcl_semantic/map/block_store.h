@@ -19,13 +19,13 @@ class BlockStore {
 public:
   virtual ~BlockStore() = default;
 
-  /** \brief Keeps a block; replaces what was kept at this index. */
-  virtual void put(const VoxelIndex& block, std::unique_ptr<VoxelBlock> content) = 0;
+  /** \brief Keeps a copy of a block; replaces what was kept at this index. */
+  virtual void put(const VoxelIndex& block, const VoxelBlock& content) = 0;
 
-  /** \brief Gives a block back and forgets it; null if there is none. */
-  virtual std::unique_ptr<VoxelBlock> take(const VoxelIndex& block) = 0;
+  /** \brief A copy of what was put at this index; null if nothing was. */
+  virtual std::unique_ptr<VoxelBlock> get(const VoxelIndex& block) const = 0;
 
-  /** \brief Visits every block, in no particular order. */
+  /** \brief Visits every block, in the order z, y, x of the indices. */
   virtual void forEach(
       const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const = 0;
 };
@@ -33,15 +33,15 @@ public:
 /** \brief Keeps blocks in memory: the map forgets nothing and grows. */
 class MemoryBlockStore : public BlockStore {
 public:
-  void put(const VoxelIndex& block, std::unique_ptr<VoxelBlock> content) override;
+  void put(const VoxelIndex& block, const VoxelBlock& content) override;
 
-  std::unique_ptr<VoxelBlock> take(const VoxelIndex& block) override;
+  std::unique_ptr<VoxelBlock> get(const VoxelIndex& block) const override;
 
   void forEach(const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit)
       const override;
 
 private:
-  std::unordered_map<VoxelIndex, std::unique_ptr<VoxelBlock>, VoxelIndexHash> blocks_;
+  std::unordered_map<VoxelIndex, VoxelBlock, VoxelIndexHash> blocks_;
 };
 
 } // namespace pcl_semantic

@@ -42,7 +42,8 @@ public:
     return size_;
   }
 
-  /** \brief The smallest block index inside the window. */
+  /** \brief The smallest block index inside the window; before the first scrollTo() the
+   * window lies where no block is. */
   const BlockIndex&
   origin() const
   {
@@ -117,6 +118,9 @@ public:
   }
 
 private:
+  // So far from kMaxVoxelIndex / 8 that the first scrollTo() is a jump to a new window.
+  static constexpr int nowhere = -kMaxVoxelIndex;
+
   static std::size_t
   wrap(int value, int size)
   {
@@ -129,7 +133,7 @@ private:
                      Visit&& visit) const;
 
   Eigen::Vector3i size_;
-  BlockIndex origin_ = BlockIndex::Zero();
+  BlockIndex origin_ = BlockIndex::Constant(nowhere);
   std::vector<std::unique_ptr<Block>> blocks_;
 };
 

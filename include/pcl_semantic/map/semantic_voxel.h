@@ -41,30 +41,38 @@ struct VoxelBlock {
   static constexpr std::int16_t kNoRecord = -1;
 
   std::array<StoredLogOdds, kBlockVoxels> log_odds;
-  std::array<std::int16_t, kBlockVoxels> record; ///< row in the vectors below
+  std::vector<std::int16_t> record_of; ///< by place, or empty if nothing was hit
   std::vector<VoxelRecord> records;
   std::vector<float> measured; ///< L a row: fused log-probabilities, the largest is 0
   std::vector<float> refined;  ///< L a row: distribution of the CRF; all zero = none
+  bool changed = false;        ///< since a BlockStore has seen it
 
-  VoxelBlock()
+  VoxelBlock() { log_odds.fill(kUnknown); }
+
+  /** \brief Row of a voxel in the vectors above; kNoRecord if it was never hit.
+   * \param[in] place in the block, see voxelInBlock */
+  int
+  recordAt(int place) const
   {
-    log_odds.fill(kUnknown);
-    record.fill(kNoRecord);
+    return record_of.empty() ? kNoRecord : record_of[std::size_t(place)];
   }
 
   /** \brief The record of a voxel, made if it has none.
-   * \param[in] voxel place in the block, see voxelInBlock
+   * \param[in] place in the block, see voxelInBlock
    * \param[in] classes L */
   int
-  recordOf(int voxel, int classes)
+  makeRecord(int place, int classes)
   {
-    if (record[voxel] == kNoRecord) {
-      record[voxel] = static_cast<std::int16_t>(records.size());
+    if (record_of.empty())
+      record_of.assign(kBlockVoxels, kNoRecord);
+    std::int16_t& record = record_of[std::size_t(place)];
+    if (record == kNoRecord) {
+      record = static_cast<std::int16_t>(records.size());
       records.emplace_back();
       measured.resize(measured.size() + std::size_t(classes), 0.0f);
       refined.resize(refined.size() + std::size_t(classes), 0.0f);
     }
-    return record[voxel];
+    return record;
   }
 };
 

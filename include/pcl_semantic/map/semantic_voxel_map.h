@@ -8,14 +8,16 @@
 
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/map/block_reader.h>
 #include <pcl_semantic/map/block_store.h>
+#include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/ray_caster.h>
 #include <pcl_semantic/map/scrolling_voxel_grid.h>
-#include <pcl_semantic/map/voxel_fusion.h>
 
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -33,18 +35,7 @@ enum class Occupancy { unknown, free, occupied };
  * threads have to wait until a call has returned. */
 class SemanticVoxelMap {
 public:
-  struct Parameters {
-    double voxel_size = 0.1; ///< edge of a voxel [m]
-    /// Extent of the window around the sensor, world axes [m], rounded up to blocks.
-    Eigen::Vector3d window{84.0, 84.0, 24.0};
-    /// Reach in each axis of the sensor's frame [m]; for a camera with less than 90
-    /// degrees of view this is depth. Points beyond it clear space up to it.
-    double max_range = 40.0;
-    FusionParameters fusion;
-
-    /** \throws InvalidParameterException */
-    void validate() const;
-  };
+  using Parameters = MapParameters;
 
   /** \param[in] label_set the classes of every distribution given to integrate()
    * \param[in] store null for a store in memory
@@ -71,6 +62,26 @@ public:
   /** \brief All occupied voxels, those that left the window too. */
   VoxelCloud occupiedEverywhere() const;
 
+  /** \brief Visits every block of the map, those that left the window too, in the order
+   * z, y, x of their indices. */
+  void forEachBlock(
+      const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const;
+
+  /** \brief Puts the blocks of the window that have changed since the last call, or
+   * since they entered, into the store: it then holds the whole map. */
+  void flush();
+
+  /** \brief Origin of the points of all clouds given out, world frame [m]; a multiple
+   * of a kilometre near the first sensor unless setCloudOrigin() was called. */
+  const Eigen::Vector3d&
+  cloudOrigin() const
+  {
+    return cloud_origin_;
+  }
+
+  /** \brief Fixes the origin of the clouds; for a map that goes on from a store. */
+  void setCloudOrigin(const Eigen::Vector3d& origin);
+
   /** \brief Takes back refined distributions; the measurements stay as they are. They
    * hold until the voxel is measured again.
    * \param[in] voxels as occupied() gave them
@@ -78,8 +89,7 @@ public:
    * \throws InvalidParameterException if the sizes differ */
   void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined);
 
-  /** \brief State of the voxel that holds a point of the window, world frame [m];
-   * unknown outside. */
+  /** \brief State of the voxel of the window that holds a point, world frame [m]. */
   Occupancy occupancy(const Eigen::Vector3d& point) const;
 
   /** \brief MAP label (refined if there is one) of the occupied voxel that holds a
@@ -114,17 +124,15 @@ private:
 
   const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& place) const;
 
-  VoxelCloud
-  makeCloud(std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks) const;
-
   LabelSet label_set_;
   Parameters parameters_;
   OccupancyUpdate occupancy_update_;
+  BlockReader reader_;
   ScrollingVoxelGrid<VoxelBlock> grid_;
   std::shared_ptr<BlockStore> store_;
   RayCaster ray_caster_;
-  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); // of the clouds given out
-  bool started_ = false;
+  Eigen::Vector3d cloud_origin_ = Eigen::Vector3d::Zero();
+  bool has_cloud_origin_ = false;
 };
 
 } // namespace pcl_semantic

@@ -1,0 +1,57 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/map/semantic_voxel.h>
+#include <pcl_semantic/map/voxel_fusion.h>
+
+#include <cstddef>
+
+namespace pcl_semantic {
+
+/** \brief Reads the voxels of blocks as a map gives them out. */
+class BlockReader {
+public:
+  /** \param[in] classes L */
+  BlockReader(int classes, const FusionParameters& fusion)
+      : classes_(classes), occupancy_(fusion)
+  {}
+
+  /** \brief Whether a voxel is occupied: what no scan has hit never is. */
+  bool
+  isOccupied(const VoxelBlock& block, int place) const
+  {
+    return block.recordAt(place) != VoxelBlock::kNoRecord &&
+           occupancy_.isOccupied(block.log_odds[place]);
+  }
+
+  /** \brief MAP label of an occupied voxel: refined if there is a refined distribution,
+   * else measured; kUnlabelled if there is neither. */
+  Label label(const VoxelBlock& block, int place) const;
+
+  /** \brief Number of occupied voxels. */
+  std::size_t countOccupied(const VoxelBlock& block) const;
+
+  /** \brief A cloud with room for \a count voxels.
+   * \param[in] voxel_size [m]
+   * \param[in] origin of the points, world frame [m] */
+  VoxelCloud makeCloud(std::size_t count, double voxel_size,
+                       const Eigen::Vector3d& origin) const;
+
+  /** \brief Writes the occupied voxels of a block to a cloud, from voxel \a first on.
+   */
+  void read(const VoxelIndex& index, const VoxelBlock& block, std::size_t first,
+            VoxelCloud& voxels) const;
+
+private:
+  int classes_;
+  OccupancyUpdate occupancy_;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,109 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/map/block_reader.h>
+
+#include <algorithm>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Measured and refined distribution of a record; all zero where it has no label.
+void
+readDistributions(const VoxelBlock& block, int record, int classes, float* measured,
+                  float* refined)
+{
+  std::fill_n(measured, classes, 0.0f);
+  if (block.records[record].label_observations > 0)
+    distributionFromLog(block.measured.data() + record * classes, classes, measured);
+  const float* const stored = block.refined.data() + record * classes;
+  const bool is_refined =
+      std::any_of(stored, stored + classes, [](float p) { return p > 0.0f; });
+  std::copy_n(is_refined ? stored : measured, classes, refined);
+}
+
+void
+setColour(const VoxelRecord& record, pcl::PointXYZRGBL& point)
+{
+  const auto mean = [&](int channel) {
+    const std::uint32_t count = std::max(record.colour_count, 1u);
+    return static_cast<std::uint8_t>((record.colour_sum[channel] + count / 2) / count);
+  };
+  point.r = mean(0);
+  point.g = mean(1);
+  point.b = mean(2);
+}
+
+} // namespace
+
+Label
+BlockReader::label(const VoxelBlock& block, int place) const
+{
+  const int record = block.recordAt(place);
+  const Label refined = mapLabel(block.refined.data() + record * classes_, classes_);
+  if (refined != kUnlabelled || block.records[record].label_observations == 0)
+    return refined;
+  // The largest log-probability is 0, the others are negative.
+  const float* const measured = block.measured.data() + record * classes_;
+  return static_cast<Label>(std::max_element(measured, measured + classes_) - measured +
+                            1);
+}
+
+std::size_t
+BlockReader::countOccupied(const VoxelBlock& block) const
+{
+  if (block.records.empty())
+    return 0;
+  std::size_t count = 0;
+  for (int place = 0; place < kBlockVoxels; ++place)
+    count += isOccupied(block, place);
+  return count;
+}
+
+VoxelCloud
+BlockReader::makeCloud(std::size_t count, double voxel_size,
+                       const Eigen::Vector3d& origin) const
+{
+  VoxelCloud voxels;
+  voxels.measured = LabelDistributions(classes_, Eigen::Index(count));
+  voxels.refined = LabelDistributions(classes_, Eigen::Index(count));
+  voxels.indices.resize(count);
+  voxels.observations.resize(count);
+  voxels.cloud->resize(count);
+  voxels.cloud->is_dense = true;
+  voxels.voxel_size = voxel_size;
+  voxels.origin = origin;
+  return voxels;
+}
+
+void
+BlockReader::read(const VoxelIndex& index, const VoxelBlock& block, std::size_t first,
+                  VoxelCloud& voxels) const
+{
+  if (block.records.empty())
+    return;
+  std::size_t i = first;
+  for (int place = 0; place < kBlockVoxels; ++place) {
+    if (!isOccupied(block, place))
+      continue;
+    const int record = block.recordAt(place);
+    const auto column = Eigen::Index(i);
+    readDistributions(block, record, classes_, voxels.measured.column(column),
+                      voxels.refined.column(column));
+    voxels.indices[i] = voxelAt(index, place);
+    voxels.observations[i] = block.records[record].observations;
+    const Eigen::Vector3d centre =
+        (voxels.indices[i].cast<double>().array() + 0.5).matrix() * voxels.voxel_size;
+    pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
+    point.getVector3fMap() = (centre - voxels.origin).cast<float>();
+    setColour(block.records[record], point);
+    point.label = voxels.refined.mapLabel(column);
+    ++i;
+  }
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,30 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/map/map_parameters.h>
+
+namespace pcl_semantic {
+
+void
+MapParameters::validate() const
+{
+  if (!(voxel_size >= 1e-3 && voxel_size <= 100.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "voxel_size is " << voxel_size << " m, expected 0.001 to 100");
+  if (!((window.array() >= voxel_size).all() && (window.array() <= 1e5).all()))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "window is "
+                            << window.transpose()
+                            << " m, expected at least a voxel and at most 1e5");
+  if (!(max_range > 0.0 && max_range <= 1e4))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "max_range is " << max_range
+                                        << " m, expected more than 0, at most 1e4");
+  fusion.validate();
+}
+
+} // namespace pcl_semantic
