@@ -125,7 +125,8 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
 void
 SemanticVoxelMap::updateOccupancy()
 {
-  const std::vector<VoxelIndex>& blocks = ray_caster_.crossedBlocks();
+  const CrossedVoxels& crossed = ray_caster_.crossed();
+  const std::vector<VoxelIndex> blocks = crossed.blocks();
   const std::vector<RayHit>& hits = ray_caster_.hits();
   for (const VoxelIndex& index : blocks) {
     auto& block = grid_.at(grid_.slotOf(index));
@@ -144,7 +145,7 @@ SemanticVoxelMap::updateOccupancy()
         is_hit = true;
       if (is_hit)
         occupancy_update_.hit(block->log_odds[place]);
-      else if (ray_caster_.isCrossed(slot, place))
+      else if (crossed.layer(slot, place >> 6) >> (place & 63) & 1)
         occupancy_update_.miss(block->log_odds[place]);
     }
   }

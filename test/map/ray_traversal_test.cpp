@@ -141,6 +141,49 @@ TEST(RayTraversal, FarFromTheOriginNothingChanges)
   }
 }
 
+// The part from each slab on along each axis, against the whole traversal.
+void
+expectPartsOfTheWhole(const QuantizedPoint& from, const QuantizedPoint& to)
+{
+  for (int axis = 0; axis < 3; ++axis) {
+    if (from[axis] == to[axis])
+      continue;
+    const int start = voxelOf(from)[axis];
+    const int length = std::abs(voxelOf(to)[axis] - start);
+    for (int slab = 0; slab <= length + 2; ++slab) {
+      std::vector<VoxelIndex> part, expected;
+      traverseSegment(from, to, [&](const VoxelIndex& voxel) {
+        if (std::abs(voxel[axis] - start) >= slab)
+          expected.push_back(voxel);
+        return true;
+      });
+      traverseSegmentFrom(from, to, axis, slab, [&](const VoxelIndex& voxel) {
+        part.push_back(voxel);
+        return true;
+      });
+      EXPECT_EQ(part, expected) << from.transpose() << " to " << to.transpose()
+                                << ", axis " << axis << ", slab " << slab;
+    }
+  }
+}
+
+TEST(RayTraversal, BeginsAtAnySlab)
+{
+  std::mt19937_64 random(5);
+  std::uniform_int_distribution<std::int64_t> anywhere(-6 * edge, 6 * edge),
+      halves(-6, 6);
+  for (int i = 0; i < 1000; ++i) {
+    const auto point = [&](auto& coordinate, std::int64_t unit) -> QuantizedPoint {
+      return QuantizedPoint(coordinate(random), coordinate(random),
+                            coordinate(random)) *
+             unit;
+    };
+    expectPartsOfTheWhole(point(anywhere, 1), point(anywhere, 1));
+    expectPartsOfTheWhole(point(halves, edge / 2), point(halves, edge / 2));
+  }
+  expectPartsOfTheWhole({5, 6, 7}, {-1500 * edge, 100 * edge, 3});
+}
+
 TEST(RayTraversal, StopsWhenTheVisitorSaysSo)
 {
   int visits = 0;

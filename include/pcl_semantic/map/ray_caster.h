@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/map/crossed_voxels.h>
 #include <pcl_semantic/map/scrolling_voxel_grid.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
@@ -87,7 +88,7 @@ public:
   using Grid = ScrollingVoxelGrid<VoxelBlock>;
 
   /** \param[in] slots of the grid it will be used on */
-  explicit RayCaster(std::size_t slots);
+  explicit RayCaster(std::size_t slots) : crossed_(slots) {}
 
   struct Settings {
     double voxel_size = 0.0;  ///< [m]
@@ -106,30 +107,15 @@ public:
     return hits_;
   }
 
-  /** \brief The blocks that a ray crossed. */
-  const std::vector<VoxelIndex>&
-  crossedBlocks() const
+  /** \brief The voxels that a ray crossed, its end point included. */
+  const CrossedVoxels&
+  crossed() const
   {
-    return crossed_blocks_;
-  }
-
-  /** \brief Whether a voxel was crossed by a ray (its end point included). */
-  bool
-  isCrossed(std::size_t slot, int place) const
-  {
-    return crossed_[slot * kWords + std::size_t(place >> 6)] >> (place & 63) & 1;
+    return crossed_;
   }
 
 private:
-  static constexpr std::size_t kWords = kBlockVoxels / 64;
-
-  void clear(const Grid& grid);
-
-  void findCrossedBlocks(const Grid& grid);
-
-  std::vector<std::uint64_t> crossed_; // a bit a voxel, kWords a slot
-  std::vector<std::uint8_t> touched_;  // a byte a slot
-  std::vector<VoxelIndex> crossed_blocks_;
+  CrossedVoxels crossed_;
   std::vector<RayHit> hits_;
 };
 

@@ -56,16 +56,29 @@ template <typename Integer> struct TraversalAxis {
     next = delta > 0 ? unit * Integer(edge - inside) : unit * Integer(inside) + 1;
     step = unit * Integer(edge);
   }
+
+  // Passes the boundaries up to a time; gives their number.
+  int
+  skipTo(Integer time)
+  {
+    if (step == 0 || next > time)
+      return 0;
+    const Integer passed = (time - next) / step + 1;
+    next += passed * step;
+    return static_cast<int>(passed);
+  }
 };
 
+// Voxels that are entered at the same time as slab \a slab along \a axis or later.
 template <typename Integer, typename Visit>
 bool
-traverse(const QuantizedPoint& from, const QuantizedPoint& delta, Visit& visit)
+traverse(const QuantizedPoint& from, const QuantizedPoint& delta, int axis, int slab,
+         Visit& visit)
 {
   Integer product = 1;
-  for (int axis = 0; axis < 3; ++axis)
-    if (delta[axis] != 0)
-      product *= Integer(std::llabs(delta[axis]));
+  for (int a = 0; a < 3; ++a)
+    if (delta[a] != 0)
+      product *= Integer(std::llabs(delta[a]));
   const Integer end = 2 * product;
   TraversalAxis<Integer> x(from.x(), delta.x(), product);
   TraversalAxis<Integer> y(from.y(), delta.y(), product);
@@ -74,6 +87,17 @@ traverse(const QuantizedPoint& from, const QuantizedPoint& delta, Visit& visit)
   const int sy = delta.y() > 0 ? 1 : -1;
   const int sz = delta.z() > 0 ? 1 : -1;
   VoxelIndex voxel = voxelOf(from);
+  if (slab > 0) {
+    const TraversalAxis<Integer>& along = axis == 0 ? x : axis == 1 ? y : z;
+    if ((std::llabs(delta[axis]) >> kQuantizationBits) + 1 < slab)
+      return true;
+    const Integer begin = along.next + along.step * Integer(slab - 1);
+    if (begin > end)
+      return true;
+    voxel.x() += sx * x.skipTo(begin);
+    voxel.y() += sy * y.skipTo(begin);
+    voxel.z() += sz * z.skipTo(begin);
+  }
   while (true) {
     if (!visit(static_cast<const VoxelIndex&>(voxel)))
       return false;
@@ -98,6 +122,25 @@ traverse(const QuantizedPoint& from, const QuantizedPoint& delta, Visit& visit)
 
 } // namespace detail
 
+/** \brief Visits the voxels that the closed segment crosses, from that on which enters
+ * slab \a slab: the one that lies \a slab voxels from the start along \a axis. In
+ * order, and exact as traverseSegment(); nothing if the segment ends before. \param[in]
+ * axis 0, 1 or 2; the segment has an extent along it unless \a slab is 0 \param[in]
+ * visit called with a VoxelIndex; returns false to stop \return false if \a visit
+ * stopped it */
+template <typename Visit>
+bool
+traverseSegmentFrom(const QuantizedPoint& from, const QuantizedPoint& to, int axis,
+                    int slab, Visit&& visit)
+{
+  const QuantizedPoint delta = to - from;
+  // Twice the product of the extents and one more edge has to fit.
+  constexpr std::int64_t largest_short = std::int64_t(1) << 20;
+  if ((delta.array().abs() < largest_short).all())
+    return detail::traverse<std::int64_t>(from, delta, axis, slab, visit);
+  return detail::traverse<detail::Int128>(from, delta, axis, slab, visit);
+}
+
 /** \brief Visits every voxel that the closed segment crosses and no other, in order, by
  * exact integer arithmetic (Amanatides and Woo 1987 with rational times).
  *
@@ -109,12 +152,7 @@ template <typename Visit>
 bool
 traverseSegment(const QuantizedPoint& from, const QuantizedPoint& to, Visit&& visit)
 {
-  const QuantizedPoint delta = to - from;
-  // Twice the product of the extents and one more edge has to fit.
-  constexpr std::int64_t largest_short = std::int64_t(1) << 20;
-  if ((delta.array().abs() < largest_short).all())
-    return detail::traverse<std::int64_t>(from, delta, visit);
-  return detail::traverse<detail::Int128>(from, delta, visit);
+  return traverseSegmentFrom(from, to, 0, 0, visit);
 }
 
 } // namespace pcl_semantic

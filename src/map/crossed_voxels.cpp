@@ -1,0 +1,47 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/map/crossed_voxels.h>
+
+#include <algorithm>
+
+namespace pcl_semantic {
+
+void
+CrossedVoxels::begin(const Grid& grid)
+{
+  // The window may have moved since, but a slot's bits stay where they are.
+  for (std::size_t slot = 0; slot < touched_.size(); ++slot)
+    if (touched_[slot]) {
+      std::fill_n(bits_.begin() + long(slot * kWords), kWords, 0);
+      touched_[slot] = 0;
+    }
+  first_ = grid.origin();
+  const std::size_t corner = grid.slotOf(first_);
+  for (int axis = 0; axis < 3; ++axis) {
+    parts_[axis].resize(std::size_t(grid.size()[axis]));
+    VoxelIndex block = first_;
+    for (std::size_t& part : parts_[axis]) {
+      // Differences may be negative: they wrap, and so does their sum.
+      part = grid.slotOf(block) - (axis == 0 ? 0 : corner);
+      ++block[axis];
+    }
+  }
+}
+
+std::vector<VoxelIndex>
+CrossedVoxels::blocks() const
+{
+  std::vector<VoxelIndex> blocks;
+  for (int z = first_.z(); z <= lastBlock(2); ++z)
+    for (int y = first_.y(); y <= lastBlock(1); ++y)
+      for (int x = first_.x(); x <= lastBlock(0); ++x)
+        if (touched_[slotOf({x, y, z})])
+          blocks.push_back({x, y, z});
+  return blocks;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,57 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "slab_crossing.h"
+
+namespace pcl_semantic::kernels {
+
+namespace {
+
+namespace plain {
+#define PCL_SEMANTIC_TARGET
+#define PCL_SEMANTIC_LANES 4
+#include "slab_crossing_tier.hpp"
+constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
+#undef PCL_SEMANTIC_TARGET
+#undef PCL_SEMANTIC_LANES
+} // namespace plain
+
+namespace avx2 {
+#define PCL_SEMANTIC_TARGET __attribute__((target("avx2,fma")))
+#define PCL_SEMANTIC_LANES 8
+#include "slab_crossing_tier.hpp"
+constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
+#undef PCL_SEMANTIC_TARGET
+#undef PCL_SEMANTIC_LANES
+} // namespace avx2
+
+namespace avx512 {
+#define PCL_SEMANTIC_TARGET                                                            \
+  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
+                        "512")))
+#define PCL_SEMANTIC_LANES 16
+#include "slab_crossing_tier.hpp"
+constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
+#undef PCL_SEMANTIC_TARGET
+#undef PCL_SEMANTIC_LANES
+} // namespace avx512
+
+} // namespace
+
+const SlabCrossing&
+slabCrossing(SimdTier tier)
+{
+  switch (tier) {
+  case SimdTier::avx512:
+    return avx512::loops;
+  case SimdTier::avx2:
+    return avx2::loops;
+  default:
+    return plain::loops;
+  }
+}
+
+} // namespace pcl_semantic::kernels

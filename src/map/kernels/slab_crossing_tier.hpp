@@ -1,0 +1,337 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// Included once a tier, with PCL_SEMANTIC_TARGET its instruction set and
+// PCL_SEMANTIC_LANES its width.
+
+#define PCL_SEMANTIC_INLINE inline PCL_SEMANTIC_TARGET __attribute__((always_inline))
+
+constexpr std::size_t lanes = PCL_SEMANTIC_LANES;
+typedef float Floats __attribute__((vector_size(4 * lanes)));
+typedef std::int32_t Ints __attribute__((vector_size(4 * lanes)));
+
+// Vectors anywhere in memory.
+struct Unaligned {
+  typedef Floats F __attribute__((aligned(4), may_alias));
+  typedef Ints I __attribute__((aligned(4), may_alias));
+};
+
+PCL_SEMANTIC_INLINE Floats
+load(const float* from)
+{
+  return *reinterpret_cast<const Unaligned::F*>(from);
+}
+
+PCL_SEMANTIC_INLINE Ints
+load(const std::int32_t* from)
+{
+  return *reinterpret_cast<const Unaligned::I*>(from);
+}
+
+PCL_SEMANTIC_INLINE void
+store(const Ints& values, std::int32_t* to)
+{
+  *reinterpret_cast<Unaligned::I*>(to) = values;
+}
+
+PCL_SEMANTIC_INLINE Ints
+lane()
+{
+  Ints numbers{};
+  for (std::size_t k = 0; k < lanes; ++k)
+    numbers[k] = std::int32_t(k);
+  return numbers;
+}
+
+PCL_SEMANTIC_INLINE Ints
+floorOf(const Floats& values)
+{
+  const Ints whole = __builtin_convertvector(values, Ints);         // towards 0
+  return whole + (values < __builtin_convertvector(whole, Floats)); // true is -1
+}
+
+PCL_SEMANTIC_INLINE Floats
+magnitude(const Floats& values)
+{
+  return values < 0.0f ? -values : values;
+}
+
+// Cells that hold positions; whether they certainly do.
+struct Cells {
+  Ints cell, sure;
+};
+
+PCL_SEMANTIC_INLINE Cells
+cellsOf(const Floats& position, float margin)
+{
+  const Ints below = floorOf(position - margin);
+  return {below, below == floorOf(position + margin)};
+}
+
+// Rows or columns of cells among the bytes: what they add to a place, and whether they
+// are inside.
+struct Part {
+  Ints place, inside;
+};
+
+PCL_SEMANTIC_INLINE Part
+rowPart(const SlabView& slab, const Ints& row)
+{
+  const Ints r = row - slab.first_row;
+  return {((r >> 3) << 6) + (r & 7), (r >= 0) & (r < slab.rows)};
+}
+
+PCL_SEMANTIC_INLINE Part
+columnPart(const SlabView& slab, const Ints& column)
+{
+  const Ints c = column - slab.first_column;
+  return {c * slab.column_stride, (c >= 0) & (c < slab.columns)};
+}
+
+// Sets the bytes of the wanted cells. By way of memory: taking lanes out of a vector
+// one by one costs more than all the rest.
+PCL_SEMANTIC_INLINE void
+setCells(const SlabView& slab, std::uint8_t* cells, const Part& row, const Part& column,
+         const Ints& wanted)
+{
+  std::int32_t place[lanes];
+  const Ints inside = wanted & row.inside & column.inside;
+  store(inside ? row.place + column.place : slab.nowhere - Ints{}, place);
+  __asm__ volatile("" : "+m"(place));
+  for (std::size_t k = 0; k < lanes; ++k)
+    cells[std::uint32_t(place[k])] = 1;
+}
+
+// Appends the numbers of the lanes that are set.
+PCL_SEMANTIC_INLINE std::size_t
+list(const Ints& wanted, std::size_t first, std::uint32_t* to)
+{
+  std::int32_t flags[lanes];
+  store(wanted, flags);
+  __asm__ volatile("" : "+m"(flags));
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    to[count] = std::uint32_t(first + k);
+    count += std::size_t(flags[k] & 1);
+  }
+  return count;
+}
+
+PCL_SEMANTIC_INLINE bool
+any(const Ints& wanted)
+{
+  std::uint64_t parts[lanes / 2];
+  __builtin_memcpy(parts, &wanted, sizeof parts);
+  std::uint64_t sum = 0;
+  for (std::size_t k = 0; k < lanes / 2; ++k)
+    sum |= parts[k];
+  return sum != 0;
+}
+
+// Whether each of four cells around a corner holds a ray of the bundle when it enters
+// the slab or leaves it.
+PCL_SEMANTIC_INLINE Ints
+crossAllFour(const SlabView& slab, const BundleView& bundles, std::size_t i,
+             const Ints& row_boundary, const Ints& column_boundary)
+{
+  const Floats row = slab.row_start - __builtin_convertvector(row_boundary, Floats);
+  const Floats column =
+      slab.column_start - __builtin_convertvector(column_boundary, Floats);
+  Ints all = ~Ints{};
+  for (int corner = 0; corner < 4; ++corner) {
+    // Beyond the boundary on the side of the corner: positive.
+    const float row_side = corner & 1 ? 1.0f : -1.0f;
+    const float column_side = corner & 2 ? 1.0f : -1.0f;
+    const Floats u = load(bundles.corner_row[corner] + i);
+    const Floats v = load(bundles.corner_column[corner] + i);
+    const auto inCell = [&](float distance) PCL_SEMANTIC_TARGET {
+      return ((u * distance + row) * row_side > slab.margin) &
+             ((v * distance + column) * column_side > slab.margin);
+    };
+    all &= inCell(slab.enter) | inCell(slab.leave);
+  }
+  return all;
+}
+
+PCL_SEMANTIC_TARGET std::size_t
+crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
+             std::uint32_t* left)
+{
+  std::size_t found = 0;
+  std::uint8_t* const cells = slab.cells;
+  const float margin = slab.margin;
+  const Floats enter = slab.enter - Floats{}, leave = slab.leave - Floats{};
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Floats r0 = load(bundles.row_low + i), r1 = load(bundles.row_high + i);
+    const Floats c0 = load(bundles.column_low + i), c1 = load(bundles.column_high + i);
+    // The widest range that the rays take on their way through the slab.
+    const Cells row_low =
+        cellsOf(r0 * (r0 < 0.0f ? leave : enter) + slab.row_start, margin);
+    const Cells row_high =
+        cellsOf(r1 * (r1 > 0.0f ? leave : enter) + slab.row_start, margin);
+    const Cells column_low =
+        cellsOf(c0 * (c0 < 0.0f ? leave : enter) + slab.column_start, margin);
+    const Cells column_high =
+        cellsOf(c1 * (c1 > 0.0f ? leave : enter) + slab.column_start, margin);
+    const Part rows[2] = {rowPart(slab, row_low.cell), rowPart(slab, row_high.cell)};
+    const Part columns[2] = {columnPart(slab, column_low.cell),
+                             columnPart(slab, column_high.cell)};
+    const Ints row_extent = row_high.cell - row_low.cell;
+    const Ints column_extent = column_high.cell - column_low.cell;
+    const Ints exists = lane() < std::int32_t(count - i);
+    const Ints sure = row_low.sure & row_high.sure & column_low.sure &
+                      column_high.sure & exists &
+                      (load(bundles.reach + i) > slab.slab) & rows[0].inside &
+                      rows[1].inside & columns[0].inside & columns[1].inside;
+    Ints known = sure & (row_extent + column_extent <= 1);
+    Ints four = sure & (row_extent == 1) & (column_extent == 1);
+    if (any(four)) {
+      four &= crossAllFour(slab, bundles, i, row_high.cell, column_high.cell);
+      setCells(slab, cells, rows[0], columns[1], four);
+      setCells(slab, cells, rows[1], columns[0], four);
+      known |= four;
+    }
+    setCells(slab, cells, rows[0], columns[0], known);
+    setCells(slab, cells, rows[1], columns[1], known);
+    found += list(~known & exists, i, left + found);
+  }
+  return found;
+}
+
+// Cells at one side of a slab, among the bytes too.
+struct Side {
+  Cells row, column;
+  Part row_part, column_part;
+};
+
+PCL_SEMANTIC_INLINE Side
+sideAt(const SlabView& slab, const Floats& u, const Floats& v, float distance)
+{
+  Side side;
+  side.row = cellsOf(u * distance + slab.row_start, slab.margin);
+  side.column = cellsOf(v * distance + slab.column_start, slab.margin);
+  return side;
+}
+
+PCL_SEMANTIC_INLINE void
+setParts(const SlabView& slab, Side& side)
+{
+  side.row_part = rowPart(slab, side.row.cell);
+  side.column_part = columnPart(slab, side.column.cell);
+}
+
+// Sets the cells of rays on their way from one side to the other; gives which of them
+// cannot be decided.
+PCL_SEMANTIC_INLINE Ints
+crossCells(const SlabView& slab, std::uint8_t* cells, const Floats& u, const Floats& v,
+           const Side& a, const Side& b, const Ints& alive)
+{
+  const Ints dr = b.row.cell - a.row.cell, dc = b.column.cell - a.column.cell;
+  const Ints diagonal = (dr != 0) & (dc != 0);
+  Ints known = a.row.sure & b.row.sure & a.column.sure & b.column.sure & (dr <= 1) &
+               (dr >= -1) & (dc <= 1) & (dc >= -1);
+  if (any(diagonal & alive)) {
+    // Of two boundaries, the one that is crossed first decides on the cell between.
+    const Floats row_boundary =
+        __builtin_convertvector(dr > 0 ? b.row.cell : a.row.cell, Floats) -
+        slab.row_start;
+    const Floats column_boundary =
+        __builtin_convertvector(dc > 0 ? b.column.cell : a.column.cell, Floats) -
+        slab.column_start;
+    const Floats order =
+        __builtin_convertvector(dr, Floats) * row_boundary * magnitude(v) -
+        __builtin_convertvector(dc, Floats) * column_boundary * magnitude(u);
+    known &= ~diagonal | (magnitude(order) > 2.0f * slab.margin);
+    const Ints row_first = order < 0.0f;
+    const Part row = {row_first ? b.row_part.place : a.row_part.place,
+                      row_first ? b.row_part.inside : a.row_part.inside};
+    const Part column = {row_first ? a.column_part.place : b.column_part.place,
+                         row_first ? a.column_part.inside : b.column_part.inside};
+    setCells(slab, cells, row, column, known & alive & diagonal);
+  }
+  setCells(slab, cells, a.row_part, a.column_part, known & alive);
+  setCells(slab, cells, b.row_part, b.column_part, known & alive);
+  return ~known & alive;
+}
+
+// A ray's last side is the cell it ends in.
+PCL_SEMANTIC_INLINE void
+endIn(const Ints& last, const Ints& end_row, const Ints& end_column, Side& side)
+{
+  side.row = {last ? end_row : side.row.cell, side.row.sure | last};
+  side.column = {last ? end_column : side.column.cell, side.column.sure | last};
+}
+
+PCL_SEMANTIC_INLINE Side
+firstSide(const SlabView& slab, const Floats& u, const Floats& v)
+{
+  Side side = sideAt(slab, u, v, slab.enter);
+  if (slab.slab == 0) { // all begin in the same voxel
+    const Ints zero{};
+    side.row = side.column = {zero, ~zero};
+  }
+  setParts(slab, side);
+  return side;
+}
+
+PCL_SEMANTIC_TARGET std::size_t
+crossRays(const SlabView& slab, const RayView& rays, const RayRange* ranges,
+          std::size_t count, std::uint32_t* left)
+{
+  std::size_t found = 0;
+  std::uint8_t* const cells = slab.cells;
+  for (std::size_t n = 0; n < count; ++n)
+    for (std::size_t i = ranges[n].begin; i < ranges[n].end; i += lanes) {
+      const Floats u = load(rays.row_slope + i), v = load(rays.column_slope + i);
+      const Ints end_slab = load(rays.end_slab + i);
+      const Ints alive =
+          (end_slab >= slab.slab) & (lane() < std::int32_t(ranges[n].end - i));
+      const Side a = firstSide(slab, u, v);
+      Side b = sideAt(slab, u, v, slab.leave);
+      endIn(end_slab == slab.slab, load(rays.end_row + i), load(rays.end_column + i),
+            b);
+      setParts(slab, b);
+      const Ints undecided = crossCells(slab, cells, u, v, a, b, alive);
+      found += list(undecided, i, left + found);
+    }
+  return found;
+}
+
+PCL_SEMANTIC_TARGET std::size_t
+crossSlabs(const SlabView* slabs, std::size_t slab_count, const RayView& rays,
+           std::size_t count, RaySlab* left)
+{
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Floats u = load(rays.row_slope + i), v = load(rays.column_slope + i);
+    const Ints end_slab = load(rays.end_slab + i);
+    const Ints end_row = load(rays.end_row + i);
+    const Ints end_column = load(rays.end_column + i);
+    const Ints exists = lane() < std::int32_t(count - i);
+    Side a = firstSide(slabs[0], u, v);
+    for (std::size_t n = 0; n < slab_count; ++n) {
+      const SlabView& slab = slabs[n];
+      const Ints alive = (end_slab >= slab.slab) & exists;
+      if (!any(alive))
+        break;
+      const Side through = sideAt(slab, u, v, slab.leave);
+      Side b = through;
+      endIn(end_slab == slab.slab, end_row, end_column, b);
+      setParts(slab, b);
+      const Ints undecided = crossCells(slab, slab.cells, u, v, a, b, alive);
+      if (any(undecided)) {
+        std::uint32_t numbers[2 * lanes];
+        const std::size_t more = list(undecided, i, numbers);
+        for (std::size_t k = 0; k < more; ++k)
+          left[found++] = {numbers[k], std::uint32_t(slab.slab)};
+      }
+      a = b;
+    }
+  }
+  return found;
+}
+
+#undef PCL_SEMANTIC_INLINE
