@@ -97,10 +97,7 @@ SemanticVoxelMap::occupancy(const Eigen::Vector3d& point) const
 {
   int place = 0;
   const VoxelBlock* const block = findVoxel(point, place);
-  if (!block || block->log_odds[place] == kUnknown)
-    return Occupancy::unknown;
-  return occupancy_update_.isOccupied(block->log_odds[place]) ? Occupancy::occupied
-                                                              : Occupancy::free;
+  return block ? reader_.occupancy(*block, place) : Occupancy::unknown;
 }
 
 Label

@@ -64,96 +64,136 @@ directedRay(const QuantizedPoint& start, const QuantizedPoint& end, std::size_t 
   return ray;
 }
 
+// Points that a thread takes at a time.
+constexpr std::size_t part_size = 1 << 14;
+
 constexpr std::size_t tiles = 6 * kTilesAFace;
 
-// Rays in the order of their tiles; where each tile begins.
-std::vector<DirectedRay>
-sortByTile(const std::vector<DirectedRay>& rays, std::vector<std::size_t>& first)
+} // namespace
+
+void
+RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+                    const Settings& settings, std::size_t begin, std::size_t end,
+                    Part& part)
 {
-  first.assign(tiles + 1, 0);
-  for (const DirectedRay& ray : rays)
-    ++first[ray.tile + 1u];
+  const QuantizedPoint start =
+      quantize(T_world_sensor.translation(), settings.voxel_size);
+  const float range = float(settings.max_range);
+  for (std::size_t i = begin; i < end; ++i) {
+    const float reach = reachOf(scan.points[i]);
+    if (!(reach < largest_reach)) { // or NaN
+      ++part.invalid;
+      continue;
+    }
+    if (isSky(scan, i, settings)) {
+      ++part.sky;
+      continue;
+    }
+    const bool in_range = reach <= range;
+    const double share = in_range ? 1.0 : double(range / reach);
+    ends_[i] = quantize(T_world_sensor * (share * scan.points[i].cast<double>()),
+                        settings.voxel_size);
+    part.rays.push_back(directedRay(start, ends_[i], i));
+    const VoxelIndex voxel = voxelOf(ends_[i]);
+    const VoxelIndex block = blockOf(voxel);
+    if (in_range && crossed_.contains(block))
+      part.hits.push_back({std::uint32_t(crossed_.slotOf(block)),
+                           {std::uint32_t(i), std::uint32_t(voxelInBlock(voxel))}});
+  }
+}
+
+// Orders hits by slot: counts those of each, then puts them in their places.
+void
+RayCaster::sortHits()
+{
+  for (const std::uint32_t slot : hit_slots_)
+    hit_count_[slot] = 0;
+  hit_slots_.clear();
+  std::size_t count = 0;
+  for (const Part& part : parts_) {
+    count += part.hits.size();
+    for (const SlotHit& hit : part.hits)
+      if (hit_count_[hit.slot]++ == 0)
+        hit_slots_.push_back(hit.slot);
+  }
+  std::uint32_t first = 0;
+  for (const std::uint32_t slot : hit_slots_) {
+    first_hit_[slot] = first;
+    first += hit_count_[slot];
+    hit_count_[slot] = 0;
+  }
+  hits_.resize(count);
+  for (const Part& part : parts_)
+    for (const SlotHit& hit : part.hits)
+      hits_[first_hit_[hit.slot] + hit_count_[hit.slot]++] = hit.hit;
+}
+
+// Brings the rays into the order of their tiles; gives where each tile begins.
+std::vector<std::size_t>
+RayCaster::sortRays()
+{
+  std::vector<std::size_t> first(tiles + 1, 0);
+  for (const Part& part : parts_)
+    for (const DirectedRay& ray : part.rays)
+      ++first[ray.tile + 1u];
   std::partial_sum(first.begin(), first.end(), first.begin());
+  rays_.resize(first.back());
   std::vector<std::size_t> next = first;
-  std::vector<DirectedRay> sorted(rays.size());
-  for (const DirectedRay& ray : rays)
-    sorted[next[ray.tile]++] = ray;
-  return sorted;
+  for (const Part& part : parts_)
+    for (const DirectedRay& ray : part.rays)
+      rays_[next[ray.tile]++] = ray;
+  return first;
 }
 
 void
-crossVoxels(const QuantizedPoint& start, const std::vector<QuantizedPoint>& ends,
-            const std::vector<DirectedRay>& rays, CrossedVoxels& crossed)
+RayCaster::crossVoxels(const QuantizedPoint& start)
 {
-  std::vector<std::size_t> first;
-  const std::vector<DirectedRay> sorted = sortByTile(rays, first);
+  const std::vector<std::size_t> first = sortRays();
   ParallelGuard guard;
 #pragma omp parallel
-  guard.run([&] {
-    TileSweep sweep(start, ends, crossed);
+  {
+    TileSweep sweep(start, ends_, crossed_);
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t tile = 0; tile < tiles; ++tile)
       if (first[tile + 1] > first[tile])
         guard.run([&] {
-          sweep.run(int(tile) / kTilesAFace, sorted.data() + first[tile],
+          sweep.run(int(tile) / kTilesAFace, rays_.data() + first[tile],
                     first[tile + 1] - first[tile]);
         });
-  });
+  }
   guard.rethrow();
 }
-
-} // namespace
 
 ScanCounts
 RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                 const Grid& grid, const Settings& settings)
 {
   crossed_.begin(grid);
-  hits_.clear();
-  const QuantizedPoint start =
-      quantize(T_world_sensor.translation(), settings.voxel_size);
-  const float range = float(settings.max_range);
-  std::vector<QuantizedPoint> ends(scan.points.size());
-  std::vector<DirectedRay> rays;
-  std::size_t invalid = 0, sky = 0;
-  ParallelGuard guard; // hits are gathered, which takes memory
-#pragma omp parallel reduction(+ : invalid, sky)
-  {
-    std::vector<RayHit> own_hits;
-    std::vector<DirectedRay> own_rays;
-#pragma omp for schedule(static) nowait
-    for (std::size_t i = 0; i < scan.points.size(); ++i) {
-      const float reach = reachOf(scan.points[i]);
-      if (!(reach < largest_reach)) { // or NaN
-        ++invalid;
-        continue;
-      }
-      if (isSky(scan, i, settings)) {
-        ++sky;
-        continue;
-      }
-      const bool in_range = reach <= range;
-      const double share = in_range ? 1.0 : double(range / reach);
-      ends[i] = quantize(T_world_sensor * (share * scan.points[i].cast<double>()),
-                         settings.voxel_size);
-      const VoxelIndex voxel = voxelOf(ends[i]);
-      const VoxelIndex block = blockOf(voxel);
-      guard.run([&] {
-        own_rays.push_back(directedRay(start, ends[i], i));
-        if (in_range && crossed_.contains(block))
-          own_hits.emplace_back(crossed_.slotOf(block), voxelInBlock(voxel), i);
-      });
-    }
-#pragma omp critical
+  const std::size_t points = scan.points.size();
+  ends_.resize(points);
+  parts_.resize((points + part_size - 1) / part_size);
+  ParallelGuard guard;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t p = 0; p < parts_.size(); ++p)
     guard.run([&] {
-      hits_.insert(hits_.end(), own_hits.begin(), own_hits.end());
-      rays.insert(rays.end(), own_rays.begin(), own_rays.end());
+      Part& part = parts_[p];
+      part.rays.clear();
+      part.hits.clear();
+      part.invalid = part.sky = 0;
+      findEnds(scan, T_world_sensor, settings, p * part_size,
+               std::min(points, (p + 1) * part_size), part);
     });
-  }
   guard.rethrow();
-  std::sort(hits_.begin(), hits_.end());
-  crossVoxels(start, ends, rays, crossed_);
-  return {scan.points.size(), rays.size(), invalid, sky, 0};
+  sortHits();
+  crossVoxels(quantize(T_world_sensor.translation(), settings.voxel_size));
+  ScanCounts counts;
+  counts.points = points;
+  counts.rays = rays_.size();
+  for (const Part& part : parts_) {
+    counts.invalid += part.invalid;
+    counts.sky += part.sky;
+  }
+  return counts;
 }
 
 } // namespace pcl_semantic

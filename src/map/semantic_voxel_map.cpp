@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "block_update.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
@@ -39,7 +41,6 @@ SemanticVoxelMap::SemanticVoxelMap(const LabelSet& label_set,
                                    const Parameters& parameters,
                                    std::shared_ptr<BlockStore> store)
     : label_set_(label_set), parameters_(parameters),
-      occupancy_update_(parameters.fusion),
       reader_(label_set.size(), parameters.fusion), grid_(windowInBlocks(parameters)),
       store_(store ? std::move(store) : std::make_shared<MemoryBlockStore>()),
       ray_caster_(grid_.slots())
@@ -93,7 +94,7 @@ ScanCounts
 SemanticVoxelMap::integrateScan(const Scan& scan,
                                 const Eigen::Isometry3d& T_world_sensor)
 {
-  if (scan.points.size() >> RayHit::kPointBits)
+  if (scan.points.size() >> 31)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "a scan of " << scan.points.size() << " points is too large");
   if (scan.distributions &&
@@ -112,88 +113,33 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
   for (int label = 0; label <= label_set_.size(); ++label)
     settings.is_sky.push_back(label_set_[Label(label)].sky);
   ScanCounts counts = ray_caster_.cast(scan, T_world_sensor, grid_, settings);
-  updateOccupancy();
-  fuseHits(scan);
-  std::uint64_t last = ~std::uint64_t(0);
-  for (const RayHit& hit : ray_caster_.hits()) {
-    counts.hit_voxels += hit.voxel() != last;
-    last = hit.voxel();
-  }
+  counts.hit_voxels = updateBlocks(scan);
   return counts;
 }
 
-void
-SemanticVoxelMap::updateOccupancy()
+std::size_t
+SemanticVoxelMap::updateBlocks(const Scan& scan)
 {
-  const CrossedVoxels& crossed = ray_caster_.crossed();
-  const std::vector<VoxelIndex> blocks = crossed.blocks();
-  const std::vector<RayHit>& hits = ray_caster_.hits();
-  for (const VoxelIndex& index : blocks) {
-    auto& block = grid_.at(grid_.slotOf(index));
-    if (!block)
-      block = std::make_unique<VoxelBlock>();
-    block->changed = true;
+  const std::vector<VoxelIndex> blocks = ray_caster_.crossed().blocks();
+  std::size_t hit_voxels = 0;
+  ParallelGuard guard; // blocks and records are made, which takes memory
+#pragma omp parallel reduction(+ : hit_voxels)
+  {
+    BlockUpdate update(label_set_.size(), parameters_.fusion, scan);
+#pragma omp for schedule(dynamic, 16)
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+      guard.run([&] {
+        const std::size_t slot = grid_.slotOf(blocks[b]);
+        auto& block = grid_.at(slot);
+        if (!block)
+          block = std::make_unique<VoxelBlock>();
+        const auto [first, last] = ray_caster_.hitsIn(slot);
+        hit_voxels +=
+            update.run(ray_caster_.crossed().layers(slot), first, last, *block);
+      });
   }
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const std::size_t slot = grid_.slotOf(blocks[b]);
-    auto& block = grid_.at(slot);
-    auto hit = std::lower_bound(hits.begin(), hits.end(), RayHit(slot, 0, 0));
-    for (int place = 0; place < kBlockVoxels; ++place) {
-      bool is_hit = false;
-      for (; hit != hits.end() && hit->slot() == slot && hit->place() == place; ++hit)
-        is_hit = true;
-      if (is_hit)
-        occupancy_update_.hit(block->log_odds[place]);
-      else if (crossed.layer(slot, place >> 6) >> (place & 63) & 1)
-        occupancy_update_.miss(block->log_odds[place]);
-    }
-  }
-}
-
-void
-SemanticVoxelMap::fuseHits(const Scan& scan)
-{
-  const std::vector<RayHit>& hits = ray_caster_.hits();
-  // First hits of voxels, by block: records grow, so a block belongs to one thread.
-  std::vector<std::size_t> block_starts;
-  for (std::size_t i = 0; i < hits.size(); ++i)
-    if (i == 0 || hits[i].slot() != hits[i - 1].slot())
-      block_starts.push_back(i);
-  const std::size_t block_count = block_starts.size();
-  block_starts.push_back(hits.size());
-
-  ParallelGuard guard; // records are made, which takes memory
-#pragma omp parallel for schedule(dynamic, 16)
-  for (std::size_t b = 0; b < block_count; ++b)
-    guard.run([&] { fuseBlock(scan, block_starts[b], block_starts[b + 1]); });
   guard.rethrow();
-}
-
-void
-SemanticVoxelMap::fuseBlock(const Scan& scan, std::size_t begin, std::size_t end)
-{
-  const int classes = label_set_.size();
-  const std::vector<RayHit>& hits = ray_caster_.hits();
-  VoxelBlock& block = *grid_.at(hits[begin].slot());
-  VoxelMeasurement measurement(classes, parameters_.fusion);
-  for (std::size_t i = begin; i < end;) {
-    const RayHit first = hits[i];
-    measurement.clear();
-    for (; i < end && hits[i].voxel() == first.voxel(); ++i) {
-      const std::size_t point = hits[i].point();
-      if (!scan.rgb.empty())
-        measurement.addColour(scan.rgb[point]);
-      if (scan.distributions)
-        measurement.addDistribution(scan.distributions->column(Eigen::Index(point)));
-    }
-    const int record = block.makeRecord(first.place(), classes);
-    measurement.fuseInto(block.records[record],
-                         block.measured.data() + record * classes);
-    // What was concluded from older measurements does not hold any more.
-    if (scan.distributions)
-      std::fill_n(block.refined.begin() + record * classes, classes, 0.0f);
-  }
+  return hit_voxels;
 }
 
 void

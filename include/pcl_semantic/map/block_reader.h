@@ -15,6 +15,9 @@
 
 namespace pcl_semantic {
 
+/** \brief What is known of a place. */
+enum class Occupancy { unknown, free, occupied };
+
 /** \brief Reads the voxels of blocks as a map gives them out. */
 class BlockReader {
 public:
@@ -29,6 +32,14 @@ public:
   {
     return block.recordAt(place) != VoxelBlock::kNoRecord &&
            occupancy_.isOccupied(block.log_odds[place]);
+  }
+
+  Occupancy
+  occupancy(const VoxelBlock& block, int place) const
+  {
+    if (block.log_odds[place] == kUnknown)
+      return Occupancy::unknown;
+    return isOccupied(block, place) ? Occupancy::occupied : Occupancy::free;
   }
 
   /** \brief MAP label of an occupied voxel: refined if there is a refined distribution,

@@ -90,11 +90,11 @@ public:
   /** \brief The blocks with a crossed voxel, in the order z, y, x. */
   std::vector<VoxelIndex> blocks() const;
 
-  /** \brief A bit for each voxel (x, y) of a layer in z, see add(). */
-  std::uint64_t
-  layer(std::size_t slot, int z) const
+  /** \brief The kWords layers in z of a block, see add(). */
+  const std::uint64_t*
+  layers(std::size_t slot) const
   {
-    return bits_[slot * kWords + std::size_t(z)];
+    return bits_.data() + slot * kWords;
   }
 
 private:

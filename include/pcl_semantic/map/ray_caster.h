@@ -8,12 +8,13 @@
 
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/map/crossed_voxels.h>
-#include <pcl_semantic/map/scrolling_voxel_grid.h>
-#include <pcl_semantic/map/semantic_voxel.h>
+#include <pcl_semantic/map/directed_ray.h>
+#include <pcl_semantic/map/ray_traversal.h>
 
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace pcl_semantic {
@@ -34,50 +35,10 @@ struct ScanCounts {
   std::size_t hit_voxels = 0; ///< voxels with an end point
 };
 
-/** \brief An end point of a ray in a voxel of the window. */
-class RayHit {
-public:
-  static constexpr int kPointBits = 27;
-  static constexpr int kPlaceBits = 3 * kBlockBits;
-
-  RayHit(std::size_t slot, int place, std::size_t point)
-      : key_((std::uint64_t(slot) << kPlaceBits | std::uint64_t(place)) << kPointBits |
-             std::uint64_t(point))
-  {}
-
-  std::size_t
-  point() const
-  {
-    return key_ & ((std::uint64_t(1) << kPointBits) - 1);
-  }
-
-  /** \brief Equal for hits in the same voxel. */
-  std::uint64_t
-  voxel() const
-  {
-    return key_ >> kPointBits;
-  }
-
-  std::size_t
-  slot() const
-  {
-    return voxel() >> kPlaceBits;
-  }
-
-  int
-  place() const
-  {
-    return static_cast<int>(voxel() & (kBlockVoxels - 1));
-  }
-
-  bool
-  operator<(const RayHit& other) const
-  {
-    return key_ < other.key_;
-  }
-
-private:
-  std::uint64_t key_;
+/** \brief An end point of a ray in a block of the window. */
+struct RayHit {
+  std::uint32_t point; ///< its number in the scan
+  std::uint32_t place; ///< voxel of the block
 };
 
 /** \brief Casts the rays of a scan through a window and notes which voxels were hit and
@@ -88,7 +49,9 @@ public:
   using Grid = ScrollingVoxelGrid<VoxelBlock>;
 
   /** \param[in] slots of the grid it will be used on */
-  explicit RayCaster(std::size_t slots) : crossed_(slots) {}
+  explicit RayCaster(std::size_t slots)
+      : crossed_(slots), first_hit_(slots), hit_count_(slots)
+  {}
 
   struct Settings {
     double voxel_size = 0.0;  ///< [m]
@@ -100,11 +63,12 @@ public:
   ScanCounts cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                   const Grid& grid, const Settings& settings);
 
-  /** \brief End points inside the window, ordered by voxel. */
-  const std::vector<RayHit>&
-  hits() const
+  /** \brief End points inside a block, as first and behind the last, in no order. */
+  std::pair<const RayHit*, const RayHit*>
+  hitsIn(std::size_t slot) const
   {
-    return hits_;
+    const RayHit* const first = hits_.data() + first_hit_[slot];
+    return {first, first + hit_count_[slot]};
   }
 
   /** \brief The voxels that a ray crossed, its end point included. */
@@ -115,8 +79,35 @@ public:
   }
 
 private:
+  struct SlotHit {
+    std::uint32_t slot;
+    RayHit hit;
+  };
+
+  // What a thread finds in its part of the scan.
+  struct Part {
+    std::vector<DirectedRay> rays;
+    std::vector<SlotHit> hits;
+    std::size_t invalid = 0, sky = 0;
+  };
+
+  void findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+                const Settings& settings, std::size_t begin, std::size_t end,
+                Part& part);
+
+  void sortHits();
+
+  std::vector<std::size_t> sortRays();
+
+  void crossVoxels(const QuantizedPoint& start);
+
   CrossedVoxels crossed_;
-  std::vector<RayHit> hits_;
+  std::vector<QuantizedPoint> ends_; // of the rays, by point
+  std::vector<Part> parts_;          // kept from scan to scan: memory is not free
+  std::vector<DirectedRay> rays_;    // by tile
+  std::vector<RayHit> hits_;         // by slot
+  std::vector<std::uint32_t> first_hit_, hit_count_; // by slot
+  std::vector<std::uint32_t> hit_slots_;             // slots with a hit
 };
 
 } // namespace pcl_semantic

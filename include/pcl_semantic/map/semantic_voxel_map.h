@@ -23,9 +23,6 @@
 
 namespace pcl_semantic {
 
-/** \brief What is known of a place. */
-enum class Occupancy { unknown, free, occupied };
-
 /** \brief A semantic occupancy map in a window that moves with the sensor.
  *
  * Scans of any sensor update occupancy by ray casting and fuse colour and label
@@ -114,11 +111,7 @@ public:
 private:
   ScanCounts integrateScan(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
 
-  void updateOccupancy();
-
-  void fuseHits(const Scan& scan);
-
-  void fuseBlock(const Scan& scan, std::size_t begin, std::size_t end);
+  std::size_t updateBlocks(const Scan& scan);
 
   void centreWindow(const Eigen::Vector3d& sensor);
 
@@ -126,7 +119,6 @@ private:
 
   LabelSet label_set_;
   Parameters parameters_;
-  OccupancyUpdate occupancy_update_;
   BlockReader reader_;
   ScrollingVoxelGrid<VoxelBlock> grid_;
   std::shared_ptr<BlockStore> store_;
