@@ -62,8 +62,11 @@ BlockUpdate::sortByPlace(const RayHit* first, const RayHit* last)
     begin += count;
   });
   points_.resize(std::size_t(last - first));
-  for (const RayHit* hit = first; hit != last; ++hit)
+  for (const RayHit* hit = first; hit != last; ++hit) {
     points_[end_[hit->place]++] = hit->point;
+    if (scan_.distributions) // neighbours in the map are none in the scan
+      __builtin_prefetch(scan_.distributions->column(Eigen::Index(hit->point)));
+  }
 }
 
 void

@@ -22,7 +22,13 @@ QuantizedPoint
 quantize(const Eigen::Vector3d& point, double voxel_size)
 {
   const double scale = double(1 << kQuantizationBits) / voxel_size;
-  return (point * scale).array().floor().cast<std::int64_t>();
+  QuantizedPoint quantized;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double value = point[axis] * scale;
+    const auto towards_zero = static_cast<std::int64_t>(value);
+    quantized[axis] = towards_zero - (value < double(towards_zero)); // floor
+  }
+  return quantized;
 }
 
 // Further away nothing can be meant; it also keeps the arithmetic exact [m].

@@ -15,7 +15,7 @@ namespace pcl_semantic {
 namespace {
 
 // Bundles are taken apart where they become wider than this [voxels].
-constexpr float widest = 0.75f;
+constexpr float widest = 1.0f;
 
 // Slopes and distances have errors of half a unit in the last place, and so have their
 // product and its sum with the start: together less than half of this.

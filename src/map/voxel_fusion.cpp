@@ -4,42 +4,20 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "kernels/log_sums.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/voxel_fusion.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace pcl_semantic {
 
 namespace {
 
-// Fixed point of log-probabilities: 2^-24 is finer than single precision keeps.
-constexpr double kLogScale = double(1 << 24);
-
-// Logarithm of a positive normal number in units of 1 / kLogScale, to 5 of them: the
-// power of two and a polynomial for 2/3 to 4/3 (Remez). No table and no branch, so that
-// a compiler makes the loop over the classes wide.
-std::int32_t
-fixedLog(float value)
-{
-  constexpr std::int32_t two_thirds = 0x3F2AAAAB;
-  std::int32_t bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  const std::int32_t exponent = (bits - two_thirds) >> 23;
-  bits -= exponent * (1 << 23);
-  float m;
-  std::memcpy(&m, &bits, sizeof m);
-  const float x = m - 1.0f;
-  float p = 0.13748309f;
-  for (const float coefficient : {-0.15394272f, 0.14055812f, -0.16414520f, 0.20007233f,
-                                  -0.25007930f, 0.33333272f, -0.49999934f, 1.0f})
-    p = p * x + coefficient;
-  p *= x;
-  return exponent * 11629080 + static_cast<std::int32_t>(p * float(kLogScale));
-}
+constexpr double kLogScale = double(1 << kernels::log_fraction_bits);
 
 void
 requireBetween(double value, double low, double high, const char* name)
@@ -83,7 +61,8 @@ OccupancyUpdate::OccupancyUpdate(const FusionParameters& parameters)
 {}
 
 VoxelMeasurement::VoxelMeasurement(int classes, const FusionParameters& parameters)
-    : parameters_(parameters), log_sums_(classes), log_likelihood_(classes)
+    : parameters_(parameters), add_logs_(kernels::addLogs(simdTier())),
+      log_sums_(std::size_t(classes) + kernels::log_block), log_likelihood_(classes)
 {}
 
 void
@@ -107,12 +86,11 @@ VoxelMeasurement::addColour(std::uint32_t rgb)
 void
 VoxelMeasurement::addDistribution(const float* distribution)
 {
-  const int classes = static_cast<int>(log_sums_.size());
-  if (std::all_of(distribution, distribution + classes, [](float p) { return p == 0; }))
+  const float* const end = distribution + log_likelihood_.size();
+  if (std::all_of(distribution, end, [](float p) { return p == 0; }))
     return;
-  const float smallest = float(parameters_.label_min_probability);
-  for (int k = 0; k < classes; ++k)
-    log_sums_[k] += fixedLog(std::max(distribution[k], smallest));
+  add_logs_(distribution, log_likelihood_.size(),
+            float(parameters_.label_min_probability), log_sums_.data());
   ++labelled_;
 }
 
@@ -138,9 +116,9 @@ VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
   ++record.label_observations;
   const double divisor =
       parameters_.pixel_fusion == PixelFusion::mean ? double(labelled_) : 1.0;
-  for (std::size_t k = 0; k < log_sums_.size(); ++k)
+  for (std::size_t k = 0; k < log_likelihood_.size(); ++k)
     log_likelihood_[k] = float(double(log_sums_[k]) / (kLogScale * divisor));
-  fuseLogLikelihood(log_likelihood_.data(), static_cast<int>(log_sums_.size()),
+  fuseLogLikelihood(log_likelihood_.data(), static_cast<int>(log_likelihood_.size()),
                     float(std::log(parameters_.label_max_ratio)), log_distribution);
 }
 

@@ -96,7 +96,8 @@ public:
 
 private:
   const FusionParameters parameters_;
-  std::vector<std::int64_t> log_sums_;
+  void (*const add_logs_)(const float*, std::size_t, float, std::int64_t*);
+  std::vector<std::int64_t> log_sums_; // with room for whole vectors
   std::vector<float> log_likelihood_;
   std::int64_t labelled_ = 0;
   std::array<std::uint64_t, 3> colour_sum_{};

@@ -196,7 +196,9 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
     }
     setCells(slab, cells, rows[0], columns[0], known);
     setCells(slab, cells, rows[1], columns[1], known);
-    found += list(~known & exists, i, left + found);
+    const Ints open = ~known & exists;
+    if (any(open))
+      found += list(open, i, left + found);
   }
   return found;
 }
@@ -295,7 +297,8 @@ crossRays(const SlabView& slab, const RayView& rays, const RayRange* ranges,
             b);
       setParts(slab, b);
       const Ints undecided = crossCells(slab, cells, u, v, a, b, alive);
-      found += list(undecided, i, left + found);
+      if (any(undecided))
+        found += list(undecided, i, left + found);
     }
   return found;
 }
