@@ -6,7 +6,7 @@
 
 #include "slab_buffer.h"
 
-#include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace pcl_semantic {
@@ -28,7 +28,7 @@ eightBits(std::uint64_t bytes)
   return bytes * 0x0102040810204080u >> 56;
 }
 
-constexpr std::size_t line_size = 64; // eight rows of eight slabs
+constexpr std::size_t line_size = 64; // eight rows of eight layers
 
 bool
 isEmpty(const std::uint8_t* line)
@@ -72,7 +72,7 @@ SlabBuffer::show(int layer, kernels::SlabView& slab)
   slab.columns = columns_;
   slab.column_stride = lines_ * int(line_size);
   slab.nowhere = columns_ * slab.column_stride;
-  slab.cells = cells_.data() + layer * kBlockEdge;
+  slab.cells = cells_.data() + layer;
 }
 
 void
@@ -100,17 +100,22 @@ SlabBuffer::flushLine(const std::uint8_t* line, std::size_t slot, int column,
                       CrossedVoxels& crossed) const
 {
   std::uint64_t bits = 0;
-  for (int layer = 0; layer < kBlockEdge; ++layer) {
-    const std::uint64_t rows = eightBytes(line + layer * kBlockEdge);
+  std::array<std::uint64_t, kBlockEdge> by_layer{};
+  for (int row = 0; row < kBlockEdge; ++row) {
+    const std::uint64_t layers = eightBytes(line + row * kBlockEdge);
     if (axes_.along == 0) // layers are x, rows y, the column is z
-      bits |= rows << layer;
+      bits |= eightBits(layers) << (row * kBlockEdge);
     else if (axes_.along == 1) // layers are y, rows x, the column is z
-      bits |= eightBits(rows) << (layer * kBlockEdge);
-    else if (rows != 0) // layers are z, rows y, the column is x
-      crossed.add(slot, layer, rows << column);
+      bits |= layers << row;
+    else // layers are z, rows y, the column is x
+      for (int z = 0; z < kBlockEdge; ++z)
+        by_layer[z] |= (layers >> (8 * z) & 1) << (row * kBlockEdge + column);
   }
   if (axes_.along != 2)
     crossed.add(slot, column, bits);
+  else
+    for (int z = 0; z < kBlockEdge; ++z)
+      crossed.add(slot, z, by_layer[z]);
 }
 
 } // namespace pcl_semantic

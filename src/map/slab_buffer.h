@@ -48,11 +48,11 @@ private:
   void flushLine(const std::uint8_t* line, std::size_t slot, int column,
                  CrossedVoxels& crossed) const;
 
-  std::vector<std::uint8_t> cells_; // by column, eight rows, layer and row
+  std::vector<std::uint8_t> cells_; // by column, row and layer
   FaceAxes axes_{0};
   VoxelIndex corner_ = VoxelIndex::Zero(); // voxel of the first row and column
   int first_row_ = 0, first_column_ = 0;   // from the voxel of the start
-  int lines_ = 0, columns_ = 0;            // eight rows a line
+  int lines_ = 0, columns_ = 0;            // of eight rows
 };
 
 } // namespace pcl_semantic

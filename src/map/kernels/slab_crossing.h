@@ -22,7 +22,7 @@ namespace pcl_semantic::kernels {
 constexpr std::size_t slab_lanes = 16;
 
 /** \brief A slab and the bytes that stand for its cells: that of cell (row, column) is
- * set if a ray crosses it. Eight slabs are interleaved: 8 bytes of each. */
+ * set if a ray crosses it. The bytes of eight slabs lie side by side. */
 struct SlabView {
   float row_start, column_start; ///< of all rays, in their first voxel [voxels]
   float enter, leave;            ///< distance of the slab's two sides [voxels]

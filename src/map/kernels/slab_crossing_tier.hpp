@@ -12,6 +12,7 @@
 constexpr std::size_t lanes = PCL_SEMANTIC_LANES;
 typedef float Floats __attribute__((vector_size(4 * lanes)));
 typedef std::int32_t Ints __attribute__((vector_size(4 * lanes)));
+typedef std::uint32_t Words __attribute__((vector_size(4 * lanes)));
 
 // Vectors anywhere in memory.
 struct Unaligned {
@@ -46,13 +47,6 @@ lane()
   return numbers;
 }
 
-PCL_SEMANTIC_INLINE Ints
-floorOf(const Floats& values)
-{
-  const Ints whole = __builtin_convertvector(values, Ints);         // towards 0
-  return whole + (values < __builtin_convertvector(whole, Floats)); // true is -1
-}
-
 PCL_SEMANTIC_INLINE Floats
 magnitude(const Floats& values)
 {
@@ -67,8 +61,11 @@ struct Cells {
 PCL_SEMANTIC_INLINE Cells
 cellsOf(const Floats& position, float margin)
 {
-  const Ints below = floorOf(position - margin);
-  return {below, below == floorOf(position + margin)};
+  const float magic = 12582912.0f; // 1.5 * 2^23: a sum with it is rounded to an integer
+  const Floats centred = position - 0.5f;
+  const Floats rounded = centred + magic;
+  const Floats from_centre = centred - (rounded - magic);
+  return {(Ints)rounded - 0x4B400000, magnitude(from_centre) < 0.5f - margin};
 }
 
 // Rows or columns of cells among the bytes: what they add to a place, and whether they
@@ -81,14 +78,14 @@ PCL_SEMANTIC_INLINE Part
 rowPart(const SlabView& slab, const Ints& row)
 {
   const Ints r = row - slab.first_row;
-  return {((r >> 3) << 6) + (r & 7), (r >= 0) & (r < slab.rows)};
+  return {r << 3, (Ints)((Words)r < std::uint32_t(slab.rows))};
 }
 
 PCL_SEMANTIC_INLINE Part
 columnPart(const SlabView& slab, const Ints& column)
 {
   const Ints c = column - slab.first_column;
-  return {c * slab.column_stride, (c >= 0) & (c < slab.columns)};
+  return {c * slab.column_stride, (Ints)((Words)c < std::uint32_t(slab.columns))};
 }
 
 // Sets the bytes of the wanted cells. By way of memory: taking lanes out of a vector
