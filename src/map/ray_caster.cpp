@@ -12,7 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace pcl_semantic {
 
@@ -100,6 +100,7 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     ends_[i] = quantize(T_world_sensor * (share * scan.points[i].cast<double>()),
                         settings.voxel_size);
     part.rays.push_back(directedRay(start, ends_[i], i));
+    ++part.next[part.rays.back().tile];
     const VoxelIndex voxel = voxelOf(ends_[i]);
     const VoxelIndex block = blockOf(voxel);
     if (in_range && crossed_.contains(block))
@@ -135,26 +136,29 @@ RayCaster::sortHits()
 }
 
 // Brings the rays into the order of their tiles; gives where each tile begins.
-std::vector<std::size_t>
+std::vector<std::uint32_t>
 RayCaster::sortRays()
 {
-  std::vector<std::size_t> first(tiles + 1, 0);
-  for (const Part& part : parts_)
-    for (const DirectedRay& ray : part.rays)
-      ++first[ray.tile + 1u];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  rays_.resize(first.back());
-  std::vector<std::size_t> next = first;
-  for (const Part& part : parts_)
-    for (const DirectedRay& ray : part.rays)
-      rays_[next[ray.tile]++] = ray;
+  std::vector<std::uint32_t> first(tiles + 1);
+  std::uint32_t count = 0;
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
+    first[tile] = count;
+    for (Part& part : parts_)
+      count += std::exchange(part.next[tile], count);
+  }
+  first[tiles] = count;
+  rays_.resize(count);
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t p = 0; p < parts_.size(); ++p)
+    for (const DirectedRay& ray : parts_[p].rays)
+      rays_[parts_[p].next[ray.tile]++] = ray;
   return first;
 }
 
 void
 RayCaster::crossVoxels(const QuantizedPoint& start)
 {
-  const std::vector<std::size_t> first = sortRays();
+  const std::vector<std::uint32_t> first = sortRays();
   ParallelGuard guard;
 #pragma omp parallel
   {
@@ -185,6 +189,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
       Part& part = parts_[p];
       part.rays.clear();
       part.hits.clear();
+      part.next.assign(tiles, 0);
       part.invalid = part.sky = 0;
       findEnds(scan, T_world_sensor, settings, p * part_size,
                std::min(points, (p + 1) * part_size), part);

@@ -87,6 +87,7 @@ private:
   // What a thread finds in its part of the scan.
   struct Part {
     std::vector<DirectedRay> rays;
+    std::vector<std::uint32_t> next; // number of rays by tile, then where they go
     std::vector<SlotHit> hits;
     std::size_t invalid = 0, sky = 0;
   };
@@ -97,7 +98,7 @@ private:
 
   void sortHits();
 
-  std::vector<std::size_t> sortRays();
+  std::vector<std::uint32_t> sortRays();
 
   void crossVoxels(const QuantizedPoint& start);
 
