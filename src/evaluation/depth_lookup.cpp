@@ -20,14 +20,16 @@ labelsAtDepth(const SemanticVoxelMap& map,
   const int width = static_cast<int>(cloud.width);
   const int height = static_cast<int>(cloud.height);
   cv::Mat labels = cv::Mat::zeros(height, width, CV_8UC1);
-#pragma omp parallel for schedule(dynamic, 8)
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u) {
-      const pcl::PointXYZRGB& point = cloud(u, v);
-      if (point.z <= max_depth) // false for NaN
-        labels.at<std::uint8_t>(v, u) =
-            map.label(T_world_camera * point.getVector3fMap().cast<double>());
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::size_t> pixels;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud[i].z <= max_depth) { // false for NaN
+      points.push_back(T_world_camera * cloud[i].getVector3fMap().cast<double>());
+      pixels.push_back(i);
     }
+  const std::vector<Label> found = map.labels(points);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    labels.data[pixels[i]] = found[i];
   return labels;
 }
 

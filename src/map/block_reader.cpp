@@ -7,6 +7,7 @@
 #include <pcl_semantic/map/block_reader.h>
 
 #include <algorithm>
+#include <array>
 
 namespace pcl_semantic {
 
@@ -26,16 +27,15 @@ readDistributions(const VoxelBlock& block, int record, int classes, float* measu
   std::copy_n(is_refined ? stored : measured, classes, refined);
 }
 
-void
-setColour(const VoxelRecord& record, pcl::PointXYZRGBL& point)
+std::array<std::uint8_t, 3>
+meanColour(const VoxelRecord& record)
 {
-  const auto mean = [&](int channel) {
-    const std::uint32_t count = std::max(record.colour_count, 1u);
-    return static_cast<std::uint8_t>((record.colour_sum[channel] + count / 2) / count);
-  };
-  point.r = mean(0);
-  point.g = mean(1);
-  point.b = mean(2);
+  std::array<std::uint8_t, 3> colour;
+  const std::uint32_t count = std::max(record.colour_count, 1u);
+  for (std::size_t channel = 0; channel < 3; ++channel)
+    colour[channel] =
+        static_cast<std::uint8_t>((record.colour_sum[channel] + count / 2) / count);
+  return colour;
 }
 
 } // namespace
@@ -51,6 +51,30 @@ BlockReader::label(const VoxelBlock& block, int place) const
   const float* const measured = block.measured.data() + record * classes_;
   return static_cast<Label>(std::max_element(measured, measured + classes_) - measured +
                             1);
+}
+
+VoxelState
+BlockReader::state(const VoxelIndex& block_index, const VoxelBlock& block,
+                   int place) const
+{
+  VoxelState state;
+  state.index = voxelAt(block_index, place);
+  state.occupancy = occupancy(block, place);
+  if (state.occupancy != Occupancy::unknown)
+    state.log_odds = float(block.log_odds[place]) * kLogOddsUnit;
+  LabelDistributions refined(classes_, 1);
+  state.measured.resize(std::size_t(classes_));
+  const int record = block.recordAt(place);
+  if (record != VoxelBlock::kNoRecord) {
+    state.colour = meanColour(block.records[record]);
+    state.observations = block.records[record].observations;
+    readDistributions(block, record, classes_, state.measured.data(),
+                      refined.column(0));
+  }
+  state.refined.assign(refined.column(0), refined.column(0) + classes_);
+  state.label = refined.mapLabel(0);
+  state.entropy = refined.entropy(0);
+  return state;
 }
 
 std::size_t
@@ -100,7 +124,10 @@ BlockReader::read(const VoxelIndex& index, const VoxelBlock& block, std::size_t 
         (voxels.indices[i].cast<double>().array() + 0.5).matrix() * voxels.voxel_size;
     pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
     point.getVector3fMap() = (centre - voxels.origin).cast<float>();
-    setColour(block.records[record], point);
+    const std::array<std::uint8_t, 3> colour = meanColour(block.records[record]);
+    point.r = colour[0];
+    point.g = colour[1];
+    point.b = colour[2];
     point.label = voxels.refined.mapLabel(column);
     ++i;
   }

@@ -7,6 +7,8 @@
 #include "block_update.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace pcl_semantic {
 
@@ -24,8 +26,10 @@ forEachBit(const std::uint64_t* words, Visit&& visit)
 
 } // namespace
 
-BlockUpdate::BlockUpdate(int classes, const FusionParameters& fusion, const Scan& scan)
-    : classes_(classes), occupancy_(fusion), scan_(scan), measurement_(classes, fusion)
+BlockUpdate::BlockUpdate(int classes, const MapParameters& parameters, const Scan& scan)
+    : classes_(classes), occupancy_(parameters.fusion),
+      per_ray_(parameters.fusion.per_ray_counting), voxel_size_(parameters.voxel_size),
+      scan_(scan), measurement_(classes, parameters.fusion)
 {}
 
 std::size_t
@@ -34,7 +38,8 @@ BlockUpdate::run(const std::uint64_t* crossed, const RayHit* first, const RayHit
 {
   block.changed = true;
   sortByPlace(first, last);
-  updateOccupancy(crossed, block);
+  if (!per_ray_) // else it has been updated ray by ray
+    updateOccupancy(crossed, block);
   std::size_t hit_voxels = 0;
   std::size_t begin = 0;
   forEachBit(hit_.data(), [&](int place) {
@@ -82,8 +87,27 @@ BlockUpdate::updateOccupancy(const std::uint64_t* crossed, VoxelBlock& block) co
       for (std::uint64_t bits = missed; bits != 0; bits &= bits - 1)
         occupancy_.miss(layer[__builtin_ctzll(bits)]);
   }
-  forEachBit(hit_.data(),
-             [&](int place) { occupancy_.hit(block.log_odds[std::size_t(place)]); });
+  std::size_t begin = 0;
+  forEachBit(hit_.data(), [&](int place) {
+    const std::size_t end = end_[std::size_t(place)];
+    occupancy_.hit(block.log_odds[std::size_t(place)], weightOf(begin, end));
+    begin = end;
+  });
+}
+
+// The largest probability that one of the points lies within half a voxel of where it
+// was measured: the order of the points does not matter.
+float
+BlockUpdate::weightOf(std::size_t begin, std::size_t end) const
+{
+  if (!scan_.deviations)
+    return 1.0f;
+  float least = std::numeric_limits<float>::max();
+  for (std::size_t i = begin; i < end; ++i)
+    least = std::min(least, (*scan_.deviations)[points_[i]]);
+  if (!(least > 0.0f))
+    return 1.0f;
+  return float(std::erf(voxel_size_ / (2.0 * std::sqrt(2.0) * double(least))));
 }
 
 void

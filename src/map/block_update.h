@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/ray_caster.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 #include <pcl_semantic/map/voxel_fusion.h>
@@ -21,7 +22,7 @@ namespace pcl_semantic {
 class BlockUpdate {
 public:
   /** \param[in] classes L */
-  BlockUpdate(int classes, const FusionParameters& fusion, const Scan& scan);
+  BlockUpdate(int classes, const MapParameters& parameters, const Scan& scan);
 
   /** \param[in] crossed voxels, see CrossedVoxels::layers
    * \param[in] first, last hits in the block, in any order
@@ -34,10 +35,14 @@ private:
 
   void updateOccupancy(const std::uint64_t* crossed, VoxelBlock& block) const;
 
+  float weightOf(std::size_t begin, std::size_t end) const;
+
   void fuse(int place, std::size_t begin, std::size_t end, VoxelBlock& block);
 
   const int classes_;
   const OccupancyUpdate occupancy_;
+  const bool per_ray_;
+  const double voxel_size_;
   const Scan& scan_;
   VoxelMeasurement measurement_;
   std::array<std::uint64_t, CrossedVoxels::kWords> hit_{}; // a bit a voxel

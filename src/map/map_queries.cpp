@@ -18,6 +18,7 @@ namespace pcl_semantic {
 VoxelCloud
 SemanticVoxelMap::occupied() const
 {
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
   std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks;
   grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
     if (!block.records.empty())
@@ -39,13 +40,14 @@ SemanticVoxelMap::occupied() const
 VoxelCloud
 SemanticVoxelMap::occupiedEverywhere() const
 {
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
   std::size_t count = 0;
-  forEachBlock([&](const VoxelIndex&, const VoxelBlock& block) {
+  visitBlocks([&](const VoxelIndex&, const VoxelBlock& block) {
     count += reader_.countOccupied(block);
   });
   VoxelCloud voxels = reader_.makeCloud(count, parameters_.voxel_size, cloud_origin_);
   std::size_t first = 0;
-  forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
+  visitBlocks([&](const VoxelIndex& index, const VoxelBlock& block) {
     reader_.read(index, block, first, voxels);
     first += reader_.countOccupied(block);
   });
@@ -53,9 +55,16 @@ SemanticVoxelMap::occupiedEverywhere() const
 }
 
 void
-SemanticVoxelMap::forEachBlock(
-    const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const
+SemanticVoxelMap::forEachBlock(const VisitBlock& visit) const
 {
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  visitBlocks(visit);
+}
+
+void
+SemanticVoxelMap::visitBlocks(const VisitBlock& visit) const
+{
+  const std::lock_guard<std::mutex> reading(store_reading_);
   // Two ordered lists become one; of a block in both, the window has the newer state.
   std::vector<std::pair<VoxelIndex, const VoxelBlock*>> window;
   grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
@@ -81,11 +90,17 @@ SemanticVoxelMap::voxelOf(const Eigen::Vector3d& point) const
   return (point / parameters_.voxel_size).array().floor().cast<int>();
 }
 
+bool
+SemanticVoxelMap::isNear(const Eigen::Vector3d& point) const
+{
+  const double farthest = kMaxVoxelIndex * parameters_.voxel_size;
+  return (point.array().abs() <= farthest).all(); // false for NaN
+}
+
 const VoxelBlock*
 SemanticVoxelMap::findVoxel(const Eigen::Vector3d& point, int& place) const
 {
-  const double farthest = kMaxVoxelIndex * parameters_.voxel_size;
-  if (!((point.array().abs() <= farthest).all()))
+  if (!isNear(point))
     return nullptr;
   const VoxelIndex voxel = voxelOf(point);
   place = voxelInBlock(voxel);
@@ -95,6 +110,7 @@ SemanticVoxelMap::findVoxel(const Eigen::Vector3d& point, int& place) const
 Occupancy
 SemanticVoxelMap::occupancy(const Eigen::Vector3d& point) const
 {
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
   int place = 0;
   const VoxelBlock* const block = findVoxel(point, place);
   return block ? reader_.occupancy(*block, place) : Occupancy::unknown;
@@ -103,10 +119,92 @@ SemanticVoxelMap::occupancy(const Eigen::Vector3d& point) const
 Label
 SemanticVoxelMap::label(const Eigen::Vector3d& point) const
 {
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  return labelAt(point);
+}
+
+std::vector<Label>
+SemanticVoxelMap::labels(const std::vector<Eigen::Vector3d>& points) const
+{
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  std::vector<Label> labels(points.size());
+#pragma omp parallel for schedule(dynamic, 4096)
+  for (std::size_t i = 0; i < points.size(); ++i)
+    labels[i] = labelAt(points[i]);
+  return labels;
+}
+
+Label
+SemanticVoxelMap::labelAt(const Eigen::Vector3d& point) const
+{
   int place = 0;
   const VoxelBlock* const block = findVoxel(point, place);
   return block && reader_.isOccupied(*block, place) ? reader_.label(*block, place)
                                                     : kUnlabelled;
+}
+
+VoxelState
+SemanticVoxelMap::state(const Eigen::Vector3d& point) const
+{
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  int place = 0;
+  if (const VoxelBlock* const block = findVoxel(point, place))
+    return reader_.state(blockOf(voxelOf(point)), *block, place);
+  VoxelState unknown = reader_.state(VoxelIndex::Zero(), VoxelBlock(), 0);
+  if (isNear(point))
+    unknown.index = voxelOf(point);
+  return unknown;
+}
+
+std::vector<VoxelState>
+SemanticVoxelMap::states(const Eigen::AlignedBox3d& box) const
+{
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const double farthest = kMaxVoxelIndex * parameters_.voxel_size;
+  std::vector<VoxelState> states;
+  if (!(box.min().array() <= box.max().array()).all()) // or NaN
+    return states;
+  const VoxelIndex low = voxelOf(box.min().cwiseMax(-farthest).cwiseMin(farthest));
+  const VoxelIndex high = voxelOf(box.max().cwiseMax(-farthest).cwiseMin(farthest));
+  grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    if ((index.array() < blockOf(low).array()).any() ||
+        (index.array() > blockOf(high).array()).any())
+      return;
+    for (int place = 0; place < kBlockVoxels; ++place) {
+      const Eigen::Array3i voxel = voxelAt(index, place).array();
+      if (block.log_odds[std::size_t(place)] != kUnknown &&
+          (voxel >= low.array()).all() && (voxel <= high.array()).all())
+        states.push_back(reader_.state(index, block, place));
+    }
+  });
+  return states;
+}
+
+std::optional<VoxelState>
+SemanticVoxelMap::firstOccupied(const Eigen::Vector3d& from,
+                                const Eigen::Vector3d& to) const
+{
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  std::optional<VoxelState> found;
+  if (!isNear(from) || !isNear(to))
+    return found;
+  const auto visit = [&](const VoxelIndex& voxel) {
+    const VoxelBlock* const block = grid_.find(blockOf(voxel));
+    const int place = voxelInBlock(voxel);
+    if (block && reader_.isOccupied(*block, place))
+      found = reader_.state(blockOf(voxel), *block, place);
+    return !found;
+  };
+  traverseSegment(quantize(from, parameters_.voxel_size),
+                  quantize(to, parameters_.voxel_size), visit);
+  return found;
+}
+
+Eigen::Vector3d
+SemanticVoxelMap::cloudOrigin() const
+{
+  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  return cloud_origin_;
 }
 
 } // namespace pcl_semantic

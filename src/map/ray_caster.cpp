@@ -12,24 +12,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace pcl_semantic {
 
 namespace {
-
-QuantizedPoint
-quantize(const Eigen::Vector3d& point, double voxel_size)
-{
-  const double scale = double(1 << kQuantizationBits) / voxel_size;
-  QuantizedPoint quantized;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double value = point[axis] * scale;
-    const auto towards_zero = static_cast<std::int64_t>(value);
-    quantized[axis] = towards_zero - (value < double(towards_zero)); // floor
-  }
-  return quantized;
-}
 
 // Further away nothing can be meant; it also keeps the arithmetic exact [m].
 constexpr float largest_reach = 1e6f;
@@ -46,6 +34,25 @@ isSky(const Scan& scan, std::size_t i, const RayCaster::Settings& settings)
 {
   return scan.distributions &&
          settings.is_sky[scan.distributions->mapLabel(Eigen::Index(i))];
+}
+
+bool
+hasDeviation(const Scan& scan, std::size_t i)
+{
+  return !scan.deviations ||
+         ((*scan.deviations)[i] >= 0.0f && (*scan.deviations)[i] < largest_reach);
+}
+
+// The share of a ray that is certainly free: nothing is cleared within two deviations
+// of its end.
+double
+clearShare(const Scan& scan, std::size_t i)
+{
+  if (!scan.deviations)
+    return 1.0;
+  const double length = double(scan.points[i].norm());
+  const double uncertain = 2.0 * double((*scan.deviations)[i]);
+  return length > uncertain ? 1.0 - uncertain / length : 0.0;
 }
 
 // The ray from one point to another, as the sweep wants it.
@@ -82,12 +89,10 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                     const Settings& settings, std::size_t begin, std::size_t end,
                     Part& part)
 {
-  const QuantizedPoint start =
-      quantize(T_world_sensor.translation(), settings.voxel_size);
   const float range = float(settings.max_range);
   for (std::size_t i = begin; i < end; ++i) {
     const float reach = reachOf(scan.points[i]);
-    if (!(reach < largest_reach)) { // or NaN
+    if (!(reach < largest_reach) || !hasDeviation(scan, i)) { // or NaN
       ++part.invalid;
       continue;
     }
@@ -96,16 +101,23 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
       continue;
     }
     const bool in_range = reach <= range;
-    const double share = in_range ? 1.0 : double(range / reach);
-    ends_[i] = quantize(T_world_sensor * (share * scan.points[i].cast<double>()),
-                        settings.voxel_size);
-    part.rays.push_back(directedRay(start, ends_[i], i));
+    const Eigen::Vector3d point = scan.points[i].cast<double>();
+    const double share =
+        std::min(in_range ? 1.0 : double(range / reach), clearShare(scan, i));
+    ends_[i] = quantize(T_world_sensor * (share * point), settings.voxel_size);
+    part.rays.push_back(directedRay(start_, ends_[i], i));
     ++part.next[part.rays.back().tile];
-    const VoxelIndex voxel = voxelOf(ends_[i]);
-    const VoxelIndex block = blockOf(voxel);
-    if (in_range && crossed_.contains(block))
-      part.hits.push_back({std::uint32_t(crossed_.slotOf(block)),
-                           {std::uint32_t(i), std::uint32_t(voxelInBlock(voxel))}});
+    if (!in_range)
+      continue;
+    const VoxelIndex voxel =
+        share == 1.0 ? voxelOf(ends_[i])
+                     : voxelOf(quantize(T_world_sensor * point, settings.voxel_size));
+    // A ray that stops short of its end leaves it to us to mark it.
+    if (!(share == 1.0 ? crossed_.contains(blockOf(voxel)) : crossed_.add(voxel)))
+      continue; // outside the window
+    part.hits.push_back({std::uint32_t(crossed_.slotOf(blockOf(voxel))),
+                         {std::uint32_t(i), std::uint32_t(voxelInBlock(voxel))},
+                         voxel});
   }
 }
 
@@ -156,19 +168,20 @@ RayCaster::sortRays()
 }
 
 void
-RayCaster::crossVoxels(const QuantizedPoint& start)
+RayCaster::crossVoxels()
 {
   const std::vector<std::uint32_t> first = sortRays();
   ParallelGuard guard;
 #pragma omp parallel
   {
-    TileSweep sweep(start, ends_, crossed_);
+    std::optional<TileSweep> sweep;
+    guard.run([&] { sweep.emplace(start_, ends_, crossed_); });
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t tile = 0; tile < tiles; ++tile)
-      if (first[tile + 1] > first[tile])
+      if (sweep && first[tile + 1] > first[tile])
         guard.run([&] {
-          sweep.run(int(tile) / kTilesAFace, rays_.data() + first[tile],
-                    first[tile + 1] - first[tile]);
+          sweep->run(int(tile) / kTilesAFace, rays_.data() + first[tile],
+                     first[tile + 1] - first[tile]);
         });
   }
   guard.rethrow();
@@ -180,6 +193,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
 {
   crossed_.begin(grid);
   const std::size_t points = scan.points.size();
+  start_ = quantize(T_world_sensor.translation(), settings.voxel_size);
   ends_.resize(points);
   parts_.resize((points + part_size - 1) / part_size);
   ParallelGuard guard;
@@ -196,7 +210,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     });
   guard.rethrow();
   sortHits();
-  crossVoxels(quantize(T_world_sensor.translation(), settings.voxel_size));
+  crossVoxels();
   ScanCounts counts;
   counts.points = points;
   counts.rays = rays_.size();

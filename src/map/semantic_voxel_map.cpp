@@ -5,6 +5,8 @@
  */
 
 #include "block_update.h"
+#include "dynamic_decay.h"
+#include "ray_counting.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/parallel_guard.h>
@@ -12,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace pcl_semantic {
 
@@ -56,7 +59,8 @@ SemanticVoxelMap::centreWindow(const Eigen::Vector3d& sensor)
                                                << " m, expected at most " << farthest
                                                << " m from the origin");
   if (!has_cloud_origin_)
-    setCloudOrigin(nearbyOrigin(sensor));
+    cloud_origin_ = nearbyOrigin(sensor);
+  has_cloud_origin_ = true;
   const Eigen::Vector3d centre = sensor / (parameters_.voxel_size * kBlockEdge);
   const VoxelIndex origin =
       (centre - 0.5 * grid_.size().cast<double>()).array().round().cast<int>();
@@ -74,6 +78,7 @@ SemanticVoxelMap::centreWindow(const Eigen::Vector3d& sensor)
 void
 SemanticVoxelMap::flush()
 {
+  const std::unique_lock<std::shared_mutex> lock(mutex_);
   grid_.forEachSlot([&](const VoxelIndex& index, std::size_t slot) {
     VoxelBlock* const block = grid_.at(slot).get();
     if (!block || !block->changed)
@@ -86,13 +91,13 @@ SemanticVoxelMap::flush()
 void
 SemanticVoxelMap::setCloudOrigin(const Eigen::Vector3d& origin)
 {
+  const std::unique_lock<std::shared_mutex> lock(mutex_);
   cloud_origin_ = origin;
   has_cloud_origin_ = true;
 }
 
-ScanCounts
-SemanticVoxelMap::integrateScan(const Scan& scan,
-                                const Eigen::Isometry3d& T_world_sensor)
+void
+SemanticVoxelMap::checkScan(const Scan& scan) const
 {
   if (scan.points.size() >> 31)
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -105,15 +110,30 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
                             << scan.distributions->classes() << " x "
                             << scan.distributions->size() << ", expected "
                             << label_set_.size() << " x " << scan.points.size());
+  if (scan.deviations && scan.deviations->size() != scan.points.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "there are " << scan.deviations->size()
+                                     << " deviations, expected " << scan.points.size());
+}
+
+ScanCounts
+SemanticVoxelMap::integrateScan(const Scan& scan,
+                                const Eigen::Isometry3d& T_world_sensor)
+{
+  checkScan(scan);
   if (!T_world_sensor.matrix().allFinite())
     PCL_THROW_EXCEPTION(BadInputException, "the pose of the sensor is not finite");
+  const std::unique_lock<std::shared_mutex> lock(mutex_);
   centreWindow(T_world_sensor.translation());
-
+  if (parameters_.fusion.dynamic_decay > 0.0)
+    decayDynamicVoxels(label_set_, parameters_.fusion, grid_);
   RayCaster::Settings settings{parameters_.voxel_size, parameters_.max_range, {}};
   for (int label = 0; label <= label_set_.size(); ++label)
     settings.is_sky.push_back(label_set_[Label(label)].sky);
   ScanCounts counts = ray_caster_.cast(scan, T_world_sensor, grid_, settings);
   counts.hit_voxels = updateBlocks(scan);
+  if (parameters_.fusion.per_ray_counting)
+    countRays(ray_caster_, parameters_.fusion, grid_);
   return counts;
 }
 
@@ -125,7 +145,8 @@ SemanticVoxelMap::updateBlocks(const Scan& scan)
   ParallelGuard guard; // blocks and records are made, which takes memory
 #pragma omp parallel reduction(+ : hit_voxels)
   {
-    BlockUpdate update(label_set_.size(), parameters_.fusion, scan);
+    std::optional<BlockUpdate> update;
+    guard.run([&] { update.emplace(label_set_.size(), parameters_, scan); });
 #pragma omp for schedule(dynamic, 16)
     for (std::size_t b = 0; b < blocks.size(); ++b)
       guard.run([&] {
@@ -134,8 +155,9 @@ SemanticVoxelMap::updateBlocks(const Scan& scan)
         if (!block)
           block = std::make_unique<VoxelBlock>();
         const auto [first, last] = ray_caster_.hitsIn(slot);
-        hit_voxels +=
-            update.run(ray_caster_.crossed().layers(slot), first, last, *block);
+        if (update)
+          hit_voxels +=
+              update->run(ray_caster_.crossed().layers(slot), first, last, *block);
       });
   }
   guard.rethrow();
@@ -152,6 +174,7 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
                         "refined distributions are "
                             << refined.classes() << " x " << refined.size()
                             << ", expected " << classes << " x " << voxels.size());
+  const std::unique_lock<std::shared_mutex> lock(mutex_);
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const VoxelIndex& voxel = voxels.indices[i];
     VoxelBlock* const block = grid_.find(blockOf(voxel));
@@ -164,6 +187,18 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
                 block->refined.data() + record * classes);
     block->changed = true;
   }
+}
+
+const LabelSet&
+SemanticVoxelMap::labelSet() const
+{
+  return label_set_;
+}
+
+const MapParameters&
+SemanticVoxelMap::parameters() const
+{
+  return parameters_;
 }
 
 } // namespace pcl_semantic

@@ -41,6 +41,9 @@ FusionParameters::validate() const
   requireBetween(occupied_probability, min_probability, max_probability,
                  "occupied_probability");
   requireBetween(label_min_probability, 0.0, 0.5, "label_min_probability");
+  if (!(dynamic_decay >= 0.0 && dynamic_decay <= 7.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "dynamic_decay is " << dynamic_decay << ", expected 0 to 7");
   requireBetween(label_max_ratio, 1.0, std::numeric_limits<double>::infinity(),
                  "label_max_ratio");
 }

@@ -10,13 +10,11 @@
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 #include <pcl_semantic/map/voxel_fusion.h>
+#include <pcl_semantic/map/voxel_state.h>
 
 #include <cstddef>
 
 namespace pcl_semantic {
-
-/** \brief What is known of a place. */
-enum class Occupancy { unknown, free, occupied };
 
 /** \brief Reads the voxels of blocks as a map gives them out. */
 class BlockReader {
@@ -45,6 +43,10 @@ public:
   /** \brief MAP label of an occupied voxel: refined if there is a refined distribution,
    * else measured; kUnlabelled if there is neither. */
   Label label(const VoxelBlock& block, int place) const;
+
+  /** \brief All that is known of a voxel of a block. */
+  VoxelState state(const VoxelIndex& block_index, const VoxelBlock& block,
+                   int place) const;
 
   /** \brief Number of occupied voxels. */
   std::size_t countOccupied(const VoxelBlock& block) const;

@@ -6,10 +6,10 @@
 
 #pragma once
 
-#include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/map/crossed_voxels.h>
 #include <pcl_semantic/map/directed_ray.h>
 #include <pcl_semantic/map/ray_traversal.h>
+#include <pcl_semantic/map/scan.h>
 
 #include <Eigen/Geometry>
 
@@ -18,22 +18,6 @@
 #include <vector>
 
 namespace pcl_semantic {
-
-/** \brief What the map needs of a cloud of any type. */
-struct Scan {
-  std::vector<Eigen::Vector3f> points; ///< sensor frame [m]
-  std::vector<std::uint32_t> rgb;      ///< packed as in PCL; empty = no colour
-  const LabelDistributions* distributions = nullptr; ///< null = no labels
-};
-
-/** \brief Counts of one scan. */
-struct ScanCounts {
-  std::size_t points = 0;     ///< in the cloud
-  std::size_t rays = 0;       ///< cast
-  std::size_t invalid = 0;    ///< at NaN, infinite or absurdly far: skipped
-  std::size_t sky = 0;        ///< labelled as sky: skipped
-  std::size_t hit_voxels = 0; ///< voxels with an end point
-};
 
 /** \brief An end point of a ray in a block of the window. */
 struct RayHit {
@@ -71,7 +55,23 @@ public:
     return {first, first + hit_count_[slot]};
   }
 
-  /** \brief The voxels that a ray crossed, its end point included. */
+  /** \brief Visits the rays one by one in the order of the points, as (start, end of
+   * what it clears, voxel that it hit or null). */
+  template <typename Visit>
+  void
+  forEachRay(Visit&& visit) const
+  {
+    for (const Part& part : parts_) {
+      auto hit = part.hits.begin();
+      for (const DirectedRay& ray : part.rays) {
+        const bool is_hit = hit != part.hits.end() && hit->hit.point == ray.point;
+        visit(start_, ends_[ray.point], is_hit ? &hit->voxel : nullptr);
+        hit += is_hit;
+      }
+    }
+  }
+
+  /** \brief The voxels that a ray crossed, and those that were hit. */
   const CrossedVoxels&
   crossed() const
   {
@@ -82,6 +82,7 @@ private:
   struct SlotHit {
     std::uint32_t slot;
     RayHit hit;
+    VoxelIndex voxel;
   };
 
   // What a thread finds in its part of the scan.
@@ -100,9 +101,10 @@ private:
 
   std::vector<std::uint32_t> sortRays();
 
-  void crossVoxels(const QuantizedPoint& start);
+  void crossVoxels();
 
   CrossedVoxels crossed_;
+  QuantizedPoint start_ = QuantizedPoint::Zero();
   std::vector<QuantizedPoint> ends_; // of the rays, by point
   std::vector<Part> parts_;          // kept from scan to scan: memory is not free
   std::vector<DirectedRay> rays_;    // by tile

@@ -16,9 +16,11 @@
 
 #include <Eigen/Geometry>
 
-#include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
 #include <vector>
 
 namespace pcl_semantic {
@@ -28,11 +30,14 @@ namespace pcl_semantic {
  * Scans of any sensor update occupancy by ray casting and fuse colour and label
  * distributions (section III of the paper). Blocks that leave the window go to a
  * BlockStore and come back when it returns. World frame: x forward, y left, z up [m].
- * It uses several threads itself, but is for one caller at a time: readers on other
- * threads have to wait until a call has returned. */
+ *
+ * One thread may write (integrate, setRefined, flush) while any number of others read:
+ * a reader sees the map as it stands between two calls of the writer, and waits while
+ * one of them runs. */
 class SemanticVoxelMap {
 public:
   using Parameters = MapParameters;
+  using VisitBlock = std::function<void(const VoxelIndex&, const VoxelBlock&)>;
 
   /** \param[in] label_set the classes of every distribution given to integrate()
    * \param[in] store null for a store in memory
@@ -46,12 +51,15 @@ public:
    * \param[in] cloud sensor frame [m], organized or not, any point type with xyz
    * \param[in] T_world_sensor pose of the sensor
    * \param[in] distributions L x cloud.size(), or empty for a scan without labels
-   * \throws InvalidParameterException if the distributions do not fit the cloud
+   * \param[in] deviations of the distance to each point [m], or empty if they are
+   * exact: nothing is cleared within two deviations of an end, and its hit weighs less
+   * \throws InvalidParameterException if the sizes do not fit the cloud
    * \throws BadInputException if the pose is not finite or too far away */
   template <typename PointT>
   ScanCounts integrate(const pcl::PointCloud<PointT>& cloud,
                        const Eigen::Isometry3d& T_world_sensor,
-                       const LabelDistributions& distributions = LabelDistributions());
+                       const LabelDistributions& distributions = LabelDistributions(),
+                       const std::vector<float>& deviations = {});
 
   /** \brief The occupied voxels of the window. */
   VoxelCloud occupied() const;
@@ -61,8 +69,7 @@ public:
 
   /** \brief Visits every block of the map, those that left the window too, in the order
    * z, y, x of their indices. */
-  void forEachBlock(
-      const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const;
+  void forEachBlock(const VisitBlock& visit) const;
 
   /** \brief Puts the blocks of the window that have changed since the last call, or
    * since they entered, into the store: it then holds the whole map. */
@@ -70,11 +77,7 @@ public:
 
   /** \brief Origin of the points of all clouds given out, world frame [m]; a multiple
    * of a kilometre near the first sensor unless setCloudOrigin() was called. */
-  const Eigen::Vector3d&
-  cloudOrigin() const
-  {
-    return cloud_origin_;
-  }
+  Eigen::Vector3d cloudOrigin() const;
 
   /** \brief Fixes the origin of the clouds; for a map that goes on from a store. */
   void setCloudOrigin(const Eigen::Vector3d& origin);
@@ -86,36 +89,49 @@ public:
    * \throws InvalidParameterException if the sizes differ */
   void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined);
 
-  /** \brief State of the voxel of the window that holds a point, world frame [m]. */
+  /** \brief Queries of the window, world frame [m]; what lies outside is unknown. */
   Occupancy occupancy(const Eigen::Vector3d& point) const;
 
-  /** \brief MAP label (refined if there is one) of the occupied voxel that holds a
-   * point of the window, world frame [m]; kUnlabelled if it is not occupied. */
+  /** \brief MAP label (refined if there is one) of the occupied voxel at a point;
+   * kUnlabelled if it is not occupied. */
   Label label(const Eigen::Vector3d& point) const;
+
+  /** \brief label() of many points, at one moment. */
+  std::vector<Label> labels(const std::vector<Eigen::Vector3d>& points) const;
+
+  VoxelState state(const Eigen::Vector3d& point) const;
+
+  /** \brief The known voxels (free or occupied) that meet a box, blocks by z, y, x. */
+  std::vector<VoxelState> states(const Eigen::AlignedBox3d& box) const;
+
+  /** \brief The occupied voxel that the segment from one point to another meets first;
+   * nothing if there is none, or an end is not finite or absurdly far. */
+  std::optional<VoxelState> firstOccupied(const Eigen::Vector3d& from,
+                                          const Eigen::Vector3d& to) const;
 
   /** \brief The voxel that holds a point, world frame [m]. */
   VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
 
-  const LabelSet&
-  labelSet() const
-  {
-    return label_set_;
-  }
+  const LabelSet& labelSet() const;
 
-  const Parameters&
-  parameters() const
-  {
-    return parameters_;
-  }
+  const Parameters& parameters() const;
 
 private:
   ScanCounts integrateScan(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
+
+  void checkScan(const Scan& scan) const;
 
   std::size_t updateBlocks(const Scan& scan);
 
   void centreWindow(const Eigen::Vector3d& sensor);
 
+  bool isNear(const Eigen::Vector3d& point) const;
+
   const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& place) const;
+
+  Label labelAt(const Eigen::Vector3d& point) const;
+
+  void visitBlocks(const VisitBlock& visit) const;
 
   LabelSet label_set_;
   Parameters parameters_;
@@ -125,6 +141,8 @@ private:
   RayCaster ray_caster_;
   Eigen::Vector3d cloud_origin_ = Eigen::Vector3d::Zero();
   bool has_cloud_origin_ = false;
+  mutable std::shared_mutex mutex_;  // of everything above
+  mutable std::mutex store_reading_; // a store need not bear several readers
 };
 
 } // namespace pcl_semantic

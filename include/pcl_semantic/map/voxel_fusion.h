@@ -28,6 +28,12 @@ struct FusionParameters {
   double occupied_probability = 0.5; ///< occupied at or above; one hit is enough
   PixelFusion pixel_fusion = PixelFusion::mean;
   double label_min_probability = 0.01; ///< clamp of each measurement from below
+  /// Every ray through a voxel is a miss and every end in it a hit, one after the other
+  /// (as in the paper), instead of one update a scan: the order of the points matters.
+  bool per_ray_counting = false;
+  /// Log-odds that occupied voxels of dynamic classes lose at each scan, so that what
+  /// has moved on leaves no trail where no ray clears it; 0 = none.
+  double dynamic_decay = 0.0;
   double label_max_ratio = 1e4; ///< clamp of a fused distribution: largest / smallest
 
   /** \throws InvalidParameterException */
@@ -43,10 +49,19 @@ class OccupancyUpdate {
 public:
   explicit OccupancyUpdate(const FusionParameters& parameters);
 
+  /** \param[in] weight 0..1, of a hit whose place is uncertain */
   void
-  hit(StoredLogOdds& voxel) const
+  hit(StoredLogOdds& voxel, float weight = 1.0f) const
   {
-    add(voxel, hit_);
+    const int change = static_cast<int>(float(hit_) * weight + 0.5f);
+    add(voxel, change > 1 ? change : 1);
+  }
+
+  /** \brief Takes some stored units off an occupied voxel, which may free it. */
+  void
+  decay(StoredLogOdds& voxel, int units) const
+  {
+    add(voxel, -units);
   }
 
   void

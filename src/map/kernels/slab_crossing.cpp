@@ -13,8 +13,10 @@ namespace {
 namespace plain {
 #define PCL_SEMANTIC_TARGET
 #define PCL_SEMANTIC_LANES 4
-#include "slab_crossing_tier.hpp"
+#include "bundle_crossing_tier.hpp"
+#include "ray_crossing_tier.hpp"
 constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
+#undef PCL_SEMANTIC_INLINE
 #undef PCL_SEMANTIC_TARGET
 #undef PCL_SEMANTIC_LANES
 } // namespace plain
@@ -22,8 +24,10 @@ constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
 namespace avx2 {
 #define PCL_SEMANTIC_TARGET __attribute__((target("avx2,fma")))
 #define PCL_SEMANTIC_LANES 8
-#include "slab_crossing_tier.hpp"
+#include "bundle_crossing_tier.hpp"
+#include "ray_crossing_tier.hpp"
 constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
+#undef PCL_SEMANTIC_INLINE
 #undef PCL_SEMANTIC_TARGET
 #undef PCL_SEMANTIC_LANES
 } // namespace avx2
@@ -33,8 +37,10 @@ namespace avx512 {
   __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
                         "512")))
 #define PCL_SEMANTIC_LANES 16
-#include "slab_crossing_tier.hpp"
+#include "bundle_crossing_tier.hpp"
+#include "ray_crossing_tier.hpp"
 constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
+#undef PCL_SEMANTIC_INLINE
 #undef PCL_SEMANTIC_TARGET
 #undef PCL_SEMANTIC_LANES
 } // namespace avx512

@@ -36,11 +36,14 @@ template <typename PointT>
 ScanCounts
 SemanticVoxelMap::integrate(const pcl::PointCloud<PointT>& cloud,
                             const Eigen::Isometry3d& T_world_sensor,
-                            const LabelDistributions& distributions)
+                            const LabelDistributions& distributions,
+                            const std::vector<float>& deviations)
 {
   Scan scan = detail::makeScan(cloud);
   if (!distributions.empty())
     scan.distributions = &distributions;
+  if (!deviations.empty())
+    scan.deviations = &deviations;
   return integrateScan(scan, T_world_sensor);
 }
 
