@@ -18,7 +18,7 @@ namespace pcl_semantic {
 VoxelCloud
 SemanticVoxelMap::occupied() const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks;
   grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
     if (!block.records.empty())
@@ -40,7 +40,7 @@ SemanticVoxelMap::occupied() const
 VoxelCloud
 SemanticVoxelMap::occupiedEverywhere() const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   std::size_t count = 0;
   visitBlocks([&](const VoxelIndex&, const VoxelBlock& block) {
     count += reader_.countOccupied(block);
@@ -57,14 +57,14 @@ SemanticVoxelMap::occupiedEverywhere() const
 void
 SemanticVoxelMap::forEachBlock(const VisitBlock& visit) const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   visitBlocks(visit);
 }
 
 void
 SemanticVoxelMap::visitBlocks(const VisitBlock& visit) const
 {
-  const std::lock_guard<std::mutex> reading(store_reading_);
+  const std::lock_guard<std::mutex> alone(store_reading_);
   // Two ordered lists become one; of a block in both, the window has the newer state.
   std::vector<std::pair<VoxelIndex, const VoxelBlock*>> window;
   grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
@@ -110,7 +110,7 @@ SemanticVoxelMap::findVoxel(const Eigen::Vector3d& point, int& place) const
 Occupancy
 SemanticVoxelMap::occupancy(const Eigen::Vector3d& point) const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   int place = 0;
   const VoxelBlock* const block = findVoxel(point, place);
   return block ? reader_.occupancy(*block, place) : Occupancy::unknown;
@@ -119,14 +119,14 @@ SemanticVoxelMap::occupancy(const Eigen::Vector3d& point) const
 Label
 SemanticVoxelMap::label(const Eigen::Vector3d& point) const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   return labelAt(point);
 }
 
 std::vector<Label>
 SemanticVoxelMap::labels(const std::vector<Eigen::Vector3d>& points) const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   std::vector<Label> labels(points.size());
 #pragma omp parallel for schedule(dynamic, 4096)
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -146,7 +146,7 @@ SemanticVoxelMap::labelAt(const Eigen::Vector3d& point) const
 VoxelState
 SemanticVoxelMap::state(const Eigen::Vector3d& point) const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   int place = 0;
   if (const VoxelBlock* const block = findVoxel(point, place))
     return reader_.state(blockOf(voxelOf(point)), *block, place);
@@ -159,7 +159,7 @@ SemanticVoxelMap::state(const Eigen::Vector3d& point) const
 std::vector<VoxelState>
 SemanticVoxelMap::states(const Eigen::AlignedBox3d& box) const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   const double farthest = kMaxVoxelIndex * parameters_.voxel_size;
   std::vector<VoxelState> states;
   if (!(box.min().array() <= box.max().array()).all()) // or NaN
@@ -184,7 +184,7 @@ std::optional<VoxelState>
 SemanticVoxelMap::firstOccupied(const Eigen::Vector3d& from,
                                 const Eigen::Vector3d& to) const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   std::optional<VoxelState> found;
   if (!isNear(from) || !isNear(to))
     return found;
@@ -203,7 +203,7 @@ SemanticVoxelMap::firstOccupied(const Eigen::Vector3d& from,
 Eigen::Vector3d
 SemanticVoxelMap::cloudOrigin() const
 {
-  const std::shared_lock<std::shared_mutex> lock(mutex_);
+  const auto reading = lock_.read();
   return cloud_origin_;
 }
 

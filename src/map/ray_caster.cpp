@@ -175,7 +175,7 @@ RayCaster::crossVoxels()
 #pragma omp parallel
   {
     std::optional<TileSweep> sweep;
-    guard.run([&] { sweep.emplace(start_, ends_, crossed_); });
+    guard.run([&] { sweep.emplace(tier_, start_, ends_, crossed_); });
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t tile = 0; tile < tiles; ++tile)
       if (sweep && first[tile + 1] > first[tile])

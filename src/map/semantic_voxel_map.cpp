@@ -78,7 +78,7 @@ SemanticVoxelMap::centreWindow(const Eigen::Vector3d& sensor)
 void
 SemanticVoxelMap::flush()
 {
-  const std::unique_lock<std::shared_mutex> lock(mutex_);
+  const auto writing = lock_.write();
   grid_.forEachSlot([&](const VoxelIndex& index, std::size_t slot) {
     VoxelBlock* const block = grid_.at(slot).get();
     if (!block || !block->changed)
@@ -91,7 +91,7 @@ SemanticVoxelMap::flush()
 void
 SemanticVoxelMap::setCloudOrigin(const Eigen::Vector3d& origin)
 {
-  const std::unique_lock<std::shared_mutex> lock(mutex_);
+  const auto writing = lock_.write();
   cloud_origin_ = origin;
   has_cloud_origin_ = true;
 }
@@ -123,7 +123,7 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
   checkScan(scan);
   if (!T_world_sensor.matrix().allFinite())
     PCL_THROW_EXCEPTION(BadInputException, "the pose of the sensor is not finite");
-  const std::unique_lock<std::shared_mutex> lock(mutex_);
+  const auto writing = lock_.write();
   centreWindow(T_world_sensor.translation());
   if (parameters_.fusion.dynamic_decay > 0.0)
     decayDynamicVoxels(label_set_, parameters_.fusion, grid_);
@@ -174,7 +174,7 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
                         "refined distributions are "
                             << refined.classes() << " x " << refined.size()
                             << ", expected " << classes << " x " << voxels.size());
-  const std::unique_lock<std::shared_mutex> lock(mutex_);
+  const auto writing = lock_.write();
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const VoxelIndex& voxel = voxels.indices[i];
     VoxelBlock* const block = grid_.find(blockOf(voxel));

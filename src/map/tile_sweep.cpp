@@ -42,10 +42,10 @@ cellsBetween(float low, float high, float start, float near, float far)
 
 } // namespace
 
-TileSweep::TileSweep(const QuantizedPoint& start,
+TileSweep::TileSweep(SimdTier tier, const QuantizedPoint& start,
                      const std::vector<QuantizedPoint>& ends, CrossedVoxels& crossed)
-    : loops_(kernels::slabCrossing(simdTier())), start_(start),
-      start_voxel_(voxelOf(start)), ends_(ends), crossed_(crossed)
+    : loops_(kernels::slabCrossing(tier)), start_(start), start_voxel_(voxelOf(start)),
+      ends_(ends), crossed_(crossed)
 {}
 
 void

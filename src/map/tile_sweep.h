@@ -31,8 +31,8 @@ class TileSweep {
 public:
   /** \param[in] start of all rays
    * \param[in] ends of all rays of the scan, by point */
-  TileSweep(const QuantizedPoint& start, const std::vector<QuantizedPoint>& ends,
-            CrossedVoxels& crossed);
+  TileSweep(SimdTier tier, const QuantizedPoint& start,
+            const std::vector<QuantizedPoint>& ends, CrossedVoxels& crossed);
 
   /** \brief Adds the voxels of the window that the rays of a tile cross.
    * \param[in] face 0..5, see FaceAxes */

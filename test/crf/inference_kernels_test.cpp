@@ -12,6 +12,7 @@
 #include "../../src/crf/kernels/soft_max.h"
 #include "../../src/crf/padded_columns.h"
 #include "support/brute_force_crf.h"
+#include "support/supported_tiers.h"
 
 #include <gtest/gtest.h>
 
@@ -22,18 +23,6 @@
 namespace {
 
 using namespace pcl_semantic;
-
-std::vector<SimdTier>
-availableTiers()
-{
-  std::vector<SimdTier> tiers{SimdTier::plain};
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-    tiers.push_back(SimdTier::avx2);
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-    tiers.push_back(SimdTier::avx512);
-  return tiers;
-}
 
 PaddedColumns
 padded(const Eigen::MatrixXf& matrix, float padding = 0.0f)
@@ -70,7 +59,7 @@ std::vector<Case>
 allCases()
 {
   std::vector<Case> cases;
-  for (const SimdTier tier : availableTiers())
+  for (const SimdTier tier : supportedTiers())
     for (const Eigen::Index rows : {1, 5, 8, 9, 16, 19, 48, 255, 256})
       cases.push_back({tier, rows});
   return cases;
@@ -237,7 +226,7 @@ INSTANTIATE_TEST_SUITE_P(Tiers, InferenceKernels, ::testing::ValuesIn(allCases()
 // The exponential alone: two labels whose exponents differ by a.
 TEST(SoftMax, ExponentialIsRightToOneMillionth)
 {
-  for (const SimdTier tier : availableTiers()) {
+  for (const SimdTier tier : supportedTiers()) {
     double worst = 0.0;
     for (float a = 0.0f; a < 54.9f; a += 0.0007f) {
       alignas(64) float costs[8], messages[8] = {}, marginals[8] = {};

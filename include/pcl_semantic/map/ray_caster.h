@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/map/crossed_voxels.h>
 #include <pcl_semantic/map/directed_ray.h>
 #include <pcl_semantic/map/ray_traversal.h>
@@ -33,8 +34,8 @@ public:
   using Grid = ScrollingVoxelGrid<VoxelBlock>;
 
   /** \param[in] slots of the grid it will be used on */
-  explicit RayCaster(std::size_t slots)
-      : crossed_(slots), first_hit_(slots), hit_count_(slots)
+  explicit RayCaster(std::size_t slots, SimdTier tier = simdTier())
+      : tier_(tier), crossed_(slots), first_hit_(slots), hit_count_(slots)
   {}
 
   struct Settings {
@@ -103,6 +104,7 @@ private:
 
   void crossVoxels();
 
+  SimdTier tier_;
   CrossedVoxels crossed_;
   QuantizedPoint start_ = QuantizedPoint::Zero();
   std::vector<QuantizedPoint> ends_; // of the rays, by point

@@ -12,6 +12,7 @@
 #include <pcl_semantic/map/block_store.h>
 #include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/ray_caster.h>
+#include <pcl_semantic/map/read_write_lock.h>
 #include <pcl_semantic/map/scrolling_voxel_grid.h>
 
 #include <Eigen/Geometry>
@@ -20,7 +21,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <shared_mutex>
 #include <vector>
 
 namespace pcl_semantic {
@@ -141,7 +141,7 @@ private:
   RayCaster ray_caster_;
   Eigen::Vector3d cloud_origin_ = Eigen::Vector3d::Zero();
   bool has_cloud_origin_ = false;
-  mutable std::shared_mutex mutex_;  // of everything above
+  mutable ReadWriteLock lock_;       // of everything above
   mutable std::mutex store_reading_; // a store need not bear several readers
 };
 
