@@ -44,6 +44,10 @@ MapperConfig::validate()
                         "max_depth is " << map.max_range << " m, expected more than 0");
   map.validate();
   crf_parameters.validate();
+  if (!(disparity_deviation >= 0.0 && disparity_deviation <= 100.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "disparity_deviation is "
+                                                       << disparity_deviation
+                                                       << " px, expected 0 to 100");
   if (crf_every < 1)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "crf_every is " << crf_every << ", expected 1 or more");
@@ -61,6 +65,9 @@ parametersOf(MapperConfig& config)
       {"disparities", "range of the stereo search, a multiple of 16 [px]",
        &config.disparities},
       {"stereo_block", "edge of a matching block, odd [px]", &config.stereo_block},
+      {"disparity_deviation",
+       "of the stereo depth: nothing is cleared within two deviations [px]; 0 = none",
+       &config.disparity_deviation},
       {"label_confidence", "probability of the class that a stored .png states",
        &config.label_confidence},
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
@@ -74,6 +81,10 @@ parametersOf(MapperConfig& config)
       {"min_probability", "clamp of occupancy from below", &fusion.min_probability},
       {"max_probability", "clamp of occupancy from above", &fusion.max_probability},
       {"occupied_probability", "occupied at or above", &fusion.occupied_probability},
+      {"per_ray_counting", "every ray counts, as in the paper: true or false",
+       &fusion.per_ray_counting},
+      {"dynamic_decay", "log-odds that voxels of dynamic classes lose at each frame",
+       &fusion.dynamic_decay},
       {"pixel_fusion", "pixels of a frame in one voxel: mean or product",
        &config.pixel_fusion},
       {"label_min_probability", "clamp of each label measurement from below",

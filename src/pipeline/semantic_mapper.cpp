@@ -82,8 +82,13 @@ SemanticMapper::finish()
 ScanCounts
 SemanticMapper::integrate(const MappedFrame& mapped)
 {
+  std::vector<float> deviations;
+  if (config_.disparity_deviation > 0.0)
+    deviations =
+        distanceDeviations(*mapped.cloud, camera_, config_.disparity_deviation);
   try {
-    return map_.integrate(*mapped.cloud, mapped.T_world_camera, mapped.network);
+    return map_.integrate(*mapped.cloud, mapped.T_world_camera, mapped.network,
+                          deviations);
   }
   catch (const BadInputException& error) { // a map knows nothing of frames
     PCL_THROW_EXCEPTION(BadInputException,

@@ -78,4 +78,16 @@ disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
   return cloud;
 }
 
+std::vector<float>
+distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+                   const StereoCamera& camera, double disparity_deviation)
+{
+  const float share = float(disparity_deviation / (camera.fx * camera.baseline));
+  std::vector<float> deviations(cloud.size(), 0.0f);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud[i].getVector3fMap().allFinite())
+      deviations[i] = cloud[i].getVector3fMap().norm() * cloud[i].z * share;
+  return deviations;
+}
+
 } // namespace pcl_semantic

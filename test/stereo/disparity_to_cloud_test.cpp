@@ -81,6 +81,24 @@ TEST(DisparityToCloud, PointsProjectBackToTheirPixelAndDisparity)
     }
 }
 
+TEST(DisparityToCloud, DeviationsAreThoseOfAShiftedDisparity)
+{
+  const StereoCamera camera = makeCamera();
+  const auto cloud = disparityToCloud(makeDisparity(), makeImage(), camera);
+  const std::vector<float> deviations = distanceDeviations(*cloud, camera, 0.01);
+  ASSERT_EQ(deviations.size(), cloud->size());
+  const auto shifted =
+      disparityToCloud(makeDisparity() + cv::Scalar(0.01), makeImage(), camera);
+  for (std::size_t i = 0; i < cloud->size(); ++i) {
+    const Eigen::Vector3f point = (*cloud)[i].getVector3fMap();
+    if (!point.allFinite())
+      EXPECT_EQ(deviations[i], 0.0f);
+    else
+      EXPECT_NEAR(deviations[i], (point - (*shifted)[i].getVector3fMap()).norm(),
+                  0.03f * deviations[i]);
+  }
+}
+
 TEST(DisparityToCloud, GreyImage)
 {
   cv::Mat image(height, width, CV_8UC1);

@@ -13,6 +13,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include <vector>
+
 namespace pcl_semantic {
 
 /** \brief Triangulates a disparity image: Z = f b / d.
@@ -27,5 +29,14 @@ namespace pcl_semantic {
 pcl::PointCloud<pcl::PointXYZRGB>::Ptr disparityToCloud(const cv::Mat& disparity,
                                                         const cv::Mat& image,
                                                         const StereoCamera& camera);
+
+/** \brief Standard deviation of the distance to each point [m]: of a depth Z it is
+ * Z^2 sigma / (f b), and longer by as much as the ray is longer than the depth.
+ * \param[in] cloud as disparityToCloud gives it
+ * \param[in] disparity_deviation sigma of the disparity [px]
+ * \return one a point; 0 without depth */
+std::vector<float> distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+                                      const StereoCamera& camera,
+                                      double disparity_deviation);
 
 } // namespace pcl_semantic
