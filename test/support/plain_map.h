@@ -1,0 +1,140 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "support/random_scan.h"
+
+#include <pcl_semantic/map/ray_traversal.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The map as its description says, one voxel at a time, unbounded: no blocks,
+ * no window, no bit masks. Rays are kept inside the window by the scans it is given. */
+class PlainMap {
+public:
+  using Key = std::tuple<int, int, int>;
+
+  PlainMap(const LabelSet& label_set, const SemanticVoxelMap::Parameters& parameters)
+      : label_set_(label_set), parameters_(parameters), update_(parameters.fusion)
+  {}
+
+  void
+  integrate(const LabelledScan& scan, const Eigen::Isometry3d& pose)
+  {
+    std::set<Key> crossed;
+    std::map<Key, std::vector<std::size_t>> hits;
+    for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+      const Eigen::Vector3f point = scan.cloud[i].getVector3fMap();
+      const Label label = scan.distributions.mapLabel(Eigen::Index(i));
+      if (!point.allFinite() || point.cwiseAbs().maxCoeff() >= 1e6f ||
+          label_set_[label].sky)
+        continue;
+      const float reach = point.cwiseAbs().maxCoeff();
+      const float range = float(parameters_.max_range);
+      const double scale = reach <= range ? 1.0 : double(range / reach);
+      const QuantizedPoint from = quantized(pose.translation());
+      const QuantizedPoint to = quantized(pose * (point.cast<double>() * scale));
+      traverseSegment(from, to, [&](const VoxelIndex& v) {
+        crossed.insert({v.x(), v.y(), v.z()});
+        return true;
+      });
+      const VoxelIndex end = pcl_semantic::voxelOf(to);
+      if (reach <= range)
+        hits[{end.x(), end.y(), end.z()}].push_back(i);
+    }
+    for (const Key& key : crossed) {
+      StoredLogOdds& log_odds = log_odds_.try_emplace(key, kUnknown).first->second;
+      if (hits.count(key))
+        update_.hit(log_odds);
+      else
+        update_.miss(log_odds);
+    }
+    for (const auto& [key, points] : hits)
+      fuse(key, points, scan);
+  }
+
+  // Label distributions of the occupied voxels.
+  std::map<Key, std::vector<float>>
+  occupied() const
+  {
+    std::map<Key, std::vector<float>> result;
+    for (const auto& [key, fused] : fused_)
+      if (update_.isOccupied(log_odds_.at(key))) {
+        std::vector<float> p(fused.size(), 0.0f);
+        if (labelled_.count(key))
+          distributionFromLog(fused.data(), int(fused.size()), p.data());
+        result[key] = p;
+      }
+    return result;
+  }
+
+  const std::map<Key, StoredLogOdds>&
+  logOdds() const
+  {
+    return log_odds_;
+  }
+
+  bool
+  isOccupied(StoredLogOdds log_odds) const
+  {
+    return update_.isOccupied(log_odds);
+  }
+
+private:
+  // Not that of the map, so that the two are independent.
+  QuantizedPoint
+  quantized(const Eigen::Vector3d& point) const
+  {
+    return (point * (1024.0 / parameters_.voxel_size))
+        .array()
+        .floor()
+        .cast<std::int64_t>();
+  }
+
+  void
+  fuse(const Key& key, const std::vector<std::size_t>& points, const LabelledScan& scan)
+  {
+    const int classes = label_set_.size();
+    auto& fused = fused_.try_emplace(key, classes, 0.0f).first->second;
+    std::vector<double> sums(classes, 0.0);
+    int count = 0;
+    for (const std::size_t i : points) {
+      const float* const p = scan.distributions.column(Eigen::Index(i));
+      if (mapLabel(p, classes) == kUnlabelled)
+        continue;
+      ++count;
+      for (int k = 0; k < classes; ++k)
+        sums[k] +=
+            std::log(std::max(double(p[k]), parameters_.fusion.label_min_probability));
+    }
+    if (count == 0)
+      return;
+    labelled_.insert(key);
+    std::vector<float> mean(classes);
+    for (int k = 0; k < classes; ++k)
+      mean[k] = float(sums[k] / count);
+    fuseLogLikelihood(mean.data(), classes,
+                      float(std::log(parameters_.fusion.label_max_ratio)),
+                      fused.data());
+  }
+
+  LabelSet label_set_;
+  SemanticVoxelMap::Parameters parameters_;
+  OccupancyUpdate update_;
+  std::map<Key, StoredLogOdds> log_odds_;
+  std::map<Key, std::vector<float>> fused_;
+  std::set<Key> labelled_;
+};
+
+} // namespace pcl_semantic
