@@ -5,6 +5,7 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/map/directed_ray.h>
 #include <pcl_semantic/map/map_parameters.h>
 
 namespace pcl_semantic {
@@ -24,6 +25,11 @@ MapParameters::validate() const
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "max_range is " << max_range
                                         << " m, expected more than 0, at most 1e4");
+  if (max_range > kMaxRayVoxels * voxel_size)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "max_range is " << max_range << " m, with voxels of "
+                                        << voxel_size << " m expected at most "
+                                        << kMaxRayVoxels * voxel_size);
   fusion.validate();
 }
 

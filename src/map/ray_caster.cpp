@@ -104,20 +104,21 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     const Eigen::Vector3d point = scan.points[i].cast<double>();
     const double share =
         std::min(in_range ? 1.0 : double(range / reach), clearShare(scan, i));
-    ends_[i] = quantize(T_world_sensor * (share * point), settings.voxel_size);
-    part.rays.push_back(directedRay(start_, ends_[i], i));
+    const QuantizedPoint ray_end =
+        quantize(T_world_sensor * (share * point), settings.voxel_size);
+    ends_[i] = (ray_end - start_).cast<std::int32_t>();
+    part.rays.push_back(directedRay(start_, ray_end, i));
     ++part.next[part.rays.back().tile];
     if (!in_range)
       continue;
     const VoxelIndex voxel =
-        share == 1.0 ? voxelOf(ends_[i])
+        share == 1.0 ? voxelOf(ray_end)
                      : voxelOf(quantize(T_world_sensor * point, settings.voxel_size));
     // A ray that stops short of its end leaves it to us to mark it.
     if (!(share == 1.0 ? crossed_.contains(blockOf(voxel)) : crossed_.add(voxel)))
       continue; // outside the window
     part.hits.push_back({std::uint32_t(crossed_.slotOf(blockOf(voxel))),
-                         {std::uint32_t(i), std::uint32_t(voxelInBlock(voxel))},
-                         voxel});
+                         {std::uint32_t(i), std::uint32_t(voxelInBlock(voxel))}});
   }
 }
 
@@ -163,7 +164,7 @@ RayCaster::sortRays()
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t p = 0; p < parts_.size(); ++p)
     for (const DirectedRay& ray : parts_[p].rays)
-      rays_[parts_[p].next[ray.tile]++] = ray;
+      rays_[parts_[p].next[ray.tile]++] = &ray;
   return first;
 }
 

@@ -13,20 +13,20 @@ countRays(const RayCaster& caster, const FusionParameters& fusion,
           RayCaster::Grid& grid)
 {
   const OccupancyUpdate update(fusion);
-  const auto logOdds = [&](const VoxelIndex& voxel) -> StoredLogOdds* {
-    VoxelBlock* const block = grid.find(blockOf(voxel));
-    return block ? &block->log_odds[std::size_t(voxelInBlock(voxel))] : nullptr;
-  };
   caster.forEachRay([&](const QuantizedPoint& start, const QuantizedPoint& end,
-                        const VoxelIndex* hit) {
+                        const RayCaster::SlotHit* hit) {
     traverseSegment(start, end, [&](const VoxelIndex& voxel) {
-      StoredLogOdds* const crossed = logOdds(voxel);
-      if (crossed && !(hit && voxel == *hit))
-        update.miss(*crossed);
-      return crossed != nullptr; // outside the window there are no blocks
+      const VoxelIndex index = blockOf(voxel);
+      if (!grid.contains(index))
+        return false;
+      const std::size_t slot = grid.slotOf(index);
+      const auto place = std::uint32_t(voxelInBlock(voxel));
+      if (!hit || hit->slot != slot || hit->hit.place != place)
+        update.miss(grid.at(slot)->log_odds[place]);
+      return true;
     });
     if (hit)
-      update.hit(*logOdds(*hit));
+      update.hit(grid.at(hit->slot)->log_odds[hit->hit.place]);
   });
 }
 

@@ -108,14 +108,14 @@ setTile(int face, DirectedRay& ray)
 }
 
 void
-RayTile::set(const DirectedRay* rays, std::size_t count)
+RayTile::set(const DirectedRay* const* rays, std::size_t count)
 {
   sortByLeaf(rays, count);
   makeLevels();
 }
 
 void
-RayTile::sortByLeaf(const DirectedRay* rays, std::size_t count)
+RayTile::sortByLeaf(const DirectedRay* const* rays, std::size_t count)
 {
   count_ = count;
   const std::size_t room = count + kernels::slab_lanes;
@@ -128,10 +128,10 @@ RayTile::sortByLeaf(const DirectedRay* rays, std::size_t count)
   leaf_.resize(room);
   std::array<std::uint32_t, (1 << (2 * kLeafBits)) + 1> next{};
   for (std::size_t i = 0; i < count; ++i)
-    ++next[rays[i].leaf + 1u];
+    ++next[rays[i]->leaf + 1u];
   std::partial_sum(next.begin(), next.end(), next.begin());
   for (std::size_t i = 0; i < count; ++i) {
-    const DirectedRay& ray = rays[i];
+    const DirectedRay& ray = *rays[i];
     const std::size_t to = next[ray.leaf]++;
     row_slope_[to] = ray.row_slope;
     column_slope_[to] = ray.column_slope;

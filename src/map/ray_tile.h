@@ -38,7 +38,7 @@ public:
   }
 
   /** \brief Takes the rays of a tile, in any order; there is at least one. */
-  void set(const DirectedRay* rays, std::size_t count);
+  void set(const DirectedRay* const* rays, std::size_t count);
 
   /** \brief The parts of level 0 are rays, those of level l are bundles of l - 1. */
   const std::vector<RayBundle>&
@@ -74,7 +74,7 @@ public:
   void removeEnded(int slab);
 
 private:
-  void sortByLeaf(const DirectedRay* rays, std::size_t count);
+  void sortByLeaf(const DirectedRay* const* rays, std::size_t count);
 
   void makeLevels();
 

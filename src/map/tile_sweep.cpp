@@ -43,13 +43,13 @@ cellsBetween(float low, float high, float start, float near, float far)
 } // namespace
 
 TileSweep::TileSweep(SimdTier tier, const QuantizedPoint& start,
-                     const std::vector<QuantizedPoint>& ends, CrossedVoxels& crossed)
+                     const std::vector<RayDelta>& ends, CrossedVoxels& crossed)
     : loops_(kernels::slabCrossing(tier)), start_(start), start_voxel_(voxelOf(start)),
       ends_(ends), crossed_(crossed)
 {}
 
 void
-TileSweep::run(int face, const DirectedRay* rays, std::size_t count)
+TileSweep::run(int face, const DirectedRay* const* rays, std::size_t count)
 {
   axes_ = FaceAxes(face);
   const float inside = inVoxel(start_[axes_.along]);
@@ -187,11 +187,11 @@ TileSweep::crossRays(const kernels::SlabView& slab)
 void
 TileSweep::crossExactly(std::uint32_t point, int slab)
 {
-  traverseSegmentFrom(
-      start_, ends_[point], axes_.along, slab, [&](const VoxelIndex& voxel) {
-        return std::abs(voxel[axes_.along] - start_voxel_[axes_.along]) <= slab &&
-               crossed_.add(voxel);
-      });
+  const QuantizedPoint end = start_ + ends_[point].cast<std::int64_t>();
+  traverseSegmentFrom(start_, end, axes_.along, slab, [&](const VoxelIndex& voxel) {
+    return std::abs(voxel[axes_.along] - start_voxel_[axes_.along]) <= slab &&
+           crossed_.add(voxel);
+  });
 }
 
 void

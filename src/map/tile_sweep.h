@@ -30,13 +30,13 @@ namespace pcl_semantic {
 class TileSweep {
 public:
   /** \param[in] start of all rays
-   * \param[in] ends of all rays of the scan, by point */
+   * \param[in] ends of all rays of the scan from there, by point */
   TileSweep(SimdTier tier, const QuantizedPoint& start,
-            const std::vector<QuantizedPoint>& ends, CrossedVoxels& crossed);
+            const std::vector<RayDelta>& ends, CrossedVoxels& crossed);
 
   /** \brief Adds the voxels of the window that the rays of a tile cross.
    * \param[in] face 0..5, see FaceAxes */
-  void run(int face, const DirectedRay* rays, std::size_t count);
+  void run(int face, const DirectedRay* const* rays, std::size_t count);
 
 private:
   // Bundles side by side, as the loops want them, with their origin in the tile.
@@ -74,7 +74,7 @@ private:
   const kernels::SlabCrossing& loops_;
   const QuantizedPoint start_;
   const VoxelIndex start_voxel_;
-  const std::vector<QuantizedPoint>& ends_;
+  const std::vector<RayDelta>& ends_;
   CrossedVoxels& crossed_;
   FaceAxes axes_{0};
   float to_first_side_ = 0.0f; // from the start, along the axis [voxels]

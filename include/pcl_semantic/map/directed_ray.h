@@ -6,9 +6,18 @@
 
 #pragma once
 
+#include <Eigen/Core>
+
 #include <cstdint>
 
 namespace pcl_semantic {
+
+/** \brief End of a ray from its start, in units of 2^-10 voxel. */
+using RayDelta = Eigen::Matrix<std::int32_t, 3, 1>;
+
+/** \brief Longest extent of a ray along an axis of the sensor [voxels]: turned into the
+ * world's it fits RayDelta. */
+constexpr double kMaxRayVoxels = 1 << 20;
 
 /** \brief A ray, seen along the axis on which it is longest, and the two others: row
  * and column. Slopes are per voxel of that axis, -1..1. */

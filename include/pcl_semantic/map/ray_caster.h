@@ -56,8 +56,14 @@ public:
     return {first, first + hit_count_[slot]};
   }
 
+  /** \brief An end point inside the window. */
+  struct SlotHit {
+    std::uint32_t slot;
+    RayHit hit;
+  };
+
   /** \brief Visits the rays one by one in the order of the points, as (start, end of
-   * what it clears, voxel that it hit or null). */
+   * what it clears, its SlotHit or null). */
   template <typename Visit>
   void
   forEachRay(Visit&& visit) const
@@ -66,7 +72,8 @@ public:
       auto hit = part.hits.begin();
       for (const DirectedRay& ray : part.rays) {
         const bool is_hit = hit != part.hits.end() && hit->hit.point == ray.point;
-        visit(start_, ends_[ray.point], is_hit ? &hit->voxel : nullptr);
+        visit(start_, QuantizedPoint(start_ + ends_[ray.point].cast<std::int64_t>()),
+              is_hit ? &*hit : nullptr);
         hit += is_hit;
       }
     }
@@ -80,12 +87,6 @@ public:
   }
 
 private:
-  struct SlotHit {
-    std::uint32_t slot;
-    RayHit hit;
-    VoxelIndex voxel;
-  };
-
   // What a thread finds in its part of the scan.
   struct Part {
     std::vector<DirectedRay> rays;
@@ -107,10 +108,10 @@ private:
   SimdTier tier_;
   CrossedVoxels crossed_;
   QuantizedPoint start_ = QuantizedPoint::Zero();
-  std::vector<QuantizedPoint> ends_; // of the rays, by point
-  std::vector<Part> parts_;          // kept from scan to scan: memory is not free
-  std::vector<DirectedRay> rays_;    // by tile
-  std::vector<RayHit> hits_;         // by slot
+  std::vector<RayDelta> ends_;           // of the rays from the start, by point
+  std::vector<Part> parts_;              // kept from scan to scan: memory is not free
+  std::vector<const DirectedRay*> rays_; // by tile
+  std::vector<RayHit> hits_;             // by slot
   std::vector<std::uint32_t> first_hit_, hit_count_; // by slot
   std::vector<std::uint32_t> hit_slots_;             // slots with a hit
 };
