@@ -200,6 +200,16 @@ SemanticVoxelMap::firstOccupied(const Eigen::Vector3d& from,
   return found;
 }
 
+std::size_t
+SemanticVoxelMap::memory() const
+{
+  const auto reading = lock_.read();
+  std::size_t bytes = grid_.slots() * sizeof(std::unique_ptr<VoxelBlock>);
+  grid_.forEach(
+      [&](const VoxelIndex&, const VoxelBlock& block) { bytes += memoryOf(block); });
+  return bytes + ray_caster_.memory();
+}
+
 Eigen::Vector3d
 SemanticVoxelMap::cloudOrigin() const
 {

@@ -222,4 +222,18 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   return counts;
 }
 
+std::size_t
+RayCaster::memory() const
+{
+  const auto bytes = [](const auto& values) {
+    return values.capacity() * sizeof(values[0]);
+  };
+  std::size_t sum = crossed_.memory() + bytes(ends_) + bytes(parts_) + bytes(rays_) +
+                    bytes(hits_) + bytes(first_hit_) + bytes(hit_count_) +
+                    bytes(hit_slots_);
+  for (const Part& part : parts_)
+    sum += bytes(part.rays) + bytes(part.hits) + bytes(part.next);
+  return sum;
+}
+
 } // namespace pcl_semantic

@@ -38,6 +38,26 @@ nearbyOrigin(const Eigen::Vector3d& sensor)
   return (sensor / step).array().round() * step + 0.0; // no -0
 }
 
+void
+checkScan(const Scan& scan, int classes)
+{
+  if (scan.points.size() >> 31)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a scan of " << scan.points.size() << " points is too large");
+  if (scan.distributions &&
+      (scan.distributions->classes() != classes ||
+       std::size_t(scan.distributions->size()) != scan.points.size()))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the label distributions are "
+                            << scan.distributions->classes() << " x "
+                            << scan.distributions->size() << ", expected " << classes
+                            << " x " << scan.points.size());
+  if (scan.deviations && scan.deviations->size() != scan.points.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "there are " << scan.deviations->size()
+                                     << " deviations, expected " << scan.points.size());
+}
+
 } // namespace
 
 SemanticVoxelMap::SemanticVoxelMap(const LabelSet& label_set,
@@ -96,31 +116,11 @@ SemanticVoxelMap::setCloudOrigin(const Eigen::Vector3d& origin)
   has_cloud_origin_ = true;
 }
 
-void
-SemanticVoxelMap::checkScan(const Scan& scan) const
-{
-  if (scan.points.size() >> 31)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a scan of " << scan.points.size() << " points is too large");
-  if (scan.distributions &&
-      (scan.distributions->classes() != label_set_.size() ||
-       std::size_t(scan.distributions->size()) != scan.points.size()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the label distributions are "
-                            << scan.distributions->classes() << " x "
-                            << scan.distributions->size() << ", expected "
-                            << label_set_.size() << " x " << scan.points.size());
-  if (scan.deviations && scan.deviations->size() != scan.points.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "there are " << scan.deviations->size()
-                                     << " deviations, expected " << scan.points.size());
-}
-
 ScanCounts
 SemanticVoxelMap::integrateScan(const Scan& scan,
                                 const Eigen::Isometry3d& T_world_sensor)
 {
-  checkScan(scan);
+  checkScan(scan, label_set_.size());
   if (!T_world_sensor.matrix().allFinite())
     PCL_THROW_EXCEPTION(BadInputException, "the pose of the sensor is not finite");
   const auto writing = lock_.write();

@@ -5,10 +5,13 @@
  */
 
 // One frame of KITTI into the map, with colour and eleven labels, against OctoMap's
-// occupancy alone: the same points, the same range, two threads.
+// occupancy alone: the same points, the same range, two threads. Then the occupied
+// cloud of a window, its memory, and whether thousands of frames cost what the first
+// ones did.
 
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"
+#include "support/random_scan.h"
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -17,11 +20,39 @@
 #include <octomap/octomap.h>
 
 #include <cstdio>
+#include <fstream>
 #include <limits>
 
 namespace {
 
 using namespace pcl_semantic;
+
+// Takes what leaves the window and keeps nothing: the map alone is measured.
+class ForgetfulStore : public BlockStore {
+public:
+  void
+  put(const VoxelIndex&, const VoxelBlock&) override
+  {}
+
+  std::unique_ptr<VoxelBlock>
+  get(const VoxelIndex&) const override
+  {
+    return nullptr;
+  }
+
+  void
+  forEach(
+      const std::function<void(const VoxelIndex&, const VoxelBlock&)>&) const override
+  {}
+};
+
+std::size_t
+residentBytes()
+{
+  std::size_t total = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> total >> resident;
+  return resident * 4096;
+}
 
 struct BenchFrame {
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; // without sky
@@ -137,12 +168,98 @@ compare(const std::string& name, const std::vector<BenchFrame>& frames, double r
              octomap / ours, target);
 }
 
+// The window full of what the frames show, as a cloud with its distributions: against
+// a copy of the same bytes.
+void
+compareExtraction(const std::vector<BenchFrame>& frames)
+{
+  SemanticVoxelMap map(readLabelSet(labelSetPath()), SemanticVoxelMap::Parameters());
+  for (const BenchFrame& frame : frames)
+    map.integrate(*frame.cloud, frame.T_world_camera, frame.distributions);
+  const VoxelCloud voxels = map.occupied();
+  const std::size_t bytes =
+      voxels.size() *
+      (sizeof(pcl::PointXYZRGBL) + sizeof(VoxelIndex) + sizeof(std::uint32_t) +
+       2 * sizeof(float) * std::size_t(voxels.measured.classes()));
+  const std::vector<char> source(bytes, 1);
+  const double extraction = medianSeconds(9, [&] { map.occupied(); });
+  const double copy = medianSeconds(9, [&] { std::vector<char> target(source); });
+  std::printf("extraction: %zu voxels, %.1f ms; a copy of %.1f MB %.1f ms: %.1f times "
+              "as long, wanted at most 6\n",
+              voxels.size(), 1e3 * extraction, 1e-6 * double(bytes), 1e3 * copy,
+              extraction / copy);
+  printRatio("map_copy_times_6_vs_extraction", 6.0 * copy / extraction, 1.0);
+}
+
+// The released code keeps 61 bytes a voxel of the window.
+void
+compareMemory(const std::vector<BenchFrame>& frames, const char* name,
+              const SemanticVoxelMap::Parameters& parameters, double most)
+{
+  SemanticVoxelMap map(readLabelSet(labelSetPath()), parameters);
+  for (const BenchFrame& frame : frames)
+    map.integrate(*frame.cloud, frame.T_world_camera, frame.distributions);
+  const double mebi = 1024.0 * 1024.0;
+  const double ours = double(map.memory()) / mebi;
+  const double dense = 61.0 * (parameters.window / parameters.voxel_size).prod() / mebi;
+  std::printf(
+      "memory of the %s window: %.0f MiB for %zu occupied voxels, wanted at most "
+      "%.0f; dense arrays %.0f MiB\n",
+      name, ours, map.occupied().size(), most, dense);
+  printRatio(std::string("map_") + name + "_window_memory", most / ours, 1.0);
+}
+
+// A room that goes with the sensor through new blocks, at a random place in each: the
+// same work at every frame.
+void
+printConstancy()
+{
+  SemanticVoxelMap::Parameters parameters;
+  parameters.window = {12.0, 12.0, 6.0};
+  parameters.max_range = 5.0;
+  const LabelSet label_set = readLabelSet(labelSetPath());
+  SemanticVoxelMap map(label_set, parameters, std::make_shared<ForgetfulStore>());
+  const LabelledScan scan = makeRandomScan(20000, 5.0f, label_set.size(), 1);
+  constexpr int frames = 5000;
+  std::vector<double> seconds;
+  std::size_t work[2] = {};
+  std::size_t memory[2] = {};
+  for (int i = 0; i < frames; ++i) {
+    // A whole number of blocks: the quantised rays are the same.
+    const Eigen::Isometry3d pose(Eigen::Translation3d(0.8 * i, 0.0, 0.0));
+    ScanCounts counts;
+    seconds.push_back(secondsOf(
+        [&] { counts = map.integrate(scan.cloud, pose, scan.distributions); }));
+    if (i == 200 || i == frames - 1) {
+      work[i != 200] = counts.rays + counts.hit_voxels;
+      memory[i != 200] = residentBytes();
+    }
+  }
+  const double early = median({seconds.begin() + 100, seconds.begin() + 200});
+  const double late = median({seconds.end() - 100, seconds.end()});
+  std::printf(
+      "%d frames: %.2f ms at the hundredth, %.2f ms at the end; work %zu and %zu; "
+      "resident %.1f and %.1f MiB\n",
+      frames, 1e3 * early, 1e3 * late, work[0], work[1], double(memory[0]) / 1048576.0,
+      double(memory[1]) / 1048576.0);
+  printRatio("map_constancy_times_1.15", 1.15 * early / late, 1.0);
+}
+
+SemanticVoxelMap::Parameters
+paperWindow()
+{
+  SemanticVoxelMap::Parameters parameters;
+  parameters.window = {25.0, 25.0, 8.0};
+  return parameters;
+}
+
 } // namespace
 
 int
 main()
 {
   setNumberOfThreads(2);
+  printConstancy();
   if (realDataFolder().empty()) {
     std::printf("PCL_SEMANTIC_DATA is not set: nothing to compare\n");
     return 0;
@@ -151,6 +268,9 @@ main()
     const std::vector<BenchFrame> frames = readFrames(name);
     compare(name, frames, 20.0, 15.0);
     compare(name, frames, 40.0, 40.0);
+    compareExtraction(frames);
+    compareMemory(frames, "paper", paperWindow(), 64.0);
+    compareMemory(frames, "default", SemanticVoxelMap::Parameters(), 256.0);
   }
   return 0;
 }

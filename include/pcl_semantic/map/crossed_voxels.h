@@ -97,6 +97,13 @@ public:
     return bits_.data() + slot * kWords;
   }
 
+  /** \brief Memory [bytes]. */
+  std::size_t
+  memory() const
+  {
+    return bits_.capacity() * sizeof(bits_[0]) + touched_.capacity();
+  }
+
 private:
   std::vector<std::uint64_t> bits_;               // kWords a slot
   std::vector<std::uint8_t> touched_;             // a byte a slot

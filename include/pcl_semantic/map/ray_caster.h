@@ -86,6 +86,9 @@ public:
     return crossed_;
   }
 
+  /** \brief Memory of the marks and of what is kept of the last scan [bytes]. */
+  std::size_t memory() const;
+
 private:
   // What a thread finds in its part of the scan.
   struct Part {

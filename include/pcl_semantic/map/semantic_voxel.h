@@ -76,6 +76,15 @@ struct VoxelBlock {
   }
 };
 
+/** \brief Memory of a block [bytes]. */
+inline std::size_t
+memoryOf(const VoxelBlock& block)
+{
+  return sizeof(VoxelBlock) + block.record_of.capacity() * sizeof(std::int16_t) +
+         block.records.capacity() * sizeof(VoxelRecord) +
+         (block.measured.capacity() + block.refined.capacity()) * sizeof(float);
+}
+
 /** \brief The block that holds a voxel. */
 inline VoxelIndex
 blockOf(const VoxelIndex& voxel)

@@ -92,11 +92,10 @@ public:
   /** \brief Queries of the window, world frame [m]; what lies outside is unknown. */
   Occupancy occupancy(const Eigen::Vector3d& point) const;
 
-  /** \brief MAP label (refined if there is one) of the occupied voxel at a point;
-   * kUnlabelled if it is not occupied. */
+  /** \brief MAP label (refined if there is one) of the occupied voxel at a point, or of
+   * many at one moment; kUnlabelled if it is not occupied. */
   Label label(const Eigen::Vector3d& point) const;
 
-  /** \brief label() of many points, at one moment. */
   std::vector<Label> labels(const std::vector<Eigen::Vector3d>& points) const;
 
   VoxelState state(const Eigen::Vector3d& point) const;
@@ -112,14 +111,15 @@ public:
   /** \brief The voxel that holds a point, world frame [m]. */
   VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
 
+  /** \brief Memory of the window and of the last scan, without the store [bytes]. */
+  std::size_t memory() const;
+
   const LabelSet& labelSet() const;
 
   const Parameters& parameters() const;
 
 private:
   ScanCounts integrateScan(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
-
-  void checkScan(const Scan& scan) const;
 
   std::size_t updateBlocks(const Scan& scan);
 
