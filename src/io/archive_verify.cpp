@@ -1,0 +1,104 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "archive_database.h"
+#include "archive_meta.h"
+#include "block_encoding.h"
+#include "block_index_set.h"
+
+#include <pcl_semantic/io/map_archive.h>
+
+#include <cstdlib>
+
+namespace pcl_semantic {
+
+namespace {
+
+class Verifier {
+public:
+  explicit Verifier(const std::string& path)
+      : database_(path, ArchiveDatabase::Access::read)
+  {}
+
+  std::vector<std::string>
+  faults()
+  {
+    check([&] {
+      for (const std::string& fault : database_.integrityFaults())
+        found_.push_back(database_.path() + ": is damaged: " + fault);
+    });
+    check([&] { checkContent(); });
+    return found_;
+  }
+
+private:
+  // Keeps what is thrown as a fault.
+  template <typename Check>
+  void
+  check(Check&& body)
+  {
+    try {
+      body();
+    }
+    catch (const BadInputException& error) {
+      found_.push_back(error.what());
+    }
+  }
+
+  void
+  checkContent()
+  {
+    const int classes = readHeader(database_).label_set.size();
+    const ArchiveState state = readState(database_);
+    check([&] { checkBlocks(state, classes); });
+    check([&] { checkFrames(state); });
+  }
+
+  void
+  checkBlocks(const ArchiveState& state, int classes)
+  {
+    BlockIndexSet keys;
+    database_.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
+      keys.insert(index);
+      check([&] {
+        const Bytes content = database_.unsealBlock(index, sealed);
+        readAt(database_.path() + ": " + nameOfBlock(index),
+               [&] { decodeBlock(content, index, classes); });
+      });
+    });
+    if (keys.size() != state.blocks || keys.keySum() != state.key_sum)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          database_.path() << ": is damaged: has " << keys.size()
+                                           << " blocks that are not the "
+                                           << state.blocks << " it was committed with");
+  }
+
+  void
+  checkFrames(const ArchiveState& state)
+  {
+    std::uint64_t frames = 0;
+    database_.forEachFrame([&](int, const Bytes&) { ++frames; });
+    if (frames != state.frames || database_.lastFrame() != state.last_frame)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          database_.path()
+                              << ": is damaged: has " << frames << " frames, the last "
+                              << database_.lastFrame() << ", expected " << state.frames
+                              << " up to " << state.last_frame);
+  }
+
+  ArchiveDatabase database_;
+  std::vector<std::string> found_;
+};
+
+} // namespace
+
+std::vector<std::string>
+verifyArchive(const std::string& path)
+{
+  return Verifier(path).faults();
+}
+
+} // namespace pcl_semantic

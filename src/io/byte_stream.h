@@ -1,0 +1,166 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace pcl_semantic {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/** \brief The unsigned integer that has the bits of a number. */
+template <typename T>
+auto
+bitsOf(T value)
+{
+  using Bits = std::conditional_t<
+      sizeof(T) == 1, std::uint8_t,
+      std::conditional_t<
+          sizeof(T) == 2, std::uint16_t,
+          std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
+  static_assert(sizeof(Bits) == sizeof(T) && std::is_arithmetic_v<T>);
+  Bits bits;
+  std::memcpy(&bits, &value, sizeof(bits));
+  return bits;
+}
+
+/** \brief Writes numbers and texts one after the other, little-endian on any machine.
+ */
+class ByteWriter {
+public:
+  /** \param[in] expected bytes, so that memory is taken once */
+  explicit ByteWriter(std::size_t expected = 0) { bytes_.reserve(expected); }
+
+  template <typename T>
+  void
+  put(T value)
+  {
+    const auto bits = bitsOf(value);
+    for (std::size_t b = 0; b < sizeof(T); ++b)
+      bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * b)));
+  }
+
+  /** \brief The number of bytes as 32 bits, then the bytes. */
+  void
+  putText(const std::string& text)
+  {
+    put(static_cast<std::uint32_t>(text.size()));
+    bytes_.insert(bytes_.end(), text.begin(), text.end());
+  }
+
+  void
+  putBytes(const Bytes& bytes)
+  {
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+
+  /** \brief Numbers of one kind: all lowest bytes, then all second ones, ...: bytes
+   * that are alike lie together and compress better. */
+  template <typename T>
+  void
+  putColumn(const std::vector<T>& values)
+  {
+    const std::size_t count = values.size();
+    bytes_.resize(bytes_.size() + count * sizeof(T));
+    std::uint8_t* to = bytes_.data() + bytes_.size() - count * sizeof(T);
+    for (std::size_t b = 0; b < sizeof(T); ++b)
+      for (const T value : values)
+        *to++ = static_cast<std::uint8_t>(bitsOf(value) >> (8 * b));
+  }
+
+  const Bytes&
+  bytes() const
+  {
+    return bytes_;
+  }
+
+private:
+  Bytes bytes_;
+};
+
+/** \brief Reads what ByteWriter wrote; never beyond the end.
+ * Every method throws BadInputException if there are too few bytes. */
+class ByteReader {
+public:
+  explicit ByteReader(const Bytes& bytes)
+      : next_(bytes.data()), end_(bytes.data() + bytes.size())
+  {}
+
+  template <typename T>
+  T
+  get()
+  {
+    require(sizeof(T));
+    decltype(bitsOf(T())) bits = 0;
+    for (std::size_t b = 0; b < sizeof(T); ++b)
+      bits = static_cast<decltype(bits)>(bits | decltype(bits)(*next_++) << (8 * b));
+    T value;
+    std::memcpy(&value, &bits, sizeof(value));
+    return value;
+  }
+
+  std::string
+  getText()
+  {
+    const auto size = get<std::uint32_t>();
+    require(size);
+    std::string text(next_, next_ + size);
+    next_ += size;
+    return text;
+  }
+
+  template <typename T>
+  std::vector<T>
+  getColumn(std::size_t count)
+  {
+    require(count * sizeof(T));
+    using Bits = decltype(bitsOf(T()));
+    std::vector<T> values(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      Bits bits = 0;
+      for (std::size_t b = 0; b < sizeof(T); ++b)
+        bits = static_cast<Bits>(bits | Bits(next_[b * count + i]) << (8 * b));
+      std::memcpy(&values[i], &bits, sizeof(T));
+    }
+    next_ += count * sizeof(T);
+    return values;
+  }
+
+  /** \brief Everything that is left. */
+  Bytes
+  getRest()
+  {
+    Bytes rest(next_, end_);
+    next_ = end_;
+    return rest;
+  }
+
+  std::size_t
+  left() const
+  {
+    return static_cast<std::size_t>(end_ - next_);
+  }
+
+private:
+  void
+  require(std::size_t count) const
+  {
+    if (count > left())
+      PCL_THROW_EXCEPTION(BadInputException, "ends too early");
+  }
+
+  const std::uint8_t* next_;
+  const std::uint8_t* end_;
+};
+
+} // namespace pcl_semantic

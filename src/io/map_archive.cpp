@@ -1,0 +1,310 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "archive_database.h"
+#include "archive_meta.h"
+#include "block_encoding.h"
+#include "block_index_set.h"
+#include "sealed_bytes.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/parallel_guard.h>
+#include <pcl_semantic/io/map_archive.h>
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+
+namespace pcl_semantic {
+
+namespace {
+
+// More than this waiting for a commit goes into the open transaction, so that memory
+// stays flat. [bytes]
+constexpr std::size_t kMostPending = std::size_t(32) << 20;
+
+std::size_t
+bytesOf(const VoxelBlock& block)
+{
+  return sizeof(block) + block.record_of.size() * sizeof(block.record_of[0]) +
+         block.records.size() * sizeof(VoxelRecord) +
+         (block.measured.size() + block.refined.size()) * sizeof(float);
+}
+
+using PendingBlock = std::pair<VoxelIndex, const VoxelBlock*>;
+
+// Encodes and compresses blocks on all threads; each is independent of the others.
+std::vector<Bytes>
+sealBlocks(const std::vector<PendingBlock>& blocks, int classes)
+{
+  std::vector<Bytes> sealed(blocks.size());
+  ParallelGuard guard;
+#pragma omp parallel
+  {
+    std::optional<Sealer> sealer;
+    guard.run([&] { sealer.emplace(); });
+#pragma omp for schedule(dynamic, 16)
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      guard.run([&] {
+        if (sealer)
+          sealed[i] =
+              sealer->seal(encodeBlock(blocks[i].first, *blocks[i].second, classes));
+      });
+  }
+  guard.rethrow();
+  return sealed;
+}
+
+} // namespace
+
+struct MapArchive::Implementation {
+  Implementation(const std::string& path, ArchiveAccess access)
+      : database(path, access == ArchiveAccess::read ? ArchiveDatabase::Access::read
+                                                     : ArchiveDatabase::Access::write)
+  {
+    header = readHeader(database);
+    state = readState(database);
+    readKeys();
+    writable = access == ArchiveAccess::write;
+  }
+
+  // A block whose row is lost would look like one that never was: the keys have to be
+  // those that were committed, in order.
+  void
+  readKeys()
+  {
+    std::optional<VoxelIndex> last;
+    database.forEachBlockKey([&](const VoxelIndex& index) {
+      if (last && !VoxelIndexLess()(*last, index))
+        PCL_THROW_EXCEPTION(BadInputException,
+                            database.path() << ": is damaged: " << nameOfBlock(index)
+                                            << " is not in its place");
+      last = index;
+      stored.insert(index);
+    });
+    if (stored.size() != state.blocks || stored.keySum() != state.key_sum)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          database.path() << ": is damaged: has " << stored.size()
+                                          << " blocks that are not the " << state.blocks
+                                          << " it was committed with");
+  }
+
+  void
+  requireWritable() const
+  {
+    if (!writable)
+      PCL_THROW_EXCEPTION(OutputException,
+                          database.path() << ": is not, or no more, open for writing");
+  }
+
+  // Runs what writes; after a failure the transaction may be gone, so that a later
+  // commit would take part of it only.
+  template <typename Write>
+  void
+  write(Write&& body)
+  {
+    requireWritable();
+    try {
+      body();
+    }
+    catch (...) {
+      writable = false;
+      throw;
+    }
+  }
+
+  std::vector<PendingBlock>
+  pendingInOrder() const
+  {
+    std::vector<PendingBlock> blocks;
+    for (const auto& [index, block] : pending)
+      blocks.emplace_back(index, &block);
+    std::sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) {
+      return VoxelIndexLess()(a.first, b.first);
+    });
+    return blocks;
+  }
+
+  void
+  writePending()
+  {
+    const std::vector<PendingBlock> blocks = pendingInOrder();
+    const std::vector<Bytes> sealed = sealBlocks(blocks, header.label_set.size());
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      database.putBlock(blocks[i].first, sealed[i]);
+      stored.insert(blocks[i].first);
+    }
+    pending.clear();
+    pending_bytes = 0;
+  }
+
+  VoxelBlock
+  decode(const VoxelIndex& index, const Bytes& content) const
+  {
+    return readAt(database.path() + ": " + nameOfBlock(index), [&] {
+      return std::move(*decodeBlock(content, index, header.label_set.size()));
+    });
+  }
+
+  ArchiveDatabase database;
+  ArchiveHeader header;
+  ArchiveState state;
+  BlockIndexSet stored; // in the file, or in the open transaction
+  std::unordered_map<VoxelIndex, VoxelBlock, VoxelIndexHash> pending;
+  std::size_t pending_bytes = 0;
+  bool writable = false;
+  std::recursive_mutex mutex; // a visitor may ask for other blocks
+};
+
+std::shared_ptr<MapArchive>
+MapArchive::create(const std::string& path, const ArchiveHeader& header)
+{
+  ArchiveDatabase::create(path, [&](ArchiveDatabase& database) {
+    writeHeader(database, header);
+    writeState(database, {});
+  });
+  return std::make_shared<MapArchive>(path, ArchiveAccess::write);
+}
+
+MapArchive::MapArchive(const std::string& path, ArchiveAccess access)
+    : implementation_(std::make_unique<Implementation>(path, access))
+{}
+
+MapArchive::~MapArchive() = default;
+
+void
+MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.requireWritable();
+  const auto [place, is_new] = my.pending.try_emplace(block);
+  if (!is_new)
+    my.pending_bytes -= bytesOf(place->second);
+  place->second = content;
+  my.pending_bytes += bytesOf(content);
+  if (my.pending_bytes > kMostPending)
+    my.write([&] { my.writePending(); });
+}
+
+std::unique_ptr<VoxelBlock>
+MapArchive::get(const VoxelIndex& block) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  const auto waiting = my.pending.find(block);
+  if (waiting != my.pending.end())
+    return std::make_unique<VoxelBlock>(waiting->second);
+  if (!my.stored.contains(block))
+    return nullptr;
+  const std::optional<Bytes> content = my.database.getBlock(block);
+  if (!content)
+    PCL_THROW_EXCEPTION(BadInputException, my.database.path() << ": is damaged: lacks "
+                                                              << nameOfBlock(block));
+  return std::make_unique<VoxelBlock>(my.decode(block, *content));
+}
+
+bool
+MapArchive::contains(const VoxelIndex& block) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  return my.pending.count(block) > 0 || my.stored.contains(block);
+}
+
+void
+MapArchive::forEach(
+    const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  // Two ordered lists become one; what waits is newer.
+  const std::vector<PendingBlock> waiting = my.pendingInOrder();
+  auto next = waiting.begin();
+  const auto visitWaitingBefore = [&](const VoxelIndex& index) {
+    for (; next != waiting.end() && VoxelIndexLess()(next->first, index); ++next)
+      visit(next->first, *next->second);
+  };
+  std::uint64_t rows = 0;
+  my.database.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
+    ++rows;
+    visitWaitingBefore(index);
+    if (my.pending.count(index) > 0)
+      return;
+    visit(index, my.decode(index, my.database.unsealBlock(index, sealed)));
+  });
+  for (; next != waiting.end(); ++next)
+    visit(next->first, *next->second);
+  if (rows != my.stored.size())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        my.database.path() << ": is damaged: has " << rows
+                                           << " blocks, expected " << my.stored.size());
+}
+
+void
+MapArchive::putFrame(int number, const std::vector<std::uint8_t>& record)
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.write([&] { my.database.putFrame(number, record); });
+}
+
+void
+MapArchive::forEachFrame(
+    const std::function<void(int, const std::vector<std::uint8_t>&)>& visit) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.database.forEachFrame(visit);
+}
+
+void
+MapArchive::commit(ArchiveState state)
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.write([&] {
+    my.writePending();
+    state.blocks = my.stored.size();
+    state.key_sum = my.stored.keySum();
+    state.frames = my.database.countFrames();
+    state.last_frame = my.database.lastFrame();
+    writeState(my.database, state);
+    my.database.commit();
+    my.state = state;
+  });
+}
+
+void
+MapArchive::close()
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.write([&] { my.database.close(); });
+  my.writable = false;
+}
+
+const std::string&
+MapArchive::path() const
+{
+  return implementation_->database.path();
+}
+
+const ArchiveHeader&
+MapArchive::header() const
+{
+  return implementation_->header;
+}
+
+ArchiveState
+MapArchive::state() const
+{
+  const std::lock_guard<std::recursive_mutex> lock(implementation_->mutex);
+  return implementation_->state;
+}
+
+} // namespace pcl_semantic
