@@ -6,7 +6,7 @@
 
 #pragma once
 
-#include "byte_stream.h"
+#include <pcl_semantic/files/byte_reader.h>
 #include "sqlite_database.h"
 
 #include <pcl_semantic/core/voxel_index.h>

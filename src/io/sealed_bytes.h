@@ -6,7 +6,7 @@
 
 #pragma once
 
-#include "byte_stream.h"
+#include <pcl_semantic/files/byte_reader.h>
 
 #include <memory>
 
