@@ -5,21 +5,12 @@
  */
 
 #include "archive_database.h"
+#include "archive_file.h"
 #include "sealed_bytes.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <unistd.h>
-
 namespace pcl_semantic {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -36,30 +27,6 @@ const std::vector<std::string> tables = {
     "CREATE TABLE frames(number INTEGER PRIMARY KEY, value BLOB NOT NULL) STRICT",
     "CREATE TABLE meta(name TEXT PRIMARY KEY, value BLOB NOT NULL) STRICT, WITHOUT "
     "ROWID"};
-
-// What SQLite would take for the end of this file.
-void
-refuseRemains(const std::string& path)
-{
-  std::error_code error;
-  for (const char* ending : {"-wal", "-journal"})
-    if (fs::exists(path + ending, error))
-      PCL_THROW_EXCEPTION(OutputException,
-                          path + ending << ": is left of an earlier archive of that "
-                                           "name; remove it");
-}
-
-void
-requireReadable(const std::string& path)
-{
-  std::error_code error;
-  if (fs::is_directory(path, error))
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is a folder, expected a file");
-  errno = 0;
-  if (!std::ifstream(path))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": cannot be read: " << std::strerror(errno));
-}
 
 } // namespace
 
@@ -90,32 +57,11 @@ void
 ArchiveDatabase::create(const std::string& path,
                         const std::function<void(ArchiveDatabase&)>& fill)
 {
-  refuseRemains(path);
-  if (fs::exists(path))
-    PCL_THROW_EXCEPTION(OutputException, path << ": is there already");
-  const fs::path folder = fs::path(path).parent_path();
-  const std::string temporary = (folder / ("." + fs::path(path).filename().string() +
-                                           "." + std::to_string(::getpid()) + ".tmp"))
-                                    .string();
-  std::error_code error;
-  fs::remove(temporary, error);
-  try {
-    {
-      ArchiveDatabase archive(temporary, true);
-      fill(archive);
-      archive.database_.run("COMMIT");
-    }
-    fs::rename(temporary, path, error);
-    if (error)
-      PCL_THROW_EXCEPTION(OutputException,
-                          temporary << ": cannot be renamed: " << error.message());
-  }
-  catch (const OutputException& failure) {
-    fs::remove(temporary, error);
-    std::string message = failure.what();
-    message.replace(0, std::min(temporary.size(), message.size()), path);
-    PCL_THROW_EXCEPTION(OutputException, message);
-  }
+  makeArchiveFile(path, [&](const std::string& temporary) {
+    ArchiveDatabase archive(temporary, true);
+    fill(archive);
+    archive.database_.run("COMMIT");
+  });
 }
 
 ArchiveDatabase::ArchiveDatabase(const std::string& path, bool)
@@ -127,7 +73,7 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path, bool)
 }
 
 ArchiveDatabase::ArchiveDatabase(const std::string& path, Access access)
-    : database_((requireReadable(path), path), access), access_(access)
+    : database_((requireReadableFile(path), path), access), access_(access)
 {
   checkTables();
   if (access_ == Access::read)

@@ -6,8 +6,8 @@
 
 #pragma once
 
-#include <pcl_semantic/files/byte_reader.h>
 #include "sqlite_database.h"
+#include <pcl_semantic/files/byte_reader.h>
 
 #include <pcl_semantic/core/voxel_index.h>
 

@@ -8,10 +8,9 @@
 #include "archive_meta.h"
 #include "block_encoding.h"
 #include "block_index_set.h"
-#include "sealed_bytes.h"
+#include "block_sealing.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/io/map_archive.h>
 
 #include <algorithm>
@@ -33,30 +32,6 @@ bytesOf(const VoxelBlock& block)
   return sizeof(block) + block.record_of.size() * sizeof(block.record_of[0]) +
          block.records.size() * sizeof(VoxelRecord) +
          (block.measured.size() + block.refined.size()) * sizeof(float);
-}
-
-using PendingBlock = std::pair<VoxelIndex, const VoxelBlock*>;
-
-// Encodes and compresses blocks on all threads; each is independent of the others.
-std::vector<Bytes>
-sealBlocks(const std::vector<PendingBlock>& blocks, int classes)
-{
-  std::vector<Bytes> sealed(blocks.size());
-  ParallelGuard guard;
-#pragma omp parallel
-  {
-    std::optional<Sealer> sealer;
-    guard.run([&] { sealer.emplace(); });
-#pragma omp for schedule(dynamic, 16)
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-      guard.run([&] {
-        if (sealer)
-          sealed[i] =
-              sealer->seal(encodeBlock(blocks[i].first, *blocks[i].second, classes));
-      });
-  }
-  guard.rethrow();
-  return sealed;
 }
 
 } // namespace
@@ -117,10 +92,10 @@ struct MapArchive::Implementation {
     }
   }
 
-  std::vector<PendingBlock>
+  IndexedBlocks
   pendingInOrder() const
   {
-    std::vector<PendingBlock> blocks;
+    IndexedBlocks blocks;
     for (const auto& [index, block] : pending)
       blocks.emplace_back(index, &block);
     std::sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) {
@@ -132,7 +107,7 @@ struct MapArchive::Implementation {
   void
   writePending()
   {
-    const std::vector<PendingBlock> blocks = pendingInOrder();
+    const IndexedBlocks blocks = pendingInOrder();
     const std::vector<Bytes> sealed = sealBlocks(blocks, header.label_set.size());
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       database.putBlock(blocks[i].first, sealed[i]);
@@ -174,7 +149,15 @@ MapArchive::MapArchive(const std::string& path, ArchiveAccess access)
     : implementation_(std::make_unique<Implementation>(path, access))
 {}
 
-MapArchive::~MapArchive() = default;
+MapArchive::~MapArchive()
+{
+  try {
+    if (implementation_->writable)
+      close();
+  }
+  catch (const std::exception&) { // the file is as it was last committed all the same
+  }
+}
 
 void
 MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
@@ -223,7 +206,7 @@ MapArchive::forEach(
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   // Two ordered lists become one; what waits is newer.
-  const std::vector<PendingBlock> waiting = my.pendingInOrder();
+  const IndexedBlocks waiting = my.pendingInOrder();
   auto next = waiting.begin();
   const auto visitWaitingBefore = [&](const VoxelIndex& index) {
     for (; next != waiting.end() && VoxelIndexLess()(next->first, index); ++next)

@@ -1,0 +1,25 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/files/byte_writer.h>
+#include <pcl_semantic/map/semantic_voxel.h>
+
+#include <utility>
+#include <vector>
+
+namespace pcl_semantic {
+
+using IndexedBlocks = std::vector<std::pair<VoxelIndex, const VoxelBlock*>>;
+
+/** \brief Encodes and compresses blocks on all threads; the result does not depend on
+ * how many there are.
+ * \param[in] classes L
+ * \return a frame a block, see encodeBlock() and Sealer */
+std::vector<Bytes> sealBlocks(const IndexedBlocks& blocks, int classes);
+
+} // namespace pcl_semantic
