@@ -201,4 +201,16 @@ writeState(ArchiveDatabase& database, const ArchiveState& state)
   database.putMeta("state", encodeState(state));
 }
 
+void
+checkFrameCount(ArchiveDatabase& database, const ArchiveState& state)
+{
+  const std::uint64_t frames = database.countFrames();
+  if (frames != state.frames || database.lastFrame() != state.last_frame)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        database.path()
+                            << ": is damaged: has " << frames << " frames, the last "
+                            << database.lastFrame() << ", expected " << state.frames
+                            << " up to " << state.last_frame);
+}
+
 } // namespace pcl_semantic

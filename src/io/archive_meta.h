@@ -22,4 +22,8 @@ ArchiveState readState(ArchiveDatabase& database);
 
 void writeState(ArchiveDatabase& database, const ArchiveState& state);
 
+/** \brief Whether the frames are as many as were committed.
+ * \throws BadInputException */
+void checkFrameCount(ArchiveDatabase& database, const ArchiveState& state);
+
 } // namespace pcl_semantic

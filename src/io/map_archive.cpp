@@ -44,6 +44,7 @@ struct MapArchive::Implementation {
     header = readHeader(database);
     state = readState(database);
     readKeys();
+    checkFrameCount(database, state);
     writable = access == ArchiveAccess::write;
   }
 

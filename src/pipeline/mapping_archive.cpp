@@ -66,11 +66,6 @@ MappingArchive::readRecords(const MappingRun& run)
   archive_->forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
     records_.push_back(decodeFrameRecord(number, bytes));
   });
-  const ArchiveState state = archive_->state();
-  if (records_.size() != state.frames)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options_.path << ": is damaged: has " << records_.size()
-                                      << " frames, expected " << state.frames);
 }
 
 std::shared_ptr<BlockStore>
