@@ -31,8 +31,11 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
                                              << ": is there already: go on with it by "
                                                 "--resume, or remove it");
   if (is_there) {
+    requireSameRun(run); // before it is touched
     archive_ = std::make_shared<MapArchive>(options_.path, ArchiveAccess::write);
-    readRecords(run);
+    archive_->forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
+      records_.push_back(decodeFrameRecord(number, bytes));
+    });
   }
   else
     archive_ = MapArchive::create(options_.path,
@@ -56,16 +59,14 @@ MappingArchive::~MappingArchive()
 }
 
 void
-MappingArchive::readRecords(const MappingRun& run)
+MappingArchive::requireSameRun(const MappingRun& run) const
 {
+  const MapArchive archive(options_.path, ArchiveAccess::read);
   const std::string change =
-      changeOfRun(archive_->header().configuration, describeRun(run));
+      changeOfRun(archive.header().configuration, describeRun(run));
   if (!change.empty())
     PCL_THROW_EXCEPTION(BadInputException,
                         options_.path << ": is the archive of another run: " << change);
-  archive_->forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
-    records_.push_back(decodeFrameRecord(number, bytes));
-  });
 }
 
 std::shared_ptr<BlockStore>

@@ -7,8 +7,8 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/run_description.h>
 
+#include <charconv>
 #include <filesystem>
-#include <iomanip>
 #include <map>
 #include <sstream>
 
@@ -42,19 +42,24 @@ describeInput(const std::string& value)
   return text.str();
 }
 
-// Text that tells any two values apart; ConfigParameter::text() rounds.
+// The shortest text that tells a number from any other.
+std::string
+exactText(double number)
+{
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof(text), number).ptr};
+}
+
+// ConfigParameter::text() rounds.
 std::string
 exactText(const ConfigParameter& parameter)
 {
-  std::ostringstream text;
-  text << std::setprecision(17);
   if (const auto* number = std::get_if<double*>(&parameter.value))
-    text << **number;
-  else if (const auto* vector = std::get_if<Eigen::Vector3d*>(&parameter.value))
-    text << (*vector)->x() << "," << (*vector)->y() << "," << (*vector)->z();
-  else
-    text << parameter.text();
-  return text.str();
+    return exactText(**number);
+  if (const auto* vector = std::get_if<Eigen::Vector3d*>(&parameter.value))
+    return exactText((*vector)->x()) + "," + exactText((*vector)->y()) + "," +
+           exactText((*vector)->z());
+  return parameter.text();
 }
 
 void
@@ -70,12 +75,14 @@ void
 describeCamera(const MappingRun& run, std::ostream& text)
 {
   const StereoCamera& camera = run.camera;
-  text << "camera: fx " << camera.fx << " fy " << camera.fy << " cx " << camera.cx
-       << " cy " << camera.cy << " baseline " << camera.baseline << " size "
-       << camera.width << "x" << camera.height << "\ncamera_pose:";
+  text << "camera:";
+  for (const double value :
+       {camera.fx, camera.fy, camera.cx, camera.cy, camera.baseline})
+    text << " " << exactText(value);
+  text << " " << camera.width << "x" << camera.height << "\ncamera_pose:";
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column)
-      text << " " << run.T_camera0_camera(row, column);
+      text << " " << exactText(run.T_camera0_camera(row, column));
   text << "\n";
 }
 
@@ -111,7 +118,6 @@ std::string
 describeRun(const MappingRun& run)
 {
   std::ostringstream text;
-  text << std::setprecision(17);
   for (const auto& [name, value] : run.inputs)
     text << name << ": " << describeInput(value) << "\n";
   describeFrames(run.frames, text);

@@ -67,7 +67,7 @@ public:
   void close();
 
 private:
-  void readRecords(const MappingRun& run);
+  void requireSameRun(const MappingRun& run) const;
 
   void commit(SemanticMapper& mapper, bool finished);
 
