@@ -155,8 +155,8 @@ exportCloud(const Arguments& arguments)
   tool::refuseSameFiles({arguments.files[0]}, {arguments.files[1]});
   const MapArchive archive(arguments.files[0], ArchiveAccess::read);
   const VoxelSelection selection = selectionOf(arguments, archive.header().label_set);
-  std::cout << "voxels: " << exportVoxels(archive, selection, arguments.files[1])
-            << "\n";
+  const std::size_t voxels = exportVoxels(archive, selection, arguments.files[1]);
+  std::cout << "voxels: " << voxels << "\n";
   return tool::exit_done;
 }
 
@@ -169,7 +169,8 @@ merge(const Arguments& arguments)
                                         arguments.files.end() - 1);
   // A map that is given twice would be believed twice.
   tool::refuseSameFiles({}, arguments.files);
-  std::cout << "blocks: " << mergeArchives(inputs, arguments.files.back()) << "\n";
+  const std::uint64_t blocks = mergeArchives(inputs, arguments.files.back());
+  std::cout << "blocks: " << blocks << "\n";
   return tool::exit_done;
 }
 

@@ -20,7 +20,7 @@ inline VoxelBlock
 makeRandomBlock(std::size_t records, int classes, unsigned seed)
 {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> log_value(-9.3f, 0.0f), share(0.0f, 1.0f);
+  std::uniform_real_distribution<float> log_value(-9.2f, 0.0f), share(0.0f, 1.0f);
   VoxelBlock block;
   for (StoredLogOdds& value : block.log_odds)
     value = random() % 4 == 0 ? kUnknown : StoredLogOdds(int(random() % 28000) - 14000);
