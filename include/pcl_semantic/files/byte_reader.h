@@ -47,15 +47,9 @@ public:
   getColumn(std::size_t count)
   {
     require(count * sizeof(T));
-    using Bits = decltype(bitsOf(T()));
     std::vector<T> values(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      Bits bits = 0;
-      for (std::size_t b = 0; b < sizeof(T); ++b)
-        bits = static_cast<Bits>(bits | Bits(next_[b * count + i]) << (8 * b));
-      std::memcpy(&values[i], &bits, sizeof(T));
-    }
-    next_ += count * sizeof(T);
+    for (T& value : values)
+      value = get<T>();
     return values;
   }
 

@@ -63,18 +63,19 @@ public:
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
 
-  /** \brief Numbers of one kind: all lowest bytes, then all second ones, ...: bytes
-   * that are alike lie together and compress better. */
+  /** \brief Numbers of one kind, one after the other. */
   template <typename T>
   void
   putColumn(const std::vector<T>& values)
   {
-    const std::size_t count = values.size();
-    bytes_.resize(bytes_.size() + count * sizeof(T));
-    std::uint8_t* to = bytes_.data() + bytes_.size() - count * sizeof(T);
-    for (std::size_t b = 0; b < sizeof(T); ++b)
-      for (const T value : values)
-        *to++ = static_cast<std::uint8_t>(bitsOf(value) >> (8 * b));
+    const std::size_t begin = bytes_.size();
+    bytes_.resize(begin + values.size() * sizeof(T));
+    std::uint8_t* to = bytes_.data() + begin;
+    for (const T value : values) {
+      const auto bits = bitsOf(value);
+      for (std::size_t b = 0; b < sizeof(T); ++b)
+        *to++ = static_cast<std::uint8_t>(bits >> (8 * b));
+    }
   }
 
   const Bytes&
