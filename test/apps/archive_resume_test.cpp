@@ -28,7 +28,7 @@ mapCommand(const std::string& output, const std::string& archive,
            const std::string& more = "", const std::string& street = thereAndBack())
 {
   return "map " + street + " --labels " + street +
-         "/labels --voxel-size 0.2 --window 12,12,6 --max-depth 8 --crf-every 2 "
+         "/labels --voxel-size 0.2 --window 12,12,6 --max-depth 8 --crf-every 3 "
          "--output " +
          output + (archive.empty() ? "" : " --archive " + archive) +
          " --archive-every 2 " + more;
@@ -143,14 +143,18 @@ TEST_F(ArchivedRun, KilledAtAnyMomentItGoesOn)
 
 TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
 {
-  for (const std::string signal : {"INT", "TERM"}) {
-    SCOPED_TRACE(signal);
-    const std::string output = folder_.path("out" + signal);
-    const std::string archive = folder_.path(signal + ".map");
-    const ToolResult result = runShell(
-        shellCommand(mapCommand(output, archive)) +
-        " 2>&1 & while kill -0 $! && ! test -e " + output +
-        "/labels/000002.png; do sleep 0.01; done; kill -" + signal + " $!; wait $!");
+  // The CRF has not seen the frame after these: what the end of a run does about that
+  // must not be in what a longer run goes on with.
+  for (const auto& [signal, frame] :
+       {std::pair<std::string, int>{"INT", 1}, {"TERM", 3}, {"INT", 4}}) {
+    SCOPED_TRACE(frame);
+    const std::string name = std::to_string(frame);
+    const std::string output = folder_.path("out" + name);
+    const std::string archive = folder_.path(name + ".map");
+    const ToolResult result =
+        runShell(shellCommand(mapCommand(output, archive)) +
+                 " 2>&1 & while kill -0 $! && ! test -e " + output + "/labels/00000" +
+                 name + ".png; do sleep 0.01; done; kill -" + signal + " $!; wait $!");
     EXPECT_EQ(result.code, 130) << result.text;
     {
       const MapArchive interrupted(archive, ArchiveAccess::read);
@@ -158,7 +162,7 @@ TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
       const int written = readJson(output + "/summary.json")["frames"];
       EXPECT_EQ(interrupted.state().frames, std::uint64_t(written))
           << "an interrupt commits the frames since the last commit";
-      EXPECT_GE(written, 3);
+      EXPECT_GT(written, frame);
       EXPECT_LT(written, frames);
     }
     EXPECT_FALSE(fs::exists(archive + "-wal"));
