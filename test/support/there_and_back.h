@@ -17,8 +17,8 @@
 namespace pcl_semantic {
 
 /** \brief A sequence of \a frames frames, made once a process: the images are those of
- * tinyStreet() over and over; the camera goes 4 m a frame, and in the second half back,
- * so that what has left a small window comes into it again. */
+ * tinyStreet() over and over; the camera goes 2 m a frame to the right, and in the second
+ * half back, so that what has left a small window comes into it again. */
 inline const std::string&
 thereAndBack()
 {
@@ -39,8 +39,8 @@ thereAndBack()
     std::filesystem::remove(path + "/times.txt");
     std::ofstream poses(path + "/poses.txt");
     for (int frame = 0; frame < frames; ++frame)
-      poses << "1 0 0 0 0 1 0 0 0 0 1 " << 4 * std::min(frame, frames - 1 - frame)
-            << "\n";
+      poses << "1 0 0 " << 2 * std::min(frame, frames - 1 - frame)
+            << " 0 1 0 0 0 0 1 0\n";
     return path;
   }();
   return street;
