@@ -17,8 +17,8 @@
 namespace pcl_semantic {
 
 /** \brief A sequence of \a frames frames, made once a process: the images are those of
- * tinyStreet() over and over; the camera goes 2 m a frame to the right, and in the second
- * half back, so that what has left a small window comes into it again. */
+ * tinyStreet() over and over; the camera goes 2 m a frame to the right, and in the
+ * second half back, so that what has left a small window comes into it again. */
 inline const std::string&
 thereAndBack()
 {
