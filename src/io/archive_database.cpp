@@ -10,6 +10,8 @@
 
 #include <pcl_semantic/core/exceptions.h>
 
+#include <sstream>
+
 namespace pcl_semantic {
 
 namespace {
@@ -280,9 +282,12 @@ ArchiveDatabase::integrityFaults()
 {
   SqliteStatement check(database_, "PRAGMA integrity_check");
   std::vector<std::string> faults;
-  while (check.step())
-    if (check.bytes(0) != "ok")
-      faults.emplace_back(check.bytes(0));
+  while (check.step()) {
+    std::istringstream lines{std::string(check.bytes(0))};
+    for (std::string line; std::getline(lines, line);)
+      if (line != "ok" && line.rfind("***", 0) != 0) // a title
+        faults.push_back(line);
+  }
   return faults;
 }
 
