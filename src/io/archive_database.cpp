@@ -237,11 +237,12 @@ ArchiveDatabase::getBlock(const VoxelIndex& index)
   row.bind(3, index.x());
   if (!row.step())
     return std::nullopt;
-  return unsealBlock(index, row.bytes(0));
+  const std::string_view sealed = row.bytes(0);
+  return unsealBlock(index, {sealed.begin(), sealed.end()});
 }
 
 Bytes
-ArchiveDatabase::unsealBlock(const VoxelIndex& index, std::string_view sealed) const
+ArchiveDatabase::unsealBlock(const VoxelIndex& index, const Bytes& sealed) const
 {
   return readAt(path() + ": " + nameOfBlock(index),
                 [&] { return unseal(sealed.data(), sealed.size(), kLargestBlock); });

@@ -63,7 +63,7 @@ public:
   void forEachBlockKey(const std::function<void(const VoxelIndex&)>& visit);
 
   /** \brief What was sealed as that block. */
-  Bytes unsealBlock(const VoxelIndex& index, std::string_view sealed) const;
+  Bytes unsealBlock(const VoxelIndex& index, const Bytes& sealed) const;
 
   /** \brief Visits the blocks in that order, each with what was put. */
   void

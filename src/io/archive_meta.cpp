@@ -7,6 +7,7 @@
 #include "archive_meta.h"
 
 #include <map>
+#include <optional>
 
 namespace pcl_semantic {
 
@@ -199,6 +200,34 @@ void
 writeState(ArchiveDatabase& database, const ArchiveState& state)
 {
   database.putMeta("state", encodeState(state));
+}
+
+BlockIndexSet
+readBlockKeys(ArchiveDatabase& database, const ArchiveState& state)
+{
+  BlockIndexSet blocks;
+  std::optional<VoxelIndex> last;
+  database.forEachBlockKey([&](const VoxelIndex& index) {
+    if (last && !VoxelIndexLess()(*last, index))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          database.path() << ": is damaged: " << nameOfBlock(index)
+                                          << " is not in its place");
+    last = index;
+    blocks.insert(index);
+  });
+  checkBlockKeys(database.path(), blocks, state);
+  return blocks;
+}
+
+void
+checkBlockKeys(const std::string& path, const BlockIndexSet& blocks,
+               const ArchiveState& state)
+{
+  if (blocks.size() != state.blocks || blocks.keySum() != state.key_sum)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is damaged: has " << blocks.size()
+                                                << " blocks that are not the "
+                                                << state.blocks
+                                                << " it was committed with");
 }
 
 void

@@ -7,11 +7,8 @@
 #include "archive_database.h"
 #include "archive_meta.h"
 #include "block_encoding.h"
-#include "block_index_set.h"
 
 #include <pcl_semantic/io/map_archive.h>
-
-#include <cstdlib>
 
 namespace pcl_semantic {
 
@@ -64,16 +61,13 @@ private:
     database_.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
       keys.insert(index);
       check([&] {
-        const Bytes content = database_.unsealBlock(index, sealed);
+        const Bytes content =
+            database_.unsealBlock(index, {sealed.begin(), sealed.end()});
         readAt(database_.path() + ": " + nameOfBlock(index),
                [&] { decodeBlock(content, index, classes); });
       });
     });
-    if (keys.size() != state.blocks || keys.keySum() != state.key_sum)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          database_.path() << ": is damaged: has " << keys.size()
-                                           << " blocks that are not the "
-                                           << state.blocks << " it was committed with");
+    checkBlockKeys(database_.path(), keys, state);
   }
 
   void

@@ -35,4 +35,18 @@ sealBlocks(const IndexedBlocks& blocks, int classes)
   return sealed;
 }
 
+std::vector<std::unique_ptr<VoxelBlock>>
+openBlocks(const SealedBlocks& blocks,
+           const std::function<std::unique_ptr<VoxelBlock>(const VoxelIndex&,
+                                                           const Bytes&)>& open)
+{
+  std::vector<std::unique_ptr<VoxelBlock>> opened(blocks.size());
+  ParallelGuard guard;
+#pragma omp parallel for schedule(dynamic, 16)
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    guard.run([&] { opened[i] = open(blocks[i].first, blocks[i].second); });
+  guard.rethrow();
+  return opened;
+}
+
 } // namespace pcl_semantic

@@ -9,6 +9,8 @@
 #include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
+#include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -21,5 +23,13 @@ using IndexedBlocks = std::vector<std::pair<VoxelIndex, const VoxelBlock*>>;
  * \param[in] classes L
  * \return a frame a block, see encodeBlock() and Sealer */
 std::vector<Bytes> sealBlocks(const IndexedBlocks& blocks, int classes);
+
+using SealedBlocks = std::vector<std::pair<VoxelIndex, Bytes>>;
+
+/** \brief Calls \a open for each block, on all threads. */
+std::vector<std::unique_ptr<VoxelBlock>> openBlocks(
+    const SealedBlocks& blocks,
+    const std::function<std::unique_ptr<VoxelBlock>(const VoxelIndex&, const Bytes&)>&
+        open);
 
 } // namespace pcl_semantic

@@ -7,7 +7,6 @@
 #include "archive_database.h"
 #include "archive_meta.h"
 #include "block_encoding.h"
-#include "block_index_set.h"
 #include "block_sealing.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -26,6 +25,9 @@ namespace {
 // stays flat. [bytes]
 constexpr std::size_t kMostPending = std::size_t(32) << 20;
 
+constexpr std::size_t kBlocksAtATime =
+    256; // are read, and then unpacked by all threads
+
 std::size_t
 bytesOf(const VoxelBlock& block)
 {
@@ -43,30 +45,9 @@ struct MapArchive::Implementation {
   {
     header = readHeader(database);
     state = readState(database);
-    readKeys();
+    stored = readBlockKeys(database, state);
     checkFrameCount(database, state);
     writable = access == ArchiveAccess::write;
-  }
-
-  // A block whose row is lost would look like one that never was: the keys have to be
-  // those that were committed, in order.
-  void
-  readKeys()
-  {
-    std::optional<VoxelIndex> last;
-    database.forEachBlockKey([&](const VoxelIndex& index) {
-      if (last && !VoxelIndexLess()(*last, index))
-        PCL_THROW_EXCEPTION(BadInputException,
-                            database.path() << ": is damaged: " << nameOfBlock(index)
-                                            << " is not in its place");
-      last = index;
-      stored.insert(index);
-    });
-    if (stored.size() != state.blocks || stored.keySum() != state.key_sum)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          database.path() << ": is damaged: has " << stored.size()
-                                          << " blocks that are not the " << state.blocks
-                                          << " it was committed with");
   }
 
   void
@@ -118,12 +99,11 @@ struct MapArchive::Implementation {
     pending_bytes = 0;
   }
 
-  VoxelBlock
+  std::unique_ptr<VoxelBlock>
   decode(const VoxelIndex& index, const Bytes& content) const
   {
-    return readAt(database.path() + ": " + nameOfBlock(index), [&] {
-      return std::move(*decodeBlock(content, index, header.label_set.size()));
-    });
+    return readAt(database.path() + ": " + nameOfBlock(index),
+                  [&] { return decodeBlock(content, index, header.label_set.size()); });
   }
 
   ArchiveDatabase database;
@@ -189,7 +169,7 @@ MapArchive::get(const VoxelIndex& block) const
   if (!content)
     PCL_THROW_EXCEPTION(BadInputException, my.database.path() << ": is damaged: lacks "
                                                               << nameOfBlock(block));
-  return std::make_unique<VoxelBlock>(my.decode(block, *content));
+  return my.decode(block, *content);
 }
 
 bool
@@ -213,14 +193,27 @@ MapArchive::forEach(
     for (; next != waiting.end() && VoxelIndexLess()(next->first, index); ++next)
       visit(next->first, *next->second);
   };
+  SealedBlocks read;
+  const auto visitRead = [&] {
+    const auto blocks =
+        openBlocks(read, [&](const VoxelIndex& index, const Bytes& row) {
+          return my.decode(index, my.database.unsealBlock(index, row));
+        });
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      visitWaitingBefore(read[i].first);
+      visit(read[i].first, *blocks[i]);
+    }
+    read.clear();
+  };
   std::uint64_t rows = 0;
-  my.database.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
+  my.database.forEachBlock([&](const VoxelIndex& index, std::string_view row) {
     ++rows;
-    visitWaitingBefore(index);
-    if (my.pending.count(index) > 0)
-      return;
-    visit(index, my.decode(index, my.database.unsealBlock(index, sealed)));
+    if (my.pending.count(index) == 0)
+      read.emplace_back(index, Bytes(row.begin(), row.end()));
+    if (read.size() == kBlocksAtATime)
+      visitRead();
   });
+  visitRead();
   for (; next != waiting.end(); ++next)
     visit(next->first, *next->second);
   if (rows != my.stored.size())

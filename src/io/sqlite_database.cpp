@@ -8,6 +8,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 
+#include <filesystem>
 #include <new>
 #include <sqlite3.h>
 
@@ -65,7 +66,9 @@ SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
     : path_(path), access_(access)
 {
   const int flags = openFlags(access) | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
-  const int code = sqlite3_open_v2(path.c_str(), &connection_, flags, nullptr);
+  // Some relative names (":memory:") mean something else to SQLite.
+  const std::string absolute = std::filesystem::absolute(path).string();
+  const int code = sqlite3_open_v2(absolute.c_str(), &connection_, flags, nullptr);
   try {
     if (code != SQLITE_OK)
       fail(code);
