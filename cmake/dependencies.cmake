@@ -9,7 +9,10 @@ if(NOT PCL_SEMANTIC_CONSUMER)
   find_package(yaml-cpp REQUIRED)
   find_package(nlohmann_json REQUIRED)
   find_package(Boost REQUIRED COMPONENTS program_options)
+  find_package(SQLite3 REQUIRED)
+  find_package(zstd REQUIRED)
   set(PCL_SEMANTIC_PRIVATE_LIBRARIES
     opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
-    OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json)
+    OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json
+    SQLite::SQLite3 zstd::libzstd_shared)
 endif()

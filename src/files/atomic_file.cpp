@@ -108,9 +108,12 @@ makeOutputFolder(const std::string& path)
 }
 
 void
-removeFrameFiles(const std::string& folder, const std::string& extension)
+removeFrameFiles(const std::string& folder, const std::string& extension,
+                 const std::function<bool(int frame)>& is_removed)
 {
   for (const FrameFile& file : listFrameFiles(folder, {extension})) {
+    if (is_removed && !is_removed(file.frame))
+      continue;
     std::error_code error;
     fs::remove(file.path, error);
     if (error)

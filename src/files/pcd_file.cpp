@@ -82,11 +82,8 @@ readPcd(const std::string& path)
 }
 
 void
-writePcd(const std::string& path, const PcdTable& table)
+writePcdHeader(std::ostream& stream, const PcdTable& table)
 {
-  checkTable(path, table);
-  AtomicFile file(path);
-  std::ostream& stream = file.stream();
   const auto line = [&](const char* name,
                         const std::function<void(const PcdField&)>& print) {
     stream << name;
@@ -108,8 +105,16 @@ writePcd(const std::string& path, const PcdTable& table)
   for (const double value : table.viewpoint)
     stream << ' ' << value;
   stream << "\nPOINTS " << table.points << "\nDATA binary\n";
-  stream.write(reinterpret_cast<const char*>(table.data.data()),
-               std::streamsize(table.data.size()));
+}
+
+void
+writePcd(const std::string& path, const PcdTable& table)
+{
+  checkTable(path, table);
+  AtomicFile file(path);
+  writePcdHeader(file.stream(), table);
+  file.stream().write(reinterpret_cast<const char*>(table.data.data()),
+                      std::streamsize(table.data.size()));
   file.commit();
 }
 

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 
@@ -43,34 +44,70 @@ packColour(const std::array<std::uint8_t, 3>& rgb)
          rgb[2];
 }
 
-} // namespace
-
-void
-writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
-                const LabelSet& label_set, VoxelColour colour)
+PcdTable
+makeTable(int classes, std::size_t count)
 {
-  const int classes = label_set.size();
   PcdTable table;
   table.fields = {{"x"},          {"y"},
                   {"z"},          {"rgba", 'U'},
                   {"label", 'U'}, {"probability", 'F', 4, classes},
                   {"entropy"},    {"observations", 'U'}};
-  table.points = voxels.size();
-  table.data.resize(table.points * table.pointSize());
+  table.points = count;
+  return table;
+}
+
+} // namespace
+
+VoxelCloudWriter::VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
+                                   VoxelColour colour, std::size_t count)
+    : file_(path), label_set_(label_set), colour_(colour), missing_(count)
+{
+  const PcdTable table = makeTable(label_set.size(), count);
+  writePcdHeader(file_.stream(), table);
+  row_.resize(table.pointSize());
+}
+
+void
+VoxelCloudWriter::write(const VoxelCloud& voxels, const std::vector<bool>& is_written)
+{
+  const auto classes = static_cast<std::size_t>(label_set_.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
+    if (!is_written.empty() && !is_written[i])
+      continue;
     const pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
     const auto column = static_cast<Eigen::Index>(i);
-    RowWriter row(table.data.data() + i * table.pointSize());
+    RowWriter row(row_.data());
     row.put(point.data, 3);
-    row.put(colour == VoxelColour::classes
-                ? packColour(label_set[Label(point.label)].colour)
+    row.put(colour_ == VoxelColour::classes
+                ? packColour(label_set_[Label(point.label)].colour)
                 : packColour({point.r, point.g, point.b}));
     row.put(std::uint32_t(point.label));
-    row.put(voxels.refined.column(column), std::size_t(classes));
+    row.put(voxels.refined.column(column), classes);
     row.put(voxels.refined.entropy(column));
     row.put(voxels.observations[i]);
+    file_.stream().write(reinterpret_cast<const char*>(row_.data()),
+                         std::streamsize(row_.size()));
+    --missing_;
   }
-  writePcd(path, table);
+}
+
+void
+VoxelCloudWriter::commit()
+{
+  if (missing_ != 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "another number of voxels was announced, by "
+                            << static_cast<std::int64_t>(missing_));
+  file_.commit();
+}
+
+void
+writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
+                const LabelSet& label_set, VoxelColour colour)
+{
+  VoxelCloudWriter writer(path, label_set, colour, voxels.size());
+  writer.write(voxels);
+  writer.commit();
 }
 
 } // namespace pcl_semantic

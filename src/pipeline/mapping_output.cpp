@@ -21,6 +21,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
 
 namespace pcl_semantic {
 
@@ -51,8 +53,12 @@ toJson(const Eigen::Vector3d& vector)
   return {vector.x(), vector.y(), vector.z()};
 }
 
+// Written at each frame.
+constexpr const char* frame_folders[] = {"labels", "labels_at_depth", "network_labels",
+                                         "overlay"};
+
 constexpr const char* image_folders[] = {"labels", "labels_at_depth", "network_labels",
-                                         "final_labels", "overlay"};
+                                         "overlay", "final_labels"};
 
 Json
 versions()
@@ -108,8 +114,13 @@ MappingOutput::refuseForeignImages() const
 void
 MappingOutput::replaceEarlierRun() const
 {
-  for (const char* name : image_folders)
-    removeFrameFiles(path(name), ".png");
+  std::set<int> kept;
+  for (const FrameRecord& frame : frames_)
+    kept.insert(frame.number);
+  for (const char* name : frame_folders)
+    removeFrameFiles(path(name), ".png",
+                     [&](int frame) { return kept.count(frame) == 0; });
+  removeFrameFiles(path("final_labels"), ".png");
   std::error_code error;
   for (const char* name :
        {"map.pcd", "map_classes.pcd", "top_view.png", "trajectory.txt"})
@@ -125,10 +136,25 @@ MappingOutput::path(const std::string& name) const
 }
 
 void
+MappingOutput::resume(std::vector<FrameRecord> records)
+{
+  frames_ = std::move(records);
+  for (const FrameRecord& frame : frames_)
+    for (const char* name : frame_folders) {
+      const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");
+      if (!std::filesystem::exists(image))
+        PCL_THROW_EXCEPTION(BadInputException,
+                            image << ": is missing; a run goes on in the folder that "
+                                     "the interrupted one wrote to");
+    }
+}
+
+void
 MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map)
 {
-  if (frames_.empty())
+  if (!replaced_)
     replaceEarlierRun();
+  replaced_ = true;
   const std::string name = "/" + frameFileName(mapped.frame.number, ".png");
   const double max_depth = config_.map.max_range;
   const cv::Mat labels =
@@ -139,9 +165,7 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   writePng(path("network_labels" + name), networkLabels(mapped));
   writePng(path("overlay" + name), drawOverlay(mapped.frame.left, labels, label_set_));
 
-  frames_.push_back({mapped.frame.number, mapped.T_world_camera, mapped.counts});
-  for (const auto& [stage, seconds] : mapped.times.seconds())
-    seconds_[stage].push_back(seconds);
+  frames_.push_back(recordOf(mapped));
 }
 
 void
@@ -152,7 +176,7 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   writeVoxelCloud(path("map_classes.pcd"), voxels, label_set_, VoxelColour::classes);
 
   std::vector<Eigen::Vector3d> positions;
-  for (const WrittenFrame& frame : frames_) {
+  for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
     writePng(
         path("final_labels/" + frameFileName(frame.number, ".png")),
@@ -170,7 +194,7 @@ Trajectory
 MappingOutput::trajectory() const
 {
   Trajectory poses;
-  for (const WrittenFrame& frame : frames_) {
+  for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d pose = worldFromFirstCamera().inverse() *
                                    frame.T_world_camera * T_camera0_camera_.inverse();
     poses.resize(std::size_t(frame.number), poses.empty() ? pose : poses.back());
@@ -189,20 +213,23 @@ MappingOutput::writeSummary(const VoxelCloud& voxels) const
   summary["frames"] = frames_.size();
   summary["frame_numbers"] = Json::array();
   ScanCounts total;
-  for (const WrittenFrame& frame : frames_) {
+  std::map<std::string, std::vector<double>> seconds; // by stage
+  for (const FrameRecord& frame : frames_) {
     summary["frame_numbers"].push_back(frame.number);
     total.rays += frame.counts.rays;
     total.sky += frame.counts.sky;
     total.invalid += frame.counts.invalid;
+    for (const auto& [stage, each] : frame.seconds)
+      seconds[stage].push_back(each);
   }
   summary["points"] = {
       {"rays", total.rays}, {"sky", total.sky}, {"without_depth", total.invalid}};
   summary["voxels"] = voxels.size();
   summary["voxel_size"] = voxels.voxel_size;
   summary["map_origin"] = toJson(voxels.origin);
-  for (const auto& [stage, seconds] : seconds_)
-    summary["seconds"][stage] = {{"median", quantile(seconds, 0.5)},
-                                 {"95 %", quantile(seconds, 0.95)}};
+  for (const auto& [stage, all] : seconds)
+    summary["seconds"][stage] = {{"median", quantile(all, 0.5)},
+                                 {"95 %", quantile(all, 0.95)}};
   MapperConfig config = config_;
   for (const ConfigParameter& parameter : parametersOf(config))
     summary["options"][parameter.name] = parameter.text();

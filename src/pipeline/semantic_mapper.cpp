@@ -36,13 +36,29 @@ validated(MapperConfig config)
 SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label_set,
                                MapperConfig config,
                                std::unique_ptr<LabelPredictor> predictor,
-                               std::unique_ptr<PoseSource> poses)
+                               std::unique_ptr<PoseSource> poses,
+                               std::shared_ptr<BlockStore> store)
     : camera_(camera), config_(validated(std::move(config))),
       stereo_(makeStereo(config_)), predictor_(std::move(predictor)),
-      poses_(std::move(poses)), map_(label_set, config_.map)
+      poses_(std::move(poses)), map_(label_set, config_.map, std::move(store))
 {
   camera_.validate();
   setNumberOfThreads(config_.threads);
+}
+
+void
+SemanticMapper::resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin)
+{
+  frames_ = frames;
+  refined_ = finished || isRefinedAt(frames - 1);
+  map_.setCloudOrigin(cloud_origin);
+}
+
+// Whether the CRF has seen the frame, which counts from 0.
+bool
+SemanticMapper::isRefinedAt(int frame) const
+{
+  return config_.crf == "none" || frame % config_.crf_every == 0;
 }
 
 MappedFrame
@@ -60,7 +76,7 @@ SemanticMapper::process(const StereoFrame& frame)
       times.measure("labelling", [&] { return predictor_->predict(frame); });
   result.counts = times.measure("map", [&] { return integrate(result); });
   result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
-  refined_ = config_.crf == "none" || frames_ % config_.crf_every == 0;
+  refined_ = isRefinedAt(frames_);
   if (config_.crf != "none" && refined_)
     times.measure("crf", [&] { refine(result.voxels); });
   ++frames_;

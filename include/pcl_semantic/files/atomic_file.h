@@ -7,6 +7,7 @@
 #pragma once
 
 #include <fstream>
+#include <functional>
 #include <string>
 
 namespace pcl_semantic {
@@ -47,7 +48,10 @@ void writeTextFile(const std::string& path, const std::string& text);
 void makeOutputFolder(const std::string& path);
 
 /** \brief Removes the files of a folder that are named by a frame number and
- * \a extension (`000012.png`). \throws OutputException */
-void removeFrameFiles(const std::string& folder, const std::string& extension);
+ * \a extension (`000012.png`).
+ * \param[in] is_removed which frames' files; null = all
+ * \throws OutputException */
+void removeFrameFiles(const std::string& folder, const std::string& extension,
+                      const std::function<bool(int frame)>& is_removed = nullptr);
 
 } // namespace pcl_semantic

@@ -8,6 +8,7 @@
 
 #include <pcl_semantic/files/pcd_table.h>
 
+#include <iosfwd>
 #include <string>
 
 namespace pcl_semantic {
@@ -30,5 +31,9 @@ PcdTable readPcd(const std::string& path);
  * \throws InvalidParameterException if fields, data, width and height do not fit
  * \throws OutputException if it cannot be written */
 void writePcd(const std::string& path, const PcdTable& table);
+
+/** \brief The header of such a file, for those who write the points themselves.
+ * \param[in] table its data do not matter */
+void writePcdHeader(std::ostream& stream, const PcdTable& table);
 
 } // namespace pcl_semantic

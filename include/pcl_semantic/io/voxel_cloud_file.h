@@ -8,8 +8,11 @@
 
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/files/atomic_file.h>
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -17,6 +20,31 @@ namespace pcl_semantic {
 enum class VoxelColour {
   measured, ///< mean colour of the pixels
   classes   ///< colour of the class, for pcl_viewer
+};
+
+/** \brief Writes the file of writeVoxelCloud() piece by piece, so that only a piece has
+ * to be in memory. */
+class VoxelCloudWriter {
+public:
+  /** \param[in] count voxels that will be written
+   * \throws OutputException */
+  VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
+                   VoxelColour colour, std::size_t count);
+
+  /** \param[in] is_written by voxel; empty = all */
+  void write(const VoxelCloud& voxels, const std::vector<bool>& is_written = {});
+
+  /** \brief The file appears.
+   * \throws InvalidParameterException if it were not \a count voxels
+   * \throws OutputException */
+  void commit();
+
+private:
+  AtomicFile file_;
+  LabelSet label_set_;
+  VoxelColour colour_;
+  std::size_t missing_;
+  std::vector<std::uint8_t> row_;
 };
 
 /** \brief Writes a voxel cloud as binary `.pcd`: fields x y z [m, relative to

@@ -7,9 +7,8 @@
 #pragma once
 
 #include <pcl_semantic/files/trajectory_file.h>
-#include <pcl_semantic/pipeline/semantic_mapper.h>
+#include <pcl_semantic/pipeline/frame_record.h>
 
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +31,12 @@ public:
                 const LabelSet& label_set, const MapperConfig& config,
                 const Eigen::Isometry3d& T_camera0_camera, Inputs inputs = {});
 
+  /** \brief Goes on with what an interrupted run left in the folder. Images of frames
+   * that are not in \a records are removed with the first frame that is written.
+   * \param[in] records of the frames that are in the map
+   * \throws BadInputException if images of those frames are missing */
+  void resume(std::vector<FrameRecord> records);
+
   /** \brief labels, labels_at_depth, network_labels and overlay of a frame.
    * \throws OutputException */
   void writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
@@ -41,12 +46,6 @@ public:
   void finish(const SemanticVoxelMap& map);
 
 private:
-  struct WrittenFrame {
-    int number;
-    Eigen::Isometry3d T_world_camera;
-    ScanCounts counts;
-  };
-
   std::string path(const std::string& name) const;
 
   void refuseForeignImages() const;
@@ -63,8 +62,8 @@ private:
   MapperConfig config_;
   Eigen::Isometry3d T_camera0_camera_;
   Inputs inputs_;
-  std::vector<WrittenFrame> frames_;
-  std::map<std::string, std::vector<double>> seconds_; // by stage
+  std::vector<FrameRecord> frames_;
+  bool replaced_ = false; // an earlier run's files are gone
 };
 
 } // namespace pcl_semantic

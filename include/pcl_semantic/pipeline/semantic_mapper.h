@@ -42,10 +42,18 @@ public:
    * \param[in] label_set the classes that \a predictor gives
    * \param[in] predictor labels of the pixels
    * \param[in] poses of the left camera
+   * \param[in] store where voxels go that leave the window; null = memory
    * \throws InvalidParameterException */
   SemanticMapper(const StereoCamera& camera, const LabelSet& label_set,
                  MapperConfig config, std::unique_ptr<LabelPredictor> predictor,
-                 std::unique_ptr<PoseSource> poses);
+                 std::unique_ptr<PoseSource> poses,
+                 std::shared_ptr<BlockStore> store = nullptr);
+
+  /** \brief Goes on with the map that the store holds. Only before the first frame.
+   * \param[in] frames that are in it
+   * \param[in] finished whether finish() was called after them
+   * \param[in] cloud_origin of the map, see SemanticVoxelMap::cloudOrigin */
+  void resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin);
 
   void
   setCallback(Callback callback)
@@ -61,6 +69,13 @@ public:
    * that the finished map is refined throughout. */
   void finish();
 
+  /** \brief Puts what has changed in the window into the store. */
+  void
+  flush()
+  {
+    map_.flush();
+  }
+
   const SemanticVoxelMap&
   map() const
   {
@@ -68,6 +83,8 @@ public:
   }
 
 private:
+  bool isRefinedAt(int frame) const;
+
   ScanCounts integrate(const MappedFrame& mapped);
 
   void refine(VoxelCloud& voxels);

@@ -1,0 +1,104 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "map_arguments.h"
+#include "parameter_options.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <filesystem>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+// Options of the tool itself; those of MapperConfig come from its own list.
+po::options_description
+describeOptions(MapArguments& arguments)
+{
+  po::options_description options("Options");
+  options.add_options()("sequence", po::value(&arguments.sequence),
+                        "folder in KITTI's odometry layout")(
+      "output", po::value(&arguments.output),
+      "folder to write to; an earlier map in it is replaced")(
+      "labels", po::value(&arguments.labels),
+      "folder of stored label distributions: .bin, .npy or .png a frame")(
+      "label-set", po::value(&arguments.label_set),
+      "classes of --labels (default: label_sets/kitti11.yaml)")(
+      "network", po::value(&arguments.network), "description of a network (.yaml)")(
+      "model", po::value(&arguments.model), "the network itself (.onnx)")(
+      "poses", po::value(&arguments.poses)->default_value("sequence"),
+      "KITTI trajectory file, or 'sequence' for its own poses.txt")(
+      "frames", po::value(&arguments.frames), "A:B, frames numbered A <= n < B")(
+      "archive", po::value(&arguments.archive.path),
+      "file that keeps the map: the run can be killed and go on")(
+      "archive-every", po::value(&arguments.archive.every)->default_value(10),
+      "frames from one commit to the archive to the next")(
+      "resume", po::bool_switch(&arguments.archive.resume),
+      "go on with the archive; begin if there is none")(
+      "config", po::value(&arguments.config),
+      "parameters as YAML; options override it")(
+      "print-config", po::bool_switch(&arguments.print_config),
+      "print the effective parameters as YAML and end");
+  return options;
+}
+
+} // namespace
+
+bool
+parseMapArguments(int argc, char** argv, MapArguments& arguments)
+{
+  po::options_description options = describeOptions(arguments);
+  addParameters(parametersOf(arguments.parameters), options);
+  po::variables_map values;
+  const Usage usage{
+      "pcl_semantic_map",
+      "SEQUENCE --output DIR (--labels DIR | --network FILE.yaml) [options]",
+      "Maps a stereo sequence: writes a labelled voxel map, the classes as the camera\n"
+      "sees them in it, pictures and a summary. Defaults of the parameters are shown.",
+      "pcl_semantic_synthesize /tmp/street && \\\n"
+      "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map"};
+  po::positional_options_description positional;
+  positional.add("sequence", 1);
+  if (!parseCommandLine(argc, argv, usage, options, positional, values))
+    return false;
+  readMapperConfig(arguments.config, arguments.parameters);
+  setParameters(values, parametersOf(arguments.parameters));
+  arguments.parameters.validate();
+  return true;
+}
+
+void
+requireMapArguments(const MapArguments& arguments)
+{
+  const auto fail = [](const char* message) {
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        message << " (see pcl_semantic_map --help)");
+  };
+  if (arguments.sequence.empty())
+    fail("the SEQUENCE is missing");
+  if (arguments.output.empty())
+    fail("--output is missing");
+  if (arguments.archive.resume && arguments.archive.path.empty())
+    fail("--resume needs --archive");
+  if (arguments.archive.every < 1)
+    fail("--archive-every is less than 1");
+  if (arguments.labels.empty() == arguments.network.empty())
+    fail("expected either --labels or --network");
+  if (!arguments.model.empty() && arguments.network.empty())
+    fail("--model needs --network");
+  if (!arguments.label_set.empty() && arguments.labels.empty())
+    fail("--label-set is for --labels; the description of a network names its own");
+  std::error_code error;
+  if (std::filesystem::exists(arguments.output + "/calib.txt", error))
+    fail("--output holds a sequence (calib.txt); maps need a folder of their own");
+  if (std::filesystem::equivalent(arguments.labels, arguments.output + "/labels",
+                                  error))
+    fail("--labels is where --output puts its own labels");
+}
+
+} // namespace pcl_semantic::tool

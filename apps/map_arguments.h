@@ -1,0 +1,34 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/pipeline/mapping_archive.h>
+
+#include <string>
+
+namespace pcl_semantic::tool {
+
+/** \brief The command line of pcl_semantic_map. */
+struct MapArguments {
+  std::string sequence, output, labels, label_set, network, model, poses, config;
+  std::string frames = ":";
+  bool print_config = false;
+  MappingArchive::Options archive;
+  MapperConfig parameters;
+};
+
+/** \brief Reads it.
+ * \return false if nothing is left to do, see parseCommandLine()
+ * \throws InvalidParameterException, BadInputException */
+bool parseMapArguments(int argc, char** argv, MapArguments& arguments);
+
+/** \brief What a run cannot do without, or together.
+ * \throws InvalidParameterException */
+void requireMapArguments(const MapArguments& arguments);
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,91 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace pcl_semantic {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/** \brief The unsigned integer that has the bits of a number. */
+template <typename T>
+auto
+bitsOf(T value)
+{
+  using Bits = std::conditional_t<
+      sizeof(T) == 1, std::uint8_t,
+      std::conditional_t<
+          sizeof(T) == 2, std::uint16_t,
+          std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
+  static_assert(sizeof(Bits) == sizeof(T) && std::is_arithmetic_v<T>);
+  Bits bits;
+  std::memcpy(&bits, &value, sizeof(bits));
+  return bits;
+}
+
+/** \brief Writes numbers and texts one after the other, little-endian on any machine.
+ */
+class ByteWriter {
+public:
+  /** \param[in] expected bytes, so that memory is taken once */
+  explicit ByteWriter(std::size_t expected = 0) { bytes_.reserve(expected); }
+
+  template <typename T>
+  void
+  put(T value)
+  {
+    const auto bits = bitsOf(value);
+    for (std::size_t b = 0; b < sizeof(T); ++b)
+      bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * b)));
+  }
+
+  /** \brief The number of bytes as 32 bits, then the bytes. */
+  void
+  putText(const std::string& text)
+  {
+    put(static_cast<std::uint32_t>(text.size()));
+    bytes_.insert(bytes_.end(), text.begin(), text.end());
+  }
+
+  void
+  putBytes(const Bytes& bytes)
+  {
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+
+  /** \brief Numbers of one kind, one after the other. */
+  template <typename T>
+  void
+  putColumn(const std::vector<T>& values)
+  {
+    const std::size_t begin = bytes_.size();
+    bytes_.resize(begin + values.size() * sizeof(T));
+    std::uint8_t* to = bytes_.data() + begin;
+    for (const T value : values) {
+      const auto bits = bitsOf(value);
+      for (std::size_t b = 0; b < sizeof(T); ++b)
+        *to++ = static_cast<std::uint8_t>(bits >> (8 * b));
+    }
+  }
+
+  const Bytes&
+  bytes() const
+  {
+    return bytes_;
+  }
+
+private:
+  Bytes bytes_;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,46 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/voxel_cloud_file.h>
+
+#include <Eigen/Geometry>
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Which voxels of a map are meant. */
+struct VoxelSelection {
+  /// Holds the centres, lower faces included, upper ones not; world frame [m].
+  Eigen::AlignedBox3d box{Eigen::Vector3d::Constant(-1e300),
+                          Eigen::Vector3d::Constant(1e300)};
+  std::vector<Label> labels; ///< MAP labels, kUnlabelled too; empty = any
+};
+
+/** \brief What archiveExtent() finds. */
+struct ArchiveExtent {
+  std::size_t voxels = 0;  ///< occupied
+  Eigen::AlignedBox3d box; ///< that holds them, world frame [m]; empty if none are
+};
+
+/** \brief Number and extent of the occupied voxels. Reads the whole archive. */
+ArchiveExtent archiveExtent(const MapArchive& archive);
+
+/** \brief Writes occupied voxels as writeVoxelCloud() does; of the whole map the file
+ * is the same byte by byte. Takes memory for a block at a time, and reads the archive
+ * twice.
+ * \return number of voxels
+ * \throws BadInputException if the archive is damaged
+ * \throws OutputException */
+std::size_t exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
+                         const std::string& path,
+                         VoxelColour colour = VoxelColour::measured);
+
+} // namespace pcl_semantic

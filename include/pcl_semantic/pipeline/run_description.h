@@ -1,0 +1,48 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief What the result of a run depends on. */
+struct MappingRun {
+  /** Names and values: ("sequence", "kitti/05"). Of a value that is the path of a file
+   * its bytes count too. */
+  std::vector<std::pair<std::string, std::string>> inputs;
+  std::vector<int> frames; ///< numbers, in order
+  StereoCamera camera;
+  Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
+  LabelSet label_set;
+  MapperConfig config;
+
+  bool
+  contains(int frame) const
+  {
+    return std::binary_search(frames.begin(), frames.end(), frame);
+  }
+};
+
+/** \brief A run as text, one "name: value" a line, everything but the number of
+ * threads, on which nothing depends. Two runs of the same text make the same map. */
+std::string describeRun(const MappingRun& run);
+
+/** \brief The first difference of two such texts, for a message: "voxel_size was 0.1,
+ * is 0.2"; empty if there is none. */
+std::string changeOfRun(const std::string& before, const std::string& now);
+
+} // namespace pcl_semantic

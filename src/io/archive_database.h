@@ -1,0 +1,112 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "sqlite_database.h"
+#include <pcl_semantic/files/byte_reader.h>
+
+#include <pcl_semantic/core/voxel_index.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+namespace pcl_semantic {
+
+/** \brief The tables of a map archive: sealed values under a name, a frame number or a
+ * block index. Every value holds its own key, which reading compares, so that neither a
+ * value nor the place it lies at can change unnoticed.
+ *
+ * Writers have the file to themselves from beginning to end; readers see it as it was
+ * last committed. Everything throws as SqliteDatabase does, with the key in the
+ * message. */
+class ArchiveDatabase {
+public:
+  using Access = SqliteDatabase::Access;
+
+  /** \brief Makes an empty archive, and only with all its tables in the place.
+   * \param[in] fill puts values into it
+   * \throws OutputException also if there is one already */
+  static void create(const std::string& path,
+                     const std::function<void(ArchiveDatabase&)>& fill);
+
+  ArchiveDatabase(const std::string& path, Access access);
+
+  /** \brief Ends the transaction, and begins the next. */
+  void commit();
+
+  /** \brief Drops what was not committed; brings all into one file, if no reader is in
+   * the way. */
+  void close();
+
+  void putMeta(const std::string& name, const Bytes& content);
+  Bytes getMeta(const std::string& name);
+
+  void putFrame(int number, const Bytes& content);
+  void forEachFrame(const std::function<void(int, const Bytes&)>& visit);
+  std::uint64_t countFrames();
+
+  /** \brief The largest number of a frame; -1 without any. */
+  std::int64_t lastFrame();
+
+  /** \param[in] sealed an encoded block, which begins with its index */
+  void putBlock(const VoxelIndex& index, const Bytes& sealed);
+
+  /** \brief What was sealed; nothing if there is no such block. */
+  std::optional<Bytes> getBlock(const VoxelIndex& index);
+
+  /** \brief Visits the keys of the blocks in the order z, y, x. */
+  void forEachBlockKey(const std::function<void(const VoxelIndex&)>& visit);
+
+  /** \brief What was sealed as that block. */
+  Bytes unsealBlock(const VoxelIndex& index, const Bytes& sealed) const;
+
+  /** \brief Visits the blocks in that order, each with what was put. */
+  void
+  forEachBlock(const std::function<void(const VoxelIndex&, std::string_view)>& visit);
+
+  /** \brief What SQLite itself finds wrong with the file, a line each. */
+  std::vector<std::string> integrityFaults();
+
+  const std::string&
+  path() const
+  {
+    return database_.path();
+  }
+
+private:
+  ArchiveDatabase(const std::string& path, bool make);
+
+  void makeTables();
+
+  void checkTables();
+
+  VoxelIndex keyOf(const SqliteStatement& row) const;
+
+  SqliteDatabase database_;
+  Access access_;
+  struct Statements;
+  std::shared_ptr<Statements> statements_;
+};
+
+/** \brief Text of a key for messages: "block 1 -2 3" (x y z). */
+std::string nameOfBlock(const VoxelIndex& index);
+
+/** \brief Runs \a read, and puts \a where in front of what it finds wrong. */
+template <typename Read>
+auto
+readAt(const std::string& where, Read&& read)
+{
+  try {
+    return read();
+  }
+  catch (const BadInputException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, where << ": " << error.what());
+  }
+}
+
+} // namespace pcl_semantic

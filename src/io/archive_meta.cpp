@@ -1,0 +1,250 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "archive_meta.h"
+
+#include <map>
+#include <optional>
+
+namespace pcl_semantic {
+
+namespace {
+
+using NamedValues = std::map<std::string, double*>;
+
+NamedValues
+valuesOf(MapParameters& parameters)
+{
+  FusionParameters& fusion = parameters.fusion;
+  return {{"voxel_size", &parameters.voxel_size},
+          {"window_x", &parameters.window.x()},
+          {"window_y", &parameters.window.y()},
+          {"window_z", &parameters.window.z()},
+          {"max_range", &parameters.max_range},
+          {"hit_probability", &fusion.hit_probability},
+          {"miss_probability", &fusion.miss_probability},
+          {"min_probability", &fusion.min_probability},
+          {"max_probability", &fusion.max_probability},
+          {"occupied_probability", &fusion.occupied_probability},
+          {"dynamic_decay", &fusion.dynamic_decay},
+          {"label_min_probability", &fusion.label_min_probability},
+          {"label_max_ratio", &fusion.label_max_ratio}};
+}
+
+void
+requireEnd(const ByteReader& reader)
+{
+  if (reader.left() > 0)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "has " << reader.left() << " bytes behind its end");
+}
+
+// What cannot be is the file's fault here, not the caller's.
+template <typename Make>
+auto
+makeOrRefuse(Make&& make)
+{
+  try {
+    return make();
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, error.what());
+  }
+}
+
+Bytes
+encodeLabelSet(const LabelSet& label_set)
+{
+  ByteWriter writer;
+  writer.put(static_cast<std::uint8_t>(label_set.size()));
+  for (int label = 1; label <= label_set.size(); ++label) {
+    const LabelClass& each = label_set[Label(label)];
+    writer.putText(each.name);
+    for (const std::uint8_t channel : each.colour)
+      writer.put(channel);
+    writer.put(static_cast<std::uint8_t>(each.sky));
+    writer.put(static_cast<std::uint8_t>(each.dynamic));
+  }
+  return writer.bytes();
+}
+
+LabelSet
+decodeLabelSet(const Bytes& bytes)
+{
+  ByteReader reader(bytes);
+  std::vector<LabelClass> classes(reader.get<std::uint8_t>());
+  for (LabelClass& each : classes) {
+    each.name = reader.getText();
+    for (std::uint8_t& channel : each.colour)
+      channel = reader.get<std::uint8_t>();
+    each.sky = reader.get<std::uint8_t>() != 0;
+    each.dynamic = reader.get<std::uint8_t>() != 0;
+  }
+  requireEnd(reader);
+  return makeOrRefuse([&] { return LabelSet(std::move(classes)); });
+}
+
+Bytes
+encodeParameters(const MapParameters& parameters)
+{
+  MapParameters copy = parameters;
+  const NamedValues values = valuesOf(copy);
+  ByteWriter writer;
+  writer.put(static_cast<std::uint32_t>(values.size() + 2));
+  for (const auto& [name, value] : values) {
+    writer.putText(name);
+    writer.put(*value);
+  }
+  writer.putText("pixel_fusion");
+  writer.put(static_cast<double>(parameters.fusion.pixel_fusion));
+  writer.putText("per_ray_counting");
+  writer.put(static_cast<double>(parameters.fusion.per_ray_counting));
+  return writer.bytes();
+}
+
+MapParameters
+decodeParameters(const Bytes& bytes)
+{
+  MapParameters parameters;
+  NamedValues missing = valuesOf(parameters);
+  double pixel_fusion = 0.0, per_ray_counting = 0.0;
+  missing["pixel_fusion"] = &pixel_fusion;
+  missing["per_ray_counting"] = &per_ray_counting;
+  ByteReader reader(bytes);
+  for (auto count = reader.get<std::uint32_t>(); count > 0; --count) {
+    const std::string name = reader.getText();
+    const auto value = reader.get<double>();
+    const auto known = missing.find(name);
+    if (known == missing.end())
+      continue;
+    *known->second = value;
+    missing.erase(known);
+  }
+  requireEnd(reader);
+  if (!missing.empty())
+    PCL_THROW_EXCEPTION(BadInputException, "lacks " << missing.begin()->first);
+  parameters.fusion.pixel_fusion =
+      pixel_fusion == 0.0 ? PixelFusion::mean : PixelFusion::product;
+  parameters.fusion.per_ray_counting = per_ray_counting != 0.0;
+  makeOrRefuse([&] { parameters.validate(); });
+  return parameters;
+}
+
+Bytes
+encodeState(const ArchiveState& state)
+{
+  ByteWriter writer;
+  for (const double coordinate :
+       {state.cloud_origin.x(), state.cloud_origin.y(), state.cloud_origin.z()})
+    writer.put(coordinate);
+  writer.put(static_cast<std::uint8_t>(state.finished));
+  writer.put(state.blocks);
+  writer.put(state.key_sum);
+  writer.put(state.frames);
+  writer.put(state.last_frame);
+  return writer.bytes();
+}
+
+ArchiveState
+decodeState(const Bytes& bytes)
+{
+  ByteReader reader(bytes);
+  ArchiveState state;
+  for (int axis = 0; axis < 3; ++axis)
+    state.cloud_origin[axis] = reader.get<double>();
+  state.finished = reader.get<std::uint8_t>() != 0;
+  state.blocks = reader.get<std::uint64_t>();
+  state.key_sum = reader.get<std::uint64_t>();
+  state.frames = reader.get<std::uint64_t>();
+  state.last_frame = reader.get<std::int64_t>();
+  requireEnd(reader);
+  if (!state.cloud_origin.allFinite())
+    PCL_THROW_EXCEPTION(BadInputException, "has an origin that is not finite");
+  return state;
+}
+
+template <typename Decode>
+auto
+readMeta(ArchiveDatabase& database, const std::string& name, Decode decode)
+{
+  const Bytes content = database.getMeta(name);
+  return readAt(database.path() + ": '" + name + "'", [&] { return decode(content); });
+}
+
+} // namespace
+
+ArchiveHeader
+readHeader(ArchiveDatabase& database)
+{
+  return {readMeta(database, "label_set", decodeLabelSet),
+          readMeta(database, "parameters", decodeParameters),
+          readMeta(database, "configuration", [](const Bytes& bytes) {
+            return std::string(bytes.begin(), bytes.end());
+          })};
+}
+
+void
+writeHeader(ArchiveDatabase& database, const ArchiveHeader& header)
+{
+  const std::string& text = header.configuration;
+  database.putMeta("label_set", encodeLabelSet(header.label_set));
+  database.putMeta("parameters", encodeParameters(header.parameters));
+  database.putMeta("configuration", {text.begin(), text.end()});
+}
+
+ArchiveState
+readState(ArchiveDatabase& database)
+{
+  return readMeta(database, "state", decodeState);
+}
+
+void
+writeState(ArchiveDatabase& database, const ArchiveState& state)
+{
+  database.putMeta("state", encodeState(state));
+}
+
+BlockIndexSet
+readBlockKeys(ArchiveDatabase& database, const ArchiveState& state)
+{
+  BlockIndexSet blocks;
+  std::optional<VoxelIndex> last;
+  database.forEachBlockKey([&](const VoxelIndex& index) {
+    if (last && !VoxelIndexLess()(*last, index))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          database.path() << ": is damaged: " << nameOfBlock(index)
+                                          << " is not in its place");
+    last = index;
+    blocks.insert(index);
+  });
+  checkBlockKeys(database.path(), blocks, state);
+  return blocks;
+}
+
+void
+checkBlockKeys(const std::string& path, const BlockIndexSet& blocks,
+               const ArchiveState& state)
+{
+  if (blocks.size() != state.blocks || blocks.keySum() != state.key_sum)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is damaged: has " << blocks.size()
+                                                << " blocks that are not the "
+                                                << state.blocks
+                                                << " it was committed with");
+}
+
+void
+checkFrameCount(ArchiveDatabase& database, const ArchiveState& state)
+{
+  const std::uint64_t frames = database.countFrames();
+  if (frames != state.frames || database.lastFrame() != state.last_frame)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        database.path()
+                            << ": is damaged: has " << frames << " frames, the last "
+                            << database.lastFrame() << ", expected " << state.frames
+                            << " up to " << state.last_frame);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,92 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "archive_database.h"
+#include "archive_meta.h"
+#include "block_encoding.h"
+
+#include <pcl_semantic/io/map_archive.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+class Verifier {
+public:
+  explicit Verifier(const std::string& path)
+      : database_(path, ArchiveDatabase::Access::read)
+  {}
+
+  std::vector<std::string>
+  faults()
+  {
+    check([&] {
+      for (const std::string& fault : database_.integrityFaults())
+        found_.push_back(database_.path() + ": is damaged: " + fault);
+    });
+    check([&] { checkContent(); });
+    return found_;
+  }
+
+private:
+  // Keeps what is thrown as a fault.
+  template <typename Check>
+  void
+  check(Check&& body)
+  {
+    try {
+      body();
+    }
+    catch (const BadInputException& error) {
+      found_.push_back(error.what());
+    }
+  }
+
+  void
+  checkContent()
+  {
+    const int classes = readHeader(database_).label_set.size();
+    const ArchiveState state = readState(database_);
+    check([&] { checkBlocks(state, classes); });
+    check([&] { checkFrames(state); });
+  }
+
+  void
+  checkBlocks(const ArchiveState& state, int classes)
+  {
+    BlockIndexSet keys;
+    database_.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
+      keys.insert(index);
+      check([&] {
+        const Bytes content =
+            database_.unsealBlock(index, {sealed.begin(), sealed.end()});
+        readAt(database_.path() + ": " + nameOfBlock(index),
+               [&] { decodeBlock(content, index, classes); });
+      });
+    });
+    checkBlockKeys(database_.path(), keys, state);
+  }
+
+  void
+  checkFrames(const ArchiveState& state)
+  {
+    checkFrameCount(database_, state);
+    database_.forEachFrame([](int, const Bytes&) {});
+  }
+
+  ArchiveDatabase database_;
+  std::vector<std::string> found_;
+};
+
+} // namespace
+
+std::vector<std::string>
+verifyArchive(const std::string& path)
+{
+  return Verifier(path).faults();
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,187 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "block_encoding.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Numbers = std::vector<std::uint32_t>;
+
+constexpr std::size_t kIndexSize = 3 * sizeof(std::int32_t);
+constexpr std::size_t kCountsSize = sizeof(std::uint8_t) + sizeof(std::uint16_t);
+constexpr std::size_t kRecordNumbers = 6;
+
+void
+checkBlock(const VoxelBlock& block, int classes)
+{
+  const std::size_t records = block.records.size();
+  const std::size_t floats = records * static_cast<std::size_t>(classes);
+  const auto marked = std::count_if(block.record_of.begin(), block.record_of.end(),
+                                    [](int record) { return record >= 0; });
+  if (records > kBlockVoxels || std::size_t(marked) != records ||
+      block.measured.size() != floats || block.refined.size() != floats ||
+      (records > 0 && block.record_of.size() != kBlockVoxels))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a block of "
+                            << records << " records and " << block.measured.size()
+                            << " values does not fit " << classes << " classes");
+}
+
+// The numbers of a record, in the order of their columns.
+std::array<std::uint32_t, kRecordNumbers>
+numbersOf(const VoxelRecord& record)
+{
+  return {record.colour_sum[0], record.colour_sum[1], record.colour_sum[2],
+          record.colour_count,  record.observations,  record.label_observations};
+}
+
+void
+setNumber(VoxelRecord& record, std::size_t column, std::uint32_t value)
+{
+  std::uint32_t* const numbers[] = {&record.colour_sum[0], &record.colour_sum[1],
+                                    &record.colour_sum[2], &record.colour_count,
+                                    &record.observations,  &record.label_observations};
+  *numbers[column] = value;
+}
+
+void
+putDistributions(const std::vector<float>& values, const std::vector<int>& order,
+                 int classes, ByteWriter& writer)
+{
+  std::vector<float> column(order.size());
+  for (int k = 0; k < classes; ++k) {
+    for (std::size_t i = 0; i < order.size(); ++i)
+      column[i] = values[std::size_t(order[i] * classes + k)];
+    writer.putColumn(column);
+  }
+}
+
+std::vector<float>
+getDistributions(ByteReader& reader, std::size_t records, int classes)
+{
+  std::vector<float> values(records * std::size_t(classes));
+  for (std::size_t k = 0; k < std::size_t(classes); ++k) {
+    const std::vector<float> column = reader.getColumn<float>(records);
+    for (std::size_t i = 0; i < records; ++i) {
+      if (!std::isfinite(column[i]))
+        PCL_THROW_EXCEPTION(BadInputException, "holds a value that is not finite");
+      values[i * std::size_t(classes) + k] = column[i];
+    }
+  }
+  return values;
+}
+
+void
+putRecords(const VoxelBlock& block, int classes, ByteWriter& writer)
+{
+  std::vector<int> order;
+  std::array<std::uint8_t, kBlockVoxels / 8> mask{};
+  for (int place = 0; place < kBlockVoxels; ++place)
+    if (block.recordAt(place) != VoxelBlock::kNoRecord) {
+      order.push_back(block.recordAt(place));
+      mask[std::size_t(place / 8)] |= std::uint8_t(1u << (place % 8));
+    }
+  for (const std::uint8_t byte : mask)
+    writer.put(byte);
+  Numbers column(order.size());
+  for (std::size_t c = 0; c < kRecordNumbers; ++c) {
+    for (std::size_t i = 0; i < order.size(); ++i)
+      column[i] = numbersOf(block.records[std::size_t(order[i])])[c];
+    writer.putColumn(column);
+  }
+  putDistributions(block.measured, order, classes, writer);
+  putDistributions(block.refined, order, classes, writer);
+}
+
+void
+getRecords(ByteReader& reader, std::size_t records, int classes, VoxelBlock& block)
+{
+  block.record_of.assign(kBlockVoxels, VoxelBlock::kNoRecord);
+  std::size_t next = 0;
+  std::uint8_t byte = 0;
+  for (int place = 0; place < kBlockVoxels; ++place) {
+    if (place % 8 == 0)
+      byte = reader.get<std::uint8_t>();
+    if (byte >> (place % 8) & 1)
+      block.record_of[std::size_t(place)] = static_cast<std::int16_t>(next++);
+  }
+  if (next != records)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "marks " << next << " voxels, expected " << records);
+  block.records.resize(records);
+  for (std::size_t c = 0; c < kRecordNumbers; ++c) {
+    const Numbers column = reader.getColumn<std::uint32_t>(records);
+    for (std::size_t i = 0; i < records; ++i)
+      setNumber(block.records[i], c, column[i]);
+  }
+  block.measured = getDistributions(reader, records, classes);
+  block.refined = getDistributions(reader, records, classes);
+}
+
+} // namespace
+
+std::size_t
+encodedBlockSize(std::size_t records, int classes)
+{
+  const std::size_t fixed =
+      kIndexSize + kCountsSize + kBlockVoxels * sizeof(StoredLogOdds);
+  if (records == 0)
+    return fixed;
+  return fixed + kBlockVoxels / 8 +
+         records * (kRecordNumbers * sizeof(std::uint32_t) +
+                    2 * std::size_t(classes) * sizeof(float));
+}
+
+Bytes
+encodeBlock(const VoxelIndex& index, const VoxelBlock& block, int classes)
+{
+  checkBlock(block, classes);
+  ByteWriter writer(encodedBlockSize(block.records.size(), classes));
+  for (const std::int32_t coordinate : {index.z(), index.y(), index.x()})
+    writer.put(coordinate);
+  writer.put(static_cast<std::uint8_t>(classes));
+  writer.put(static_cast<std::uint16_t>(block.records.size()));
+  writer.putColumn(
+      std::vector<StoredLogOdds>(block.log_odds.begin(), block.log_odds.end()));
+  if (!block.records.empty())
+    putRecords(block, classes, writer);
+  return writer.bytes();
+}
+
+std::unique_ptr<VoxelBlock>
+decodeBlock(const Bytes& bytes, const VoxelIndex& index, int classes)
+{
+  ByteReader reader(bytes);
+  const auto z = reader.get<std::int32_t>();
+  const auto y = reader.get<std::int32_t>();
+  const auto x = reader.get<std::int32_t>();
+  if (VoxelIndex(x, y, z) != index)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "holds the block " << x << " " << y << " " << z);
+  const int stored_classes = reader.get<std::uint8_t>();
+  const std::size_t records = reader.get<std::uint16_t>();
+  if (stored_classes != classes)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "has " << stored_classes << " classes, expected " << classes);
+  if (records > kBlockVoxels || bytes.size() != encodedBlockSize(records, classes))
+    PCL_THROW_EXCEPTION(BadInputException, "has " << bytes.size()
+                                                  << " bytes, which are not those of "
+                                                  << records << " records");
+  auto block = std::make_unique<VoxelBlock>();
+  const std::vector<StoredLogOdds> log_odds =
+      reader.getColumn<StoredLogOdds>(kBlockVoxels);
+  std::copy(log_odds.begin(), log_odds.end(), block->log_odds.begin());
+  if (records > 0)
+    getRecords(reader, records, classes, *block);
+  return block;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,279 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "archive_database.h"
+#include "archive_meta.h"
+#include "block_encoding.h"
+#include "block_sealing.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/io/map_archive.h>
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+
+namespace pcl_semantic {
+
+namespace {
+
+// More than this waiting for a commit goes into the open transaction, so that memory
+// stays flat. [bytes]
+constexpr std::size_t kMostPending = std::size_t(32) << 20;
+
+constexpr std::size_t kBlocksAtATime =
+    256; // are read, and then unpacked by all threads
+
+} // namespace
+
+struct MapArchive::Implementation {
+  Implementation(const std::string& path, ArchiveAccess access)
+      : database(path, access == ArchiveAccess::read ? ArchiveDatabase::Access::read
+                                                     : ArchiveDatabase::Access::write)
+  {
+    header = readHeader(database);
+    state = readState(database);
+    stored = readBlockKeys(database, state);
+    checkFrameCount(database, state);
+    writable = access == ArchiveAccess::write;
+  }
+
+  void
+  requireWritable() const
+  {
+    if (!writable)
+      PCL_THROW_EXCEPTION(OutputException,
+                          database.path() << ": is not, or no more, open for writing");
+  }
+
+  // Runs what writes; after a failure the transaction may be gone, so that a later
+  // commit would take part of it only.
+  template <typename Write>
+  void
+  write(Write&& body)
+  {
+    requireWritable();
+    try {
+      body();
+    }
+    catch (...) {
+      writable = false;
+      throw;
+    }
+  }
+
+  IndexedBlocks
+  pendingInOrder() const
+  {
+    IndexedBlocks blocks;
+    for (const auto& [index, block] : pending)
+      blocks.emplace_back(index, &block);
+    std::sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) {
+      return VoxelIndexLess()(a.first, b.first);
+    });
+    return blocks;
+  }
+
+  void
+  writePending()
+  {
+    const IndexedBlocks blocks = pendingInOrder();
+    const std::vector<Bytes> sealed = sealBlocks(blocks, header.label_set.size());
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      database.putBlock(blocks[i].first, sealed[i]);
+      stored.insert(blocks[i].first);
+    }
+    pending.clear();
+    pending_bytes = 0;
+  }
+
+  std::unique_ptr<VoxelBlock>
+  decode(const VoxelIndex& index, const Bytes& content) const
+  {
+    return readAt(database.path() + ": " + nameOfBlock(index),
+                  [&] { return decodeBlock(content, index, header.label_set.size()); });
+  }
+
+  ArchiveDatabase database;
+  ArchiveHeader header;
+  ArchiveState state;
+  BlockIndexSet stored; // in the file, or in the open transaction
+  std::unordered_map<VoxelIndex, VoxelBlock, VoxelIndexHash> pending;
+  std::size_t pending_bytes = 0;
+  bool writable = false;
+  std::recursive_mutex mutex; // a visitor may ask for other blocks
+};
+
+std::shared_ptr<MapArchive>
+MapArchive::create(const std::string& path, const ArchiveHeader& header)
+{
+  ArchiveDatabase::create(path, [&](ArchiveDatabase& database) {
+    writeHeader(database, header);
+    writeState(database, {});
+  });
+  return std::make_shared<MapArchive>(path, ArchiveAccess::write);
+}
+
+MapArchive::MapArchive(const std::string& path, ArchiveAccess access)
+    : implementation_(std::make_unique<Implementation>(path, access))
+{}
+
+MapArchive::~MapArchive()
+{
+  try {
+    if (implementation_->writable)
+      close();
+  }
+  catch (const std::exception&) { // the file is as it was last committed all the same
+  }
+}
+
+void
+MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.requireWritable();
+  const auto [place, is_new] = my.pending.try_emplace(block);
+  if (!is_new)
+    my.pending_bytes -= memoryOf(place->second);
+  place->second = content;
+  my.pending_bytes += memoryOf(content);
+  if (my.pending_bytes > kMostPending)
+    my.write([&] { my.writePending(); });
+}
+
+std::unique_ptr<VoxelBlock>
+MapArchive::get(const VoxelIndex& block) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  const auto waiting = my.pending.find(block);
+  if (waiting != my.pending.end())
+    return std::make_unique<VoxelBlock>(waiting->second);
+  if (!my.stored.contains(block))
+    return nullptr;
+  const std::optional<Bytes> content = my.database.getBlock(block);
+  if (!content)
+    PCL_THROW_EXCEPTION(BadInputException, my.database.path() << ": is damaged: lacks "
+                                                              << nameOfBlock(block));
+  return my.decode(block, *content);
+}
+
+bool
+MapArchive::contains(const VoxelIndex& block) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  return my.pending.count(block) > 0 || my.stored.contains(block);
+}
+
+void
+MapArchive::forEach(
+    const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  // Two ordered lists become one; what waits is newer.
+  const IndexedBlocks waiting = my.pendingInOrder();
+  auto next = waiting.begin();
+  const auto visitWaitingBefore = [&](const VoxelIndex& index) {
+    for (; next != waiting.end() && VoxelIndexLess()(next->first, index); ++next)
+      visit(next->first, *next->second);
+  };
+  SealedBlocks read;
+  const auto visitRead = [&] {
+    const auto blocks =
+        openBlocks(read, [&](const VoxelIndex& index, const Bytes& row) {
+          return my.decode(index, my.database.unsealBlock(index, row));
+        });
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      visitWaitingBefore(read[i].first);
+      visit(read[i].first, *blocks[i]);
+    }
+    read.clear();
+  };
+  std::uint64_t rows = 0;
+  my.database.forEachBlock([&](const VoxelIndex& index, std::string_view row) {
+    ++rows;
+    if (my.pending.count(index) == 0)
+      read.emplace_back(index, Bytes(row.begin(), row.end()));
+    if (read.size() == kBlocksAtATime)
+      visitRead();
+  });
+  visitRead();
+  for (; next != waiting.end(); ++next)
+    visit(next->first, *next->second);
+  if (rows != my.stored.size())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        my.database.path() << ": is damaged: has " << rows
+                                           << " blocks, expected " << my.stored.size());
+}
+
+void
+MapArchive::putFrame(int number, const std::vector<std::uint8_t>& record)
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.write([&] { my.database.putFrame(number, record); });
+}
+
+void
+MapArchive::forEachFrame(
+    const std::function<void(int, const std::vector<std::uint8_t>&)>& visit) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.database.forEachFrame(visit);
+}
+
+void
+MapArchive::commit(ArchiveState state)
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.write([&] {
+    my.writePending();
+    state.blocks = my.stored.size();
+    state.key_sum = my.stored.keySum();
+    state.frames = my.database.countFrames();
+    state.last_frame = my.database.lastFrame();
+    writeState(my.database, state);
+    my.database.commit();
+    my.state = state;
+  });
+}
+
+void
+MapArchive::close()
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  my.write([&] { my.database.close(); });
+  my.writable = false;
+}
+
+const std::string&
+MapArchive::path() const
+{
+  return implementation_->database.path();
+}
+
+const ArchiveHeader&
+MapArchive::header() const
+{
+  return implementation_->header;
+}
+
+ArchiveState
+MapArchive::state() const
+{
+  const std::lock_guard<std::recursive_mutex> lock(implementation_->mutex);
+  return implementation_->state;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,90 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/io/map_export.h>
+#include <pcl_semantic/map/block_reader.h>
+
+#include <algorithm>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Visits the blocks that hold occupied voxels, and these as a cloud.
+template <typename Visit>
+void
+forEachCloud(const MapArchive& archive, Visit&& visit)
+{
+  const ArchiveHeader& header = archive.header();
+  const Eigen::Vector3d origin = archive.state().cloud_origin;
+  const BlockReader reader(header.label_set.size(), header.parameters.fusion);
+  archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    const std::size_t count = reader.countOccupied(block);
+    if (count == 0)
+      return;
+    VoxelCloud voxels = reader.makeCloud(count, header.parameters.voxel_size, origin);
+    reader.read(index, block, 0, voxels);
+    visit(voxels);
+  });
+}
+
+Eigen::Vector3d
+centreOf(const VoxelIndex& voxel, double voxel_size)
+{
+  return (voxel.cast<double>().array() + 0.5).matrix() * voxel_size;
+}
+
+std::vector<bool>
+select(const VoxelSelection& selection, const VoxelCloud& voxels)
+{
+  std::vector<bool> is_selected(voxels.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const Eigen::Array3d centre = centreOf(voxels.indices[i], voxels.voxel_size);
+    const auto label = static_cast<Label>((*voxels.cloud)[i].label);
+    is_selected[i] =
+        (centre >= selection.box.min().array()).all() &&
+        (centre < selection.box.max().array()).all() &&
+        (selection.labels.empty() ||
+         std::count(selection.labels.begin(), selection.labels.end(), label) > 0);
+  }
+  return is_selected;
+}
+
+} // namespace
+
+ArchiveExtent
+archiveExtent(const MapArchive& archive)
+{
+  ArchiveExtent extent;
+  forEachCloud(archive, [&](const VoxelCloud& voxels) {
+    extent.voxels += voxels.size();
+    for (const VoxelIndex& voxel : voxels.indices) {
+      extent.box.extend(voxel.cast<double>() * voxels.voxel_size);
+      extent.box.extend((voxel.cast<double>().array() + 1.0).matrix() *
+                        voxels.voxel_size);
+    }
+  });
+  return extent;
+}
+
+std::size_t
+exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
+             const std::string& path, VoxelColour colour)
+{
+  std::size_t count = 0;
+  forEachCloud(archive, [&](const VoxelCloud& voxels) {
+    const std::vector<bool> is_selected = select(selection, voxels);
+    count += std::size_t(std::count(is_selected.begin(), is_selected.end(), true));
+  });
+  VoxelCloudWriter writer(path, archive.header().label_set, colour, count);
+  forEachCloud(archive, [&](const VoxelCloud& voxels) {
+    writer.write(voxels, select(selection, voxels));
+  });
+  writer.commit();
+  return count;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,45 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "archive_file.h"
+
+#include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/map_file.h>
+
+namespace pcl_semantic {
+
+void
+saveMap(const SemanticVoxelMap& map, const std::string& path)
+{
+  makeArchiveFile(path, [&](const std::string& temporary) {
+    const auto archive = MapArchive::create(
+        temporary, {map.labelSet(), map.parameters(), "saved: as a whole\n"});
+    map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
+      archive->put(index, block);
+    });
+    ArchiveState state;
+    state.cloud_origin = map.cloudOrigin();
+    state.finished = true;
+    archive->commit(state);
+    archive->close();
+  });
+}
+
+std::unique_ptr<SemanticVoxelMap>
+loadMap(const std::string& path)
+{
+  const MapArchive archive(path, ArchiveAccess::read);
+  const auto store = std::make_shared<MemoryBlockStore>();
+  archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    store->put(index, block);
+  });
+  auto map = std::make_unique<SemanticVoxelMap>(archive.header().label_set,
+                                                archive.header().parameters, store);
+  map->setCloudOrigin(archive.state().cloud_origin);
+  return map;
+}
+
+} // namespace pcl_semantic

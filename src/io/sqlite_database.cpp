@@ -1,0 +1,215 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "sqlite_database.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <filesystem>
+#include <new>
+#include <sqlite3.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+// No row of ours is larger; a damaged file may claim so.
+constexpr int kLargestRow = 1 << 25;
+
+// A reader may have to wait until a writer has found its feet; a second writer is
+// refused at once.
+constexpr int kReaderPatience = 5000; // [ms]
+constexpr int kWriterPatience = 100;  // [ms]
+
+// What keeps a writer from writing, not what is wrong with the file.
+bool
+isOutputFailure(int code)
+{
+  switch (code) {
+  case SQLITE_IOERR_READ:
+  case SQLITE_IOERR_SHORT_READ:
+  case SQLITE_IOERR_CORRUPTFS:
+    return false;
+  }
+  switch (code & 0xFF) {
+  case SQLITE_FULL:
+  case SQLITE_IOERR:
+  case SQLITE_READONLY:
+  case SQLITE_CANTOPEN:
+  case SQLITE_PERM:
+  case SQLITE_PROTOCOL:
+    return true;
+  default:
+    return false;
+  }
+}
+
+int
+openFlags(SqliteDatabase::Access access)
+{
+  switch (access) {
+  case SqliteDatabase::Access::read:
+    return SQLITE_OPEN_READONLY;
+  case SqliteDatabase::Access::write:
+    return SQLITE_OPEN_READWRITE;
+  default:
+    return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  }
+}
+
+} // namespace
+
+SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
+    : path_(path), access_(access)
+{
+  const int flags = openFlags(access) | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  // Some relative names (":memory:") mean something else to SQLite.
+  const std::string absolute = std::filesystem::absolute(path).string();
+  const int code = sqlite3_open_v2(absolute.c_str(), &connection_, flags, nullptr);
+  try {
+    if (code != SQLITE_OK)
+      fail(code);
+    sqlite3_busy_timeout(connection_,
+                         access == Access::read ? kReaderPatience : kWriterPatience);
+    sqlite3_limit(connection_, SQLITE_LIMIT_LENGTH, kLargestRow);
+    // SQLite opens what it may not write without a word.
+    if (access != Access::read && sqlite3_db_readonly(connection_, "main") == 1)
+      fail(SQLITE_READONLY);
+    run("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON");
+  }
+  catch (...) {
+    sqlite3_close(connection_);
+    throw;
+  }
+}
+
+SqliteDatabase::~SqliteDatabase()
+{
+  sqlite3_close(connection_);
+}
+
+void
+SqliteDatabase::run(const std::string& sql)
+{
+  const int code = sqlite3_exec(connection_, sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK)
+    fail(code);
+}
+
+bool
+SqliteDatabase::runUnlessBusy(const std::string& sql)
+{
+  const int code = sqlite3_exec(connection_, sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY)
+    fail(code);
+  return code == SQLITE_OK;
+}
+
+std::int64_t
+SqliteDatabase::number(const std::string& sql)
+{
+  SqliteStatement statement(*this, sql);
+  return statement.step() ? statement.integer(0) : 0;
+}
+
+void
+SqliteDatabase::fail(int code) const
+{
+  const int kind = code & 0xFF;
+  if (kind == SQLITE_NOMEM)
+    throw std::bad_alloc();
+  if (kind == SQLITE_BUSY || kind == SQLITE_LOCKED) {
+    if (access_ == Access::read)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          path_ << ": cannot be read: another program has locked it");
+    PCL_THROW_EXCEPTION(OutputException, path_ << ": another program is writing it");
+  }
+  const char* const why = sqlite3_errstr(code);
+  if (access_ != Access::read && isOutputFailure(code))
+    PCL_THROW_EXCEPTION(OutputException,
+                        path_ << ": cannot be written: " << why
+                              << (kind == SQLITE_IOERR ? " (is the disk full?)" : ""));
+  if (kind == SQLITE_CANTOPEN || kind == SQLITE_READONLY || kind == SQLITE_PERM)
+    PCL_THROW_EXCEPTION(
+        BadInputException,
+        path_ << ": cannot be read: " << why
+              << " (what a killed run left needs a folder that can be written)");
+  if (kind == SQLITE_NOTADB)
+    PCL_THROW_EXCEPTION(BadInputException, path_ << ": is no map archive: " << why);
+  PCL_THROW_EXCEPTION(BadInputException, path_ << ": is damaged: " << why);
+}
+
+SqliteStatement::SqliteStatement(SqliteDatabase& database, const std::string& sql)
+    : database_(database)
+{
+  const int code =
+      sqlite3_prepare_v3(database_.connection_, sql.c_str(), int(sql.size()) + 1,
+                         SQLITE_PREPARE_PERSISTENT, &statement_, nullptr);
+  if (code != SQLITE_OK)
+    database_.fail(code);
+}
+
+SqliteStatement::~SqliteStatement()
+{
+  sqlite3_finalize(statement_);
+}
+
+void
+SqliteStatement::bind(int parameter, std::int64_t value)
+{
+  if (const int code = sqlite3_bind_int64(statement_, parameter, value))
+    database_.fail(code);
+}
+
+void
+SqliteStatement::bindText(int parameter, std::string_view text)
+{
+  if (const int code = sqlite3_bind_text(statement_, parameter, text.data(),
+                                         int(text.size()), SQLITE_STATIC))
+    database_.fail(code);
+}
+
+void
+SqliteStatement::bindBytes(int parameter, const std::vector<std::uint8_t>& bytes)
+{
+  if (const int code = sqlite3_bind_blob64(statement_, parameter, bytes.data(),
+                                           bytes.size(), SQLITE_STATIC))
+    database_.fail(code);
+}
+
+bool
+SqliteStatement::step()
+{
+  const int code = sqlite3_step(statement_);
+  if (code == SQLITE_ROW || code == SQLITE_DONE)
+    return code == SQLITE_ROW;
+  sqlite3_reset(statement_);
+  database_.fail(code);
+}
+
+void
+SqliteStatement::reset()
+{
+  sqlite3_reset(statement_);
+}
+
+std::int64_t
+SqliteStatement::integer(int column) const
+{
+  return sqlite3_column_int64(statement_, column);
+}
+
+std::string_view
+SqliteStatement::bytes(int column) const
+{
+  const auto* const data =
+      static_cast<const char*>(sqlite3_column_blob(statement_, column));
+  if (!data)
+    return {};
+  return {data, std::size_t(sqlite3_column_bytes(statement_, column))};
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,102 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace pcl_semantic {
+
+/** \brief A connection to an SQLite file; for one thread at a time.
+ *
+ * What SQLite reports becomes an exception that names the file: OutputException where
+ * the disk or another program keeps a writer from its work, BadInputException where
+ * the file cannot be used, std::bad_alloc where memory lacks. */
+class SqliteDatabase {
+public:
+  enum class Access { read, write, create };
+
+  /** \throws BadInputException, OutputException */
+  SqliteDatabase(const std::string& path, Access access);
+  ~SqliteDatabase();
+  SqliteDatabase(const SqliteDatabase&) = delete;
+  SqliteDatabase& operator=(const SqliteDatabase&) = delete;
+
+  /** \brief Runs statements that give nothing. */
+  void run(const std::string& sql);
+
+  /** \brief The same; only says whether a lock of another program was in the way. */
+  bool runUnlessBusy(const std::string& sql);
+
+  /** \brief The first number that a statement gives; 0 if it gives none. */
+  std::int64_t number(const std::string& sql);
+
+  const std::string&
+  path() const
+  {
+    return path_;
+  }
+
+  /** \brief Throws what belongs to a result code of SQLite. */
+  [[noreturn]] void fail(int code) const;
+
+private:
+  friend class SqliteStatement;
+
+  std::string path_;
+  Access access_;
+  sqlite3* connection_ = nullptr;
+};
+
+/** \brief A prepared statement; parameters count from 1, columns from 0. */
+class SqliteStatement {
+public:
+  SqliteStatement(SqliteDatabase& database, const std::string& sql);
+  ~SqliteStatement();
+  SqliteStatement(const SqliteStatement&) = delete;
+  SqliteStatement& operator=(const SqliteStatement&) = delete;
+
+  void bind(int parameter, std::int64_t value);
+
+  /** \brief The text and the bytes have to stay until reset(). */
+  void bindText(int parameter, std::string_view text);
+  void bindBytes(int parameter, const std::vector<std::uint8_t>& bytes);
+
+  /** \return whether there is a row */
+  bool step();
+
+  /** \brief Makes it ready to run again. */
+  void reset();
+
+  std::int64_t integer(int column) const;
+
+  /** \brief Valid until the next step() or reset(). */
+  std::string_view bytes(int column) const;
+
+private:
+  SqliteDatabase& database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+/** \brief Resets a statement at the end of a scope, whatever happens in it. */
+class SqliteReset {
+public:
+  explicit SqliteReset(SqliteStatement& statement) : statement_(statement) {}
+  ~SqliteReset() { statement_.reset(); }
+  SqliteReset(const SqliteReset&) = delete;
+  SqliteReset& operator=(const SqliteReset&) = delete;
+
+private:
+  SqliteStatement& statement_;
+};
+
+} // namespace pcl_semantic

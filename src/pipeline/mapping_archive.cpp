@@ -1,0 +1,137 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/pipeline/mapping_archive.h>
+
+#include <filesystem>
+
+namespace pcl_semantic {
+
+MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
+    : options_(options)
+{
+  if (options_.every < 1)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "--archive-every is "
+                                                       << options_.every
+                                                       << ", expected 1 or more");
+  if (options_.path.empty() && options_.resume)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "--resume needs --archive");
+  if (!run.frames.empty())
+    last_frame_ = run.frames.back();
+  if (options_.path.empty())
+    return;
+  std::error_code error;
+  const bool is_there = std::filesystem::exists(options_.path, error);
+  if (is_there && !options_.resume)
+    PCL_THROW_EXCEPTION(OutputException, options_.path
+                                             << ": is there already: go on with it by "
+                                                "--resume, or remove it");
+  if (is_there) {
+    requireSameRun(run); // before it is touched
+    archive_ = std::make_shared<MapArchive>(options_.path, ArchiveAccess::write);
+    archive_->forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
+      records_.push_back(decodeFrameRecord(number, bytes));
+    });
+  }
+  else
+    archive_ = MapArchive::create(options_.path,
+                                  {run.label_set, run.config.map, describeRun(run)});
+  is_new_ = !is_there;
+}
+
+MappingArchive::~MappingArchive()
+{
+  if (!is_new_ || archive_->state().frames > 0)
+    return;
+  try {
+    close();
+  }
+  catch (const std::exception&) { // what failed was reported where it did
+  }
+  archive_.reset();
+  std::error_code ignored;
+  for (const char* const ending : {"", "-wal", "-shm"})
+    std::filesystem::remove(options_.path + ending, ignored);
+}
+
+void
+MappingArchive::requireSameRun(const MappingRun& run) const
+{
+  const MapArchive archive(options_.path, ArchiveAccess::read);
+  const std::string change =
+      changeOfRun(archive.header().configuration, describeRun(run));
+  if (!change.empty())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        options_.path << ": is the archive of another run: " << change);
+}
+
+std::shared_ptr<BlockStore>
+MappingArchive::store() const
+{
+  return archive_;
+}
+
+void
+MappingArchive::resume(SemanticMapper& mapper, MappingOutput& output) const
+{
+  if (records_.empty())
+    return;
+  const ArchiveState state = archive_->state();
+  output.resume(records_);
+  mapper.resume(static_cast<int>(records_.size()), state.finished, state.cloud_origin);
+}
+
+bool
+MappingArchive::holds(int frame) const
+{
+  return !records_.empty() && frame <= records_.back().number;
+}
+
+void
+MappingArchive::add(const MappedFrame& mapped, SemanticMapper& mapper)
+{
+  if (!archive_)
+    return;
+  archive_->putFrame(mapped.frame.number, encodeFrameRecord(recordOf(mapped)));
+  added_frame_ = mapped.frame.number;
+  // The last frame is committed by finish(), with what the CRF makes of it: a run that
+  // goes on has to have a frame to go on with.
+  if (++since_commit_ >= options_.every && added_frame_ != last_frame_)
+    commit(mapper, false);
+}
+
+void
+MappingArchive::finish(SemanticMapper& mapper)
+{
+  const bool finished = added_frame_ == last_frame_;
+  // What finish() does would not happen here if the run had not been interrupted.
+  if (archive_ && !finished && since_commit_ > 0)
+    commit(mapper, false);
+  mapper.finish();
+  if (archive_ && finished)
+    commit(mapper, true);
+}
+
+void
+MappingArchive::commit(SemanticMapper& mapper, bool finished)
+{
+  mapper.flush();
+  ArchiveState state;
+  state.cloud_origin = mapper.map().cloudOrigin();
+  state.finished = finished;
+  archive_->commit(state);
+  since_commit_ = 0;
+}
+
+void
+MappingArchive::close()
+{
+  if (archive_)
+    archive_->close();
+}
+
+} // namespace pcl_semantic

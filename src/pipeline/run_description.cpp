@@ -1,0 +1,151 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/pipeline/run_description.h>
+
+#include <charconv>
+#include <filesystem>
+#include <map>
+#include <sstream>
+
+namespace pcl_semantic {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// FNV-1a: tells a file that was changed by mistake, not one that was forged.
+std::uint64_t
+digestOf(const std::vector<std::uint8_t>& bytes)
+{
+  std::uint64_t hash = 0xCBF29CE484222325ull;
+  for (const std::uint8_t byte : bytes)
+    hash = (hash ^ byte) * 0x100000001B3ull;
+  return hash;
+}
+
+std::string
+describeInput(const std::string& value)
+{
+  std::error_code error;
+  if (value.empty() || !fs::exists(value, error))
+    return value;
+  const fs::path path = fs::weakly_canonical(value, error);
+  std::ostringstream text;
+  text << (error ? value : path.string());
+  if (fs::is_regular_file(value, error))
+    text << " (digest " << std::hex << digestOf(readBytes(value)) << ")";
+  return text.str();
+}
+
+// The shortest text that tells a number from any other.
+std::string
+exactText(double number)
+{
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof(text), number).ptr};
+}
+
+// ConfigParameter::text() rounds.
+std::string
+exactText(const ConfigParameter& parameter)
+{
+  if (const auto* number = std::get_if<double*>(&parameter.value))
+    return exactText(**number);
+  if (const auto* vector = std::get_if<Eigen::Vector3d*>(&parameter.value))
+    return exactText((*vector)->x()) + "," + exactText((*vector)->y()) + "," +
+           exactText((*vector)->z());
+  return parameter.text();
+}
+
+void
+describeFrames(const std::vector<int>& frames, std::ostream& text)
+{
+  text << "frames: " << frames.size();
+  if (!frames.empty())
+    text << ", from " << frames.front() << " to " << frames.back();
+  text << "\n";
+}
+
+void
+describeCamera(const MappingRun& run, std::ostream& text)
+{
+  const StereoCamera& camera = run.camera;
+  text << "camera:";
+  for (const double value :
+       {camera.fx, camera.fy, camera.cx, camera.cy, camera.baseline})
+    text << " " << exactText(value);
+  text << " " << camera.width << "x" << camera.height << "\ncamera_pose:";
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      text << " " << exactText(run.T_camera0_camera(row, column));
+  text << "\n";
+}
+
+void
+describeLabelSet(const LabelSet& label_set, std::ostream& text)
+{
+  text << "classes: " << label_set.size() << "\n";
+  for (int label = 1; label <= label_set.size(); ++label) {
+    const LabelClass& each = label_set[Label(label)];
+    text << "class_" << label << ": " << each.name;
+    for (const std::uint8_t channel : each.colour)
+      text << " " << int(channel);
+    text << (each.sky ? " sky" : "") << (each.dynamic ? " dynamic" : "") << "\n";
+  }
+}
+
+std::map<std::string, std::string>
+valuesOf(const std::string& description)
+{
+  std::map<std::string, std::string> values;
+  std::istringstream stream(description);
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t colon = line.find(": ");
+    values[line.substr(0, colon)] =
+        colon == std::string::npos ? "" : line.substr(colon + 2);
+  }
+  return values;
+}
+
+} // namespace
+
+std::string
+describeRun(const MappingRun& run)
+{
+  std::ostringstream text;
+  for (const auto& [name, value] : run.inputs)
+    text << name << ": " << describeInput(value) << "\n";
+  describeFrames(run.frames, text);
+  describeCamera(run, text);
+  describeLabelSet(run.label_set, text);
+  MapperConfig config = run.config;
+  for (const ConfigParameter& parameter : parametersOf(config))
+    if (parameter.name != "threads")
+      text << parameter.name << ": " << exactText(parameter) << "\n";
+  return text.str();
+}
+
+std::string
+changeOfRun(const std::string& before, const std::string& now)
+{
+  const auto old_values = valuesOf(before), new_values = valuesOf(now);
+  const auto valueIn = [](const auto& values, const std::string& name) {
+    const auto found = values.find(name);
+    return found == values.end() || found->second.empty() ? "none" : found->second;
+  };
+  std::istringstream stream(now + before); // in the order of the lines
+  for (std::string line; std::getline(stream, line);) {
+    const std::string name = line.substr(0, line.find(": "));
+    const std::string was = valueIn(old_values, name), is = valueIn(new_values, name);
+    if (was != is)
+      return name + " was " + was + ", is " + is;
+  }
+  return {};
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,239 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// pcl_semantic_map --archive: a run that is cut off goes on as if nothing had been.
+
+#include "support/mapped_street.h"
+#include "support/there_and_back.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/io/map_archive.h>
+
+#include <chrono>
+#include <random>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int frames = 11;
+
+std::string
+mapCommand(const std::string& output, const std::string& archive,
+           const std::string& more = "", const std::string& street = thereAndBack())
+{
+  return "map " + street + " --labels " + street +
+         "/labels --voxel-size 0.2 --window 16,6,6 --max-depth 8 --crf-every 3 "
+         "--output " +
+         output + (archive.empty() ? "" : " --archive " + archive) +
+         " --archive-every 2 " + more;
+}
+
+// The same, for a shell.
+std::string
+shellCommand(const std::string& arguments)
+{
+  return PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" + arguments;
+}
+
+// Every file but the summary, which holds seconds, and what a file is called that was
+// being written when the run was killed.
+std::map<std::string, std::string>
+contentOf(const std::string& output)
+{
+  std::map<std::string, std::string> content;
+  for (const std::string& file : filesIn(output))
+    if (file != "summary.json" && fs::path(file).filename().string()[0] != '.')
+      content[file] = bytesOf(output + "/" + file);
+  return content;
+}
+
+std::string
+exportOf(const std::string& archive)
+{
+  const std::string path = archive + ".pcd";
+  const ToolResult result = runTool("archive export " + archive + " " + path);
+  EXPECT_EQ(result.code, 0) << result.text;
+  return bytesOf(path);
+}
+
+class ArchivedRun : public testing::Test {
+protected:
+  void
+  SetUp() override
+  {
+    const auto start = std::chrono::steady_clock::now();
+    const ToolResult result = runTool(mapCommand(whole_, whole_archive_));
+    seconds_ =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ASSERT_EQ(result.code, 0) << result.text;
+  }
+
+  // Goes on to the end, and EXPECTs what the uninterrupted run has made.
+  ToolResult
+  expectGoesOn(const std::string& output, const std::string& archive) const
+  {
+    const ToolResult result = runTool(mapCommand(output, archive, "--resume"));
+    EXPECT_EQ(result.code, 0) << result.text;
+    EXPECT_TRUE(exportOf(archive) == exportOf(whole_archive_));
+    const auto content = contentOf(output), expected = contentOf(whole_);
+    EXPECT_EQ(content.size(), expected.size());
+    for (const auto& [file, bytes] : expected)
+      EXPECT_TRUE(content.count(file) > 0 && content.at(file) == bytes) << file;
+    const nlohmann::json summary = readJson(output + "/summary.json");
+    EXPECT_EQ(summary["frames"], frames);
+    EXPECT_EQ(summary["points"], readJson(whole_ + "/summary.json")["points"]);
+    EXPECT_TRUE(verifyArchive(archive).empty());
+    EXPECT_FALSE(fs::exists(archive + "-wal"));
+    return result;
+  }
+
+  const TemporaryFolder folder_;
+  const std::string whole_ = folder_.path("whole");
+  const std::string whole_archive_ = folder_.path("whole.map");
+  double seconds_ = 0.0;
+};
+
+} // namespace
+
+TEST_F(ArchivedRun, IsTheMapOfARunWithoutArchive)
+{
+  ASSERT_EQ(runTool(mapCommand(folder_.path("plain"), "")).code, 0);
+  EXPECT_TRUE(contentOf(folder_.path("plain")) == contentOf(whole_));
+  EXPECT_TRUE(exportOf(whole_archive_) == bytesOf(whole_ + "/map.pcd"));
+  // The window has lost blocks on the way, or nothing of this would be tested.
+  const MapArchive archive(whole_archive_, ArchiveAccess::read);
+  EXPECT_TRUE(archive.state().finished);
+  VoxelIndex low = VoxelIndex::Constant(kMaxVoxelIndex), high = -low;
+  archive.forEach([&](const VoxelIndex& index, const VoxelBlock&) {
+    low = low.cwiseMin(index);
+    high = high.cwiseMax(index);
+  });
+  EXPECT_GT((high - low).y() * kBlockEdge * 0.2, 10.0);
+}
+
+TEST_F(ArchivedRun, KilledAtAnyMomentItGoesOn)
+{
+  std::mt19937 random(1);
+  int resumed = 0, killed = 0;
+  for (int round = 0; round < 25; ++round) {
+    SCOPED_TRACE(round);
+    const std::string output = folder_.path("out"), archive = folder_.path("run.map");
+    fs::remove_all(output);
+    fs::remove(archive);
+    // Every third run is killed once more.
+    for (int kill = 0; kill < (round % 3 == 0 ? 2 : 1); ++kill) {
+      const double seconds = seconds_ * double(random() % 1000) / 1000.0;
+      const ToolResult result =
+          runShell("timeout -s KILL " + std::to_string(seconds) + " " +
+                   shellCommand(mapCommand(output, archive, "--resume")) + " 2>&1");
+      killed += result.code == 137;
+    }
+    const ToolResult result = expectGoesOn(output, archive);
+    resumed += result.text.rfind("resumed:  after ", 0) == 0;
+  }
+  EXPECT_GE(killed, 15);
+  EXPECT_GE(resumed, 8);
+}
+
+TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
+{
+  // The CRF has not seen the frame after these: what the end of a run does about that
+  // must not be in what a longer run goes on with.
+  for (const auto& [signal, frame] :
+       {std::pair<std::string, int>{"INT", 1}, {"TERM", 3}, {"INT", 4}}) {
+    SCOPED_TRACE(frame);
+    const std::string name = std::to_string(frame);
+    const std::string output = folder_.path("out" + name);
+    const std::string archive = folder_.path(name + ".map");
+    const ToolResult result =
+        runShell(shellCommand(mapCommand(output, archive)) +
+                 " 2>&1 & while kill -0 $! && ! test -e " + output + "/labels/00000" +
+                 name + ".png; do sleep 0.01; done; kill -" + signal + " $!; wait $!");
+    EXPECT_EQ(result.code, 130) << result.text;
+    {
+      const MapArchive interrupted(archive, ArchiveAccess::read);
+      EXPECT_FALSE(interrupted.state().finished);
+      const int written = readJson(output + "/summary.json")["frames"];
+      EXPECT_EQ(interrupted.state().frames, std::uint64_t(written))
+          << "an interrupt commits the frames since the last commit";
+      EXPECT_GT(written, frame);
+      EXPECT_LT(written, frames);
+    }
+    EXPECT_FALSE(fs::exists(archive + "-wal"));
+    EXPECT_NE(runTool("archive info " + archive).text.find("interrupted"),
+              std::string::npos);
+    expectGoesOn(output, archive);
+  }
+}
+
+TEST_F(ArchivedRun, AFinishedRunStaysAsItIs)
+{
+  const std::string before = bytesOf(whole_ + "/map.pcd");
+  fs::remove(whole_ + "/map.pcd");
+  const ToolResult result = expectGoesOn(whole_, whole_archive_);
+  EXPECT_EQ(result.text.rfind("resumed:  after 11 frames\n", 0), 0u) << result.text;
+  EXPECT_TRUE(bytesOf(whole_ + "/map.pcd") == before);
+}
+
+TEST_F(ArchivedRun, ADifferentNumberOfThreadsMayGoOn)
+{
+  const std::string output = folder_.path("out"), archive = folder_.path("run.map");
+  runShell("timeout -s KILL " + std::to_string(0.7 * seconds_) + " " +
+           shellCommand(mapCommand(output, archive, "--threads 1")) + " 2>&1");
+  ASSERT_EQ(runTool(mapCommand(output, archive, "--resume --threads 3")).code, 0);
+  EXPECT_TRUE(exportOf(archive) == exportOf(whole_archive_));
+}
+
+TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
+{
+  const TemporaryFolder copies;
+  const std::string street = copies.path("street");
+  fs::copy(thereAndBack(), street, fs::copy_options::recursive);
+  const std::string output = copies.path("out"), archive = copies.path("run.map");
+  ASSERT_EQ(runTool(mapCommand(output, archive, "", street)).code, 0);
+  const std::string bytes = bytesOf(archive);
+  const auto refuses = [&](const std::string& more, const std::string& says) {
+    SCOPED_TRACE(more);
+    const ToolResult result =
+        runTool(mapCommand(output, archive, "--resume " + more, street));
+    EXPECT_EQ(result.code, 3);
+    EXPECT_TRUE(holds(result.text, archive + ": is the archive of another run: "));
+    EXPECT_TRUE(holds(result.text, says));
+    EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1);
+    EXPECT_TRUE(bytesOf(archive) == bytes) << "nothing committed is lost";
+  };
+  refuses("--label-confidence 0.9", "label_confidence was 0.8");
+  refuses("--hit-probability 0.70000001", "hit_probability was 0.7");
+  refuses("--crf none", "crf was dense, is none");
+  refuses("--frames 0:10", "frames was 11, from 0 to 10, is 10, from 0 to 9");
+  fs::copy(street + "/labels", copies.path("labels"), fs::copy_options::recursive);
+  const std::string set = copies.path("set.yaml");
+  fs::copy(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml", set);
+  std::string classes = bytesOf(set);
+  classes.replace(classes.find("road"), 4, "path");
+  std::ofstream(set) << classes;
+  refuses("--label-set " + set, "class_3 was road 128 64 128, is path");
+  setWord(street + "/poses.txt", 11, 12, "0.25");
+  refuses("", "poses was ");
+  fs::copy(thereAndBack() + "/poses.txt", street + "/poses.txt",
+           fs::copy_options::overwrite_existing);
+  for (const std::size_t line : {1, 2, 3, 4})
+    setWord(street + "/calib.txt", line, 2, "121");
+  refuses("", "camera was ");
+}
+
+TEST_F(ArchivedRun, TheImagesOfEarlierFramesHaveToBeThere)
+{
+  const ToolResult result =
+      runTool(mapCommand(folder_.path("other"), whole_archive_, "--resume"));
+  EXPECT_EQ(result.code, 3);
+  EXPECT_TRUE(holds(result.text, "labels/000000.png: is missing; a run goes on in"));
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,263 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// pcl_semantic_archive, and what pcl_semantic_map says of archives it cannot use.
+
+#include "support/mapped_street.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/files/pcd_file.h>
+#include <pcl_semantic/io/map_archive.h>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void
+expectExit(const std::string& command, int code, const std::string& says)
+{
+  SCOPED_TRACE(command);
+  const ToolResult result = runTool(command);
+  EXPECT_EQ(result.code, code) << result.text;
+  EXPECT_TRUE(holds(result.text, says));
+  if (code != 0) {
+    EXPECT_EQ(result.text.rfind("pcl_semantic_", 0), 0u) << result.text;
+    EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1)
+        << result.text;
+  }
+}
+
+class StreetArchive : public testing::Test {
+protected:
+  static void
+  SetUpTestSuite()
+  {
+    folder_ = std::make_unique<TemporaryFolder>();
+    output_ = folder_->path("out");
+    archive_ = folder_->path("street.map");
+    const ToolResult result = runTool(mapCommand(output_, "--archive " + archive_));
+    ASSERT_EQ(result.code, 0) << result.text;
+    EXPECT_TRUE(holds(result.text, "\narchive:  " + archive_ + "\n"));
+  }
+
+  static void
+  TearDownTestSuite()
+  {
+    folder_.reset();
+  }
+
+  static std::string
+  mapCommand(const std::string& output, const std::string& options)
+  {
+    return "map " + tinyStreet() + " --labels " + tinyStreet() +
+           "/labels --voxel-size 0.2 --output " + output + " " + options;
+  }
+
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+  static inline std::string output_, archive_;
+};
+
+} // namespace
+
+TEST_F(StreetArchive, InfoAndVerify)
+{
+  const nlohmann::json summary = readJson(output_ + "/summary.json");
+  const ToolResult info = runTool("archive info " + archive_);
+  EXPECT_EQ(info.code, 0);
+  for (const std::string& part :
+       {"file:       " + archive_ + ", " + std::to_string(fs::file_size(archive_)) +
+            " bytes\n",
+        std::string("run:        finished, 3 frames, the last is 2\n"),
+        std::string("voxel size: 0.2 m\n"), std::string("sidewalk car pedestrian"),
+        "occupied:   " + summary["voxels"].dump() + " voxels\n",
+        std::string("\nextent: "), std::string("\nvoxel_size: 0.2\n")})
+    EXPECT_TRUE(holds(info.text, part));
+  expectExit("archive verify " + archive_, 0, "ok\n");
+
+  std::string bytes = bytesOf(archive_);
+  const std::size_t frame = bytes.find("\x28\xB5\x2F\xFD", bytes.size() / 2); // of zstd
+  ASSERT_NE(frame, std::string::npos);
+  bytes[frame + 40] = char(bytes[frame + 40] ^ 4);
+  const std::string damaged = folder_->write("damaged.map", bytes);
+  const ToolResult verified = runTool("archive verify " + damaged);
+  EXPECT_EQ(verified.code, 3);
+  EXPECT_TRUE(holds(verified.text, damaged + ": block "));
+  EXPECT_TRUE(holds(verified.text, damaged + ": 1 faults\n"));
+  expectExit("archive export " + damaged + " " + folder_->path("no.pcd"), 3, "block ");
+  EXPECT_FALSE(fs::exists(folder_->path("no.pcd")));
+  expectExit("archive verify " + folder_->path("none"), 3, "No such file");
+  expectExit("archive info " + tinyStreet() + "/poses.txt", 3, "is no map archive");
+}
+
+TEST_F(StreetArchive, ExportOfEverythingIsTheMap)
+{
+  const std::string all = folder_->path("all.pcd");
+  expectExit("archive export " + archive_ + " " + all, 0, "voxels: ");
+  EXPECT_TRUE(bytesOf(all) == bytesOf(output_ + "/map.pcd"));
+}
+
+TEST_F(StreetArchive, ExportOfABoxAndOfClasses)
+{
+  const PcdTable map = readPcd(output_ + "/map.pcd");
+  const std::size_t size = map.pointSize();
+  const PcdColumn x(map, 0), y(map, 1), z(map, 2), label(map, map.find("label"));
+  const auto chosen = [&](const auto& is_chosen) {
+    std::string data;
+    for (std::size_t i = 0; i < map.points; ++i)
+      if (is_chosen(i))
+        data.append(map.data.begin() + long(i * size),
+                    map.data.begin() + long((i + 1) * size));
+    return data;
+  };
+  const auto exported = [&](const std::string& options) {
+    const std::string path = folder_->path("part.pcd");
+    expectExit("archive export " + archive_ + " " + path + options, 0, "voxels: ");
+    const PcdTable part = readPcd(path);
+    return std::string(part.data.begin(), part.data.end());
+  };
+  const auto inBox = [&](std::size_t i) {
+    return x(i) >= 6 && x(i) < 12 && y(i) >= -4 && y(i) < 3 && z(i) >= -2.5 && z(i) < 1;
+  };
+  const std::string box = " --box 6,-4,-2.5,12,3,1";
+  EXPECT_TRUE(exported(box) == chosen(inBox));
+  EXPECT_TRUE(exported(" --class road --class car") ==
+              chosen([&](std::size_t i) { return label(i) == 3 || label(i) == 6; }));
+  const std::string road =
+      chosen([&](std::size_t i) { return inBox(i) && label(i) == 3; });
+  EXPECT_GT(road.size(), 10 * size);
+  EXPECT_LT(road.size(), chosen(inBox).size());
+  EXPECT_TRUE(exported(box + " --class road") == road);
+  EXPECT_TRUE(exported(" --box 900,0,0,901,1,1").empty());
+}
+
+TEST_F(StreetArchive, Merge)
+{
+  const std::string first = folder_->path("first.map"),
+                    rest = folder_->path("rest.map");
+  for (const auto& [path, frames] : {std::pair{first, "0:1"}, std::pair{rest, "1:3"}})
+    ASSERT_EQ(
+        runTool(mapCommand(folder_->path("part"),
+                           std::string("--frames ") + frames + " --archive " + path))
+            .code,
+        0);
+  const std::string joined = folder_->path("joined.map");
+  expectExit("archive merge " + first + " " + rest + " " + joined, 0, "blocks: ");
+  expectExit("archive verify " + joined, 0, "ok");
+  // What several frames know is the same, whether they were merged or mapped.
+  const MapArchive a(archive_, ArchiveAccess::read), b(joined, ArchiveAccess::read);
+  EXPECT_EQ(a.state().blocks, b.state().blocks);
+  std::size_t same = 0, voxels = 0;
+  a.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    const auto other = b.get(index);
+    ASSERT_TRUE(other);
+    for (int place = 0; place < kBlockVoxels; ++place) {
+      const int i = block.recordAt(place), j = other->recordAt(place);
+      ASSERT_EQ(i < 0, j < 0);
+      if (i >= 0) {
+        ASSERT_EQ(block.records[std::size_t(i)].colour_sum,
+                  other->records[std::size_t(j)].colour_sum);
+        ASSERT_EQ(block.records[std::size_t(i)].observations,
+                  other->records[std::size_t(j)].observations);
+      }
+      ++voxels;
+      same += block.log_odds[std::size_t(place)] == other->log_odds[std::size_t(place)];
+    }
+  });
+  EXPECT_EQ(same, voxels) << "three frames do not reach the clamps";
+
+  const std::string coarse = folder_->path("coarse.map");
+  const std::string config = folder_->write("coarse.yaml", "voxel_size: 0.25\n");
+  ASSERT_EQ(runTool("map " + tinyStreet() + " --labels " + tinyStreet() +
+                    "/labels --frames 0:1 --output " + folder_->path("part") +
+                    " --archive " + coarse + " --config " + config)
+                .code,
+            0);
+  expectExit("archive merge " + first + " " + coarse + " " + folder_->path("no.map"), 3,
+             coarse + ": has another voxel size than " + first);
+  EXPECT_FALSE(fs::exists(folder_->path("no.map")));
+}
+
+TEST_F(StreetArchive, BadUsage)
+{
+  const std::string out = folder_->path("x");
+  for (const auto& [command, says] : std::vector<std::pair<std::string, std::string>>{
+           {"archive", "expected info, verify, export or merge"},
+           {"archive copy " + archive_, "'copy': expected info"},
+           {"archive info", "'info' needs one FILE"},
+           {"archive info " + archive_ + " " + archive_, "'info' needs one FILE"},
+           {"archive verify", "'verify' needs one FILE"},
+           {"archive export " + archive_, "'export' needs FILE and OUT.pcd"},
+           {"archive export " + archive_ + " " + archive_, "named as an output"},
+           {"archive export " + archive_ + " " + out + " --box 1,2,3", "six numbers"},
+           {"archive export " + archive_ + " " + out + " --box 1,2,3,4,5,6,7",
+            "six numbers"},
+           {"archive export " + archive_ + " " + out + " --box 1,2,3,a,5,6",
+            "six numbers"},
+           {"archive export " + archive_ + " " + out + " --box 1,2,3,0,5,6",
+            "six numbers"},
+           {"archive info " + archive_ + " --box 1,2,3,4,5,6", "are for 'export'"},
+           {"archive merge " + archive_ + " " + out, "two FILEs or more"},
+           {"archive merge " + archive_ + " " + archive_ + " " + out, "once more"},
+           {"archive info " + archive_ + " --fast", "'--fast'"},
+           {mapCommand(out, "--resume"), "--resume needs --archive"},
+           {mapCommand(out, "--archive-every 0"), "--archive-every"}})
+    expectExit(command, 2, says);
+  expectExit("archive export " + archive_ + " " + out + " --class bicycle", 3,
+             archive_ + ": has no class 'bicycle'");
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(StreetArchive, ArchivesThatCannotBeWritten)
+{
+  const std::string out = folder_->path("y");
+  const auto fails = [&](const std::string& options, int code,
+                         const std::string& says) {
+    expectExit(mapCommand(out, options), code, says);
+  };
+  const std::string bytes = bytesOf(archive_);
+  fails("--archive " + archive_, 5, archive_ + ": is there already: go on with it by");
+  EXPECT_TRUE(bytesOf(archive_) == bytes);
+  fails("--archive " + folder_->path("none/a.map"), 5,
+        folder_->path("none/a.map") + ": cannot be written");
+  fails("--resume --archive " + folder_->path(), 3, "is a folder");
+  fails("--resume --archive " + folder_->write("text", "hello"), 3, "no map archive");
+  {
+    const MapArchive writer(archive_, ArchiveAccess::write);
+    fails("--resume --archive " + archive_, 5, "another program is writing it");
+  }
+  // A run that fails before its first frame leaves no archive in the way of the next.
+  const std::string fresh = folder_->path("fresh.map");
+  fails("--window 99999,99999,99999 --archive " + fresh, 2, "too large");
+  EXPECT_FALSE(fs::exists(fresh));
+}
+
+// The disk is full from some point of the run on, wherever that is.
+TEST_F(StreetArchive, AFullDiskLosesNothingCommitted)
+{
+  int failed = 0;
+  for (int kilobytes = 16; kilobytes < 2000; kilobytes = kilobytes * 3 / 2) {
+    SCOPED_TRACE(kilobytes);
+    const std::string out = folder_->path("full"), archive = folder_->path("full.map");
+    fs::remove_all(out);
+    fs::remove(archive);
+    const std::string command =
+        mapCommand(out, "--archive-every 1 --resume --archive " + archive);
+    const ToolResult result =
+        runTool(command, "trap '' XFSZ; ulimit -f " + std::to_string(kilobytes) + ";");
+    failed += result.code == 5;
+    EXPECT_TRUE(result.code == 5 || result.code == 0) << result.text;
+    if (result.code == 5 && fs::exists(archive)) {
+      EXPECT_TRUE(verifyArchive(archive).empty());
+    }
+    expectExit(command, 0, "archive:  ");
+    EXPECT_TRUE(bytesOf(out + "/map.pcd") == bytesOf(output_ + "/map.pcd"));
+  }
+  EXPECT_GE(failed, 5);
+}
+
+} // namespace pcl_semantic

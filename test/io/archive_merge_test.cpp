@@ -1,0 +1,202 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/archives.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/io/archive_merge.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int classes = 3;
+
+void
+writeMap(const std::string& path, const Blocks& blocks,
+         const ArchiveHeader& header = makeArchiveHeader(),
+         const Eigen::Vector3d& origin = {1000, 0, 0})
+{
+  const auto archive = MapArchive::create(path, header);
+  putAll(blocks, *archive);
+  ArchiveState state;
+  state.cloud_origin = origin;
+  state.finished = true;
+  archive->commit(state);
+}
+
+Blocks
+readMap(const std::string& path)
+{
+  Blocks blocks;
+  MapArchive(path, ArchiveAccess::read)
+      .forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+        blocks[index] = block;
+      });
+  return blocks;
+}
+
+// A block as fusion leaves it: clamped, the largest label log is 0.
+VoxelBlock
+makeMapBlock(std::size_t records, unsigned seed)
+{
+  VoxelBlock block = makeRandomBlock(records, classes, seed);
+  for (StoredLogOdds& value : block.log_odds)
+    if (value != kUnknown)
+      value = StoredLogOdds(value % 9000);
+  for (std::size_t i = 0; i < block.records.size(); ++i) {
+    block.records[i].colour_count %= 1000;
+    for (std::uint32_t& sum : block.records[i].colour_sum)
+      sum %= 200000;
+    block.records[i].observations = unsigned(i) % 5 + 1;
+    block.records[i].label_observations = unsigned(i) % 3;
+    if (i % 3 == 0)
+      std::fill_n(block.measured.begin() + long(i) * classes, classes, 0.0f);
+  }
+  return block;
+}
+
+// A merged voxel against the sum of two, written down plainly.
+void
+expectSum(const VoxelBlock& a, const VoxelBlock& b, const VoxelBlock& merged, int place)
+{
+  const auto at = std::size_t(place);
+  const int unknown = (a.log_odds[at] == kUnknown) + (b.log_odds[at] == kUnknown);
+  const int sum = (a.log_odds[at] == kUnknown ? 0 : a.log_odds[at]) +
+                  (b.log_odds[at] == kUnknown ? 0 : b.log_odds[at]);
+  const int limit = storedLogOdds(0.97); // of the default parameters
+  ASSERT_EQ(merged.log_odds[at],
+            unknown == 2 ? kUnknown : std::clamp(sum, -limit, limit));
+  const int i = a.recordAt(place), j = b.recordAt(place), m = merged.recordAt(place);
+  ASSERT_EQ(m == VoxelBlock::kNoRecord, i < 0 && j < 0);
+  if (i < 0 || j < 0)
+    return;
+  const VoxelRecord &p = a.records[std::size_t(i)], &q = b.records[std::size_t(j)];
+  const VoxelRecord& r = merged.records[std::size_t(m)];
+  for (std::size_t channel = 0; channel < 3; ++channel)
+    EXPECT_EQ(r.colour_sum[channel], p.colour_sum[channel] + q.colour_sum[channel]);
+  EXPECT_EQ(r.colour_count, p.colour_count + q.colour_count);
+  EXPECT_EQ(r.observations, p.observations + q.observations);
+  EXPECT_EQ(r.label_observations, p.label_observations + q.label_observations);
+  std::vector<float> logs(a.measured.begin() + i * classes,
+                          a.measured.begin() + (i + 1) * classes);
+  fuseLogLikelihood(b.measured.data() + j * classes, classes, std::log(1e4f),
+                    logs.data());
+  for (int k = 0; k < classes; ++k) {
+    EXPECT_NEAR(merged.measured[std::size_t(m * classes + k)], logs[std::size_t(k)],
+                2e-6);
+    EXPECT_EQ(merged.refined[std::size_t(m * classes + k)], 0.0f) << "forgotten";
+  }
+}
+
+} // namespace
+
+TEST(ArchiveMerge, AddsWhatBothKnowAndKeepsWhatOneKnows)
+{
+  const TemporaryFolder folder;
+  const VoxelIndex both(1, 2, 3), first(0, 0, 0), second(-9, 5, 1);
+  Blocks a, b;
+  a[both] = makeMapBlock(200, 1);
+  b[both] = makeMapBlock(200, 2);
+  a[first] = makeMapBlock(50, 3);
+  b[second] = makeMapBlock(0, 4);
+  writeMap(folder.path("a"), a);
+  writeMap(folder.path("b"), b);
+  EXPECT_EQ(mergeArchives({folder.path("a"), folder.path("b")}, folder.path("c")), 3u);
+  EXPECT_EQ(folder.entries(), 3u);
+  Blocks merged = readMap(folder.path("c"));
+  ASSERT_EQ(merged.size(), 3u);
+  EXPECT_TRUE(areSameBlocks(merged[first], a[first], classes));
+  EXPECT_TRUE(areSameBlocks(merged[second], b[second], classes));
+  int of_one = 0;
+  for (int place = 0; place < kBlockVoxels; ++place) {
+    expectSum(a[both], b[both], merged[both], place);
+    ASSERT_FALSE(HasFailure()) << place;
+    const int i = a[both].recordAt(place), m = merged[both].recordAt(place);
+    if (i < 0 || b[both].recordAt(place) >= 0)
+      continue;
+    ++of_one;
+    for (int k = 0; k < classes; ++k) {
+      EXPECT_EQ(merged[both].refined[std::size_t(m * classes + k)],
+                a[both].refined[std::size_t(i * classes + k)]);
+      EXPECT_EQ(merged[both].measured[std::size_t(m * classes + k)],
+                a[both].measured[std::size_t(i * classes + k)]);
+    }
+  }
+  EXPECT_GT(of_one, 50);
+  EXPECT_TRUE(verifyArchive(folder.path("c")).empty());
+}
+
+TEST(ArchiveMerge, TheOrderDoesNotMatter)
+{
+  const TemporaryFolder folder;
+  std::vector<std::string> paths;
+  for (unsigned map = 0; map < 3; ++map) {
+    Blocks blocks;
+    for (int i = 0; i < 12; ++i)
+      if ((i + int(map)) % 4 != 0)
+        blocks[VoxelIndex(i, 0, 0)] = makeMapBlock(100, 20 * map + unsigned(i));
+    paths.push_back(folder.path("map" + std::to_string(map)));
+    writeMap(paths.back(), blocks, makeArchiveHeader(), {1000.0 * map, 5.0, 0.0});
+  }
+  mergeArchives(paths, folder.path("first"));
+  const Blocks first = readMap(folder.path("first"));
+  const auto stateOf = [](const std::string& path) {
+    return MapArchive(path, ArchiveAccess::read).state().cloud_origin;
+  };
+  EXPECT_EQ(stateOf(folder.path("first")), Eigen::Vector3d(0, 5, 0));
+  while (std::next_permutation(paths.begin(), paths.end())) {
+    const std::string path = folder.path("again");
+    fs::remove(path);
+    mergeArchives(paths, path);
+    expectHolds(MapArchive(path, ArchiveAccess::read), first);
+    EXPECT_EQ(stateOf(path), stateOf(folder.path("first")));
+  }
+}
+
+TEST(ArchiveMerge, MapsThatDoNotFitAreRefused)
+{
+  const TemporaryFolder folder;
+  writeMap(folder.path("a"), makeRandomBlocks(3, 1));
+  const auto refusal = [&](const ArchiveHeader& header) {
+    fs::remove(folder.path("b"));
+    writeMap(folder.path("b"), makeRandomBlocks(3, 2), header);
+    const std::string message = thrownMessage<BadInputException>([&] {
+      mergeArchives({folder.path("a"), folder.path("b")}, folder.path("c"));
+    });
+    EXPECT_FALSE(fs::exists(folder.path("c")));
+    return message;
+  };
+  ArchiveHeader header = makeArchiveHeader();
+  header.parameters.voxel_size = 0.2;
+  EXPECT_EQ(refusal(header),
+            folder.path("b") + ": has another voxel size than " + folder.path("a"));
+  header = makeArchiveHeader();
+  header.label_set = LabelSet({{"road", {}}, {"van", {}}, {"sky", {}, true}});
+  EXPECT_TRUE(holds(refusal(header), "another label set"));
+  header = makeArchiveHeader();
+  header.parameters.fusion.label_max_ratio = 10.0;
+  EXPECT_TRUE(holds(refusal(header), "label_max_ratio"));
+
+  writeMap(folder.path("d"), makeRandomBlocks(3, 2));
+  const auto bytes = bytesOf(folder.path("d"));
+  EXPECT_EQ(thrownMessage<OutputException>([&] {
+              mergeArchives({folder.path("a"), folder.path("d")}, folder.path("d"));
+            }),
+            folder.path("d") + ": is there already");
+  EXPECT_TRUE(bytesOf(folder.path("d")) == bytes);
+  EXPECT_THROW(mergeArchives({folder.path("a")}, folder.path("c")),
+               InvalidParameterException);
+}
+
+} // namespace pcl_semantic

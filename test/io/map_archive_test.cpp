@@ -1,0 +1,313 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/archives.h"
+#include "support/full_disk.h"
+#include "support/thrown_message.h"
+#include "support/unprivileged.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+
+#include <thread>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+TEST(MapArchive, GivesBackWhatWasPut)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  const Blocks blocks = makeRandomBlocks(200, 1);
+  writeArchive(path, blocks);
+  EXPECT_EQ(folder.entries(), 1u) << "an ended archive is one file";
+
+  const MapArchive archive(path, ArchiveAccess::read);
+  expectHolds(archive, blocks);
+  EXPECT_EQ(archive.header().configuration, makeArchiveHeader().configuration);
+  EXPECT_EQ(archive.header().parameters.voxel_size, 0.25);
+  const LabelSet& label_set = archive.header().label_set;
+  ASSERT_EQ(label_set.size(), 3);
+  EXPECT_EQ(label_set[2].name, "car");
+  EXPECT_TRUE(label_set[2].dynamic && label_set[3].sky && !label_set[1].sky);
+  EXPECT_EQ(label_set[1].colour[1], 64);
+  const ArchiveState state = archive.state();
+  EXPECT_EQ(state.cloud_origin, Eigen::Vector3d(1000, -2000, 0));
+  EXPECT_TRUE(state.finished);
+  EXPECT_EQ(state.blocks, 200u);
+  EXPECT_EQ(state.frames, 2u);
+  EXPECT_EQ(state.last_frame, 7);
+  std::map<int, std::vector<std::uint8_t>> frames;
+  archive.forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
+    frames[number] = bytes;
+  });
+  EXPECT_EQ(frames, (decltype(frames){{3, {1, 2, 3}}, {7, {}}}));
+  EXPECT_TRUE(verifyArchive(path).empty());
+}
+
+TEST(MapArchive, ManyClassesAndParametersSurvive)
+{
+  std::vector<LabelClass> classes(255);
+  for (std::size_t i = 0; i < classes.size(); ++i)
+    classes[i].name = "class " + std::to_string(i);
+  ArchiveHeader header{LabelSet(classes), {}, {}};
+  header.parameters.window = {1.5, 2.5, 3.5};
+  header.parameters.max_range = 17.25;
+  header.parameters.fusion.hit_probability = 0.71;
+  header.parameters.fusion.label_max_ratio = 123.0;
+  header.parameters.fusion.pixel_fusion = PixelFusion::product;
+  header.parameters.fusion.per_ray_counting = true;
+  header.parameters.fusion.dynamic_decay = 0.25;
+  const TemporaryFolder folder;
+  const VoxelBlock full = makeRandomBlock(kBlockVoxels, 255, 3);
+  {
+    const auto archive = MapArchive::create(folder.path("map"), header);
+    archive->put({0, 0, 0}, full);
+    archive->commit({});
+  }
+  const MapArchive archive(folder.path("map"), ArchiveAccess::read);
+  EXPECT_TRUE(areSameBlocks(*archive.get({0, 0, 0}), full, 255));
+  const MapParameters& read = archive.header().parameters;
+  EXPECT_EQ(read.window, header.parameters.window);
+  EXPECT_EQ(read.max_range, 17.25);
+  EXPECT_EQ(read.fusion.hit_probability, 0.71);
+  EXPECT_EQ(read.fusion.label_max_ratio, 123.0);
+  EXPECT_EQ(read.fusion.pixel_fusion, PixelFusion::product);
+  EXPECT_TRUE(read.fusion.per_ray_counting);
+  EXPECT_EQ(read.fusion.dynamic_decay, 0.25);
+  EXPECT_EQ(archive.header().label_set[255].name, "class 254");
+}
+
+TEST(MapArchive, WhatWaitsForACommitIsSeenAndLostWithoutOne)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  Blocks blocks = makeRandomBlocks(60, 2);
+  {
+    const auto archive = MapArchive::create(path, makeArchiveHeader());
+    putAll(blocks, *archive);
+    archive->commit({});
+    Blocks changed = blocks;
+    for (auto& [index, block] : changed)
+      if (index.x() % 2 == 0)
+        block = makeRandomBlock(20, 3, unsigned(index.y()));
+    for (const auto& [index, block] : makeRandomBlocks(30, 3))
+      changed[index] = block;
+    putAll(changed, *archive);
+    expectHolds(*archive, changed);
+    archive->putFrame(1, {1});
+  }
+  EXPECT_EQ(folder.entries(), 1u);
+  const MapArchive archive(path, ArchiveAccess::read);
+  expectHolds(archive, blocks);
+  EXPECT_EQ(archive.state().frames, 0u);
+}
+
+// Far more than waits in memory: the open transaction takes it, and it is still one.
+TEST(MapArchive, LongTransactionsAreStillOne)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  const VoxelBlock block = makeRandomBlock(512, 3, 5), other = makeRandomBlock(9, 3, 6);
+  constexpr int count = 3000; // of 26 KB
+  {
+    const auto archive = MapArchive::create(path, makeArchiveHeader());
+    archive->put({0, 0, 0}, other);
+    archive->commit({});
+    for (int i = 0; i < count; ++i)
+      archive->put({i, 0, 0}, block);
+    EXPECT_TRUE(areSameBlocks(*archive->get({0, 0, 0}), block, 3));
+    const MapArchive reader(path, ArchiveAccess::read);
+    EXPECT_TRUE(areSameBlocks(*reader.get({0, 0, 0}), other, 3));
+    EXPECT_EQ(reader.state().blocks, 1u);
+  }
+  const MapArchive archive(path, ArchiveAccess::read);
+  expectHolds(archive, {{VoxelIndex(0, 0, 0), other}});
+}
+
+TEST(MapArchive, TheSameMapGivesTheSameBytesForAnyNumberOfThreads)
+{
+  const TemporaryFolder folder;
+  Blocks blocks = makeRandomBlocks(100, 7);
+  writeArchive(folder.path("a"), blocks);
+  // Records in another order: by place, as an archive gives them.
+  Blocks again;
+  MapArchive(folder.path("a"), ArchiveAccess::read)
+      .forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+        again[index] = block;
+      });
+  for (const int threads : {1, 2, 7}) {
+    setNumberOfThreads(threads);
+    const std::string path = folder.path("b" + std::to_string(threads));
+    writeArchive(path, again);
+    EXPECT_TRUE(bytesOf(path) == bytesOf(folder.path("a"))) << threads;
+  }
+  setNumberOfThreads(0);
+  blocks.begin()->second.log_odds[0] ^= 1;
+  writeArchive(folder.path("c"), blocks);
+  EXPECT_FALSE(bytesOf(folder.path("c")) == bytesOf(folder.path("a")));
+}
+
+TEST(MapArchive, OnlyOneWrites)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  const Blocks blocks = makeRandomBlocks(5, 1), more = makeRandomBlocks(9, 2);
+  const auto writer = MapArchive::create(path, makeArchiveHeader());
+  const auto refuse = [&] {
+    EXPECT_EQ(
+        thrownMessage<OutputException>([&] { MapArchive(path, ArchiveAccess::write); }),
+        path + ": another program is writing it");
+  };
+  refuse();
+  putAll(blocks, *writer);
+  refuse();
+  writer->commit({});
+  refuse(); // no gap between two transactions
+  EXPECT_EQ(thrownMessage<OutputException>(
+                [&] { MapArchive::create(path, makeArchiveHeader()); }),
+            path + ": is there already");
+  writer->close();
+  EXPECT_TRUE(holds(thrownMessage<OutputException>([&] {
+                      writer->put({0, 0, 0}, VoxelBlock());
+                    }),
+                    "open for writing"));
+
+  const auto second = std::make_unique<MapArchive>(path, ArchiveAccess::write);
+  putAll(more, *second);
+  second->commit({});
+  Blocks all = more;
+  all.insert(blocks.begin(), blocks.end());
+  expectHolds(*second, all);
+}
+
+TEST(MapArchive, ReadersSeeTheLastCommitWhileItIsWritten)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  const auto writer = MapArchive::create(path, makeArchiveHeader());
+  Blocks written;
+  for (int round = 0; round < 4; ++round) {
+    const MapArchive before(path, ArchiveAccess::read);
+    const Blocks seen = written;
+    const Blocks more = makeRandomBlocks(20, unsigned(round));
+    for (const auto& [index, block] : more)
+      written[index] = block;
+    putAll(more, *writer);
+    expectHolds(before, seen);
+    expectHolds(MapArchive(path, ArchiveAccess::read), seen);
+    writer->commit({});
+    expectHolds(before, seen); // opened earlier
+    expectHolds(MapArchive(path, ArchiveAccess::read), written);
+    EXPECT_TRUE(verifyArchive(path).empty());
+  }
+}
+
+TEST(MapArchive, FourReadersWhileOneWrites)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  const auto writer = MapArchive::create(path, makeArchiveHeader());
+  const VoxelBlock block = makeRandomBlock(3, 3, 1);
+  std::atomic<bool> done{false};
+  std::atomic<int> wrong{0}, reads{0};
+  std::vector<std::thread> readers;
+  for (int i = 0; i < 4; ++i)
+    readers.emplace_back([&] {
+      while (!done) {
+        const MapArchive reader(path, ArchiveAccess::read);
+        std::uint64_t count = 0;
+        reader.forEach([&](const VoxelIndex&, const VoxelBlock&) { ++count; });
+        wrong += count != reader.state().blocks || count % 10 != 0;
+        ++reads;
+      }
+    });
+  for (int commit = 0; commit < 60 || reads < 8; ++commit) {
+    for (int i = 0; i < 10; ++i)
+      writer->put({commit, i, 0}, block);
+    writer->commit({});
+  }
+  done = true;
+  for (std::thread& reader : readers)
+    reader.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(MapArchive, AFullDiskLeavesTheLastCommit)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  const Blocks blocks = makeRandomBlocks(20, 1);
+  const VoxelBlock block = makeRandomBlock(512, 3, 2);
+  {
+    const auto archive = MapArchive::create(path, makeArchiveHeader());
+    putAll(blocks, *archive);
+    archive->commit({});
+    const FullDisk full(fs::file_size(path) + 400000);
+    const std::string message = thrownMessage<OutputException>([&] {
+      for (int i = 0; i < 100000; ++i) {
+        archive->put({i, 1, 1}, block);
+        if (i % 20 == 0)
+          archive->commit({});
+      }
+    });
+    EXPECT_TRUE(holds(message, path + ": cannot be written"));
+    EXPECT_TRUE(holds(message, "disk full"));
+    // Half a transaction must not follow.
+    EXPECT_TRUE(holds(thrownMessage<OutputException>([&] { archive->commit({}); }),
+                      "open for writing"));
+  }
+  EXPECT_TRUE(verifyArchive(path).empty());
+  const MapArchive archive(path, ArchiveAccess::read);
+  const std::uint64_t kept = archive.state().blocks;
+  EXPECT_GE(kept, blocks.size());
+  EXPECT_EQ((kept - blocks.size()) % 20, kept == blocks.size() ? 0u : 1u);
+  for (const auto& [index, content] : blocks)
+    EXPECT_TRUE(areSameBlocks(*archive.get(index), content, 3));
+
+  const FullDisk full(1000);
+  EXPECT_TRUE(holds(thrownMessage<OutputException>([&] {
+                      MapArchive::create(folder.path("new"), makeArchiveHeader());
+                    }),
+                    folder.path("new") + ": cannot be written"));
+  EXPECT_FALSE(fs::exists(folder.path("new")));
+}
+
+TEST(MapArchive, ReadOnlyFolders)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  const Blocks blocks = makeRandomBlocks(20, 1);
+  writeArchive(path, blocks);
+  fs::permissions(folder.path(), fs::perms(0555));
+  fs::permissions(path, fs::perms(0444));
+  {
+    const Unprivileged user;
+    if (!user.isEffective())
+      GTEST_SKIP() << "cannot give up root's rights";
+    EXPECT_TRUE(holds(
+        thrownMessage<OutputException>([&] { MapArchive(path, ArchiveAccess::write); }),
+        path + ": cannot be written"));
+    EXPECT_TRUE(holds(thrownMessage<OutputException>([&] {
+                        MapArchive::create(folder.path("new"), makeArchiveHeader());
+                      }),
+                      folder.path("new") + ": cannot be written"));
+    expectHolds(MapArchive(path, ArchiveAccess::read), blocks);
+    EXPECT_TRUE(verifyArchive(path).empty());
+  }
+  fs::permissions(folder.path(), fs::perms(0755));
+}
+
+TEST(MapArchive, BlocksThatDoNotFitAreRefused)
+{
+  const TemporaryFolder folder;
+  const auto archive = MapArchive::create(folder.path("map"), makeArchiveHeader());
+  archive->put({0, 0, 0}, makeRandomBlock(5, 4, 1)); // of four classes
+  EXPECT_THROW(archive->commit({}), InvalidParameterException);
+}
+
+} // namespace pcl_semantic

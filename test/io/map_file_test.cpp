@@ -1,0 +1,123 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/random_blocks.h"
+#include "support/random_scan.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/map_export.h>
+#include <pcl_semantic/io/map_file.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int classes = 3;
+
+// Integrates scans along a line, numbered from `begin`.
+void
+walk(SemanticVoxelMap& map, int begin, int end)
+{
+  for (int i = begin; i < end; ++i) {
+    const LabelledScan scan = makeRandomScan(400, 5.0f, classes, unsigned(i));
+    map.integrate(scan.cloud,
+                  Eigen::Isometry3d(Eigen::Translation3d(1e6 + 3.0 * i, -2.0 * i, 0.1)),
+                  scan.distributions);
+  }
+}
+
+std::unique_ptr<SemanticVoxelMap>
+makeMap(std::shared_ptr<BlockStore> store = nullptr)
+{
+  SemanticVoxelMap::Parameters parameters;
+  parameters.voxel_size = 0.25;
+  parameters.window = {8.0, 8.0, 6.0};
+  return std::make_unique<SemanticVoxelMap>(LabelSet({{"a", {}}, {"b", {}}, {"c", {}}}),
+                                            parameters, std::move(store));
+}
+
+void
+expectSameMaps(const SemanticVoxelMap& a, const SemanticVoxelMap& b)
+{
+  std::map<VoxelIndex, VoxelBlock, VoxelIndexLess> blocks;
+  a.forEachBlock(
+      [&](const VoxelIndex& index, const VoxelBlock& block) { blocks[index] = block; });
+  EXPECT_GT(blocks.size(), 50u);
+  std::size_t count = 0;
+  b.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
+    ++count;
+    ASSERT_EQ(blocks.count(index), 1u);
+    EXPECT_TRUE(areSameBlocks(blocks[index], block, classes));
+  });
+  EXPECT_EQ(count, blocks.size());
+  EXPECT_EQ(a.cloudOrigin(), b.cloudOrigin());
+}
+
+} // namespace
+
+TEST(MapFile, WhatIsLoadedIsWhatWasSavedAndGoesOn)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map");
+  const auto map = makeMap();
+  walk(*map, 0, 8);
+  saveMap(*map, path);
+  const auto loaded = loadMap(path);
+  expectSameMaps(*map, *loaded);
+  EXPECT_EQ(loaded->parameters().window, map->parameters().window);
+  walk(*map, 4, 12);
+  walk(*loaded, 4, 12);
+  expectSameMaps(*map, *loaded);
+  EXPECT_EQ(thrownMessage<OutputException>([&] { saveMap(*map, path); }),
+            path + ": is there already");
+}
+
+// The archive as the store of a map, against the store in memory.
+TEST(MapFile, AMapInAnArchiveIsTheSameMap)
+{
+  const TemporaryFolder folder;
+  const auto plain = makeMap();
+  walk(*plain, 0, 12);
+  walk(*plain, 2, 9);
+  const ArchiveHeader header{plain->labelSet(), plain->parameters(), ""};
+  const std::string path = folder.path("map");
+  const auto archive = MapArchive::create(path, header);
+  const auto map = makeMap(archive);
+  for (int i = 0; i < 12; ++i) {
+    walk(*map, i, i + 1);
+    if (i % 3 == 0) {
+      map->flush();
+      archive->commit({});
+    }
+  }
+  walk(*map, 2, 9);
+  expectSameMaps(*plain, *map);
+  map->flush();
+  ArchiveState state;
+  state.cloud_origin = map->cloudOrigin();
+  archive->commit(state);
+  expectSameMaps(*plain, *loadMap(path));
+
+  const VoxelCloud voxels = plain->occupiedEverywhere();
+  writeVoxelCloud(folder.path("plain.pcd"), voxels, header.label_set,
+                  VoxelColour::classes);
+  EXPECT_EQ(
+      exportVoxels(*archive, {}, folder.path("archive.pcd"), VoxelColour::classes),
+      voxels.size());
+  EXPECT_TRUE(bytesOf(folder.path("plain.pcd")) == bytesOf(folder.path("archive.pcd")));
+  const ArchiveExtent extent = archiveExtent(*archive);
+  EXPECT_EQ(extent.voxels, voxels.size());
+  Eigen::AlignedBox3d box;
+  for (const VoxelIndex& voxel : voxels.indices)
+    for (int corner = 0; corner < 2; ++corner)
+      box.extend((voxel.cast<double>().array() + corner).matrix() * 0.25);
+  EXPECT_TRUE(box.isApprox(extent.box));
+}
+
+} // namespace pcl_semantic
