@@ -82,9 +82,10 @@ BlockReader::countOccupied(const VoxelBlock& block) const
 {
   if (block.records.empty())
     return 0;
-  std::size_t count = 0;
-  for (int place = 0; place < kBlockVoxels; ++place)
-    count += isOccupied(block, place);
+  std::size_t count = 0; // not by isOccupied(): this loop compilers make wide
+  for (std::size_t place = 0; place < kBlockVoxels; ++place)
+    count += (block.record_of[place] != VoxelBlock::kNoRecord) &
+             occupancy_.isOccupied(block.log_odds[place]);
   return count;
 }
 
@@ -93,8 +94,9 @@ BlockReader::makeCloud(std::size_t count, double voxel_size,
                        const Eigen::Vector3d& origin) const
 {
   VoxelCloud voxels;
-  voxels.measured = LabelDistributions(classes_, Eigen::Index(count));
-  voxels.refined = LabelDistributions(classes_, Eigen::Index(count));
+  // Without values: read() writes all of them, by all threads.
+  voxels.measured.matrix().resize(classes_, Eigen::Index(count));
+  voxels.refined.matrix().resize(classes_, Eigen::Index(count));
   voxels.indices.resize(count);
   voxels.observations.resize(count);
   voxels.cloud->resize(count);

@@ -204,6 +204,22 @@ TEST(FuseLogLikelihood, TheClampLetsItChangeItsMind)
   EXPECT_LT(fused[0], fused[1]);
 }
 
+TEST(DistributionFromLog, IsTheSoftMaxOfDoublePrecision)
+{
+  for (float step = 0.0f; step < 100.0f; step += 0.0137f) {
+    const float values[4] = {-step, -0.5f * step, 0.0f, -200.0f};
+    float found[4];
+    distributionFromLog(values, 4, found);
+    double sum = 0.0;
+    for (const float value : values)
+      sum += std::exp(double(value));
+    for (int k = 0; k < 4; ++k) {
+      const double expected = std::exp(double(values[k])) / sum;
+      EXPECT_NEAR(found[k], expected, 1e-6 * expected + 1e-37) << step << " " << k;
+    }
+  }
+}
+
 TEST(DistributionFromLog, DoesNotOverflow)
 {
   std::vector<float> values = {1000.0f, 999.0f, -1000.0f};

@@ -73,7 +73,7 @@ public:
   bool
   isOccupied(StoredLogOdds voxel) const
   {
-    return voxel != kUnknown && voxel >= occupied_;
+    return (voxel != kUnknown) & (voxel >= occupied_);
   }
 
 private:
