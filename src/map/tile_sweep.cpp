@@ -152,21 +152,25 @@ TileSweep::crossAllRays(const Group& group)
 void
 TileSweep::crossBundles(const kernels::SlabView& slab, const Active& bundles, int level)
 {
-  left_.resize(std::max(left_.size(), bundles.count + kernels::slab_lanes));
+  bundles_left_.resize(std::max(bundles_left_.size(), bundles.count));
   const std::size_t left =
-      loops_.crossBundles(slab, bundles.view(), bundles.count, left_.data());
+      loops_.crossBundles(slab, bundles.view(), bundles.count, bundles_left_.data());
   ranges_.clear();
+  corners_.clear();
   Active& parts = parts_[std::size_t(level)];
   parts.count = 0;
   for (std::size_t i = 0; i < left; ++i) {
-    const RayBundle& bundle = *bundles.bundle[left_[i]];
+    const kernels::BundleLeft& each = bundles_left_[i];
+    const RayBundle& bundle = *bundles.bundle[each.bundle];
     if (bundle.longest < slab.slab)
       continue;
-    if (level == 0)
-      ranges_.push_back({bundle.begin, bundle.end});
-    else
+    if (level > 0)
       for (std::uint32_t part = bundle.begin; part < bundle.end; ++part)
         parts.add(tile_.bundles(level - 1)[part]);
+    else if (each.at_corner && slab.slab > 0)
+      corners_.push_back({{bundle.begin, bundle.end}, each.row, each.column});
+    else
+      ranges_.push_back({bundle.begin, bundle.end});
   }
   if (level == 0)
     crossRays(slab);
@@ -177,9 +181,12 @@ TileSweep::crossBundles(const kernels::SlabView& slab, const Active& bundles, in
 void
 TileSweep::crossRays(const kernels::SlabView& slab)
 {
-  left_.resize(std::max(left_.size(), tile_.size() + kernels::slab_lanes));
-  const std::size_t left = loops_.crossRays(slab, tile_.view(), ranges_.data(),
-                                            ranges_.size(), left_.data());
+  left_.resize(std::max(left_.size(), tile_.size()));
+  const kernels::RayView rays = tile_.view();
+  std::size_t left =
+      loops_.crossRays(slab, rays, ranges_.data(), ranges_.size(), left_.data());
+  left += loops_.crossCorners(slab, rays, corners_.data(), corners_.size(),
+                              left_.data() + left);
   for (std::size_t i = 0; i < left; ++i)
     crossExactly(tile_.point(left_[i]), slab.slab);
 }

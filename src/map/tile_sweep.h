@@ -83,7 +83,9 @@ private:
   int level_ = 0;                              // of the bundles of a group; -1: rays
   Active active_;                              // of the group
   std::array<Active, RayTile::kLevels> parts_; // of a slab: those of bundles of a level
-  std::vector<std::uint32_t> left_; // bundles or rays that need a closer look
+  std::vector<std::uint32_t> left_;            // rays that need a closer look
+  std::vector<kernels::BundleLeft> bundles_left_;
+  std::vector<kernels::CornerRays> corners_;
   std::vector<kernels::RaySlab> undecided_;
   std::vector<kernels::RayRange> ranges_; // of rays of a slab
 };

@@ -47,6 +47,13 @@ lane()
   return numbers;
 }
 
+// A bit for each lane that is set.
+PCL_SEMANTIC_INLINE unsigned
+bitsOf(const Ints& wanted)
+{
+  return unsigned(PCL_SEMANTIC_BITS(wanted));
+}
+
 PCL_SEMANTIC_INLINE Floats
 magnitude(const Floats& values)
 {
@@ -106,26 +113,16 @@ setCells(const SlabView& slab, std::uint8_t* cells, const Part& row, const Part&
 PCL_SEMANTIC_INLINE std::size_t
 list(const Ints& wanted, std::size_t first, std::uint32_t* to)
 {
-  std::int32_t flags[lanes];
-  store(wanted, flags);
-  __asm__ volatile("" : "+m"(flags));
   std::size_t count = 0;
-  for (std::size_t k = 0; k < lanes; ++k) {
-    to[count] = std::uint32_t(first + k);
-    count += std::size_t(flags[k] & 1);
-  }
+  for (unsigned bits = bitsOf(wanted); bits != 0; bits &= bits - 1)
+    to[count++] = std::uint32_t(first) + unsigned(__builtin_ctz(bits));
   return count;
 }
 
 PCL_SEMANTIC_INLINE bool
 any(const Ints& wanted)
 {
-  std::uint64_t parts[lanes / 2];
-  __builtin_memcpy(parts, &wanted, sizeof parts);
-  std::uint64_t sum = 0;
-  for (std::size_t k = 0; k < lanes / 2; ++k)
-    sum |= parts[k];
-  return sum != 0;
+  return bitsOf(wanted) != 0;
 }
 
 // Whether each of four cells around a corner holds a ray of the bundle when it enters
@@ -155,7 +152,7 @@ crossAllFour(const SlabView& slab, const BundleView& bundles, std::size_t i,
 
 PCL_SEMANTIC_TARGET std::size_t
 crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
-             std::uint32_t* left)
+             BundleLeft* left)
 {
   std::size_t found = 0;
   std::uint8_t* const cells = slab.cells;
@@ -179,12 +176,13 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
     const Ints row_extent = row_high.cell - row_low.cell;
     const Ints column_extent = column_high.cell - column_low.cell;
     const Ints exists = lane() < std::int32_t(count - i);
-    const Ints sure = row_low.sure & row_high.sure & column_low.sure &
-                      column_high.sure & exists &
-                      (load(bundles.reach + i) > slab.slab) & rows[0].inside &
-                      rows[1].inside & columns[0].inside & columns[1].inside;
+    const Ints inside = row_low.sure & row_high.sure & column_low.sure &
+                        column_high.sure & exists & rows[0].inside & rows[1].inside &
+                        columns[0].inside & columns[1].inside;
+    const Ints sure = inside & (load(bundles.reach + i) > slab.slab);
     Ints known = sure & (row_extent + column_extent <= 1);
-    Ints four = sure & (row_extent == 1) & (column_extent == 1);
+    const Ints corner = inside & (row_extent == 1) & (column_extent == 1);
+    Ints four = sure & corner;
     if (any(four)) {
       four &= crossAllFour(slab, bundles, i, row_high.cell, column_high.cell);
       setCells(slab, cells, rows[0], columns[1], four);
@@ -193,9 +191,12 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
     }
     setCells(slab, cells, rows[0], columns[0], known);
     setCells(slab, cells, rows[1], columns[1], known);
-    const Ints open = ~known & exists;
-    if (any(open))
-      found += list(open, i, left + found);
+    const unsigned corners = bitsOf(corner);
+    for (unsigned bits = bitsOf(~known & exists); bits != 0; bits &= bits - 1) {
+      const int k = __builtin_ctz(bits);
+      left[found++] = {std::uint32_t(i) + unsigned(k), row_high.cell[k],
+                       column_high.cell[k], (corners >> k & 1) != 0};
+    }
   }
   return found;
 }

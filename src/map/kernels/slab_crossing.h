@@ -58,12 +58,31 @@ struct RaySlab {
   std::uint32_t ray, slab;
 };
 
+/** \brief A bundle that could not be decided. */
+struct BundleLeft {
+  std::uint32_t bundle;
+  std::int32_t row, column; ///< if at a corner: the upper of its two rows and columns
+  bool at_corner;           ///< all its rays are in the four cells around a corner
+};
+
+/** \brief Rays in the four cells around a corner. */
+struct CornerRays {
+  RayRange rays;
+  std::int32_t row, column; ///< see BundleLeft
+};
+
 struct SlabCrossing {
   /** \brief Sets the cells of bundles that certainly cross one cell, two that share a
    * side, or four that share a corner, and no other; gives the number of those that are
    * left, and lists them. */
   std::size_t (*crossBundles)(const SlabView& slab, const BundleView& bundles,
-                              std::size_t count, std::uint32_t* left);
+                              std::size_t count, BundleLeft* left);
+
+  /** \brief Sets the cells around corners that rays cross; gives the number of rays
+   * that are too close to a boundary, and lists them. */
+  std::size_t (*crossCorners)(const SlabView& slab, const RayView& rays,
+                              const CornerRays* corners, std::size_t count,
+                              std::uint32_t* left);
 
   /** \brief Sets the cells that rays cross; gives the number of rays that are too close
    * to a boundary, and lists them. */
