@@ -17,6 +17,19 @@ namespace {
 // Bundles are taken apart where they become wider than this [voxels].
 constexpr float widest = 1.0f;
 
+// What has ended is removed now and then only: that costs more than to pass over it.
+constexpr int groups_between_cleanings = 4;
+
+// The widest bundles that are still narrow enough at a distance; -1: rays.
+int
+levelAt(float distance)
+{
+  int level = RayTile::kLevels - 1;
+  while (level >= 0 && distance * RayTile::widthOf(level) > widest)
+    --level;
+  return level;
+}
+
 // Slopes and distances have errors of half a unit in the last place, and so have their
 // product and its sum with the start: together less than half of this.
 float
@@ -55,6 +68,7 @@ TileSweep::run(int face, const DirectedRay* const* rays, std::size_t count)
   const float inside = inVoxel(start_[axes_.along]);
   to_first_side_ = axes_.step > 0 ? 1.0f - inside : inside;
   tile_.set(rays, count);
+  level_ = RayTile::kLevels; // none yet
   const int longest = tile_.all().longest;
   for (Group group{0, 0, 0}; group.first <= longest; group.first = group.last + 1) {
     const int voxel = start_voxel_[axes_.along] + axes_.step * group.first;
@@ -100,9 +114,11 @@ TileSweep::beginGroup(const Group& group)
   buffer_.begin(start_voxel_, axes_,
                 {rows.first, rows.second, columns.first, columns.second});
 
-  level_ = RayTile::kLevels - 1;
-  while (level_ >= 0 && far * RayTile::widthOf(level_) > widest)
-    --level_;
+  const int level = levelAt(far);
+  const bool stays = level == level_ && ++groups_ % groups_between_cleanings != 0;
+  level_ = level;
+  if (stays)
+    return true;
   if (level_ < 0) {
     tile_.removeEnded(group.first);
     return true;

@@ -81,6 +81,7 @@ private:
   RayTile tile_;
   SlabBuffer buffer_;
   int level_ = 0;                              // of the bundles of a group; -1: rays
+  int groups_ = 0;                             // that were begun
   Active active_;                              // of the group
   std::array<Active, RayTile::kLevels> parts_; // of a slab: those of bundles of a level
   std::vector<std::uint32_t> left_;            // rays that need a closer look

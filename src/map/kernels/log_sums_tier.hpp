@@ -39,7 +39,16 @@ addLogs(const float* values, std::size_t count, float smallest, std::int64_t* su
       constexpr std::int32_t log_two = 11629080;
       logs[k] = exponent * log_two + static_cast<std::int32_t>(p * scale);
     }
-    for (std::size_t k = 0; k < log_block; ++k)
-      sums[begin + k] += logs[k];
+    // Compilers would take the lanes apart one by one.
+    typedef std::int32_t Narrow __attribute__((vector_size(32)));
+    typedef std::int64_t Wide __attribute__((vector_size(64)));
+    for (std::size_t k = 0; k < log_block; k += 8) {
+      Narrow narrow;
+      Wide sum;
+      __builtin_memcpy(&narrow, logs + k, sizeof narrow);
+      __builtin_memcpy(&sum, sums + begin + k, sizeof sum);
+      sum += __builtin_convertvector(narrow, Wide);
+      __builtin_memcpy(sums + begin + k, &sum, sizeof sum);
+    }
   }
 }
