@@ -58,6 +58,16 @@ checkScan(const Scan& scan, int classes)
                                      << " deviations, expected " << scan.points.size());
 }
 
+// Puts a block into the store unless that has it as it is.
+void
+keep(const VoxelIndex& index, VoxelBlock& block, BlockStore& store)
+{
+  if (!block.changed)
+    return;
+  store.put(index, block);
+  block.changed = false;
+}
+
 } // namespace
 
 SemanticVoxelMap::SemanticVoxelMap(const LabelSet& label_set,
@@ -86,13 +96,13 @@ SemanticVoxelMap::centreWindow(const Eigen::Vector3d& sensor)
       (centre - 0.5 * grid_.size().cast<double>()).array().round().cast<int>();
   grid_.scrollTo(
       origin,
-      [&](const VoxelIndex& block, std::unique_ptr<VoxelBlock> content) {
-        if (!content->changed)
-          return; // the store has it
-        content->changed = false;
-        store_->put(block, *content);
-      },
-      [&](const VoxelIndex& block) { return store_->get(block); });
+      [&](const VoxelIndex& index, VoxelBlock& block) { keep(index, block, *store_); },
+      [&](const VoxelIndex& index) {
+        std::unique_ptr<VoxelBlock> block = store_->get(index);
+        if (block)
+          block->changed = false;
+        return block;
+      });
 }
 
 void
@@ -100,11 +110,8 @@ SemanticVoxelMap::flush()
 {
   const auto writing = lock_.write();
   grid_.forEachSlot([&](const VoxelIndex& index, std::size_t slot) {
-    VoxelBlock* const block = grid_.at(slot).get();
-    if (!block || !block->changed)
-      return;
-    block->changed = false;
-    store_->put(index, *block);
+    if (grid_.at(slot))
+      keep(index, *grid_.at(slot), *store_);
   });
 }
 

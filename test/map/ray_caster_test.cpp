@@ -31,7 +31,7 @@ gridAround(const Eigen::Vector3d& sensor, const Eigen::Vector3i& blocks)
   RayCaster::Grid grid(blocks);
   const Eigen::Vector3d centre = sensor / (voxel_size * kBlockEdge);
   grid.scrollTo((centre - 0.5 * blocks.cast<double>()).array().round().cast<int>(),
-                [](const VoxelIndex&, std::unique_ptr<VoxelBlock>) {},
+                [](const VoxelIndex&, VoxelBlock&) {},
                 [](const VoxelIndex&) { return std::unique_ptr<VoxelBlock>(); });
   return grid;
 }

@@ -10,6 +10,7 @@
 
 #include <map>
 #include <random>
+#include <stdexcept>
 #include <tuple>
 
 namespace {
@@ -33,8 +34,9 @@ public:
   {
     grid_.scrollTo(
         origin,
-        [&](const VoxelIndex& index, std::unique_ptr<int> block) {
-          EXPECT_TRUE(store_.emplace(keyOf(index), std::move(block)).second);
+        [&](const VoxelIndex& index, int& block) {
+          EXPECT_TRUE(
+              store_.emplace(keyOf(index), std::make_unique<int>(block)).second);
         },
         [&](const VoxelIndex& index) {
           std::unique_ptr<int> block;
@@ -114,7 +116,7 @@ TEST(ScrollingVoxelGrid, KnowsWhatIsInside)
 {
   ScrollingVoxelGrid<int> grid(Eigen::Vector3i(2, 3, 4));
   EXPECT_FALSE(grid.contains({0, 0, 0})); // no window yet
-  const auto leave = [](const VoxelIndex&, std::unique_ptr<int>) {};
+  const auto leave = [](const VoxelIndex&, int&) {};
   int entered = 0;
   grid.scrollTo({0, 0, 0}, leave, [&](const VoxelIndex&) {
     ++entered;
@@ -126,6 +128,31 @@ TEST(ScrollingVoxelGrid, KnowsWhatIsInside)
   EXPECT_FALSE(grid.contains({0, 0, -1}));
   EXPECT_EQ(grid.find({5, 5, 5}), nullptr);
   EXPECT_EQ(grid.find({0, 0, 0}), nullptr);
+}
+
+TEST(ScrollingVoxelGrid, StaysWhereItIsIfTheStoreFails)
+{
+  ScrollingVoxelGrid<int> grid(Eigen::Vector3i(3, 3, 3));
+  const auto leave = [](const VoxelIndex&, int&) {};
+  const auto enter = [](const VoxelIndex& index) {
+    return std::make_unique<int>(index.x() + 10 * index.y() + 100 * index.z());
+  };
+  grid.scrollTo({0, 0, 0}, leave, enter);
+  const auto fail = [](const VoxelIndex&, int&) { throw std::runtime_error("full"); };
+  EXPECT_THROW(grid.scrollTo({1, 1, 0}, fail, enter), std::runtime_error);
+  const auto failLate = [](const VoxelIndex& index) -> std::unique_ptr<int> {
+    if (index.y() == 3)
+      throw std::runtime_error("damaged");
+    return nullptr;
+  };
+  EXPECT_THROW(grid.scrollTo({1, 1, 0}, leave, failLate), std::runtime_error);
+  EXPECT_EQ(grid.origin(), VoxelIndex(0, 0, 0));
+  int blocks = 0;
+  grid.forEach([&](const VoxelIndex& index, const int& value) {
+    EXPECT_EQ(value, index.x() + 10 * index.y() + 100 * index.z());
+    ++blocks;
+  });
+  EXPECT_EQ(blocks, 27);
 }
 
 TEST(ScrollingVoxelGrid, RefusesAnEmptyOrHugeWindow)

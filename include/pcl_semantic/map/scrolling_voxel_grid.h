@@ -88,9 +88,8 @@ public:
   }
 
   /** \brief Moves the window so that its smallest block is \a origin; the cost is that
-   * of what leaves and enters.
-   * \param[in] leave called with (index, std::unique_ptr<Block>) for each block that
-   * leaves
+   * of what leaves and enters. If a call throws, the window stays where it is.
+   * \param[in] leave called with (index, block) for each block that leaves
    * \param[in] enter called with (index) for each position that enters; gives the block
    * that lies there or null */
   template <typename Leave, typename Enter>
@@ -102,7 +101,7 @@ public:
   void
   forEachSlot(Visit&& visit) const
   {
-    forEachInSlab(origin_, 0, size_.x(), visit);
+    forEachIn(origin_, size_, visit);
   }
 
   /** \brief Calls \a visit(index, block) for every block of the window, in that order.
@@ -128,9 +127,15 @@ private:
     return static_cast<std::size_t>(rest < 0 ? rest + size : rest);
   }
 
+  // Visits a box no larger than the window, as forEachSlot() does.
   template <typename Visit>
-  void forEachInSlab(const BlockIndex& first, int axis, int thickness,
-                     Visit&& visit) const;
+  void forEachIn(const BlockIndex& first, const BlockIndex& extent,
+                 Visit&& visit) const;
+
+  // Visits the window at one origin where the window at another does not reach.
+  template <typename Visit>
+  void forEachOutside(const BlockIndex& origin, const BlockIndex& other,
+                      Visit&& visit) const;
 
   Eigen::Vector3i size_;
   BlockIndex origin_ = BlockIndex::Constant(nowhere);

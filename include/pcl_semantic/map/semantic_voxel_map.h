@@ -67,8 +67,8 @@ public:
   /** \brief All occupied voxels, those that left the window too. */
   VoxelCloud occupiedEverywhere() const;
 
-  /** \brief Visits every block of the map, those that left the window too, in the order
-   * z, y, x of their indices. */
+  /** \brief Visits every block, those that left the window too, in the order z, y, x of
+   * their indices. \param[in] visit must not call the map */
   void forEachBlock(const VisitBlock& visit) const;
 
   /** \brief Puts the blocks of the window that have changed since the last call, or
