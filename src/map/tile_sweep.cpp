@@ -30,12 +30,12 @@ levelAt(float distance)
   return level;
 }
 
-// Slopes and distances have errors of half a unit in the last place, and so have their
-// product and its sum with the start: together less than half of this.
+// A slope, a distance, their product, its sum with the start and that less a half are
+// each rounded: at most five halves of the last place of the distance, 2^-23 of it.
 float
 marginAt(float distance)
 {
-  return (distance + 2.0f) * 0x1p-22f;
+  return (distance + 2.0f) * 0x1p-21f;
 }
 
 float
