@@ -100,8 +100,7 @@ crossRays(const SlabView& slab, const RayView& rays, const RayRange* ranges,
             b);
       setParts(slab, b);
       const Ints undecided = crossCells(slab, cells, u, v, a, b, alive);
-      if (any(undecided))
-        found += list(undecided, i, left + found);
+      found += list(undecided, i, left + found);
     }
   return found;
 }
@@ -123,17 +122,13 @@ crossSlabs(const SlabView* slabs, std::size_t slab_count, const RayView& rays,
       const Ints alive = (end_slab >= slab.slab) & exists;
       if (!any(alive))
         break;
-      const Side through = sideAt(slab, u, v, slab.leave);
-      Side b = through;
+      Side b = sideAt(slab, u, v, slab.leave);
       endIn(end_slab == slab.slab, end_row, end_column, b);
       setParts(slab, b);
       const Ints undecided = crossCells(slab, slab.cells, u, v, a, b, alive);
-      if (any(undecided)) {
-        std::uint32_t numbers[2 * lanes];
-        const std::size_t more = list(undecided, i, numbers);
-        for (std::size_t k = 0; k < more; ++k)
-          left[found++] = {numbers[k], std::uint32_t(slab.slab)};
-      }
+      for (unsigned bits = bitsOf(undecided); bits != 0; bits &= bits - 1)
+        left[found++] = {std::uint32_t(i) + unsigned(__builtin_ctz(bits)),
+                         std::uint32_t(slab.slab)};
       a = b;
     }
   }
