@@ -8,6 +8,8 @@
 
 #include "lanes.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 namespace pcl_semantic {
 
 namespace {
@@ -142,14 +144,7 @@ constexpr ColumnProducts avx512{multiplyAvx512, addWithoutAvx512};
 const ColumnProducts&
 columnProductsFor(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return avx512;
-  case SimdTier::avx2:
-    return avx2;
-  default:
-    return plain;
-  }
+  return ofTier(tier, plain, avx2, avx512);
 }
 
 const ColumnProducts&

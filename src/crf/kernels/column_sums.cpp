@@ -8,6 +8,8 @@
 
 #include "lanes.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 namespace pcl_semantic {
 
 namespace {
@@ -105,14 +107,7 @@ constexpr ColumnSums avx512{addAvx512, sumAvx512};
 const ColumnSums&
 columnSumsFor(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return avx512;
-  case SimdTier::avx2:
-    return avx2;
-  default:
-    return plain;
-  }
+  return ofTier(tier, plain, avx2, avx512);
 }
 
 const ColumnSums&

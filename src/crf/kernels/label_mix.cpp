@@ -8,6 +8,8 @@
 
 #include "lanes.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 namespace pcl_semantic {
 
 namespace {
@@ -66,14 +68,7 @@ mixAvx512(const float* matrix, std::size_t labels, float* columns, std::size_t c
 LabelMix
 labelMixFor(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return mixAvx512;
-  case SimdTier::avx2:
-    return mixAvx2;
-  default:
-    return mixPlain;
-  }
+  return ofTier(tier, mixPlain, mixAvx2, mixAvx512);
 }
 
 void

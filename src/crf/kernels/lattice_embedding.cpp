@@ -6,6 +6,8 @@
 
 #include "lattice_embedding.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 namespace pcl_semantic::kernels {
 
 namespace {
@@ -32,14 +34,7 @@ namespace avx512 {
 const LatticeEmbedding&
 latticeEmbedding(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return avx512::loops;
-  case SimdTier::avx2:
-    return avx2::loops;
-  default:
-    return plain::loops;
-  }
+  return ofTier(tier, plain::loops, avx2::loops, avx512::loops);
 }
 
 } // namespace pcl_semantic::kernels

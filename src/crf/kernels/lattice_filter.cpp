@@ -6,6 +6,8 @@
 
 #include "lattice_filter.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 namespace pcl_semantic::kernels {
 
 namespace {
@@ -39,14 +41,8 @@ const LatticeFilter&
 latticeFilter(SimdTier tier, std::size_t width, std::size_t halves)
 {
   const int number = width == 1 ? 0 : width == 4 ? 1 : width == 8 ? 2 : 3;
-  switch (tier) {
-  case SimdTier::avx512:
-    return avx512::filters[halves - 1][number];
-  case SimdTier::avx2:
-    return avx2::filters[halves - 1][number];
-  default:
-    return plain::filters[halves - 1][number];
-  }
+  return ofTier(tier, plain::filters[halves - 1][number],
+                avx2::filters[halves - 1][number], avx512::filters[halves - 1][number]);
 }
 
 } // namespace pcl_semantic::kernels

@@ -6,6 +6,8 @@
 
 #include "run_search.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 #include <immintrin.h>
 
 namespace pcl_semantic::kernels {
@@ -114,14 +116,7 @@ searchAvx512(const NearRowsView& rows, std::int32_t first, std::int32_t last,
 RunSearch
 runSearch(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return searchAvx512;
-  case SimdTier::avx2:
-    return searchAvx2;
-  default:
-    return searchPlain;
-  }
+  return ofTier(tier, searchPlain, searchAvx2, searchAvx512);
 }
 
 } // namespace pcl_semantic::kernels

@@ -8,6 +8,8 @@
 
 #include "lanes.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 namespace pcl_semantic {
 
 namespace {
@@ -140,14 +142,7 @@ softMaxAvx512(const float* costs, float* messages, float* marginals,
 SoftMax
 softMaxFor(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return softMaxAvx512;
-  case SimdTier::avx2:
-    return softMaxAvx2;
-  default:
-    return softMaxPlain;
-  }
+  return ofTier(tier, softMaxPlain, softMaxAvx2, softMaxAvx512);
 }
 
 float

@@ -8,6 +8,8 @@
 
 #include "run_search.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 #include <algorithm>
 
 namespace pcl_semantic::kernels {
@@ -70,14 +72,7 @@ scratchSize(std::size_t length, std::size_t arrays)
 const TruncatedSums&
 truncatedSums(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return avx512::loops;
-  case SimdTier::avx2:
-    return avx2::loops;
-  default:
-    return plain::loops;
-  }
+  return ofTier(tier, plain::loops, avx2::loops, avx512::loops);
 }
 
 } // namespace pcl_semantic::kernels

@@ -6,6 +6,8 @@
 
 #include "log_sums.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 namespace pcl_semantic::kernels {
 
 namespace {
@@ -35,14 +37,7 @@ namespace avx512 {
 AddLogs
 addLogs(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return avx512::addLogs;
-  case SimdTier::avx2:
-    return avx2::addLogs;
-  default:
-    return plain::addLogs;
-  }
+  return ofTier(tier, plain::addLogs, avx2::addLogs, avx512::addLogs);
 }
 
 } // namespace pcl_semantic::kernels

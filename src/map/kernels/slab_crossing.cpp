@@ -6,6 +6,8 @@
 
 #include "slab_crossing.h"
 
+#include <pcl_semantic/core/simd_choice.h>
+
 namespace pcl_semantic::kernels {
 
 namespace {
@@ -62,14 +64,7 @@ constexpr SlabCrossing loops = {crossBundles, crossCorners, crossRays, crossSlab
 const SlabCrossing&
 slabCrossing(SimdTier tier)
 {
-  switch (tier) {
-  case SimdTier::avx512:
-    return avx512::loops;
-  case SimdTier::avx2:
-    return avx2::loops;
-  default:
-    return plain::loops;
-  }
+  return ofTier(tier, plain::loops, avx2::loops, avx512::loops);
 }
 
 } // namespace pcl_semantic::kernels
