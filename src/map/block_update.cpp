@@ -7,7 +7,6 @@
 #include "block_update.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace pcl_semantic {
@@ -95,8 +94,7 @@ BlockUpdate::updateOccupancy(const std::uint64_t* crossed, VoxelBlock& block) co
   });
 }
 
-// The largest probability that one of the points lies within half a voxel of where it
-// was measured: the order of the points does not matter.
+// That of the surest point: their order does not matter.
 float
 BlockUpdate::weightOf(std::size_t begin, std::size_t end) const
 {
@@ -105,9 +103,7 @@ BlockUpdate::weightOf(std::size_t begin, std::size_t end) const
   float least = std::numeric_limits<float>::max();
   for (std::size_t i = begin; i < end; ++i)
     least = std::min(least, (*scan_.deviations)[points_[i]]);
-  if (!(least > 0.0f))
-    return 1.0f;
-  return float(std::erf(voxel_size_ / (2.0 * std::sqrt(2.0) * double(least))));
+  return hitWeight(voxel_size_, least);
 }
 
 void
@@ -122,10 +118,10 @@ BlockUpdate::fuse(int place, std::size_t begin, std::size_t end, VoxelBlock& blo
       measurement_.addDistribution(scan_.distributions->column(Eigen::Index(point)));
   }
   const int record = block.makeRecord(place, classes_);
-  measurement_.fuseInto(block.records[std::size_t(record)],
-                        block.measured.data() + record * classes_);
+  const bool labelled = measurement_.fuseInto(
+      block.records[std::size_t(record)], block.measured.data() + record * classes_);
   // What was concluded from older measurements does not hold any more.
-  if (scan_.distributions)
+  if (labelled)
     std::fill_n(block.refined.begin() + record * classes_, classes_, 0.0f);
 }
 

@@ -6,14 +6,63 @@
 
 // What SemanticVoxelMap gives out: clouds of occupied voxels and the state of a place.
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 namespace pcl_semantic {
+
+namespace {
+
+bool
+isNear(const Eigen::Vector3d& point, double voxel_size)
+{
+  return (point.array().abs() <= kMaxVoxelIndex * voxel_size).all(); // false for NaN
+}
+
+Label
+labelOf(const BlockReader& reader, const VoxelBlock* block, int place)
+{
+  return block && reader.isOccupied(*block, place) ? reader.label(*block, place)
+                                                   : kUnlabelled;
+}
+
+// Where a segment is still before a box, or has just come to it: the last of the walls
+// that it comes through to be inside.
+struct Entry {
+  int axis = 0;
+  int slab = 0; ///< voxels from the start along the axis
+};
+
+// \param[in] low, high the first and the last voxel of the box
+// \return nothing if the segment does not come to it
+std::optional<Entry>
+entryOf(const QuantizedPoint& from, const QuantizedPoint& to, const VoxelIndex& low,
+        const VoxelIndex& high)
+{
+  const VoxelIndex start = voxelOf(from), end = voxelOf(to);
+  Entry entry;
+  double latest = 0.0; // in lengths of the segment
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::max(start[axis], end[axis]) < low[axis] ||
+        std::min(start[axis], end[axis]) > high[axis])
+      return std::nullopt;
+    const int slab = std::max({low[axis] - start[axis], start[axis] - high[axis], 0});
+    const double time = slab / std::abs(double(end[axis]) - start[axis]);
+    if (slab > 0 && time > latest) {
+      latest = time;
+      entry = {axis, slab};
+    }
+  }
+  return entry;
+}
+
+} // namespace
 
 VoxelCloud
 SemanticVoxelMap::occupied() const
@@ -87,20 +136,16 @@ SemanticVoxelMap::visitBlocks(const VisitBlock& visit) const
 VoxelIndex
 SemanticVoxelMap::voxelOf(const Eigen::Vector3d& point) const
 {
-  return (point / parameters_.voxel_size).array().floor().cast<int>();
-}
-
-bool
-SemanticVoxelMap::isNear(const Eigen::Vector3d& point) const
-{
-  const double farthest = kMaxVoxelIndex * parameters_.voxel_size;
-  return (point.array().abs() <= farthest).all(); // false for NaN
+  if (!isNear(point, parameters_.voxel_size))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a point at " << point.transpose() << " m lies in no voxel");
+  return pcl_semantic::voxelOf(quantize(point, parameters_.voxel_size));
 }
 
 const VoxelBlock*
 SemanticVoxelMap::findVoxel(const Eigen::Vector3d& point, int& place) const
 {
-  if (!isNear(point))
+  if (!isNear(point, parameters_.voxel_size))
     return nullptr;
   const VoxelIndex voxel = voxelOf(point);
   place = voxelInBlock(voxel);
@@ -120,7 +165,9 @@ Label
 SemanticVoxelMap::label(const Eigen::Vector3d& point) const
 {
   const auto reading = lock_.read();
-  return labelAt(point);
+  int place = 0;
+  const VoxelBlock* const block = findVoxel(point, place);
+  return labelOf(reader_, block, place);
 }
 
 std::vector<Label>
@@ -129,18 +176,12 @@ SemanticVoxelMap::labels(const std::vector<Eigen::Vector3d>& points) const
   const auto reading = lock_.read();
   std::vector<Label> labels(points.size());
 #pragma omp parallel for schedule(dynamic, 4096)
-  for (std::size_t i = 0; i < points.size(); ++i)
-    labels[i] = labelAt(points[i]);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    int place = 0;
+    const VoxelBlock* const block = findVoxel(points[i], place);
+    labels[i] = labelOf(reader_, block, place);
+  }
   return labels;
-}
-
-Label
-SemanticVoxelMap::labelAt(const Eigen::Vector3d& point) const
-{
-  int place = 0;
-  const VoxelBlock* const block = findVoxel(point, place);
-  return block && reader_.isOccupied(*block, place) ? reader_.label(*block, place)
-                                                    : kUnlabelled;
 }
 
 VoxelState
@@ -151,7 +192,7 @@ SemanticVoxelMap::state(const Eigen::Vector3d& point) const
   if (const VoxelBlock* const block = findVoxel(point, place))
     return reader_.state(blockOf(voxelOf(point)), *block, place);
   VoxelState unknown = reader_.state(VoxelIndex::Zero(), VoxelBlock(), 0);
-  if (isNear(point))
+  if (isNear(point, parameters_.voxel_size))
     unknown.index = voxelOf(point);
   return unknown;
 }
@@ -186,17 +227,26 @@ SemanticVoxelMap::firstOccupied(const Eigen::Vector3d& from,
 {
   const auto reading = lock_.read();
   std::optional<VoxelState> found;
-  if (!isNear(from) || !isNear(to))
+  const double voxel_size = parameters_.voxel_size;
+  if (!isNear(from, voxel_size) || !isNear(to, voxel_size))
     return found;
+  bool inside = false;
   const auto visit = [&](const VoxelIndex& voxel) {
+    if (!grid_.contains(blockOf(voxel)))
+      return !inside; // it does not come back
+    inside = true;
     const VoxelBlock* const block = grid_.find(blockOf(voxel));
     const int place = voxelInBlock(voxel);
     if (block && reader_.isOccupied(*block, place))
       found = reader_.state(blockOf(voxel), *block, place);
     return !found;
   };
-  traverseSegment(quantize(from, parameters_.voxel_size),
-                  quantize(to, parameters_.voxel_size), visit);
+  const QuantizedPoint start = quantize(from, voxel_size),
+                       end = quantize(to, voxel_size);
+  const VoxelIndex low = grid_.origin() * kBlockEdge;
+  const VoxelIndex high = low + grid_.size() * kBlockEdge - VoxelIndex::Ones();
+  if (const std::optional<Entry> entry = entryOf(start, end, low, high))
+    traverseSegmentFrom(start, end, entry->axis, entry->slab, visit);
   return found;
 }
 

@@ -9,10 +9,10 @@
 namespace pcl_semantic {
 
 void
-countRays(const RayCaster& caster, const FusionParameters& fusion,
+countRays(const RayCaster& caster, const MapParameters& parameters, const Scan& scan,
           RayCaster::Grid& grid)
 {
-  const OccupancyUpdate update(fusion);
+  const OccupancyUpdate update(parameters.fusion);
   caster.forEachRay([&](const QuantizedPoint& start, const QuantizedPoint& end,
                         const RayCaster::SlotHit* hit) {
     traverseSegment(start, end, [&](const VoxelIndex& voxel) {
@@ -25,8 +25,11 @@ countRays(const RayCaster& caster, const FusionParameters& fusion,
         update.miss(grid.at(slot)->log_odds[place]);
       return true;
     });
-    if (hit)
-      update.hit(grid.at(hit->slot)->log_odds[hit->hit.place]);
+    if (!hit)
+      return;
+    const float deviation = scan.deviations ? (*scan.deviations)[hit->hit.point] : 0.0f;
+    update.hit(grid.at(hit->slot)->log_odds[hit->hit.place],
+               hitWeight(parameters.voxel_size, deviation));
   });
 }
 

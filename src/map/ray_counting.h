@@ -6,15 +6,16 @@
 
 #pragma once
 
+#include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/ray_caster.h>
-#include <pcl_semantic/map/voxel_fusion.h>
 
 namespace pcl_semantic {
 
-/** \brief Counts every ray of the last scan in the occupancy of its voxels, as the
+/** \brief Counts every ray of a scan in the occupancy of its voxels, as the
  * paper does: one after the other by a single thread, for here their order matters.
+ * \param[in] scan that \a caster has cast last
  * \param[in,out] grid that the rays were cast through; all crossed blocks are there */
-void countRays(const RayCaster& caster, const FusionParameters& fusion,
-               RayCaster::Grid& grid);
+void countRays(const RayCaster& caster, const MapParameters& parameters,
+               const Scan& scan, RayCaster::Grid& grid);
 
 } // namespace pcl_semantic

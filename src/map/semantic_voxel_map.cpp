@@ -58,6 +58,18 @@ checkScan(const Scan& scan, int classes)
                                      << " deviations, expected " << scan.points.size());
 }
 
+void
+checkPose(const Eigen::Isometry3d& pose)
+{
+  if (!pose.matrix().allFinite())
+    PCL_THROW_EXCEPTION(BadInputException, "the pose of the sensor is not finite");
+  const Eigen::Matrix3d R = pose.linear();
+  constexpr double tolerance = 1e-3; // rotations are read from texts of few digits
+  if (!(R.transpose() * R).isIdentity(tolerance) || R.determinant() < 0.0)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "the pose of the sensor is no rotation and translation");
+}
+
 // Puts a block into the store unless that has it as it is.
 void
 keep(const VoxelIndex& index, VoxelBlock& block, BlockStore& store)
@@ -106,6 +118,13 @@ SemanticVoxelMap::centreWindow(const Eigen::Vector3d& sensor)
 }
 
 void
+SemanticVoxelMap::moveWindow(const Eigen::Vector3d& centre)
+{
+  const auto writing = lock_.write();
+  centreWindow(centre);
+}
+
+void
 SemanticVoxelMap::flush()
 {
   const auto writing = lock_.write();
@@ -118,6 +137,9 @@ SemanticVoxelMap::flush()
 void
 SemanticVoxelMap::setCloudOrigin(const Eigen::Vector3d& origin)
 {
+  if (!origin.allFinite())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the origin of the clouds is not finite");
   const auto writing = lock_.write();
   cloud_origin_ = origin;
   has_cloud_origin_ = true;
@@ -128,8 +150,7 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
                                 const Eigen::Isometry3d& T_world_sensor)
 {
   checkScan(scan, label_set_.size());
-  if (!T_world_sensor.matrix().allFinite())
-    PCL_THROW_EXCEPTION(BadInputException, "the pose of the sensor is not finite");
+  checkPose(T_world_sensor);
   const auto writing = lock_.write();
   centreWindow(T_world_sensor.translation());
   if (parameters_.fusion.dynamic_decay > 0.0)
@@ -140,7 +161,7 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
   ScanCounts counts = ray_caster_.cast(scan, T_world_sensor, grid_, settings);
   counts.hit_voxels = updateBlocks(scan);
   if (parameters_.fusion.per_ray_counting)
-    countRays(ray_caster_, parameters_.fusion, grid_);
+    countRays(ray_caster_, parameters_, scan, grid_);
   return counts;
 }
 
@@ -181,6 +202,11 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
                         "refined distributions are "
                             << refined.classes() << " x " << refined.size()
                             << ", expected " << classes << " x " << voxels.size());
+  const auto isProbability = [](float p) { return p >= 0.0f && p <= 1.001f; };
+  const auto& values = refined.matrix();
+  if (!std::all_of(values.data(), values.data() + values.size(), isProbability))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a refined distribution holds a value that is no probability");
   const auto writing = lock_.write();
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const VoxelIndex& voxel = voxels.indices[i];

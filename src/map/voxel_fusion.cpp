@@ -33,11 +33,12 @@ requireBetween(double value, double low, double high, const char* name)
 void
 FusionParameters::validate() const
 {
-  requireBetween(hit_probability, 0.5, 1.0, "hit_probability");
-  requireBetween(miss_probability, 0.0, 0.5, "miss_probability");
-  // Beyond 0.9996 the log-odds would not fit their 16 bits.
-  requireBetween(min_probability, 4e-4, 0.5, "min_probability");
-  requireBetween(max_probability, 0.5, 1.0 - 4e-4, "max_probability");
+  // Beyond these the log-odds would not fit their 16 bits.
+  constexpr double least = 4e-4, most = 1.0 - least;
+  requireBetween(hit_probability, 0.5, most, "hit_probability");
+  requireBetween(miss_probability, least, 0.5, "miss_probability");
+  requireBetween(min_probability, least, 0.5, "min_probability");
+  requireBetween(max_probability, 0.5, most, "max_probability");
   requireBetween(occupied_probability, min_probability, max_probability,
                  "occupied_probability");
   requireBetween(label_min_probability, 0.0, 0.5, "label_min_probability");
@@ -53,6 +54,14 @@ storedLogOdds(double probability)
 {
   return static_cast<StoredLogOdds>(
       std::lround(std::log(probability / (1.0 - probability)) / kLogOddsUnit));
+}
+
+float
+hitWeight(double voxel_size, float deviation)
+{
+  if (!(deviation > 0.0f))
+    return 1.0f;
+  return float(std::erf(voxel_size / (2.0 * std::sqrt(2.0) * double(deviation))));
 }
 
 OccupancyUpdate::OccupancyUpdate(const FusionParameters& parameters)
@@ -97,7 +106,7 @@ VoxelMeasurement::addDistribution(const float* distribution)
   ++labelled_;
 }
 
-void
+bool
 VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
 {
   ++record.observations;
@@ -115,7 +124,7 @@ VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
   record.colour_count += colour_count_;
 
   if (labelled_ == 0)
-    return;
+    return false;
   ++record.label_observations;
   const double divisor =
       parameters_.pixel_fusion == PixelFusion::mean ? double(labelled_) : 1.0;
@@ -123,6 +132,7 @@ VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
     log_likelihood_[k] = float(double(log_sums_[k]) / (kLogScale * divisor));
   fuseLogLikelihood(log_likelihood_.data(), static_cast<int>(log_likelihood_.size()),
                     float(std::log(parameters_.label_max_ratio)), log_distribution);
+  return true;
 }
 
 } // namespace pcl_semantic

@@ -128,6 +128,75 @@ TEST(MapQueries, ARayFindsTheFirstOccupiedVoxel)
   EXPECT_FALSE(map.firstOccupied({0, 0, 0}, {INFINITY, 0, 0}));
 }
 
+// Rays from far outside, through the window and past it, against the exact traversal of
+// the whole segment.
+TEST(MapQueries, ARayFromAnywhereFindsWhatItsTraversalFinds)
+{
+  SemanticVoxelMap map(twoClasses(), smallWindow());
+  map.integrate(makeRandomScan(400, 8.0f, 2, 3).cloud, origin);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> inside(-14.0, 14.0), far(-900.0, 900.0);
+  int found = 0, from_outside = 0;
+  for (int i = 0; i < 800; ++i) {
+    const Eigen::Vector3d target(inside(random), inside(random), 0.5 * inside(random));
+    Eigen::Vector3d from(far(random), far(random), far(random));
+    if (i % 4 == 0)
+      from = 0.01 * from;
+    const Eigen::Vector3d to = from + (i % 3 == 0 ? 1.0 : 1.9) * (target - from);
+    std::optional<VoxelIndex> expected;
+    traverseSegment(quantize(from, 0.5), quantize(to, 0.5), [&](const VoxelIndex& v) {
+      if (map.occupancy((v.cast<double>().array() + 0.5) * 0.5) == Occupancy::occupied)
+        expected = v;
+      return !expected;
+    });
+    const auto hit = map.firstOccupied(from, to);
+    ASSERT_EQ(bool(hit), bool(expected))
+        << from.transpose() << " to " << to.transpose();
+    if (hit) {
+      EXPECT_EQ(hit->index, *expected);
+    }
+    found += bool(hit);
+    from_outside += hit && from.norm() > 30.0;
+  }
+  EXPECT_GT(found, 100);
+  EXPECT_GT(from_outside, 50);
+  // Ends at once, though the segment has two billion voxels.
+  EXPECT_FALSE(map.firstOccupied({-4e8, 3.0, 4.0}, {4e8, 3.0, 4.0}));
+  EXPECT_FALSE(map.firstOccupied({4e8, 4e8, 4e8}, {-4e8, 4e8, 4e8}));
+}
+
+// At 0.1 m floor(x / 0.1) and the grid that scans are quantised to disagree about x.
+TEST(MapQueries, APointIsAskedForWhereItWasHit)
+{
+  SemanticVoxelMap::Parameters parameters = smallWindow();
+  parameters.voxel_size = 0.1;
+  for (const float x : {0.3f, 0.6f, 0.7f, 1.2f, -0.3f}) {
+    SemanticVoxelMap map(twoClasses(), parameters);
+    pcl::PointCloud<pcl::PointXYZ> cloud;
+    cloud.push_back({x, 0.0f, 0.0f});
+    map.integrate(cloud, origin);
+    EXPECT_EQ(map.occupancy({double(x), 0.0, 0.0}), Occupancy::occupied) << x;
+    EXPECT_EQ(map.voxelOf({double(x), 0.0, 0.0}), map.occupied().indices[0]) << x;
+  }
+  SemanticVoxelMap map(twoClasses(), parameters);
+  EXPECT_EQ(map.voxelOf({0.3, 0.7, 1.1}), voxelOf(quantize({0.3, 0.7, 1.1}, 0.1)));
+  for (const double x : {std::nan(""), double(INFINITY), 1e30})
+    EXPECT_THROW(map.voxelOf({x, 0, 0}), InvalidParameterException);
+}
+
+TEST(MapQueries, TheWindowMovesWithoutAScan)
+{
+  SemanticVoxelMap map(twoClasses(), smallWindow());
+  const LabelledScan scan = wall(1);
+  map.integrate(scan.cloud, origin, scan.distributions);
+  map.moveWindow({100.0, 0.0, 0.0});
+  EXPECT_EQ(map.occupancy({6.1, 0.2, 0.3}), Occupancy::unknown);
+  map.moveWindow({10.0, 5.0, 0.0});
+  EXPECT_EQ(map.occupancy({6.1, 0.2, 0.3}), Occupancy::occupied);
+  EXPECT_THROW(map.moveWindow({std::nan(""), 0, 0}), BadInputException);
+  EXPECT_THROW(map.setCloudOrigin({std::nan(""), 0, 0}), InvalidParameterException);
+}
+
 TEST(MapQueries, NothingIsClearedWithinTwoDeviations)
 {
   SemanticVoxelMap map(twoClasses(), smallWindow());
@@ -161,6 +230,12 @@ TEST(MapQueries, EveryRayCountsIfAskedTo)
               3.0 * std::log(0.7 / 0.3) + std::log(0.4 / 0.6), 1e-3);
   EXPECT_NEAR(map.state({2.25, 0.1, 0.1}).log_odds, 4.0 * std::log(0.4 / 0.6), 1e-3);
   EXPECT_EQ(map.state({6.25, 0.2, 0.2}).observations, 1u);
+  // A hit that is uncertain weighs less here too.
+  SemanticVoxelMap uncertain(twoClasses(), parameters);
+  cloud.resize(1);
+  uncertain.integrate(cloud, origin, {}, {1.0f});
+  EXPECT_NEAR(uncertain.state({6.25, 0.2, 0.2}).log_odds,
+              std::erf(0.25 / std::sqrt(2.0)) * std::log(0.7 / 0.3), 1e-3);
 }
 
 TEST(MapQueries, DynamicVoxelsFadeAndOthersStay)

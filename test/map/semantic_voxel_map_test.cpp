@@ -104,23 +104,57 @@ expectIdentical(const VoxelCloud& a, const VoxelCloud& b)
   }
 }
 
+// All that a map keeps: of every block its occupancy, and of its records what there is
+// at each place (they may lie in another order).
+std::vector<double>
+contentOf(const SemanticVoxelMap& map)
+{
+  std::vector<double> content;
+  const std::size_t classes = std::size_t(map.labelSet().size());
+  map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
+    content.insert(content.end(), index.begin(), index.end());
+    content.insert(content.end(), block.log_odds.begin(), block.log_odds.end());
+    for (int place = 0; place < kBlockVoxels; ++place) {
+      const int row = block.recordAt(place);
+      if (row == VoxelBlock::kNoRecord)
+        continue;
+      const VoxelRecord& record = block.records[std::size_t(row)];
+      const auto measured = block.measured.begin() + long(row * classes);
+      content.push_back(place);
+      content.insert(content.end(), record.colour_sum.begin(), record.colour_sum.end());
+      content.insert(content.end(),
+                     {double(record.colour_count), double(record.observations),
+                      double(record.label_observations)});
+      content.insert(content.end(), measured, measured + long(classes));
+    }
+  });
+  return content;
+}
+
+// Scans of more points than a thread takes at a time, with and without deviations.
 TEST(SemanticVoxelMap, OrderOfPointsAndNumberOfThreadsDoNotMatter)
 {
-  std::vector<VoxelCloud> results;
-  for (const int threads : {1, 2, 7}) {
-    setNumberOfThreads(threads);
-    SemanticVoxelMap map(threeClasses(), smallWindow());
-    for (unsigned scan = 0; scan < 3; ++scan) {
-      const LabelledScan points =
-          shuffled(makeRandomScan(5000, 7.0f, 3, scan), scan + 10 * unsigned(threads));
-      map.integrate(points.cloud, poseAt(0.3 * scan, 0, 0), points.distributions);
+  for (const bool with_deviations : {false, true}) {
+    std::vector<std::vector<double>> results;
+    for (const int threads : {1, 2, 7}) {
+      setNumberOfThreads(threads);
+      SemanticVoxelMap map(threeClasses(), smallWindow());
+      for (unsigned scan = 0; scan < 2; ++scan) {
+        const LabelledScan points = shuffled(makeRandomScan(50000, 7.0f, 3, scan),
+                                             scan + 10 * unsigned(threads));
+        std::vector<float> deviations;
+        for (std::size_t i = 0; with_deviations && i < points.cloud.size(); ++i)
+          deviations.push_back(0.05f * std::abs(points.cloud[i].x));
+        map.integrate(points.cloud, poseAt(0.3 * scan, 0, 0), points.distributions,
+                      deviations);
+      }
+      results.push_back(contentOf(map));
     }
-    results.push_back(map.occupied());
+    setNumberOfThreads(0);
+    EXPECT_GT(results[0].size(), 100000u);
+    EXPECT_TRUE(results[0] == results[1]);
+    EXPECT_TRUE(results[0] == results[2]);
   }
-  setNumberOfThreads(0);
-  EXPECT_GT(results[0].size(), 1000u);
-  expectIdentical(results[0], results[1]);
-  expectIdentical(results[0], results[2]);
 }
 
 TEST(SemanticVoxelMap, AVoxelThatLeavesTheWindowComesBack)
@@ -264,6 +298,12 @@ TEST(SemanticVoxelMap, RefinedDistributionsAreReadAndMeasurementsKept)
   EXPECT_EQ(map.label(first), 3);
   EXPECT_THROW(map.setRefined(before, LabelDistributions(3, 1)),
                InvalidParameterException);
+  for (const float bad : {std::nanf(""), INFINITY, -0.1f, 1.1f}) {
+    LabelDistributions spoilt = refined;
+    spoilt.matrix()(1, 7) = bad;
+    EXPECT_THROW(map.setRefined(before, spoilt), InvalidParameterException) << bad;
+  }
+  EXPECT_TRUE(map.occupied().refined.matrix() == refined.matrix());
 }
 
 TEST(SemanticVoxelMap, ANewMeasurementVoidsTheRefinement)
@@ -285,6 +325,23 @@ TEST(SemanticVoxelMap, ANewMeasurementVoidsTheRefinement)
   EXPECT_TRUE(after.refined.matrix() == after.measured.matrix());
 }
 
+TEST(SemanticVoxelMap, PixelsWithoutALabelVoidNothing)
+{
+  LabelledScan scan = makeRandomScan(500, 5.0f, 3, 6);
+  for (Eigen::Index i = 0; i < scan.distributions.size(); ++i)
+    scan.distributions.setLabel(i, 1, 0.6f);
+  SemanticVoxelMap map(threeClasses(), smallWindow());
+  map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  const VoxelCloud before = map.occupied();
+  LabelDistributions refined(3, Eigen::Index(before.size()));
+  for (Eigen::Index i = 0; i < refined.size(); ++i)
+    refined.setLabel(i, 3, 0.8f);
+  map.setRefined(before, refined);
+  scan.distributions.matrix().setZero();
+  map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  EXPECT_TRUE(map.occupied().refined.matrix() == refined.matrix());
+}
+
 TEST(SemanticVoxelMap, RefusesWhatDoesNotFit)
 {
   const LabelledScan scan = makeRandomScan(10, 5.0f, 3, 7);
@@ -296,6 +353,11 @@ TEST(SemanticVoxelMap, RefusesWhatDoesNotFit)
   EXPECT_THROW(map.integrate(scan.cloud, poseAt(std::nan(""), 0, 0)),
                BadInputException);
   EXPECT_THROW(map.integrate(scan.cloud, poseAt(1e30, 0, 0)), BadInputException);
+  Eigen::Isometry3d scaled = poseAt(0, 0, 0), mirrored = scaled;
+  scaled.linear() *= 1.01;
+  mirrored.linear().col(1) *= -1.0;
+  EXPECT_THROW(map.integrate(scan.cloud, scaled), BadInputException);
+  EXPECT_THROW(map.integrate(scan.cloud, mirrored), BadInputException);
   for (const double voxel_size : {0.0, -1.0, 1e-9, std::nan("")}) {
     SemanticVoxelMap::Parameters parameters = smallWindow();
     parameters.voxel_size = voxel_size;

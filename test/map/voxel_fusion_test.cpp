@@ -4,6 +4,9 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "map/kernels/log_sums.h"
+#include "support/supported_tiers.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/voxel_fusion.h>
 
@@ -122,6 +125,48 @@ TEST(VoxelMeasurement, MeanColourAndUnlabelledPixels)
   EXPECT_EQ(record.colour_sum[2] / record.colour_count, 48u);
 }
 
+// What FusionParameters allow fits the stored units, and keeps its sign.
+TEST(OccupancyUpdate, TheStrongestUpdatesFit)
+{
+  FusionParameters parameters;
+  parameters.hit_probability = 0.9995;
+  parameters.miss_probability = 0.0005;
+  parameters.min_probability = 0.0005;
+  parameters.max_probability = 0.9995;
+  EXPECT_NO_THROW(parameters.validate());
+  const OccupancyUpdate update(parameters);
+  StoredLogOdds voxel = kUnknown;
+  update.hit(voxel);
+  EXPECT_NEAR(probability(voxel), 0.9995, 1e-5);
+  update.miss(voxel);
+  update.miss(voxel);
+  EXPECT_NEAR(probability(voxel), 0.0005, 1e-5);
+}
+
+TEST(LogSums, AreThoseOfTheStandardLibraryInAllTiers)
+{
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> exponent(-20.0f, 0.0f);
+  for (const std::size_t count : {1, 2, 11, 16, 17, 40}) {
+    std::vector<float> values(count);
+    for (float& value : values)
+      value = std::exp(exponent(random));
+    values[0] = count % 2 == 0 ? 0.0f : 1.0f;
+    std::vector<std::vector<std::int64_t>> sums;
+    for (const SimdTier tier : supportedTiers()) {
+      sums.emplace_back(count + kernels::log_block, 7);
+      kernels::addLogs(tier)(values.data(), count, 0.01f, sums.back().data());
+      EXPECT_EQ(sums.back(), sums.front()) << nameOf(tier);
+    }
+    for (std::size_t k = 0; k < count; ++k)
+      EXPECT_NEAR(double(sums[0][k] - 7),
+                  std::log(double(std::max(values[k], 0.01f))) *
+                      double(1 << kernels::log_fraction_bits),
+                  5.0)
+          << values[k];
+  }
+}
+
 TEST(FusionParameters, RefusesWhatCannotWork)
 {
   const auto refused = [](auto&& change) {
@@ -130,6 +175,8 @@ TEST(FusionParameters, RefusesWhatCannotWork)
     EXPECT_THROW(parameters.validate(), InvalidParameterException);
   };
   refused([](FusionParameters& p) { p.hit_probability = 0.5; });
+  refused([](FusionParameters& p) { p.hit_probability = 0.9997; });
+  refused([](FusionParameters& p) { p.miss_probability = 0.0002; });
   refused([](FusionParameters& p) { p.miss_probability = 0.6; });
   refused([](FusionParameters& p) { p.max_probability = 1.0; });
   refused([](FusionParameters& p) { p.min_probability = 0.0; });

@@ -31,11 +31,13 @@ namespace pcl_semantic {
  * distributions (section III of the paper). Blocks that leave the window go to a
  * BlockStore and come back when it returns. World frame: x forward, y left, z up [m].
  *
- * One thread may write (integrate, setRefined, flush) while any number of others read:
- * a reader sees the map as it stands between two calls of the writer, and waits while
- * one of them runs. */
+ * One thread may write (what is not const) while any number of others read: a reader
+ * sees the map as it stands between two calls of the writer, and waits while one of
+ * them runs. What the store throws comes through; the window then stays where it is. */
 class SemanticVoxelMap {
 public:
+  using Ptr = std::shared_ptr<SemanticVoxelMap>;
+  using ConstPtr = std::shared_ptr<const SemanticVoxelMap>;
   using Parameters = MapParameters;
   using VisitBlock = std::function<void(const VoxelIndex&, const VoxelBlock&)>;
 
@@ -46,47 +48,49 @@ public:
                    std::shared_ptr<BlockStore> store = nullptr);
 
   /** \brief Takes in one scan: moves the window to the sensor, casts a ray to every
-   * point, and fuses the colours and labels of the end points. One update per voxel and
-   * scan; a hit wins over a miss.
+   * point, and fuses colours and labels of the ends. One update per voxel and scan; a
+   * hit wins over a miss.
    * \param[in] cloud sensor frame [m], organized or not, any point type with xyz
    * \param[in] T_world_sensor pose of the sensor
    * \param[in] distributions L x cloud.size(), or empty for a scan without labels
    * \param[in] deviations of the distance to each point [m], or empty if they are
-   * exact: nothing is cleared within two deviations of an end, and its hit weighs less
+   * exact: nothing is cleared within two deviations of an end, and its hit weighs less;
+   * a point whose deviation is NaN or negative is skipped
    * \throws InvalidParameterException if the sizes do not fit the cloud
-   * \throws BadInputException if the pose is not finite or too far away */
+   * \throws BadInputException if the pose is no rigid motion, or too far away */
   template <typename PointT>
   ScanCounts integrate(const pcl::PointCloud<PointT>& cloud,
                        const Eigen::Isometry3d& T_world_sensor,
                        const LabelDistributions& distributions = LabelDistributions(),
                        const std::vector<float>& deviations = {});
 
-  /** \brief The occupied voxels of the window. */
+  /** \brief Moves the window without a scan, as for queries of a loaded map.
+   * \param[in] centre world frame [m] \throws BadInputException if too far away */
+  void moveWindow(const Eigen::Vector3d& centre);
+
+  /** \brief The occupied voxels: of the window, and also of what left it. */
   VoxelCloud occupied() const;
 
-  /** \brief All occupied voxels, those that left the window too. */
   VoxelCloud occupiedEverywhere() const;
 
-  /** \brief Visits every block, those that left the window too, in the order z, y, x of
-   * their indices. \param[in] visit must not call the map */
+  /** \brief Visits every block, those that left the window too, by z, y, x of their
+   * indices. \param[in] visit must not call the map */
   void forEachBlock(const VisitBlock& visit) const;
 
-  /** \brief Puts the blocks of the window that have changed since the last call, or
-   * since they entered, into the store: it then holds the whole map. */
+  /** \brief Puts the blocks that have changed into the store: it then holds all. */
   void flush();
 
-  /** \brief Origin of the points of all clouds given out, world frame [m]; a multiple
-   * of a kilometre near the first sensor unless setCloudOrigin() was called. */
+  /** \brief Origin of the points of all clouds given out, world frame [m]: a multiple
+   * of a kilometre near the first sensor, or what a map that goes on was given. */
   Eigen::Vector3d cloudOrigin() const;
 
-  /** \brief Fixes the origin of the clouds; for a map that goes on from a store. */
   void setCloudOrigin(const Eigen::Vector3d& origin);
 
   /** \brief Takes back refined distributions; the measurements stay as they are. They
    * hold until the voxel is measured again.
    * \param[in] voxels as occupied() gave them
    * \param[in] refined L x voxels.size()
-   * \throws InvalidParameterException if the sizes differ */
+   * \throws InvalidParameterException for other sizes, or what is no probability */
   void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined);
 
   /** \brief Queries of the window, world frame [m]; what lies outside is unknown. */
@@ -103,19 +107,19 @@ public:
   /** \brief The known voxels (free or occupied) that meet a box, blocks by z, y, x. */
   std::vector<VoxelState> states(const Eigen::AlignedBox3d& box) const;
 
-  /** \brief The occupied voxel that the segment from one point to another meets first;
-   * nothing if there is none, or an end is not finite or absurdly far. */
+  /** \brief The occupied voxel that a segment meets first; nothing if there is none, or
+   * an end is not finite or absurdly far. */
   std::optional<VoxelState> firstOccupied(const Eigen::Vector3d& from,
                                           const Eigen::Vector3d& to) const;
 
-  /** \brief The voxel that holds a point, world frame [m]. */
+  /** \brief The voxel that holds a point, world frame [m], as scans hit it.
+   * \throws InvalidParameterException if the point is not finite or absurdly far */
   VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
 
   /** \brief Memory of the window and of the last scan, without the store [bytes]. */
   std::size_t memory() const;
 
   const LabelSet& labelSet() const;
-
   const Parameters& parameters() const;
 
 private:
@@ -123,13 +127,9 @@ private:
 
   std::size_t updateBlocks(const Scan& scan);
 
-  void centreWindow(const Eigen::Vector3d& sensor);
-
-  bool isNear(const Eigen::Vector3d& point) const;
+  void centreWindow(const Eigen::Vector3d& centre);
 
   const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& place) const;
-
-  Label labelAt(const Eigen::Vector3d& point) const;
 
   void visitBlocks(const VisitBlock& visit) const;
 

@@ -43,6 +43,12 @@ struct FusionParameters {
 /** \brief Log-odds of a probability, in stored units. */
 StoredLogOdds storedLogOdds(double probability);
 
+/** \brief Probability that a point lies within half a voxel of where it was measured:
+ * the weight of its hit.
+ * \param[in] voxel_size [m]
+ * \param[in] deviation standard deviation of its distance [m]; 0 = exact */
+float hitWeight(double voxel_size, float deviation);
+
 /** \brief Adds one hit or miss to a voxel, clamped; an unknown voxel starts at even
  * odds. */
 class OccupancyUpdate {
@@ -106,8 +112,9 @@ public:
   void addDistribution(const float* distribution);
 
   /** \brief Fuses colour and label of the scan into a voxel: mean colour, eq. (1).
-   * \param[in,out] log_distribution L values, see VoxelBlock::measured */
-  void fuseInto(VoxelRecord& record, float* log_distribution);
+   * \param[in,out] log_distribution L values, see VoxelBlock::measured
+   * \return whether the scan had a label for it */
+  bool fuseInto(VoxelRecord& record, float* log_distribution);
 
 private:
   const FusionParameters parameters_;
