@@ -4,7 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "tool.h"
+#include "archive_arguments.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/archive_merge.h>
@@ -15,58 +15,30 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <sstream>
 
 namespace {
 
 using namespace pcl_semantic;
-namespace po = tool::po;
 
-struct Arguments {
-  std::string command;
-  std::vector<std::string> files;
-  std::string box;
-  std::vector<std::string> classes;
-};
-
-const tool::Usage usage{
-    "pcl_semantic_archive",
-    "info FILE | verify FILE | export FILE OUT.pcd [--box ...] [--class NAME]... | "
-    "merge FILE FILE... OUT",
-    "Looks into the map archives of pcl_semantic_map --archive.\n"
-    "  info    what is in it\n"
-    "  verify  reads all of it and compares every checksum: prints 'ok' or what is "
-    "wrong\n"
-    "  export  its occupied voxels, as map.pcd holds them; x y z are relative to the\n"
-    "          origin that info prints\n"
-    "  merge   joins maps of the same frame of reference into a new archive OUT",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \\\n"
-    "    --archive /tmp/street.map && \\\n"
-    "  pcl_semantic_archive export /tmp/street.map /tmp/road.pcd --class road"};
+using Arguments = tool::ArchiveArguments;
 
 [[noreturn]] void
 failUsage(const std::string& message)
 {
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      message << " (see " << usage.name << " --help)");
+  tool::failUsage(tool::archive_usage, message);
 }
 
-bool
-parse(int argc, char** argv, Arguments& arguments)
+BlockProgress
+showProgress(const std::string& what)
 {
-  po::options_description options("Options");
-  options.add_options()("command", po::value(&arguments.command),
-                        "info, verify, export or merge")(
-      "files", po::value(&arguments.files), "archives, and what is written last")(
-      "box", po::value(&arguments.box),
-      "of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]")(
-      "class", po::value(&arguments.classes),
-      "of export: only voxels of this class; may be given several times");
-  po::positional_options_description positional;
-  positional.add("command", 1).add("files", -1);
-  po::variables_map values;
-  return tool::parseCommandLine(argc, argv, usage, options, positional, values);
+  const auto bar = std::make_shared<std::optional<tool::ProgressBar>>();
+  return [what, bar](std::size_t, std::size_t blocks) {
+    if (!*bar)
+      bar->emplace(what, blocks, "blocks");
+    (*bar)->step();
+  };
 }
 
 const std::string&
@@ -101,7 +73,7 @@ int
 info(const Arguments& arguments)
 {
   const MapArchive archive(onlyFile(arguments), ArchiveAccess::read);
-  const ArchiveExtent extent = archiveExtent(archive);
+  const ArchiveExtent extent = archiveExtent(archive, showProgress("reading"));
   printHeader(archive);
   std::cout << "blocks:     " << archive.state().blocks
             << "\noccupied:   " << extent.voxels << " voxels\n";
@@ -115,7 +87,8 @@ info(const Arguments& arguments)
 int
 verify(const Arguments& arguments)
 {
-  const std::vector<std::string> faults = verifyArchive(onlyFile(arguments));
+  const std::vector<std::string> faults =
+      verifyArchive(onlyFile(arguments), showProgress("verifying"));
   for (const std::string& fault : faults)
     std::cout << fault << "\n";
   if (!faults.empty())
@@ -155,7 +128,9 @@ exportCloud(const Arguments& arguments)
   tool::refuseSameFiles({arguments.files[0]}, {arguments.files[1]});
   const MapArchive archive(arguments.files[0], ArchiveAccess::read);
   const VoxelSelection selection = selectionOf(arguments, archive.header().label_set);
-  const std::size_t voxels = exportVoxels(archive, selection, arguments.files[1]);
+  const std::size_t voxels =
+      exportVoxels(archive, selection, arguments.files[1], VoxelColour::measured,
+                   showProgress("exporting"));
   std::cout << "voxels: " << voxels << "\n";
   return tool::exit_done;
 }
@@ -169,7 +144,8 @@ merge(const Arguments& arguments)
                                         arguments.files.end() - 1);
   // A map that is given twice would be believed twice.
   tool::refuseSameFiles({}, arguments.files);
-  const std::uint64_t blocks = mergeArchives(inputs, arguments.files.back());
+  const std::uint64_t blocks =
+      mergeArchives(inputs, arguments.files.back(), showProgress("merging"));
   std::cout << "blocks: " << blocks << "\n";
   return tool::exit_done;
 }
@@ -182,7 +158,7 @@ runCommand(const Arguments& arguments)
   const auto command = commands.find(arguments.command);
   if (command == commands.end())
     failUsage("'" + arguments.command + "': expected info, verify, export or merge");
-  if (arguments.command != "export" &&
+  if (command->second != exportCloud &&
       !(arguments.box.empty() && arguments.classes.empty()))
     failUsage("--box and --class are for 'export'");
   return command->second(arguments);
@@ -193,8 +169,9 @@ runCommand(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
+  return tool::run(tool::archive_usage.name, [&] {
     Arguments arguments;
-    return parse(argc, argv, arguments) ? runCommand(arguments) : int(tool::exit_done);
+    return tool::parseArchiveArguments(argc, argv, arguments) ? runCommand(arguments)
+                                                              : int(tool::exit_done);
   });
 }

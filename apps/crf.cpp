@@ -170,8 +170,7 @@ int
 refine(const Arguments& arguments)
 {
   if (arguments.output.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "expected IN.pcd OUT.pcd (see " << usage.name << " --help)");
+    tool::failUsage(usage, "expected IN.pcd OUT.pcd");
   const CRFConfig& config = arguments.parameters;
   tool::refuseSameFiles(
       {arguments.input, arguments.config, arguments.label_set, config.cliques},

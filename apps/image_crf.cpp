@@ -113,9 +113,7 @@ int
 refine(const Arguments& arguments)
 {
   if (arguments.output.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "expected IMAGE DISTRIBUTIONS OUT.png (see " << usage.name
-                                                                     << " --help)");
+    tool::failUsage(usage, "expected IMAGE DISTRIBUTIONS OUT.png");
   tool::refuseSameFiles({arguments.image, arguments.distributions, arguments.config,
                          arguments.label_set, arguments.parameters.cliques},
                         {arguments.output, arguments.overlay, arguments.refined});

@@ -91,7 +91,8 @@ makeRun(const MapArguments& arguments, const KittiSequence& sequence,
 }
 
 MappingOutput
-makeOutput(const MapArguments& arguments, const MappingRun& run)
+makeOutput(const MapArguments& arguments, const MappingRun& run,
+           const MappingArchive& archive)
 {
   return {arguments.output,
           run.camera,
@@ -105,14 +106,15 @@ makeOutput(const MapArguments& arguments, const MappingRun& run)
            {"label_set", arguments.label_set},
            {"network", arguments.network},
            {"model", arguments.model},
-           {"archive", arguments.archive.path}}};
+           {"archive", arguments.archive.path}},
+          archive.records()};
 }
 
 void
 printResults(const MapArguments& arguments, const MappingArchive& archive)
 {
-  if (archive.resumedFrames() > 0)
-    std::cout << "resumed:  after " << archive.resumedFrames() << " frames\n";
+  if (!archive.records().empty())
+    std::cout << "resumed:  after " << archive.records().size() << " frames\n";
   std::cout << "map:      " << arguments.output << "/map.pcd\n"
             << "pictures: " << arguments.output << "/top_view.png, " << arguments.output
             << "/overlay\nfigures:  " << arguments.output << "/summary.json\n";
@@ -135,10 +137,10 @@ mapSequence(const MapArguments& arguments)
   SemanticMapper mapper(run.camera, run.label_set, run.config,
                         std::move(labelling.predictor), std::move(poses),
                         archive.store());
-  MappingOutput output = makeOutput(arguments, run);
-  archive.resume(mapper, output);
+  MappingOutput output = makeOutput(arguments, run, archive);
+  archive.resume(mapper);
   tool::catchInterrupts();
-  tool::ProgressBar progress("mapping", run.frames.size() - archive.resumedFrames());
+  tool::ProgressBar progress("mapping", run.frames.size() - archive.records().size());
   for (std::size_t i = 0; i < sequence.size() && !tool::interrupted(); ++i) {
     const int frame = sequence.frameNumber(i);
     if (!run.contains(frame) || archive.holds(frame))
@@ -150,7 +152,10 @@ mapSequence(const MapArguments& arguments)
   }
   archive.finish(mapper);
   output.finish(mapper.map());
-  archive.close();
+  if (!archive.close())
+    std::cerr << "pcl_semantic_map: " << arguments.archive.path
+              << ": is being read by another program: " << arguments.archive.path
+              << "-wal still belongs to it\n";
   printResults(arguments, archive);
   return tool::interrupted() ? tool::exit_interrupted : tool::exit_done;
 }

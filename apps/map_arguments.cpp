@@ -9,7 +9,9 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace pcl_semantic::tool {
@@ -45,6 +47,20 @@ describeOptions(MapArguments& arguments)
       "print-config", po::bool_switch(&arguments.print_config),
       "print the effective parameters as YAML and end");
   return options;
+}
+
+// Whether a file would be replaced or removed by what a run writes to its folder.
+bool
+isOutput(const std::string& file, const std::string& folder)
+{
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path relative =
+      fs::weakly_canonical(fs::absolute(file, error), error)
+          .lexically_relative(fs::weakly_canonical(fs::absolute(folder, error), error));
+  const std::vector<std::string>& names = MappingOutput::names();
+  return !relative.empty() &&
+         std::find(names.begin(), names.end(), *relative.begin()) != names.end();
 }
 
 } // namespace
@@ -87,6 +103,9 @@ requireMapArguments(const MapArguments& arguments)
     fail("--resume needs --archive");
   if (arguments.archive.every < 1)
     fail("--archive-every is less than 1");
+  if (!arguments.archive.path.empty() &&
+      isOutput(arguments.archive.path, arguments.output))
+    fail("--archive is where --output puts its own files");
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
   if (!arguments.model.empty() && arguments.network.empty())

@@ -73,10 +73,16 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
     po::notify(values);
   }
   catch (const po::error& error) {
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        error.what() << " (see " << usage.name << " --help)");
+    failUsage(usage, error.what());
   }
   return true;
+}
+
+void
+failUsage(const Usage& usage, const std::string& message)
+{
+  PCL_THROW_EXCEPTION(InvalidParameterException,
+                      message << " (see " << usage.name << " --help)");
 }
 
 int
@@ -148,8 +154,9 @@ interrupted()
   return interrupt_count > 0;
 }
 
-ProgressBar::ProgressBar(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) == 1)
+ProgressBar::ProgressBar(std::string what, std::size_t total, std::string unit)
+    : what_(std::move(what)), total_(total), unit_(std::move(unit)),
+      terminal_(isatty(STDERR_FILENO) == 1)
 {}
 
 ProgressBar::~ProgressBar()
@@ -162,16 +169,19 @@ void
 ProgressBar::step()
 {
   ++done_;
-  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  if (!terminal_ || seconds < 1.0)
+  const Clock::time_point now = Clock::now();
+  const bool is_last = done_ == total_;
+  if (!terminal_ || now < (is_last ? start_ + std::chrono::seconds(1) : next_))
     return;
+  next_ = now + std::chrono::milliseconds(100);
+  const double seconds = std::chrono::duration<double>(now - start_).count();
   constexpr int width = 30;
   const int filled = static_cast<int>(width * done_ / total_);
   const double rate = double(done_) / seconds;
-  std::fprintf(stderr, "\r%s [%s%s] %zu/%zu  %.1f frames/s  %.0f s left ",
-               what_.c_str(), std::string(filled, '#').c_str(),
+  std::fprintf(stderr, "\r%s [%s%s] %zu/%zu  %.1f %s/s  %.0f s left ", what_.c_str(),
+               std::string(filled, '#').c_str(),
                std::string(width - filled, '.').c_str(), done_, total_, rate,
-               double(total_ - done_) / rate);
+               unit_.c_str(), double(total_ - done_) / rate);
   std::fflush(stderr);
   drawn_ = true;
 }

@@ -45,6 +45,9 @@ bool parseCommandLine(int argc, char** argv, const Usage& usage,
                       const po::positional_options_description& positional,
                       po::variables_map& values);
 
+/** \brief Throws InvalidParameterException, with a word on where help is. */
+[[noreturn]] void failUsage(const Usage& usage, const std::string& message);
+
 /** \brief Runs the body of a tool and turns what it throws into one line on standard
  * error and the exit code that belongs to it. */
 int run(const std::string& name, const std::function<int()>& body);
@@ -65,11 +68,12 @@ bool interrupted();
 class ProgressBar {
 public:
   /** \param[in] what "mapping"
-   * \param[in] total number of steps */
-  ProgressBar(std::string what, std::size_t total);
+   * \param[in] total number of steps
+   * \param[in] unit of a step */
+  ProgressBar(std::string what, std::size_t total, std::string unit = "frames");
   ~ProgressBar();
 
-  /** \brief One step is done. */
+  /** \brief One step is done; draws ten times a second. */
   void step();
 
 private:
@@ -77,8 +81,10 @@ private:
 
   std::string what_;
   std::size_t total_;
+  std::string unit_;
   std::size_t done_ = 0;
   Clock::time_point start_ = Clock::now();
+  Clock::time_point next_ = start_ + std::chrono::seconds(1);
   bool terminal_;
   bool drawn_ = false;
 };

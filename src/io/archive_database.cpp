@@ -131,11 +131,11 @@ ArchiveDatabase::commit()
   database_.run("BEGIN IMMEDIATE");
 }
 
-void
+bool
 ArchiveDatabase::close()
 {
   database_.run("ROLLBACK");
-  database_.runUnlessBusy("PRAGMA journal_mode = DELETE");
+  return database_.joinLog();
 }
 
 void

@@ -39,9 +39,9 @@ public:
   /** \brief Ends the transaction, and begins the next. */
   void commit();
 
-  /** \brief Drops what was not committed; brings all into one file, if no reader is in
-   * the way. */
-  void close();
+  /** \brief Drops what was not committed; brings all into one file.
+   * \return false if readers were in the way: FILE-wal then still belongs to it */
+  bool close();
 
   void putMeta(const std::string& name, const Bytes& content);
   Bytes getMeta(const std::string& name);

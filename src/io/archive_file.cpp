@@ -9,8 +9,11 @@
 #include <pcl_semantic/core/exceptions.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
+
+#include <fcntl.h>
 #include <unistd.h>
 
 namespace pcl_semantic {
@@ -32,14 +35,31 @@ refuseExisting(const std::string& path)
                                            "name; remove it");
 }
 
+// Never over a file that has appeared meanwhile; some file systems cannot promise that.
 void
 rename(const std::string& from, const std::string& to)
 {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error)
+  int result =
+      ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE);
+  if (result != 0 && (errno == EINVAL || errno == ENOSYS)) {
+    refuseExisting(to);
+    result = ::rename(from.c_str(), to.c_str());
+  }
+  if (result != 0)
     PCL_THROW_EXCEPTION(OutputException,
-                        to << ": cannot be written: " << error.message());
+                        to << ": cannot be written: " << std::strerror(errno));
+}
+
+// A name is on the disk only when its folder is.
+void
+syncFolderOf(const std::string& path)
+{
+  const std::string folder = fs::absolute(path).parent_path().string();
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+  if (descriptor < 0)
+    return; // may not be read: nothing more can be done
+  ::fsync(descriptor);
+  ::close(descriptor);
 }
 
 // Removes what was made if it has not got its name.
@@ -90,6 +110,7 @@ makeArchiveFile(const std::string& path,
     PCL_THROW_EXCEPTION(OutputException, message);
   }
   rename(temporary.name, path);
+  syncFolderOf(path);
 }
 
 void

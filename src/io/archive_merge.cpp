@@ -5,6 +5,7 @@
  */
 
 #include "archive_file.h"
+#include "block_counter.h"
 #include "block_merge.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -58,7 +59,12 @@ requireSame(const MapArchive& first, const MapArchive& other)
 ArchiveHeader
 headerOf(const Archives& archives)
 {
-  ArchiveHeader header = archives.front()->header();
+  // What the result does not depend on is that of the first name.
+  ArchiveHeader header = (*std::min_element(archives.begin(), archives.end(),
+                                            [](const auto& a, const auto& b) {
+                                              return a->path() < b->path();
+                                            }))
+                             ->header();
   std::vector<std::string> names;
   for (const auto& archive : archives) {
     const MapParameters& parameters = archive->header().parameters;
@@ -95,10 +101,12 @@ stateOf(const Archives& archives)
 // Puts what the archives from the i-th on know of its blocks, of those that no archive
 // before it has.
 void
-mergeBlocksOf(const Archives& archives, std::size_t i, MapArchive& merged)
+mergeBlocksOf(const Archives& archives, std::size_t i, MapArchive& merged,
+              BlockCounter& counter)
 {
   const ArchiveHeader& header = merged.header();
   archives[i]->forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    counter.step();
     if (merged.contains(index))
       return;
     std::vector<std::unique_ptr<VoxelBlock>> others;
@@ -119,7 +127,8 @@ mergeBlocksOf(const Archives& archives, std::size_t i, MapArchive& merged)
 } // namespace
 
 std::uint64_t
-mergeArchives(const std::vector<std::string>& inputs, const std::string& output)
+mergeArchives(const std::vector<std::string>& inputs, const std::string& output,
+              const BlockProgress& progress)
 {
   if (inputs.size() < 2)
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -129,11 +138,15 @@ mergeArchives(const std::vector<std::string>& inputs, const std::string& output)
     archives.push_back(std::make_unique<MapArchive>(input, ArchiveAccess::read));
     requireSame(*archives.front(), *archives.back());
   }
+  std::size_t inputs_blocks = 0;
+  for (const auto& archive : archives)
+    inputs_blocks += archive->state().blocks;
+  BlockCounter counter(progress, inputs_blocks);
   std::uint64_t blocks = 0;
   makeArchiveFile(output, [&](const std::string& temporary) {
     const auto merged = MapArchive::create(temporary, headerOf(archives));
     for (std::size_t i = 0; i < archives.size(); ++i)
-      mergeBlocksOf(archives, i, *merged);
+      mergeBlocksOf(archives, i, *merged, counter);
     merged->commit(stateOf(archives));
     blocks = merged->state().blocks;
     merged->close();

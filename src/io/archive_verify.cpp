@@ -6,6 +6,7 @@
 
 #include "archive_database.h"
 #include "archive_meta.h"
+#include "block_counter.h"
 #include "block_encoding.h"
 
 #include <pcl_semantic/io/map_archive.h>
@@ -16,8 +17,8 @@ namespace {
 
 class Verifier {
 public:
-  explicit Verifier(const std::string& path)
-      : database_(path, ArchiveDatabase::Access::read)
+  Verifier(const std::string& path, const BlockProgress& progress)
+      : database_(path, ArchiveDatabase::Access::read), progress_(progress)
   {}
 
   std::vector<std::string>
@@ -58,8 +59,10 @@ private:
   checkBlocks(const ArchiveState& state, int classes)
   {
     BlockIndexSet keys;
+    BlockCounter counter(progress_, state.blocks);
     database_.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
       keys.insert(index);
+      counter.step();
       check([&] {
         const Bytes content =
             database_.unsealBlock(index, {sealed.begin(), sealed.end()});
@@ -78,15 +81,16 @@ private:
   }
 
   ArchiveDatabase database_;
+  const BlockProgress& progress_;
   std::vector<std::string> found_;
 };
 
 } // namespace
 
 std::vector<std::string>
-verifyArchive(const std::string& path)
+verifyArchive(const std::string& path, const BlockProgress& progress)
 {
-  return Verifier(path).faults();
+  return Verifier(path, progress).faults();
 }
 
 } // namespace pcl_semantic

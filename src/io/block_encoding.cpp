@@ -33,6 +33,11 @@ checkBlock(const VoxelBlock& block, int classes)
                         "a block of "
                             << records << " records and " << block.measured.size()
                             << " values does not fit " << classes << " classes");
+  for (const std::vector<float>* const values : {&block.measured, &block.refined})
+    if (!std::all_of(values->begin(), values->end(),
+                     [](float value) { return std::isfinite(value); }))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "a block holds a value that is not finite");
 }
 
 // The numbers of a record, in the order of their columns.

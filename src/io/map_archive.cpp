@@ -138,11 +138,14 @@ MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.requireWritable();
-  const auto [place, is_new] = my.pending.try_emplace(block);
-  if (!is_new)
+  VoxelBlock copy = content; // first: without memory nothing changes
+  const std::size_t bytes = memoryOf(copy);
+  const auto [place, is_new] = my.pending.try_emplace(block, std::move(copy));
+  if (!is_new) {
     my.pending_bytes -= memoryOf(place->second);
-  place->second = content;
-  my.pending_bytes += memoryOf(content);
+    place->second = std::move(copy); // try_emplace left it alone
+  }
+  my.pending_bytes += bytes;
   if (my.pending_bytes > kMostPending)
     my.write([&] { my.writePending(); });
 }
@@ -248,13 +251,15 @@ MapArchive::commit(ArchiveState state)
   });
 }
 
-void
+bool
 MapArchive::close()
 {
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
-  my.write([&] { my.database.close(); });
+  bool is_one_file = false;
+  my.write([&] { is_one_file = my.database.close(); });
   my.writable = false;
+  return is_one_file;
 }
 
 const std::string&

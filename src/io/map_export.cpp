@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "block_counter.h"
+
 #include <pcl_semantic/io/map_export.h>
 #include <pcl_semantic/map/block_reader.h>
 
@@ -16,12 +18,13 @@ namespace {
 // Visits the blocks that hold occupied voxels, and these as a cloud.
 template <typename Visit>
 void
-forEachCloud(const MapArchive& archive, Visit&& visit)
+forEachCloud(const MapArchive& archive, BlockCounter& counter, Visit&& visit)
 {
   const ArchiveHeader& header = archive.header();
   const Eigen::Vector3d origin = archive.state().cloud_origin;
   const BlockReader reader(header.label_set.size(), header.parameters.fusion);
   archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    counter.step();
     const std::size_t count = reader.countOccupied(block);
     if (count == 0)
       return;
@@ -56,10 +59,11 @@ select(const VoxelSelection& selection, const VoxelCloud& voxels)
 } // namespace
 
 ArchiveExtent
-archiveExtent(const MapArchive& archive)
+archiveExtent(const MapArchive& archive, const BlockProgress& progress)
 {
   ArchiveExtent extent;
-  forEachCloud(archive, [&](const VoxelCloud& voxels) {
+  BlockCounter counter(progress, archive.state().blocks);
+  forEachCloud(archive, counter, [&](const VoxelCloud& voxels) {
     extent.voxels += voxels.size();
     for (const VoxelIndex& voxel : voxels.indices) {
       extent.box.extend(voxel.cast<double>() * voxels.voxel_size);
@@ -72,15 +76,16 @@ archiveExtent(const MapArchive& archive)
 
 std::size_t
 exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
-             const std::string& path, VoxelColour colour)
+             const std::string& path, VoxelColour colour, const BlockProgress& progress)
 {
+  BlockCounter counter(progress, 2 * archive.state().blocks);
   std::size_t count = 0;
-  forEachCloud(archive, [&](const VoxelCloud& voxels) {
+  forEachCloud(archive, counter, [&](const VoxelCloud& voxels) {
     const std::vector<bool> is_selected = select(selection, voxels);
     count += std::size_t(std::count(is_selected.begin(), is_selected.end(), true));
   });
   VoxelCloudWriter writer(path, archive.header().label_set, colour, count);
-  forEachCloud(archive, [&](const VoxelCloud& voxels) {
+  forEachCloud(archive, counter, [&](const VoxelCloud& voxels) {
     writer.write(voxels, select(selection, voxels));
   });
   writer.commit();

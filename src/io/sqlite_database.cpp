@@ -8,9 +8,11 @@
 
 #include <pcl_semantic/core/exceptions.h>
 
+#include <chrono>
 #include <filesystem>
 #include <new>
 #include <sqlite3.h>
+#include <thread>
 
 namespace pcl_semantic {
 
@@ -60,6 +62,28 @@ openFlags(SqliteDatabase::Access access)
   }
 }
 
+// Whether a file belongs together with FILE-wal, as byte 19 of its header says. Read by
+// SQLite's own handle: closing another would drop the locks of this process.
+bool
+needsLog(sqlite3* connection)
+{
+  constexpr unsigned char with_log = 2;
+  sqlite3_file* file = nullptr;
+  unsigned char version = 0;
+  return sqlite3_file_control(connection, "main", SQLITE_FCNTL_FILE_POINTER, &file) ==
+             SQLITE_OK &&
+         file && file->pMethods &&
+         file->pMethods->xRead(file, &version, 1, 19) == SQLITE_OK &&
+         version == with_log;
+}
+
+// For somebody else to come to an end of what takes no time.
+void
+waitALittle()
+{
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
 } // namespace
 
 SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
@@ -72,6 +96,10 @@ SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
   try {
     if (code != SQLITE_OK)
       fail(code);
+    requireLog();
+    // FILE-wal goes with the last connection otherwise, and nobody can tell any more
+    // whether it was lost.
+    sqlite3_db_config(connection_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
     sqlite3_busy_timeout(connection_,
                          access == Access::read ? kReaderPatience : kWriterPatience);
     sqlite3_limit(connection_, SQLITE_LIMIT_LENGTH, kLargestRow);
@@ -106,6 +134,37 @@ SqliteDatabase::runUnlessBusy(const std::string& sql)
   if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY)
     fail(code);
   return code == SQLITE_OK;
+}
+
+void
+SqliteDatabase::requireLog() const
+{
+  const std::string log = path_ + "-wal";
+  // Another program may have been beginning or ending to write.
+  for (int attempt = 0; needsLog(connection_); ++attempt) {
+    std::error_code error;
+    if (std::filesystem::exists(log, error))
+      return;
+    if (attempt == 4)
+      PCL_THROW_EXCEPTION(
+          BadInputException,
+          path_ << ": lacks " << log
+                << ", which holds what was written last: copy both (if it is lost, "
+                   "an empty file of that name lets the rest be read)");
+    waitALittle();
+  }
+}
+
+bool
+SqliteDatabase::joinLog()
+{
+  // A reader is done soon, as a rule.
+  for (int attempt = 0; attempt < 40; ++attempt) {
+    if (runUnlessBusy("PRAGMA journal_mode = DELETE"))
+      return true;
+    waitALittle();
+  }
+  return false;
 }
 
 std::int64_t

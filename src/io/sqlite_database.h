@@ -37,6 +37,10 @@ public:
   /** \brief The same; only says whether a lock of another program was in the way. */
   bool runUnlessBusy(const std::string& sql);
 
+  /** \brief Brings FILE-wal into the file, outside of a transaction.
+   * \return false if readers were in the way for two seconds: both then stay */
+  bool joinLog();
+
   /** \brief The first number that a statement gives; 0 if it gives none. */
   std::int64_t number(const std::string& sql);
 
@@ -51,6 +55,8 @@ public:
 
 private:
   friend class SqliteStatement;
+
+  void requireLog() const;
 
   std::string path_;
   Access access_;

@@ -5,6 +5,7 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 
 #include <filesystem>
@@ -37,9 +38,11 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
       records_.push_back(decodeFrameRecord(number, bytes));
     });
   }
-  else
+  else {
+    makeOutputFolder(std::filesystem::absolute(options_.path).parent_path().string());
     archive_ = MapArchive::create(options_.path,
                                   {run.label_set, run.config.map, describeRun(run)});
+  }
   is_new_ = !is_there;
 }
 
@@ -76,12 +79,11 @@ MappingArchive::store() const
 }
 
 void
-MappingArchive::resume(SemanticMapper& mapper, MappingOutput& output) const
+MappingArchive::resume(SemanticMapper& mapper) const
 {
   if (records_.empty())
     return;
   const ArchiveState state = archive_->state();
-  output.resume(records_);
   mapper.resume(static_cast<int>(records_.size()), state.finished, state.cloud_origin);
 }
 
@@ -127,11 +129,10 @@ MappingArchive::commit(SemanticMapper& mapper, bool finished)
   since_commit_ = 0;
 }
 
-void
+bool
 MappingArchive::close()
 {
-  if (archive_)
-    archive_->close();
+  return !archive_ || archive_->close();
 }
 
 } // namespace pcl_semantic

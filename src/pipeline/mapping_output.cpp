@@ -60,6 +60,9 @@ constexpr const char* frame_folders[] = {"labels", "labels_at_depth", "network_l
 constexpr const char* image_folders[] = {"labels", "labels_at_depth", "network_labels",
                                          "overlay", "final_labels"};
 
+constexpr const char* map_files[] = {"map.pcd", "map_classes.pcd", "top_view.png",
+                                     "trajectory.txt"};
+
 Json
 versions()
 {
@@ -84,13 +87,28 @@ isSummary(const std::string& path)
 
 MappingOutput::MappingOutput(const std::string& folder, const StereoCamera& camera,
                              const LabelSet& label_set, const MapperConfig& config,
-                             const Eigen::Isometry3d& T_camera0_camera, Inputs inputs)
+                             const Eigen::Isometry3d& T_camera0_camera, Inputs inputs,
+                             std::vector<FrameRecord> records)
     : folder_(folder), camera_(camera), label_set_(label_set), config_(config),
-      T_camera0_camera_(T_camera0_camera), inputs_(std::move(inputs))
+      T_camera0_camera_(T_camera0_camera), inputs_(std::move(inputs)),
+      frames_(std::move(records))
 {
+  requireImages();
   refuseForeignImages();
   for (const char* name : image_folders)
     makeOutputFolder(path(name));
+}
+
+const std::vector<std::string>&
+MappingOutput::names()
+{
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all = {"summary.json"};
+    all.insert(all.end(), std::begin(map_files), std::end(map_files));
+    all.insert(all.end(), std::begin(image_folders), std::end(image_folders));
+    return all;
+  }();
+  return names;
 }
 
 // Images of a user must not be mixed with ours, nor be removed with them.
@@ -122,8 +140,7 @@ MappingOutput::replaceEarlierRun() const
                      [&](int frame) { return kept.count(frame) == 0; });
   removeFrameFiles(path("final_labels"), ".png");
   std::error_code error;
-  for (const char* name :
-       {"map.pcd", "map_classes.pcd", "top_view.png", "trajectory.txt"})
+  for (const char* name : map_files)
     std::filesystem::remove(path(name), error);
   writeTextFile(path("summary.json"),
                 Json{{"finished", false}, {"versions", versions()}}.dump(2) + "\n");
@@ -136,9 +153,8 @@ MappingOutput::path(const std::string& name) const
 }
 
 void
-MappingOutput::resume(std::vector<FrameRecord> records)
+MappingOutput::requireImages() const
 {
-  frames_ = std::move(records);
   for (const FrameRecord& frame : frames_)
     for (const char* name : frame_folders) {
       const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");

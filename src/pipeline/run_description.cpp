@@ -4,8 +4,12 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/run_description.h>
+#include <pcl_semantic/version.h>
+
+#include <opencv2/core/version.hpp>
 
 #include <charconv>
 #include <filesystem>
@@ -118,6 +122,9 @@ std::string
 describeRun(const MappingRun& run)
 {
   std::ostringstream text;
+  // Others round in another way.
+  text << "version: " << PCL_SEMANTIC_VERSION << ", OpenCV " << CV_VERSION
+       << "\nsimd: " << nameOf(simdTier()) << "\n";
   for (const auto& [name, value] : run.inputs)
     text << name << ": " << describeInput(value) << "\n";
   describeFrames(run.frames, text);

@@ -205,7 +205,11 @@ TEST_F(StreetArchive, BadUsage)
            {"archive merge " + archive_ + " " + archive_ + " " + out, "once more"},
            {"archive info " + archive_ + " --fast", "'--fast'"},
            {mapCommand(out, "--resume"), "--resume needs --archive"},
-           {mapCommand(out, "--archive-every 0"), "--archive-every"}})
+           {mapCommand(out, "--archive-every 0"), "--archive-every"},
+           {mapCommand(out, "--archive " + out + "/map.pcd"), "its own files"},
+           {mapCommand(out, "--archive " + out + "/labels/run.map"), "its own files"},
+           {mapCommand(out, "--archive " + out + "/../x/summary.json"),
+            "its own files"}})
     expectExit(command, 2, says);
   expectExit("archive export " + archive_ + " " + out + " --class bicycle", 3,
              archive_ + ": has no class 'bicycle'");
@@ -222,8 +226,8 @@ TEST_F(StreetArchive, ArchivesThatCannotBeWritten)
   const std::string bytes = bytesOf(archive_);
   fails("--archive " + archive_, 5, archive_ + ": is there already: go on with it by");
   EXPECT_TRUE(bytesOf(archive_) == bytes);
-  fails("--archive " + folder_->path("none/a.map"), 5,
-        folder_->path("none/a.map") + ": cannot be written");
+  const std::string file = folder_->write("file", "");
+  fails("--archive " + file + "/a.map", 5, file + ": cannot be made");
   fails("--resume --archive " + folder_->path(), 3, "is a folder");
   fails("--resume --archive " + folder_->write("text", "hello"), 3, "no map archive");
   {
@@ -236,10 +240,22 @@ TEST_F(StreetArchive, ArchivesThatCannotBeWritten)
   EXPECT_FALSE(fs::exists(fresh));
 }
 
+TEST_F(StreetArchive, AnArchiveMayLieInANewFolder)
+{
+  for (const std::string name : {"new", "another"}) {
+    const std::string out = folder_->path(name);
+    const std::string archive =
+        (name == "new" ? out : folder_->path("deep")) + "/run.map";
+    expectExit(mapCommand(out, "--frames 0:1 --archive " + archive), 0, archive);
+    EXPECT_TRUE(verifyArchive(archive).empty());
+  }
+}
+
 // The disk is full from some point of the run on, wherever that is.
 TEST_F(StreetArchive, AFullDiskLosesNothingCommitted)
 {
   int failed = 0;
+  std::uint64_t most_frames = 0;
   for (int kilobytes = 16; kilobytes < 2000; kilobytes = kilobytes * 3 / 2) {
     SCOPED_TRACE(kilobytes);
     const std::string out = folder_->path("full"), archive = folder_->path("full.map");
@@ -251,13 +267,19 @@ TEST_F(StreetArchive, AFullDiskLosesNothingCommitted)
         runTool(command, "trap '' XFSZ; ulimit -f " + std::to_string(kilobytes) + ";");
     failed += result.code == 5;
     EXPECT_TRUE(result.code == 5 || result.code == 0) << result.text;
+    std::uint64_t frames = 0; // that have been committed
     if (result.code == 5 && fs::exists(archive)) {
       EXPECT_TRUE(verifyArchive(archive).empty());
+      frames = MapArchive(archive, ArchiveAccess::read).state().frames;
     }
-    expectExit(command, 0, "archive:  ");
+    most_frames = result.code == 5 ? std::max(most_frames, frames) : most_frames;
+    const std::string resumed =
+        "resumed:  after " + std::to_string(frames) + " frames\n";
+    expectExit(command, 0, result.code == 5 && frames > 0 ? resumed : "archive:  ");
     EXPECT_TRUE(bytesOf(out + "/map.pcd") == bytesOf(output_ + "/map.pcd"));
   }
   EXPECT_GE(failed, 5);
+  EXPECT_GE(most_frames, 1u) << "or none of them had anything to lose";
 }
 
 } // namespace pcl_semantic

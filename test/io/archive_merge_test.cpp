@@ -147,7 +147,9 @@ TEST(ArchiveMerge, TheOrderDoesNotMatter)
       if ((i + int(map)) % 4 != 0)
         blocks[VoxelIndex(i, 0, 0)] = makeMapBlock(100, 20 * map + unsigned(i));
     paths.push_back(folder.path("map" + std::to_string(map)));
-    writeMap(paths.back(), blocks, makeArchiveHeader(), {1000.0 * map, 5.0, 0.0});
+    ArchiveHeader header = makeArchiveHeader();
+    header.parameters.fusion.hit_probability = 0.6 + 0.1 * map; // of several sensors
+    writeMap(paths.back(), blocks, header, {1000.0 * map, 5.0, 0.0});
   }
   mergeArchives(paths, folder.path("first"));
   const Blocks first = readMap(folder.path("first"));
@@ -161,6 +163,7 @@ TEST(ArchiveMerge, TheOrderDoesNotMatter)
     mergeArchives(paths, path);
     expectHolds(MapArchive(path, ArchiveAccess::read), first);
     EXPECT_EQ(stateOf(path), stateOf(folder.path("first")));
+    EXPECT_TRUE(bytesOf(path) == bytesOf(folder.path("first")));
   }
 }
 

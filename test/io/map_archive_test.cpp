@@ -12,6 +12,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 
+#include <cmath>
 #include <thread>
 
 namespace pcl_semantic {
@@ -308,6 +309,46 @@ TEST(MapArchive, BlocksThatDoNotFitAreRefused)
   const auto archive = MapArchive::create(folder.path("map"), makeArchiveHeader());
   archive->put({0, 0, 0}, makeRandomBlock(5, 4, 1)); // of four classes
   EXPECT_THROW(archive->commit({}), InvalidParameterException);
+  for (const bool spoil_refined : {false, true}) {
+    const auto other = MapArchive::create(
+        folder.path(spoil_refined ? "refined" : "measured"), makeArchiveHeader());
+    VoxelBlock block = makeRandomBlock(5, 3, 1);
+    (spoil_refined ? block.refined : block.measured)[4] = std::nanf("");
+    other->put({0, 0, 0}, block);
+    EXPECT_THROW(other->commit({}), InvalidParameterException);
+  }
+}
+
+// Somebody still reads when the writer ends: the archive then is two files, and one of
+// them alone is refused.
+TEST(MapArchive, AReaderAtTheEndKeepsTwoFiles)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map"), copy = folder.path("copy");
+  const Blocks blocks = makeRandomBlocks(20, 1);
+  {
+    const auto writer = MapArchive::create(path, makeArchiveHeader());
+    const MapArchive reader(path, ArchiveAccess::read);
+    putAll(blocks, *writer);
+    writer->commit({});
+    EXPECT_FALSE(writer->close());
+    expectHolds(reader, {});
+  }
+  ASSERT_TRUE(fs::exists(path + "-wal"));
+  expectHolds(MapArchive(path, ArchiveAccess::read), blocks);
+  EXPECT_TRUE(verifyArchive(path).empty());
+  fs::copy_file(path, copy);
+  for (const ArchiveAccess access : {ArchiveAccess::read, ArchiveAccess::write})
+    for (int time = 0; time < 2; ++time) // the first must not hide it from the second
+      EXPECT_TRUE(
+          holds(thrownMessage<BadInputException>([&] { MapArchive(copy, access); }),
+                copy + ": lacks " + copy + "-wal, which holds what was written last"));
+  EXPECT_THROW(verifyArchive(copy), BadInputException);
+  fs::copy_file(path + "-wal", copy + "-wal");
+  expectHolds(MapArchive(copy, ArchiveAccess::read), blocks);
+  EXPECT_TRUE(MapArchive(path, ArchiveAccess::write).close());
+  EXPECT_FALSE(fs::exists(path + "-wal"));
+  expectHolds(MapArchive(path, ArchiveAccess::read), blocks);
 }
 
 } // namespace pcl_semantic

@@ -14,6 +14,9 @@
 #include <pcl_semantic/io/map_export.h>
 #include <pcl_semantic/io/map_file.h>
 
+#include <atomic>
+#include <thread>
+
 namespace pcl_semantic {
 
 namespace {
@@ -71,11 +74,75 @@ TEST(MapFile, WhatIsLoadedIsWhatWasSavedAndGoesOn)
   const auto loaded = loadMap(path);
   expectSameMaps(*map, *loaded);
   EXPECT_EQ(loaded->parameters().window, map->parameters().window);
+  loaded->moveWindow({1e6 + 21.0, -14.0, 0.1}); // to the last scan
+  const VoxelCloud there = map->occupied();
+  EXPECT_GT(there.size(), 100u);
+  EXPECT_EQ(loaded->occupied().indices, there.indices);
   walk(*map, 4, 12);
   walk(*loaded, 4, 12);
   expectSameMaps(*map, *loaded);
   EXPECT_EQ(thrownMessage<OutputException>([&] { saveMap(*map, path); }),
             path + ": is there already");
+}
+
+// A writer that goes to and fro between two places, so that blocks leave for the
+// archive and come back, while others read.
+TEST(MapFile, ReadersSeeWholeScansOfAMovingMap)
+{
+  const TemporaryFolder folder;
+  const ArchiveHeader header{makeMap()->labelSet(), makeMap()->parameters(), ""};
+  const auto archive = MapArchive::create(folder.path("map"), header);
+  const auto map = makeMap(archive);
+  LabelledScan scan = makeRandomScan(2000, 3.0f, classes, 1);
+  const auto integrateAt = [&](int place, Label label) {
+    for (Eigen::Index i = 0; i < scan.distributions.size(); ++i)
+      scan.distributions.setLabel(i, label, 0.999f);
+    map->integrate(scan.cloud,
+                   Eigen::Isometry3d(Eigen::Translation3d(40.0 * place, 0, 0)),
+                   scan.distributions);
+  };
+  integrateAt(0, 1);
+  integrateAt(1, 1);
+  const std::size_t count = map->occupied().size();
+  ASSERT_GT(count, 1000u);
+  std::atomic<bool> done{false};
+  std::atomic<int> reads{0}, torn{0};
+  const auto isWhole = [](const VoxelCloud& voxels, std::size_t begin,
+                          std::size_t end) {
+    bool whole = true;
+    for (std::size_t i = begin; i < end; ++i)
+      whole &= (*voxels.cloud)[i].label == (*voxels.cloud)[begin].label;
+    return whole;
+  };
+  const auto read = [&] {
+    while (!done) {
+      const VoxelCloud window = map->occupied(), all = map->occupiedEverywhere();
+      torn += window.size() != count || !isWhole(window, 0, count);
+      torn += all.size() != 2 * count;
+      int of_a_label[classes + 1] = {};
+      for (const pcl::PointXYZRGBL& point : *all.cloud)
+        ++of_a_label[point.label];
+      for (const int voxels : of_a_label)
+        torn += std::size_t(voxels) % count != 0;
+      ++reads;
+    }
+  };
+  std::thread readers[2] = {std::thread(read), std::thread(read)};
+  for (int i = 0; i < 24 || reads < 20; ++i) {
+    integrateAt(i % 2, Label(1 + i / 2 % 3));
+    const VoxelCloud voxels = map->occupied();
+    LabelDistributions refined(classes, Eigen::Index(voxels.size()));
+    for (Eigen::Index k = 0; k < refined.size(); ++k)
+      refined.setLabel(k, Label(1 + (i + 1) / 2 % 3), 0.9f);
+    map->setRefined(voxels, refined);
+    map->flush();
+    if (i % 5 == 0)
+      archive->commit({});
+  }
+  done = true;
+  for (std::thread& reader : readers)
+    reader.join();
+  EXPECT_EQ(torn, 0);
 }
 
 // The archive as the store of a map, against the store in memory.

@@ -6,6 +6,8 @@
 
 #pragma once
 
+#include <pcl_semantic/io/map_archive.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -24,6 +26,7 @@ namespace pcl_semantic {
  * \throws BadInputException that says what differs, or if one is damaged
  * \throws OutputException */
 std::uint64_t mergeArchives(const std::vector<std::string>& inputs,
-                            const std::string& output);
+                            const std::string& output,
+                            const BlockProgress& progress = nullptr);
 
 } // namespace pcl_semantic

@@ -19,6 +19,10 @@ namespace pcl_semantic {
 
 enum class ArchiveAccess { read, write };
 
+/** \brief Called with the blocks that long work on an archive is done with, and with
+ * those there are. */
+using BlockProgress = std::function<void(std::size_t done, std::size_t blocks)>;
+
 /** \brief A map in one SQLite file, behind the interface by which a SemanticVoxelMap
  * keeps the blocks that leave its window; doc/map.md has the layout.
  *
@@ -69,8 +73,10 @@ public:
   void commit(ArchiveState state);
 
   /** \brief Ends writing: what was committed is then in one file, which can be read
-   * from read-only media. What was not is lost. */
-  void close();
+   * from read-only media. What was not is lost. Once only.
+   * \return false if somebody kept reading: FILE-wal then belongs to the file until it
+   * is written, and ended, again */
+  bool close();
 
   const std::string& path() const;
 
@@ -87,6 +93,7 @@ private:
 /** \brief Reads all of an archive and compares it with its checksums and counts.
  * \return what is wrong, a line each; empty if nothing is
  * \throws BadInputException if it cannot be read, or is no archive at all */
-std::vector<std::string> verifyArchive(const std::string& path);
+std::vector<std::string> verifyArchive(const std::string& path,
+                                       const BlockProgress& progress = nullptr);
 
 } // namespace pcl_semantic

@@ -31,7 +31,8 @@ struct ArchiveExtent {
 };
 
 /** \brief Number and extent of the occupied voxels. Reads the whole archive. */
-ArchiveExtent archiveExtent(const MapArchive& archive);
+ArchiveExtent archiveExtent(const MapArchive& archive,
+                            const BlockProgress& progress = nullptr);
 
 /** \brief Writes occupied voxels as writeVoxelCloud() does; of the whole map the file
  * is the same byte by byte. Takes memory for a block at a time, and reads the archive
@@ -41,6 +42,7 @@ ArchiveExtent archiveExtent(const MapArchive& archive);
  * \throws OutputException */
 std::size_t exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
                          const std::string& path,
-                         VoxelColour colour = VoxelColour::measured);
+                         VoxelColour colour = VoxelColour::measured,
+                         const BlockProgress& progress = nullptr);
 
 } // namespace pcl_semantic

@@ -18,7 +18,7 @@ namespace pcl_semantic {
 void saveMap(const SemanticVoxelMap& map, const std::string& path);
 
 /** \brief The map of an archive, in memory: it can grow, the file stays as it is. Its
- * window lies nowhere until a scan comes.
+ * window lies nowhere, and queries find nothing, until moveWindow() or a scan.
  * \throws BadInputException */
 std::unique_ptr<SemanticVoxelMap> loadMap(const std::string& path);
 

@@ -7,7 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/io/map_archive.h>
-#include <pcl_semantic/pipeline/mapping_output.h>
+#include <pcl_semantic/pipeline/frame_record.h>
 #include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
@@ -43,14 +43,14 @@ public:
   /** \brief For SemanticMapper; null without an archive. */
   std::shared_ptr<BlockStore> store() const;
 
-  /** \brief Takes mapper and output to where the archive left them. */
-  void resume(SemanticMapper& mapper, MappingOutput& output) const;
+  /** \brief Takes the mapper to where the archive left it. */
+  void resume(SemanticMapper& mapper) const;
 
-  /** \brief Number of frames that the archive held already. */
-  std::size_t
-  resumedFrames() const
+  /** \brief Of the frames that the archive held already. */
+  const std::vector<FrameRecord>&
+  records() const
   {
-    return records_.size();
+    return records_;
   }
 
   /** \brief Whether a frame was in the archive already; frames come in order. */
@@ -63,8 +63,9 @@ public:
   void finish(SemanticMapper& mapper);
 
   /** \brief When nothing is read from the map any more: brings the archive into one
-   * file. */
-  void close();
+   * file. \return false if another program kept reading it: FILE-wal then belongs to it
+   */
+  bool close();
 
 private:
   void requireSameRun(const MappingRun& run) const;

@@ -26,16 +26,17 @@ public:
   /** \brief Makes the folders. What an earlier run left in them stays until the first
    * frame is written.
    * \param[in] T_camera0_camera the camera that takes the images, in KITTI's camera 0
+   * \param[in] records of the frames that are in the map already, of a run that goes
+   * on: images of others are removed with the first frame that is written
+   * \throws BadInputException if images of those frames are missing
    * \throws OutputException also if images lie there that no run of ours has left */
   MappingOutput(const std::string& folder, const StereoCamera& camera,
                 const LabelSet& label_set, const MapperConfig& config,
-                const Eigen::Isometry3d& T_camera0_camera, Inputs inputs = {});
+                const Eigen::Isometry3d& T_camera0_camera, Inputs inputs = {},
+                std::vector<FrameRecord> records = {});
 
-  /** \brief Goes on with what an interrupted run left in the folder. Images of frames
-   * that are not in \a records are removed with the first frame that is written.
-   * \param[in] records of the frames that are in the map
-   * \throws BadInputException if images of those frames are missing */
-  void resume(std::vector<FrameRecord> records);
+  /** \brief What is put into the folder: names of files and of folders. */
+  static const std::vector<std::string>& names();
 
   /** \brief labels, labels_at_depth, network_labels and overlay of a frame.
    * \throws OutputException */
@@ -49,6 +50,8 @@ private:
   std::string path(const std::string& name) const;
 
   void refuseForeignImages() const;
+
+  void requireImages() const;
 
   void replaceEarlierRun() const;
 
