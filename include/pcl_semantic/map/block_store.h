@@ -14,7 +14,11 @@
 
 namespace pcl_semantic {
 
-/** \brief Where blocks go that leave the window, and come back from. */
+/** \brief Where blocks go that leave the window, and come back from.
+ *
+ * A map calls it from one thread at a time. What a method throws comes out of the map,
+ * which stays as it was before the call; after a put() that threw, the block is kept in
+ * the window. */
 class BlockStore {
 public:
   virtual ~BlockStore() = default;
