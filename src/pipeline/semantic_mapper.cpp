@@ -69,7 +69,7 @@ SemanticMapper::process(const StereoFrame& frame)
   StageTimes& times = result.times;
   result.T_world_camera = times.measure("pose", [&] { return poses_->pose(frame); });
   result.disparity = times.measure(
-      "stereo", [&] { return stereo_->estimate(frame.left, frame.right); });
+      "stereo", [&] { return stereo_->estimate(frame.left, frame.right).disparity; });
   result.cloud = times.measure(
       "cloud", [&] { return disparityToCloud(result.disparity, frame.left, camera_); });
   result.network =
