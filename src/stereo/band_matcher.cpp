@@ -50,10 +50,10 @@ priorEnergies(const Elas::Parameters& parameters, int direction)
 BandMatcher::BandMatcher(const std::array<GradientImage, 2>& images,
                          const std::array<PlanePrior, 2>& priors,
                          const Elas::Parameters& parameters)
-: images_(images), priors_(priors), parameters_(parameters),
-  floor_(priorEnergy(parameters, 0.0)),
-  prior_energies_{priorEnergies(parameters, -1), priorEnergies(parameters, 1)},
-  right_(std::size_t(images[0].width()))
+    : images_(images), priors_(priors), parameters_(parameters),
+      floor_(priorEnergy(parameters, 0.0)),
+      prior_energies_{priorEnergies(parameters, -1), priorEnergies(parameters, 1)},
+      right_(std::size_t(images[0].width()))
 {}
 
 void

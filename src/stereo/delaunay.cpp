@@ -224,8 +224,8 @@ private:
       }
     int right = previous(base);
     if (isRight(target(right), base))
-      while (
-          inCircle(target(base), origin(base), target(right), target(previous(right)))) {
+      while (inCircle(target(base), origin(base), target(right),
+                      target(previous(right)))) {
         const int after = previous(right);
         remove(right);
         right = after;

@@ -20,20 +20,25 @@ struct Element {
 };
 
 constexpr Element elements[kernels::descriptor_bytes] = {
-{false,-2,-2},{false,0,-2},{false,2,-2},{false,-1,-1},{false,1,-1},{false,-2,0},{false,0,0},{false,2,0},{false,-1,1},{false,1,1},{false,-2,2},{false,0,2},{false,2,2},{false,-1,0},{false,1,0},{true,0,0},
+    {false, -2, -2}, {false, 0, -2}, {false, 2, -2}, {false, -1, -1},
+    {false, 1, -1},  {false, -2, 0}, {false, 0, 0},  {false, 2, 0},
+    {false, -1, 1},  {false, 1, 1},  {false, -2, 2}, {false, 0, 2},
+    {false, 2, 2},   {false, -1, 0}, {false, 1, 0},  {true, 0, 0},
 };
 
 } // namespace
 
 GradientImage::GradientImage(const cv::Mat& grey)
-: width_(grey.cols), height_(grey.rows),
-  stride_((grey.cols + 15) / 16 * 16 + 2 * kernels::gradient_margin),
-  horizontal_(std::size_t(stride_) * std::size_t(height_), 128), vertical_(horizontal_)
+    : width_(grey.cols), height_(grey.rows),
+      stride_((grey.cols + 15) / 16 * 16 + 2 * kernels::gradient_margin),
+      horizontal_(std::size_t(stride_) * std::size_t(height_), 128),
+      vertical_(horizontal_)
 {
   const kernels::Descriptors& loops = kernels::descriptors(simdTier());
 #pragma omp parallel for schedule(static)
   for (int v = 0; v < height_; ++v) {
-    const std::size_t at = std::size_t(v) * std::size_t(stride_) + kernels::gradient_margin;
+    const std::size_t at =
+        std::size_t(v) * std::size_t(stride_) + kernels::gradient_margin;
     loops.gradients(grey.ptr(std::max(v - 1, 0)), grey.ptr(v),
                     grey.ptr(std::min(v + 1, height_ - 1)), width_,
                     horizontal_.data() + at, vertical_.data() + at);

@@ -16,9 +16,9 @@ namespace pcl_semantic {
 
 PlanePrior::PlanePrior(std::vector<SupportPoint> points, int width, int height,
                        int disparities)
-: width_(width), height_(height), columns_((width + cell_size - 1) / cell_size),
-  rows_((height + cell_size - 1) / cell_size), bytes_(disparities / 8),
-  seen_(std::size_t(columns_ * rows_ * bytes_), 0)
+    : width_(width), height_(height), columns_((width + cell_size - 1) / cell_size),
+      rows_((height + cell_size - 1) / cell_size), bytes_(disparities / 8),
+      seen_(std::size_t(columns_ * rows_ * bytes_), 0)
 {
   markSeen(points);
   addCorners(width, height, points);
@@ -39,8 +39,8 @@ void
 PlanePrior::markSeen(const std::vector<SupportPoint>& points)
 {
   for (const SupportPoint& point : points) {
-    const int d = (point.disparity + kernels::disparity_steps / 2) /
-                  kernels::disparity_steps;
+    const int d =
+        (point.disparity + kernels::disparity_steps / 2) / kernels::disparity_steps;
     const int column = point.u / cell_size, row = point.v / cell_size;
     // Near is within half a cell of the border, too.
     for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows_ - 1); ++y)
@@ -87,8 +87,8 @@ PlanePrior::fillRows(int begin, int end, std::vector<std::int16_t>& expected) co
       const auto crossing = [&](std::size_t i, std::size_t k) {
         const int rise = t.v[k] - t.v[i];
         return rise == 0 ? float(t.u[i])
-                         : float(t.u[i]) + float(t.u[k] - t.u[i]) *
-                                               float(v - t.v[i]) / float(rise);
+                         : float(t.u[i]) +
+                               float(t.u[k] - t.u[i]) * float(v - t.v[i]) / float(rise);
       };
       float first = crossing(0, 2);
       float last = v < t.v[1] || t.v[1] == t.v[2] ? crossing(0, 1) : crossing(1, 2);
@@ -102,7 +102,8 @@ PlanePrior::fillRows(int begin, int end, std::vector<std::int16_t>& expected) co
       }
       if (first > last)
         std::swap(first, last);
-      std::int16_t* const row = expected.data() + std::size_t(v - begin) * std::size_t(width_);
+      std::int16_t* const row =
+          expected.data() + std::size_t(v - begin) * std::size_t(width_);
       const float at_row = t.at_zero + t.along_v * float(v) + 0.5f;
       const int from = int(std::ceil(first)), to = int(std::floor(last));
       for (int u = from; u <= to; ++u)
@@ -116,11 +117,14 @@ seenFromRight(const std::vector<SupportPoint>& points)
 {
   std::vector<SupportPoint> result = points;
   for (SupportPoint& point : result)
-    point.u -= (point.disparity + kernels::disparity_steps / 2) / kernels::disparity_steps;
+    point.u -=
+        (point.disparity + kernels::disparity_steps / 2) / kernels::disparity_steps;
   std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) {
     return a.v != b.v ? a.v < b.v : a.u != b.u ? a.u < b.u : a.disparity > b.disparity;
   });
-  const auto same = [](const auto& a, const auto& b) { return a.u == b.u && a.v == b.v; };
+  const auto same = [](const auto& a, const auto& b) {
+    return a.u == b.u && a.v == b.v;
+  };
   result.erase(std::unique(result.begin(), result.end(), same), result.end());
   return result;
 }

@@ -26,9 +26,9 @@ class RowMatcher {
 public:
   RowMatcher(const GradientImage& left, const GradientImage& right,
              const Elas::Parameters& parameters)
-  : left_(left), right_(right), parameters_(parameters),
-    loops_(kernels::descriptors(simdTier())),
-    costs_(std::size_t(parameters.disparities))
+      : left_(left), right_(right), parameters_(parameters),
+        loops_(kernels::descriptors(simdTier())),
+        costs_(std::size_t(parameters.disparities))
   {}
 
   void
@@ -40,7 +40,8 @@ public:
     right_.describeRow(v + corner, rows_[1][1]);
   }
 
-  /** \brief Disparity of a pixel of the left image [1 / disparity_steps px], or none. */
+  /** \brief Disparity of a pixel of the left image [1 / disparity_steps px], or none.
+   */
   int
   match(int u)
   {
@@ -51,8 +52,7 @@ public:
       return none;
     const int d = (found + kernels::disparity_steps / 2) / kernels::disparity_steps;
     const int back = search(1, u - d);
-    const int tolerance =
-        int(parameters_.support_tolerance * kernels::disparity_steps);
+    const int tolerance = int(parameters_.support_tolerance * kernels::disparity_steps);
     return back != none && std::abs(back - found) <= tolerance ? found : none;
   }
 
@@ -74,7 +74,8 @@ private:
     return sum >= parameters_.support_texture * 4 * kernels::descriptor_bytes;
   }
 
-  /** \brief Best disparity of a pixel of an image (0 left, 1 right), if it stands out. */
+  /** \brief Best disparity of a pixel of an image (0 left, 1 right), if it stands out.
+   */
   int
   search(int image, int u)
   {
@@ -135,8 +136,8 @@ matchGrid(const GradientImage& left, const GradientImage& right,
           const Elas::Parameters& parameters)
 {
   const int step = parameters.support_step;
-  SupportGrid grid{(left.width() + step - 1) / step, (left.height() + step - 1) / step,
-                   {}};
+  SupportGrid grid{
+      (left.width() + step - 1) / step, (left.height() + step - 1) / step, {}};
   grid.disparities.assign(std::size_t(grid.columns * grid.rows), none);
   ParallelGuard guard;
 #pragma omp parallel
@@ -168,11 +169,12 @@ plausible(const SupportGrid& grid, const Elas::Parameters& parameters)
       if (disparity == none)
         continue;
       int count = -1; // itself
-      for (int y = std::max(row - reach, 0);
-           y <= std::min(row + reach, grid.rows - 1); ++y)
+      for (int y = std::max(row - reach, 0); y <= std::min(row + reach, grid.rows - 1);
+           ++y)
         for (int x = std::max(column - reach, 0);
              x <= std::min(column + reach, grid.columns - 1); ++x)
-          count += grid.at(x, y) != none && std::abs(grid.at(x, y) - disparity) <= alike;
+          count +=
+              grid.at(x, y) != none && std::abs(grid.at(x, y) - disparity) <= alike;
       if (count < parameters.support_neighbours)
         result.disparities[std::size_t(row * grid.columns + column)] = none;
     }

@@ -65,9 +65,9 @@ const Engine engines[] = {
 
 /** \brief What an engine gave at the pixels of the truth. */
 struct Result {
-  std::vector<double> seconds;   ///< a frame
-  std::vector<float> disparity;  ///< 0 = none
-  std::vector<float> deviation;  ///< the engine's own opinion
+  std::vector<double> seconds;  ///< a frame
+  std::vector<float> disparity; ///< 0 = none
+  std::vector<float> deviation; ///< the engine's own opinion
 };
 
 struct Score {
@@ -159,7 +159,8 @@ lidarDisparities(const KittiSequence& sequence, int number)
     if (!(p.z() > 0.1))
       continue;
     const Eigen::Vector2d pixel = camera.project(p);
-    const int u = int(std::floor(pixel.x() + 0.5)), v = int(std::floor(pixel.y() + 0.5));
+    const int u = int(std::floor(pixel.x() + 0.5)),
+              v = int(std::floor(pixel.y() + 0.5));
     if (u < 0 || v < 0 || u >= kept.cols || v >= kept.rows || kept(v, u) == 0)
       continue;
     const float disparity = float(camera.fx * camera.baseline / p.z());
@@ -196,8 +197,9 @@ printTable(const Truth& truth, const std::vector<Result>& results)
   std::printf("%zu pixels with truth; wrong: more than %g px and %g %% off\n",
               truth.disparity.size(), truth.wrong_above,
               100.0 * truth.wrong_above_share);
-  std::printf("  %-12s %8s %8s %11s %8s %8s %8s | valid in both: median, its; D1, its\n",
-              "engine", "time", "valid", "median", "D1", "D1 all", "in sigma");
+  std::printf(
+      "  %-12s %8s %8s %11s %8s %8s %8s | valid in both: median, its; D1, its\n",
+      "engine", "time", "valid", "median", "D1", "D1 all", "in sigma");
   for (std::size_t e = 0; e < results.size(); ++e) {
     const Score score = scoreOfValid(truth, results[e]);
     const auto in_both = [&](std::size_t i) {
@@ -209,8 +211,8 @@ printTable(const Truth& truth, const std::vector<Result>& results)
                 "px, %.4f px; %.2f %%, %.2f %%\n",
                 engines[e].name, 1e3 * median(results[e].seconds), score.share,
                 score.median, score.wrong, wrongOfAll(truth, results[e]),
-                withinDeviation(truth, results[e]), ours.median, its.median,
-                ours.wrong, its.wrong);
+                withinDeviation(truth, results[e]), ours.median, its.median, ours.wrong,
+                its.wrong);
   }
 }
 

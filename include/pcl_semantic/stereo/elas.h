@@ -35,22 +35,22 @@ public:
   /** \brief beta, gamma, sigma and tau as the paper names them; their values, as all
    * others, are those that were best for our gradients on KITTI. */
   struct Parameters {
-    int disparities = 128;             ///< largest disparity + 1 [px]; a multiple of 16
-    int support_step = 5;              ///< one pixel in so many is matched first [px]
-    int support_texture = 1;           ///< least mean gradient of a support point [0-127]
-    double tau = 0.9;                  ///< its best distance is below this of the second
-    double support_tolerance = 1.0;    ///< between its two images [px]
-    int support_neighbours = 2;        ///< so many within 25 px have to be like it
-    double beta = 0.06;                ///< weight of a grey level of gradient
-    double gamma = 0.5;                ///< share of what is far from the plane
-    double sigma = 1.0;                ///< of the prior around the plane [px]
+    int disparities = 128;          ///< largest disparity + 1 [px]; a multiple of 16
+    int support_step = 5;           ///< one pixel in so many is matched first [px]
+    int support_texture = 1;        ///< least mean gradient of a support point [0-127]
+    double tau = 0.9;               ///< its best distance is below this of the second
+    double support_tolerance = 1.0; ///< between its two images [px]
+    int support_neighbours = 2;     ///< so many within 25 px have to be like it
+    double beta = 0.06;             ///< weight of a grey level of gradient
+    double gamma = 0.5;             ///< share of what is far from the plane
+    double sigma = 1.0;             ///< of the prior around the plane [px]
     double left_right_tolerance = 0.6; ///< between the images' disparities [px]
-    int speckle_size = 200;            ///< smaller segments are dropped [px]; 0 keeps all
-    double speckle_range = 1.0;        ///< disparity step within a segment [px]
-    int smoothing_radius = 5;          ///< along row and column [px]; 0 = none
-    double smoothing_range = 4.0;      ///< what differs by more does not count [px]
-    int gap_width = 10000;             ///< longer gaps in a row stay [px]; 0 fills none
-    double gap_step = 6.0;             ///< of the two ends of a gap, see above [px]
+    int speckle_size = 200;       ///< smaller segments are dropped [px]; 0 keeps all
+    double speckle_range = 1.0;   ///< disparity step within a segment [px]
+    int smoothing_radius = 5;     ///< along row and column [px]; 0 = none
+    double smoothing_range = 4.0; ///< what differs by more does not count [px]
+    int gap_width = 10000;        ///< longer gaps in a row stay [px]; 0 fills none
+    double gap_step = 6.0;        ///< of the two ends of a gap, see above [px]
 
     /** \throws InvalidParameterException that names the parameter and its range */
     void validate() const;

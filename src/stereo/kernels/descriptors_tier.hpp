@@ -33,8 +33,7 @@ PCL_SEMANTIC_TARGET void
 gather(const std::uint8_t* const* elements, int count, std::uint8_t* result)
 {
   constexpr Bytes low = {0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23};
-  constexpr Bytes high = {8,  24, 9,  25, 10, 26, 11, 27,
-                          12, 28, 13, 29, 14, 30, 15, 31};
+  constexpr Bytes high = {8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
   for (int u = 0; u < count; u += 16)
     for (int part = 0; part < descriptor_parts; ++part) {
       // 16 x 16 bytes change rows with columns by four perfect shuffles.

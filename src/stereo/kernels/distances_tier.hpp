@@ -43,14 +43,13 @@ fourDistances(const Bytes* own, const std::uint8_t* others)
   const Ints d = halfDistances(own, others + 3 * descriptor_bytes);
   const Ints ab = __builtin_shuffle(a, b, even_lanes);
   const Ints cd = __builtin_shuffle(c, d, even_lanes);
-  return __builtin_shuffle(ab, cd, even_lanes) +
-         __builtin_shuffle(ab, cd, odd_lanes);
+  return __builtin_shuffle(ab, cd, even_lanes) + __builtin_shuffle(ab, cd, odd_lanes);
 }
 
 /** \brief Distances to the eight descriptors one after the other at \a others. */
 PCL_SEMANTIC_INLINE Shorts
 eightDistances(const Bytes* own, const std::uint8_t* others)
 {
-  return __builtin_ia32_packssdw128(
-      fourDistances(own, others), fourDistances(own, others + 4 * descriptor_bytes));
+  return __builtin_ia32_packssdw128(fourDistances(own, others),
+                                    fourDistances(own, others + 4 * descriptor_bytes));
 }

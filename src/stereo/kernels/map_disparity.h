@@ -20,8 +20,8 @@ constexpr std::uint16_t no_energy = 0x5000; ///< more than any candidate has
 struct MatchRow {
   const std::uint8_t *own, *other; ///< descriptors of the first pixel
   int width;
-  int disparities; ///< a multiple of 8
-  int direction;   ///< the other pixel is at u + direction * d: -1 or 1
+  int disparities;           ///< a multiple of 8
+  int direction;             ///< the other pixel is at u + direction * d: -1 or 1
   const std::int16_t* plane; ///< what the prior expects; no_disparity = nothing
   /** \brief Of the pixels' cells: bit d % 8 of byte d / 8 is set if some support point
    * near the cell has disparity d. */

@@ -68,8 +68,8 @@ smoothAvx2(const std::int16_t* disparity, const std::int16_t* const* neighbours,
   smoothBody(disparity, neighbours, places, range, count, smooth);
 }
 
-__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width=512")))
-void
+__attribute__((
+    target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width=512"))) void
 smoothAvx512(const std::int16_t* disparity, const std::int16_t* const* neighbours,
              int places, int range, int count, std::int16_t* smooth)
 {
