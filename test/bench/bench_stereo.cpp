@@ -19,6 +19,7 @@
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/stereo/elas.h>
+#include <pcl_semantic/stereo/semi_global_matcher.h>
 #include <pcl_semantic/stereo/sgbm.h>
 
 #include <algorithm>
@@ -56,11 +57,20 @@ makeElas(int disparities)
   return std::make_unique<Elas>(parameters);
 }
 
+std::unique_ptr<DisparityEstimator>
+makeSemiGlobal(int disparities)
+{
+  SemiGlobalMatcher::Parameters parameters;
+  parameters.disparities = disparities;
+  return std::make_unique<SemiGlobalMatcher>(parameters);
+}
+
 // The first is what the others are measured against.
 const Engine engines[] = {
     {"sgbm_3way", [](int d) { return makeSgbm(Sgbm::Mode::three_way, d); }},
     {"sgbm_5way", [](int d) { return makeSgbm(Sgbm::Mode::five_way, d); }},
     {"elas", makeElas},
+    {"sgm", makeSemiGlobal},
 };
 
 /** \brief What an engine gave at the pixels of the truth. */
