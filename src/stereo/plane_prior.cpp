@@ -81,7 +81,7 @@ PlanePrior::fillRows(int begin, int end, std::vector<std::int16_t>& expected) co
 {
   expected.assign(std::size_t(width_) * std::size_t(end - begin),
                   kernels::no_disparity);
-  const float largest = float(bytes_ * 8 * kernels::disparity_steps - 1);
+  const int largest = bytes_ * 8 * kernels::disparity_steps - 1;
   for (const Triangle& t : triangles_) {
     for (int v = std::max(begin, t.v[0]); v < end && v <= t.v[2]; ++v) {
       const auto crossing = [&](std::size_t i, std::size_t k) {
@@ -105,9 +105,11 @@ PlanePrior::fillRows(int begin, int end, std::vector<std::int16_t>& expected) co
       std::int16_t* const row =
           expected.data() + std::size_t(v - begin) * std::size_t(width_);
       const float at_row = t.at_zero + t.along_v * float(v) + 0.5f;
-      const int from = int(std::ceil(first)), to = int(std::floor(last));
-      for (int u = from; u <= to; ++u)
-        row[u] = std::int16_t(std::clamp(at_row + t.along_u * float(u), 0.0f, largest));
+      const int to = int(last); // both are 0 or more
+      for (int u = int(first) + (float(int(first)) < first); u <= to; ++u) {
+        const int value = int(at_row + t.along_u * float(u));
+        row[u] = std::int16_t(value < 0 ? 0 : value > largest ? largest : value);
+      }
     }
   }
 }

@@ -27,8 +27,8 @@ smoothBlock(const std::int16_t* disparity, const std::int16_t* const* neighbours
     number -= counts; // a comparison gives 0 or -1
   }
   number -= number == 0; // where the pixel itself holds nothing
-  const Floats mean = __builtin_convertvector(sum, Floats) /
-                      __builtin_convertvector(number, Floats);
+  const Floats mean =
+      __builtin_convertvector(sum, Floats) / __builtin_convertvector(number, Floats);
   // Of a positive number: to the nearest whole one.
   const Shorts value = __builtin_convertvector(
       __builtin_convertvector(centre, Floats) + mean + 0.5f, Shorts);
