@@ -37,8 +37,9 @@ public:
 
 private:
   struct Triangle {
-    std::array<int, 3> u, v; ///< corners, from top to bottom
-    float at_zero, along_u, along_v;
+    std::array<int, 3> u, v;                 ///< corners, from top to bottom
+    float long_edge, upper_edge, lower_edge; ///< columns a row
+    float at_zero, along_u, along_v;         ///< of the plane
   };
 
   void addTriangle(const SupportPoint& a, const SupportPoint& b, const SupportPoint& c);
