@@ -21,7 +21,8 @@ class PlanePrior {
 public:
   static constexpr int cell_size = 10; // [px]
 
-  /** \param[in] points with their coordinates in this image
+  /** \param[in] points with their coordinates in this image, their disparities within
+   * the range
    * \param[in] disparities a multiple of 8 */
   PlanePrior(std::vector<SupportPoint> points, int width, int height, int disparities);
 

@@ -57,8 +57,10 @@ TEST(PlanePrior, ExpectsThePlaneThroughThePoints)
 
 TEST(PlanePrior, StaysWithinTheRange)
 {
-  const PlanePrior prior(pointsOn([](int u, int) { return u < width / 2 ? 0.0 : 1e4; }),
-                         width, height, disparities);
+  constexpr double largest = (disparities - 1) * kernels::disparity_steps + 7;
+  const PlanePrior prior(
+      pointsOn([](int u, int v) { return (u / 7 + v / 9) % 2 ? 0.0 : largest; }), width,
+      height, disparities);
   std::vector<std::int16_t> expected;
   prior.fillRows(0, height, expected);
   for (const int value : expected)
