@@ -10,7 +10,6 @@
 #include "kernels/map_disparity.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace pcl_semantic {
 
@@ -73,43 +72,40 @@ PlanePrior::addTriangle(const SupportPoint& a, const SupportPoint& b,
   triangle.along_v = (d2 * u1 - d1 * u2) / area;
   triangle.at_zero = float(a.disparity) - triangle.along_u * float(a.u) -
                      triangle.along_v * float(a.v);
+  const auto slope = [&](std::size_t from, std::size_t to) {
+    const int rise = triangle.v[to] - triangle.v[from];
+    return rise == 0 ? 0.0f : float(triangle.u[to] - triangle.u[from]) / float(rise);
+  };
+  triangle.long_edge = slope(0, 2);
+  triangle.upper_edge = slope(0, 1);
+  triangle.lower_edge = slope(1, 2);
   triangles_.push_back(triangle);
 }
 
 void
 PlanePrior::fillRows(int begin, int end, std::vector<std::int16_t>& expected) const
 {
+  // Pixels on an edge belong to both sides, whose planes agree there.
+  constexpr float on_edge = 1e-3f;
   expected.assign(std::size_t(width_) * std::size_t(end - begin),
                   kernels::no_disparity);
-  const float largest = float(bytes_ * 8 * kernels::disparity_steps - 1);
-  for (const Triangle& t : triangles_) {
+  const int largest = bytes_ * 8 * kernels::disparity_steps - 1;
+  for (const Triangle& t : triangles_)
     for (int v = std::max(begin, t.v[0]); v < end && v <= t.v[2]; ++v) {
-      const auto crossing = [&](std::size_t i, std::size_t k) {
-        const int rise = t.v[k] - t.v[i];
-        return rise == 0 ? float(t.u[i])
-                         : float(t.u[i]) +
-                               float(t.u[k] - t.u[i]) * float(v - t.v[i]) / float(rise);
-      };
-      float first = crossing(0, 2);
-      float last = v < t.v[1] || t.v[1] == t.v[2] ? crossing(0, 1) : crossing(1, 2);
-      if (t.v[1] == t.v[2] && v == t.v[2]) {
-        first = float(t.u[1]);
-        last = float(t.u[2]);
-      }
-      if (t.v[0] == t.v[1] && v == t.v[0]) {
-        first = float(t.u[0]);
-        last = float(t.u[1]);
-      }
-      if (first > last)
-        std::swap(first, last);
+      const float one = float(t.u[0]) + t.long_edge * float(v - t.v[0]);
+      const float other = v < t.v[1] || t.v[1] == t.v[2]
+                              ? float(t.u[0]) + t.upper_edge * float(v - t.v[0])
+                              : float(t.u[1]) + t.lower_edge * float(v - t.v[1]);
+      const float first = std::min(one, other) - on_edge;
+      const int last = int(std::max(one, other) + on_edge);
       std::int16_t* const row =
           expected.data() + std::size_t(v - begin) * std::size_t(width_);
       const float at_row = t.at_zero + t.along_v * float(v) + 0.5f;
-      const int from = int(std::ceil(first)), to = int(std::floor(last));
-      for (int u = from; u <= to; ++u)
-        row[u] = std::int16_t(std::clamp(at_row + t.along_u * float(u), 0.0f, largest));
+      for (int u = int(first) + (float(int(first)) < first); u <= last; ++u) {
+        const int value = int(at_row + t.along_u * float(u));
+        row[u] = std::int16_t(std::clamp(value, 0, largest));
+      }
     }
-  }
 }
 
 std::vector<SupportPoint>

@@ -21,7 +21,8 @@ class PlanePrior {
 public:
   static constexpr int cell_size = 10; // [px]
 
-  /** \param[in] points with their coordinates in this image
+  /** \param[in] points with their coordinates in this image, their disparities within
+   * the range
    * \param[in] disparities a multiple of 8 */
   PlanePrior(std::vector<SupportPoint> points, int width, int height, int disparities);
 
@@ -37,8 +38,9 @@ public:
 
 private:
   struct Triangle {
-    std::array<int, 3> u, v; ///< corners, from top to bottom
-    float at_zero, along_u, along_v;
+    std::array<int, 3> u, v;                 ///< corners, from top to bottom
+    float long_edge, upper_edge, lower_edge; ///< columns a row
+    float at_zero, along_u, along_v;         ///< of the plane
   };
 
   void addTriangle(const SupportPoint& a, const SupportPoint& b, const SupportPoint& c);

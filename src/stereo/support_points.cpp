@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
 namespace pcl_semantic {
 
@@ -20,6 +21,16 @@ namespace {
 constexpr int corner = 2; // four descriptors this far off make one of 9 x 9 pixels [px]
 constexpr int neighbourhood = 25; // where others have to be like it [px]
 constexpr int none = kernels::no_disparity;
+
+// Costs have 15 bits: signed ones are what every processor finds the least of.
+int
+leastOf(const std::uint16_t* costs, int count)
+{
+  std::int16_t least = std::numeric_limits<std::int16_t>::max();
+  for (int i = 0; i < count; ++i)
+    least = std::min(least, std::int16_t(costs[i]));
+  return least;
+}
 
 /** \brief Looks for the support points of one row of the grid. */
 class RowMatcher {
@@ -89,26 +100,28 @@ private:
       for (const int side : {-corner, corner})
         loops_.addDistances(at(image, row, u + side), at(1 - image, row, first + side),
                             padded, costs_.data());
-    const auto cost = [&](int d) -> int {
-      return costs_[std::size_t(image == 0 ? padded - 1 - d : d)];
-    };
-    int best = 0;
-    for (int d = 1; d < count; ++d)
-      if (cost(d) < cost(best))
-        best = d;
-    int second = 1 << 20;
-    for (int d = 0; d < count; ++d)
-      if (std::abs(d - best) > 1)
-        second = std::min(second, cost(d));
-    if (cost(best) >= parameters_.tau * second)
+    // What lies beyond the image is no candidate.
+    std::uint16_t* const costs = costs_.data();
+    if (image == 0)
+      std::fill(costs, costs + (padded - count), kernels::no_energy);
+    else
+      std::fill(costs + count, costs + padded, kernels::no_energy);
+    const int here = leastOf(costs, padded);
+    const int place = int(std::find(costs, costs + padded, here) - costs);
+    const int best = image == 0 ? padded - 1 - place : place;
+    int less = kernels::no_energy, more = kernels::no_energy; // at best - 1 and + 1
+    for (const int side : {-1, 1})
+      if (place + side >= 0 && place + side < padded) {
+        ((image == 0) == (side > 0) ? less : more) = costs[place + side];
+        costs[place + side] = kernels::no_energy;
+      }
+    costs[place] = kernels::no_energy;
+    if (here >= parameters_.tau * leastOf(costs, padded))
       return none;
     int fraction = 0;
-    if (best > 0 && best + 1 < count) {
-      const int less = cost(best - 1), here = cost(best), more = cost(best + 1);
-      const int slope = std::max(less, more) - here;
-      if (less > here && more > here)
-        fraction = kernels::disparity_steps * (less - more) / (2 * slope);
-    }
+    if (best > 0 && best + 1 < count && less > here && more > here)
+      fraction = kernels::disparity_steps * (less - more) /
+                 (2 * (std::max(less, more) - here));
     return best * kernels::disparity_steps + fraction;
   }
 

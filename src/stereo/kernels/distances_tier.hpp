@@ -34,6 +34,35 @@ halfDistances(const Bytes* own, const std::uint8_t* other)
   return (Ints)sum;
 }
 
+#ifdef PCL_SEMANTIC_WIDE
+
+typedef char WideBytes __attribute__((vector_size(64)));
+typedef long long WideLongs __attribute__((vector_size(64)));
+typedef int WideInts __attribute__((vector_size(64)));
+typedef short WideShorts __attribute__((vector_size(64)));
+
+constexpr WideLongs neighbour_lanes = {1, 0, 3, 2, 5, 4, 7, 6};
+
+/** \brief Distances to the eight descriptors one after the other at \a others. */
+PCL_SEMANTIC_INLINE Shorts
+eightDistances(const Bytes* own, const std::uint8_t* others)
+{
+  static_assert(descriptor_parts == 1, "four descriptors fill the lanes");
+  const WideBytes four =
+      (WideBytes)__builtin_ia32_broadcasti32x4_512((Ints)*own, WideInts{}, -1);
+  WideBytes lower, upper;
+  __builtin_memcpy(&lower, others, sizeof lower);
+  __builtin_memcpy(&upper, others + sizeof lower, sizeof upper);
+  // Half a distance in each 64 bits: those of the upper four beside the lower four's.
+  const WideLongs halves = (WideLongs)__builtin_ia32_psadbw512(four, lower) |
+                           (WideLongs)__builtin_ia32_psadbw512(four, upper) << 32;
+  const WideShorts sums =
+      (WideShorts)(halves + __builtin_shuffle(halves, neighbour_lanes));
+  return __builtin_shufflevector(sums, sums, 0, 8, 16, 24, 2, 10, 18, 26);
+}
+
+#else
+
 PCL_SEMANTIC_INLINE Ints
 fourDistances(const Bytes* own, const std::uint8_t* others)
 {
@@ -53,3 +82,5 @@ eightDistances(const Bytes* own, const std::uint8_t* others)
   return __builtin_ia32_packssdw128(fourDistances(own, others),
                                     fourDistances(own, others + 4 * descriptor_bytes));
 }
+
+#endif

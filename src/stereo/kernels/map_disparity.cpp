@@ -32,6 +32,8 @@ namespace avx2 {
 #undef PCL_SEMANTIC_TARGET
 } // namespace avx2
 
+#define PCL_SEMANTIC_WIDE
+
 namespace avx512 {
 #define PCL_SEMANTIC_TARGET                                                            \
   __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
