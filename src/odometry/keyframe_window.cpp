@@ -1,0 +1,114 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "keyframe_window.h"
+
+#include <algorithm>
+#include <map>
+
+namespace pcl_semantic::odometry {
+
+namespace {
+
+constexpr double kOutlier = 16.0; // squared whitened length
+
+} // namespace
+
+int
+KeyframeWindow::indexOf(int number) const
+{
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (frames[i].number == number)
+      return int(i);
+  return -1;
+}
+
+Matrix6d
+KeyframeWindow::adjust(int iterations)
+{
+  WindowAdjustment adjustment(camera_, noise_);
+  for (const Frame& frame : frames)
+    adjustment.frames.push_back({frame.T_camera_world, false});
+  adjustment.frames.front().is_fixed = true;
+
+  std::map<int, int> old_anchors; // frames that have left the window stay where they are
+  std::vector<std::size_t> adjusted;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const FeatureTrack& track = tracks[i];
+    if (track.sightings.empty())
+      continue;
+    int anchor = indexOf(track.anchor);
+    if (anchor < 0) {
+      const auto [old, is_new] =
+          old_anchors.emplace(track.anchor, int(adjustment.frames.size()));
+      if (is_new)
+        adjustment.frames.push_back({track.T_world_anchor.inverse(), true});
+      anchor = old->second;
+    }
+    const int point = int(adjustment.points.size());
+    adjustment.points.push_back({track.place, anchor, track.anchor_disparity});
+    for (const FeatureTrack::Sighting& sighting : track.sightings)
+      adjustment.measurements.push_back(
+          {point, indexOf(sighting.frame), sighting.uvd});
+    adjusted.push_back(i);
+  }
+  adjustment.solve(iterations);
+
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].T_camera_world = adjustment.frames[i].T_camera_world;
+  for (std::size_t i = 0; i < adjusted.size(); ++i)
+    tracks[adjusted[i]].place = adjustment.points[i].place;
+  for (FeatureTrack& track : tracks) {
+    const int anchor = indexOf(track.anchor);
+    if (anchor >= 0)
+      track.T_world_anchor = frames[std::size_t(anchor)].T_camera_world.inverse();
+  }
+  for (const WindowAdjustment::Measurement& measurement : adjustment.measurements)
+    if (adjustment.squaredError(measurement) > kOutlier) {
+      FeatureTrack& track = tracks[adjusted[std::size_t(measurement.point)]];
+      track.is_alive = false;
+      track.sightings.clear();
+    }
+  return adjustment.covariance(int(frames.size()) - 1);
+}
+
+void
+KeyframeWindow::dropNewest()
+{
+  const int number = frames.back().number;
+  frames.pop_back();
+  for (FeatureTrack& track : tracks)
+    if (!track.sightings.empty() && track.sightings.back().frame == number)
+      track.sightings.pop_back();
+}
+
+void
+KeyframeWindow::shrink(std::size_t count)
+{
+  if (frames.size() > count)
+    frames.erase(frames.begin(), frames.end() - std::ptrdiff_t(count));
+  const int oldest = frames.empty() ? 0 : frames.front().number;
+  for (FeatureTrack& track : tracks)
+    track.sightings.erase(std::remove_if(track.sightings.begin(), track.sightings.end(),
+                                         [&](const FeatureTrack::Sighting& sighting) {
+                                           return sighting.frame < oldest;
+                                         }),
+                          track.sightings.end());
+  tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
+                              [](const FeatureTrack& track) {
+                                return !track.is_alive && track.sightings.empty();
+                              }),
+               tracks.end());
+}
+
+void
+KeyframeWindow::clear()
+{
+  frames.clear();
+  tracks.clear();
+}
+
+} // namespace pcl_semantic::odometry
