@@ -14,6 +14,7 @@ namespace pcl_semantic::odometry {
 namespace {
 
 constexpr double kOutlier = 16.0; // squared whitened length
+constexpr double kMedian = 2.366; // of the chi-squared distribution of three
 
 } // namespace
 
@@ -26,15 +27,14 @@ KeyframeWindow::indexOf(int number) const
   return -1;
 }
 
-Matrix6d
-KeyframeWindow::adjust(int iterations)
+// Points with what saw them; anchors that have left the window stay where they are.
+std::vector<std::size_t>
+KeyframeWindow::collect(WindowAdjustment& adjustment) const
 {
-  WindowAdjustment adjustment(camera_, noise_);
   for (const Frame& frame : frames)
     adjustment.frames.push_back({frame.T_camera_world, false});
   adjustment.frames.front().is_fixed = true;
-
-  std::map<int, int> old_anchors; // frames that have left the window stay where they are
+  std::map<int, int> old_anchors;
   std::vector<std::size_t> adjusted;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const FeatureTrack& track = tracks[i];
@@ -51,12 +51,42 @@ KeyframeWindow::adjust(int iterations)
     const int point = int(adjustment.points.size());
     adjustment.points.push_back({track.place, anchor, track.anchor_disparity});
     for (const FeatureTrack::Sighting& sighting : track.sightings)
-      adjustment.measurements.push_back(
-          {point, indexOf(sighting.frame), sighting.uvd});
+      adjustment.measurements.push_back({point, indexOf(sighting.frame), sighting.uvd});
     adjusted.push_back(i);
   }
-  adjustment.solve(iterations);
+  return adjusted;
+}
 
+// Returns the median squared error.
+double
+KeyframeWindow::rejectOutliers(const WindowAdjustment& adjustment,
+                               const std::vector<std::size_t>& adjusted)
+{
+  std::vector<double> errors;
+  for (const WindowAdjustment::Measurement& measurement : adjustment.measurements) {
+    errors.push_back(adjustment.squaredError(measurement));
+    if (errors.back() > kOutlier) {
+      FeatureTrack& track = tracks[adjusted[std::size_t(measurement.point)]];
+      track.is_alive = false;
+      track.sightings.clear();
+    }
+  }
+  if (errors.empty())
+    return kMedian;
+  const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return *middle;
+}
+
+Matrix6d
+KeyframeWindow::adjust(int iterations)
+{
+  WindowAdjustment adjustment(camera_, noise_);
+  const std::vector<std::size_t> adjusted = collect(adjustment);
+  adjustment.offset = adjustment.offset_before = offset;
+  adjustment.offset_deviation = offset_deviation;
+  adjustment.solve(iterations);
+  offset = adjustment.offset;
   for (std::size_t i = 0; i < frames.size(); ++i)
     frames[i].T_camera_world = adjustment.frames[i].T_camera_world;
   for (std::size_t i = 0; i < adjusted.size(); ++i)
@@ -66,13 +96,8 @@ KeyframeWindow::adjust(int iterations)
     if (anchor >= 0)
       track.T_world_anchor = frames[std::size_t(anchor)].T_camera_world.inverse();
   }
-  for (const WindowAdjustment::Measurement& measurement : adjustment.measurements)
-    if (adjustment.squaredError(measurement) > kOutlier) {
-      FeatureTrack& track = tracks[adjusted[std::size_t(measurement.point)]];
-      track.is_alive = false;
-      track.sightings.clear();
-    }
-  return adjustment.covariance(int(frames.size()) - 1);
+  const double noise = rejectOutliers(adjustment, adjusted) / kMedian;
+  return noise * adjustment.covariance(int(frames.size()) - 1);
 }
 
 void
@@ -90,25 +115,19 @@ KeyframeWindow::shrink(std::size_t count)
 {
   if (frames.size() > count)
     frames.erase(frames.begin(), frames.end() - std::ptrdiff_t(count));
-  const int oldest = frames.empty() ? 0 : frames.front().number;
-  for (FeatureTrack& track : tracks)
-    track.sightings.erase(std::remove_if(track.sightings.begin(), track.sightings.end(),
-                                         [&](const FeatureTrack::Sighting& sighting) {
-                                           return sighting.frame < oldest;
-                                         }),
-                          track.sightings.end());
-  tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
-                              [](const FeatureTrack& track) {
-                                return !track.is_alive && track.sightings.empty();
-                              }),
-               tracks.end());
-}
-
-void
-KeyframeWindow::clear()
-{
-  frames.clear();
-  tracks.clear();
+  const int oldest = frames.front().number;
+  for (FeatureTrack& track : tracks) {
+    const auto is_older = [&](const FeatureTrack::Sighting& sighting) {
+      return sighting.frame < oldest;
+    };
+    track.sightings.erase(
+        std::remove_if(track.sightings.begin(), track.sightings.end(), is_older),
+        track.sightings.end());
+  }
+  const auto is_over = [](const FeatureTrack& track) {
+    return !track.is_alive && track.sightings.empty();
+  };
+  tracks.erase(std::remove_if(tracks.begin(), tracks.end(), is_over), tracks.end());
 }
 
 } // namespace pcl_semantic::odometry

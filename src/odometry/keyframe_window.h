@@ -23,9 +23,10 @@ struct FeatureTrack {
   AnchoredPoint place;
   int anchor = 0; ///< frame that saw it first
   Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
-  double anchor_disparity = 0.0;   ///< [px]
+  double anchor_disparity = 0.0;   ///< measured [px]
   std::vector<Sighting> sightings; ///< later ones, in keyframes and the newest frame
-  StereoFeature now;
+  StereoFeature now;  ///< where it was followed to
+  StereoFeature next; ///< while a frame is worked on
   bool is_alive = true; ///< still followed
 
   /** \brief For scaledPoint() with T_camera_world. */
@@ -50,23 +51,29 @@ public:
 
   std::vector<Frame> frames; ///< the newest last
   std::vector<FeatureTrack> tracks;
+  double offset = 0.0;            ///< of measured disparities [px]
+  double offset_deviation = 1e-6; ///< how far it may move in one adjustment [px]
 
-  /** \brief Adjusts all frames but the oldest, and the depths of all tracks; tracks that
-   * do not fit then are given up.
-   * \return covariance of the newest frame's T_camera_world, the others exact */
+  /** \brief Adjusts all frames but the oldest, the depths of all tracks and the offset;
+   * tracks that do not fit then are given up.
+   * \return covariance of the newest frame's T_camera_world, the others exact, with the
+   * noise that the residuals show */
   Matrix6d adjust(int iterations);
 
-  /** \brief Forgets the newest frame but keeps its pose in it for nobody. */
+  /** \brief Forgets the newest frame and what it saw. */
   void dropNewest();
 
   /** \brief Forgets the oldest frames until \a count are left, and the tracks that no
    * frame of the window needs. */
   void shrink(std::size_t count);
 
-  void clear();
-
 private:
   int indexOf(int number) const;
+
+  std::vector<std::size_t> collect(WindowAdjustment& adjustment) const;
+
+  double rejectOutliers(const WindowAdjustment& adjustment,
+                        const std::vector<std::size_t>& adjusted);
 
   StereoCamera camera_;
   MeasurementNoise noise_;

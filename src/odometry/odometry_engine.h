@@ -11,11 +11,10 @@
 
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
-#include <optional>
-
 namespace pcl_semantic {
 
-/** \brief The work behind StereoOdometry; its world is the first frame's left camera. */
+/** \brief The work behind StereoOdometry; its own world is the first frame's left
+ * camera ("first"). */
 class StereoOdometry::Engine {
 public:
   Engine(const StereoCamera& camera, const Eigen::Isometry3d& T_camera0_camera,
@@ -32,17 +31,27 @@ public:
   int
   lostFrames() const
   {
-    return lost_;
+    return lost_frames_;
   }
 
 private:
-  void followTracks();
+  void takeImages(const StereoFrame& frame);
 
-  bool estimatePose();
+  void measureStep(const StereoFrame& frame);
 
-  void retryLostTracks();
+  bool findPose();
 
-  void finishFrame(bool is_found, const Eigen::Isometry3d& T_camera_before);
+  bool tryFrom(const Eigen::Isometry3d& guess);
+
+  int followTracks(const Eigen::Isometry3d& guess,
+                   std::vector<odometry::StereoFeature>& now) const;
+
+  void continueFrom(const Eigen::Isometry3d& T_camera_before);
+
+  void restart();
+
+  void addMotion(const Eigen::Isometry3d& motion,
+                 const odometry::Matrix6d& motion_covariance);
 
   bool wantsKeyframe() const;
 
@@ -55,11 +64,12 @@ private:
   odometry::CircleTracker tracker_;
   odometry::KeyframeWindow window_;
   Eigen::Isometry3d T_camera_first_ = Eigen::Isometry3d::Identity(); ///< newest frame
-  odometry::Vector6d velocity_ = odometry::Vector6d::Zero(); ///< in a second
+  odometry::Vector6d velocity_ = odometry::Vector6d::Zero(); ///< a second, see log
   double timestamp_ = 0.0;
   double step_ = 0.0; ///< time since the frame before [s]
-  int count_ = 0; ///< frames so far
-  int lost_ = 0;
+  int count_ = 0;     ///< frames so far
+  int lost_frames_ = 0;
+  bool knows_velocity_ = false; ///< measured, so that it predicts
   OdometryResult result_;
 };
 

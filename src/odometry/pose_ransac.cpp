@@ -29,8 +29,7 @@ bool
 PoseRansac::refine(const std::vector<const PoseMeasurement*>& measurements,
                    int iterations, Eigen::Isometry3d& T_camera_world) const
 {
-  const Eigen::Vector3d whiten(1.0 / noise_.pixel, 1.0 / noise_.pixel,
-                               1.0 / noise_.disparity);
+  const Eigen::Vector3d whiten = noise_.whitening();
   for (int i = 0; i < iterations; ++i) {
     Matrix6d H = Matrix6d::Zero();
     Vector6d b = Vector6d::Zero();

@@ -14,8 +14,15 @@ namespace pcl_semantic::odometry {
 
 /** \brief How exact a stereo measurement is, standard deviations [px]. */
 struct MeasurementNoise {
-  double pixel = 0.3;     ///< of a feature's place in the left image, each way
+  double pixel = 0.15;    ///< of a feature's place in the left image, each way
   double disparity = 0.3; ///< of its disparity, which errs independently of its place
+
+  /** \brief Factors that make all three deviations 1. */
+  Eigen::Vector3d
+  whitening() const
+  {
+    return {1.0 / pixel, 1.0 / pixel, 1.0 / disparity};
+  }
 };
 
 /** \brief A point as it was seen first: direction with z = 1, and 1 / depth [1/m]. A

@@ -16,8 +16,10 @@ namespace pcl_semantic::odometry {
  *
  * A point has one unknown, its inverse depth along the ray of the frame that saw it
  * first; the ray itself is exact by definition: it is what the later frames look for.
- * Minimises the sum of Huber's cost of the whitened residuals (column, row, disparity)
- * by Levenberg-Marquardt, inverse depths eliminated by the Schur complement. */
+ * One more unknown is the offset that all measured disparities share: rectification is
+ * never perfect, and how points near and far move tells. Minimises the sum of Huber's
+ * cost of the whitened residuals (column, row, disparity) by Levenberg-Marquardt,
+ * inverse depths eliminated by the Schur complement. */
 class WindowAdjustment {
 public:
   struct Frame {
@@ -33,7 +35,7 @@ public:
 
   struct Measurement {
     int point = 0;
-    int frame = 0; ///< another than the anchor
+    int frame = 0;                                 ///< another than the anchor
     Eigen::Vector3d uvd = Eigen::Vector3d::Zero(); ///< column, row, disparity [px]
   };
 
@@ -45,27 +47,41 @@ public:
   std::vector<Point> points;
   std::vector<Measurement> measurements; ///< those of a point one after the other
 
-  /** \brief Changes poses and inverse depths. \return the cost reached */
+  double offset = 0.0;              ///< measured disparity minus the true one [px]
+  double offset_before = 0.0;       ///< what is known of it already
+  double offset_deviation = 1e-6;   ///< and how well [px]
+
+  /** \brief Changes poses, inverse depths and the offset. \return the cost reached */
   double solve(int iterations);
 
   /** \brief Squared length of a whitened residual, about 3 for a good measurement;
-  * infinite behind the camera. */
+   * infinite behind the camera. */
   double squaredError(const Measurement& measurement) const;
 
-  /** \brief Covariance of the small motion in front of the T_camera_world of a free
-   * frame, all other poses taken for exact, for the noise as it was given. */
+  /** \brief After solve(): covariance of the small motion in front of the T_camera_world
+   * of a free frame, all other poses taken for exact, for the noise as it was given. */
   Matrix6d covariance(int frame) const;
 
 private:
+  struct Residual;
+
+  /** \brief The normal equations: poses, then the offset; inverse depths apart. */
   struct System {
     Eigen::MatrixXd H;
     Eigen::VectorXd b;
     double cost = 0.0;
-    std::vector<double> point_H, point_b;
-    std::vector<Vector6d> cross; ///< two a measurement: its frame, its point's anchor
+    std::vector<double> point_H, point_b, point_offset;
+    std::vector<Vector6d> by_frame, by_anchor; ///< of a measurement: with its point
   };
 
   void number();
+
+  bool evaluate(const Measurement& measurement, const Eigen::Isometry3d& T_world_anchor,
+                Residual& residual) const;
+
+  void addPoint(std::size_t i, System& system) const;
+
+  void addMeasurement(std::size_t m, const Residual& residual, System& system) const;
 
   void linearize(System& system) const;
 
@@ -74,12 +90,10 @@ private:
 
   void step(const System& system, double damping, const Eigen::VectorXd& delta);
 
-  double cost() const;
-
   StereoCamera camera_;
   MeasurementNoise noise_;
   std::vector<int> unknown_; ///< of a frame: where its six unknowns are, or -1
-  int unknowns_ = 0;
+  int unknowns_ = 0;         ///< of the poses; the offset comes behind
   std::vector<std::size_t> begin_; ///< first measurement of each point, and the end
 };
 

@@ -34,6 +34,7 @@ struct OdometryResult {
   bool is_keyframe = false; ///< stays in the window
   int tracked = 0;          ///< features found again
   int inliers = 0;          ///< of those, how many agree with the pose
+  double disparity_offset = 0.0; ///< what disparities were measured too large by [px]
 };
 
 /** \brief Poses from the stereo images alone.
@@ -57,8 +58,12 @@ public:
     int max_disparity = 0;   ///< of a new feature [px]; 0 = an eighth of the width
     double keyframe_flow = 0.015; ///< median way of the features that makes a keyframe,
                                   ///< in widths of the image
-    double pixel_noise = 0.3;     ///< standard deviation of a feature's place [px]
+    double pixel_noise = 0.15;    ///< standard deviation of a feature's place [px]
     double disparity_noise = 0.3; ///< and of its disparity [px]
+
+    /** \brief How far the offset that all disparities share, an error of the
+     * rectification, may move from one keyframe to the next [px]; 0 = there is none. */
+    double offset_drift = 0.03;
 
     /** \throws InvalidParameterException */
     void validate() const;
