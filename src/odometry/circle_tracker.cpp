@@ -16,7 +16,7 @@ namespace pcl_semantic::odometry {
 namespace {
 
 constexpr int kLevels = 3;           // above the images themselves
-const cv::Size kWindow(15, 15);      // [px]
+const cv::Size kWindow(11, 11);      // [px]
 constexpr float kCircle = 1.0f;      // how far from the start a circle may end [px]
 constexpr float kRowError = 1.5f;    // between left and right [px]
 constexpr float kBorder = 8.0f;      // [px]
