@@ -58,11 +58,11 @@ makeLabelling(const MapArguments& arguments)
 // Everything that the map depends on.
 MappingRun
 makeRun(const MapArguments& arguments, const KittiSequence& sequence,
-        const Labelling& labelling)
+        const std::string& poses, const Labelling& labelling)
 {
   MappingRun run;
   run.inputs = {{"sequence", arguments.sequence},
-                {"poses", tool::choosePoses(arguments, sequence)},
+                {"poses", poses},
                 {"labels", arguments.labels},
                 {"network", arguments.network},
                 {"model", labelling.model}};
@@ -80,7 +80,7 @@ makeRun(const MapArguments& arguments, const KittiSequence& sequence,
 
 MappingOutput
 makeOutput(const MapArguments& arguments, const MappingRun& run,
-           const MappingArchive& archive)
+           const std::string& poses, const MappingArchive& archive)
 {
   return {arguments.output,
           run.camera,
@@ -89,7 +89,7 @@ makeOutput(const MapArguments& arguments, const MappingRun& run,
           run.T_camera0_camera,
           {{"sequence", arguments.sequence},
            {"frames", arguments.frames},
-           {"poses", run.inputs[1].second},
+           {"poses", poses},
            {"labels", arguments.labels},
            {"label_set", arguments.label_set},
            {"network", arguments.network},
@@ -116,16 +116,16 @@ mapSequence(const MapArguments& arguments)
   tool::requireMapArguments(arguments);
   setNumberOfThreads(arguments.parameters.threads);
   const KittiSequence sequence(arguments.sequence);
-  Labelling labelling = makeLabelling(arguments);
-  const MappingRun run = makeRun(arguments, sequence, labelling);
   const std::string chosen = tool::choosePoses(arguments, sequence);
+  Labelling labelling = makeLabelling(arguments);
+  const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
   std::unique_ptr<PoseSource> poses = tool::makePoses(chosen, sequence);
   const auto* const odometry = dynamic_cast<StereoOdometry*>(poses.get());
   MappingArchive archive(arguments.archive, run);
   SemanticMapper mapper(run.camera, run.label_set, run.config,
                         std::move(labelling.predictor), std::move(poses),
                         archive.store());
-  MappingOutput output = makeOutput(arguments, run, archive);
+  MappingOutput output = makeOutput(arguments, run, chosen, archive);
   archive.resume(mapper);
   tool::catchInterrupts();
   tool::ProgressBar progress("mapping", run.frames.size() - archive.records().size());

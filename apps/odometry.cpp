@@ -22,12 +22,12 @@ using namespace pcl_semantic;
 
 namespace {
 
-const tool::Usage usage{
-    "pcl_semantic_odometry", "SEQUENCE OUT.txt [options]",
-    "Poses of a stereo sequence from its images alone, of camera 0 in the frame of the\n"
-    "first one, as KITTI or TUM trajectory.",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_odometry /tmp/street /tmp/poses.txt"};
+const tool::Usage usage{"pcl_semantic_odometry", "SEQUENCE OUT.txt [options]",
+                        "Poses of a stereo sequence from its images alone, of camera 0 "
+                        "in the frame of the\n"
+                        "first one, as KITTI or TUM trajectory.",
+                        "pcl_semantic_synthesize /tmp/street && \\\n"
+                        "  pcl_semantic_odometry /tmp/street /tmp/poses.txt"};
 
 struct Options {
   std::string sequence, output, report;
@@ -68,14 +68,16 @@ parseOptions(int argc, char** argv, Options& options)
   if (options.output.empty())
     tool::failUsage(usage, "OUT.txt is missing");
   if (options.format != "kitti" && options.format != "tum")
-    tool::failUsage(usage, "--format is '" + options.format + "', expected kitti or tum");
+    tool::failUsage(usage,
+                    "--format is '" + options.format + "', expected kitti or tum");
   parameters.validate();
   return true;
 }
 
 // Row n of a KITTI trajectory is frame n.
 void
-requireRowsAreFrames(const KittiSequence& sequence, const std::vector<std::size_t>& frames)
+requireRowsAreFrames(const KittiSequence& sequence,
+                     const std::vector<std::size_t>& frames)
 {
   for (std::size_t row = 0; row < frames.size(); ++row)
     if (sequence.frameNumber(frames[row]) != int(row))
@@ -167,8 +169,8 @@ track(const Options& options)
       const OdometryResult& result = odometry.process(frame);
       if (result.is_lost)
         lost.push_back(result.frame);
-      trajectory.push_back({frame.timestamp,
-                            worldFromFirstCamera().inverse() * result.T_world_camera *
+      trajectory.push_back(
+          {frame.timestamp, worldFromFirstCamera().inverse() * result.T_world_camera *
                                 sequence.T_camera0_camera().inverse()});
       addToReport(report, frame.timestamp, result);
       if (tool::interrupted())
@@ -177,8 +179,8 @@ track(const Options& options)
     }
   }
   if (frames.size() > 1 && lost.size() + 1 == frames.size())
-    PCL_THROW_EXCEPTION(BadInputException, options.sequence
-                                               << ": no frame could be tracked");
+    PCL_THROW_EXCEPTION(BadInputException,
+                        options.sequence << ": no frame could be tracked");
   writeResults(options, trajectory, report.str());
   warnOfLoss(lost, frames.size());
   std::cout << options.output << ": " << trajectory.size() << " poses\n";

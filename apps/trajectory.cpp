@@ -22,7 +22,8 @@ namespace {
 
 const tool::Usage usage{
     "pcl_semantic_trajectory", "compare TRUTH ESTIMATE [options]",
-    "Compares two trajectories, KITTI (matched by row) or TUM (matched by time): errors\n"
+    "Compares two trajectories, KITTI (matched by row) or TUM (matched by time): "
+    "errors\n"
     "by KITTI's definition, distances of the positions, and a picture of both paths.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_odometry /tmp/street /tmp/poses.txt && \\\n"
@@ -47,9 +48,9 @@ parseOptions(int argc, char** argv, Options& options)
   };
   visible.add_options()("command", po::value(&options.command), "compare")(
       "truth", po::value(&options.truth), "trajectory that is right")(
-      "estimate", po::value(&options.estimate), "trajectory to judge")(
-      "times", po::value(&options.times),
-      "times.txt of a KITTI trajectory that meets a TUM one")(
+      "estimate", po::value(&options.estimate),
+      "trajectory to judge")("times", po::value(&options.times),
+                             "times.txt of a KITTI trajectory that meets a TUM one")(
       "picture", po::value(&options.picture), "picture of both paths to write (.png)");
   add("lengths", options.lengths, "of the pieces that are compared [m]");
   add("step", options.step, "every which pose begins a piece (KITTI's own: 10)");
@@ -115,7 +116,8 @@ readMatched(const Options& options)
   const TrajectoryFormat second = trajectoryFormatOf(options.estimate);
   MatchedTrajectories matched;
   if (first == TrajectoryFormat::kitti && second == TrajectoryFormat::kitti) {
-    matched = {readKittiTrajectory(options.truth), readKittiTrajectory(options.estimate)};
+    matched = {readKittiTrajectory(options.truth),
+               readKittiTrajectory(options.estimate)};
     const std::size_t common = std::min(matched.first.size(), matched.second.size());
     if (matched.first.size() != matched.second.size())
       std::cerr << usage.name << ": warning: " << matched.first.size() << " and "
@@ -131,9 +133,9 @@ readMatched(const Options& options)
                         withTimes(options.estimate, second, options.times),
                         options.tolerance);
   if (matched.first.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.estimate << ": has no pose at the times of "
-                                         << options.truth);
+    PCL_THROW_EXCEPTION(BadInputException, options.estimate
+                                               << ": has no pose at the times of "
+                                               << options.truth);
   return matched;
 }
 
@@ -157,8 +159,9 @@ compare(const Options& options)
               lengthOf(matched.first), "length", "pieces", "translation %",
               "rotation deg/m");
   for (const SegmentErrors& each : errors) {
-    const std::string name =
-        each.length > 0.0 ? std::to_string(int(std::lround(each.length))) + " m" : "all";
+    const std::string name = each.length > 0.0
+                                 ? std::to_string(int(std::lround(each.length))) + " m"
+                                 : "all";
     if (each.segments > 0)
       std::printf("%8s %9zu %14.4f %16.5f\n", name.c_str(), each.segments,
                   100.0 * each.translation, each.rotation * 180.0 / M_PI);

@@ -28,8 +28,8 @@ waysAlong(const Trajectory& trajectory)
 {
   std::vector<double> ways(trajectory.size(), 0.0);
   for (std::size_t i = 1; i < ways.size(); ++i)
-    ways[i] = ways[i - 1] + (trajectory[i].translation() -
-                             trajectory[i - 1].translation()).norm();
+    ways[i] = ways[i - 1] +
+              (trajectory[i].translation() - trajectory[i - 1].translation()).norm();
   return ways;
 }
 
@@ -53,8 +53,9 @@ sumOfErrors(const Trajectory& truth, const Trajectory& estimate,
       ++end;
     if (end == ways.size())
       break;
-    const Eigen::Isometry3d error = (estimate[begin].inverse() * estimate[end]).inverse() *
-                                    (truth[begin].inverse() * truth[end]);
+    const Eigen::Isometry3d error =
+        (estimate[begin].inverse() * estimate[end]).inverse() *
+        (truth[begin].inverse() * truth[end]);
     ++sum.segments;
     sum.translation += error.translation().norm() / length;
     sum.rotation += Eigen::AngleAxisd(error.linear()).angle() / length;
@@ -95,7 +96,8 @@ kittiErrors(const Trajectory& truth, const Trajectory& estimate,
   for (const double length : lengths) {
     if (!(length > 0.0) || std::isinf(length))
       PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "length of a piece: " << length << " m, expected more than 0");
+                          "length of a piece: " << length
+                                                << " m, expected more than 0");
     const SegmentErrors sum = sumOfErrors(truth, estimate, ways, length, step);
     all.segments += sum.segments;
     all.translation += sum.translation;

@@ -69,8 +69,10 @@ drawTrajectories(const Trajectory& first, const Trajectory& second, int size)
   if (first.empty() || second.empty())
     PCL_THROW_EXCEPTION(InvalidParameterException, "a path without poses to draw");
   if (size < 3 * kMargin || size > 16384)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a picture of " << size << " pixels");
-  const std::vector<cv::Point2d> one = seenFromAbove(first), two = seenFromAbove(second);
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a picture of " << size << " pixels");
+  const std::vector<cv::Point2d> one = seenFromAbove(first),
+                                 two = seenFromAbove(second);
   cv::Point2d low = one[0], high = one[0];
   for (const std::vector<cv::Point2d>* const path : {&one, &two})
     for (const cv::Point2d& point : *path) {
@@ -80,7 +82,8 @@ drawTrajectories(const Trajectory& first, const Trajectory& second, int size)
   const double extent = std::max({high.x - low.x, high.y - low.y, 1.0});
   const double scale = (size - 2 * kMargin) / extent;
   const cv::Point2d middle = 0.5 * (low + high);
-  const cv::Point2d origin(0.5 * size - scale * middle.x, 0.5 * size - scale * middle.y);
+  const cv::Point2d origin(0.5 * size - scale * middle.x,
+                           0.5 * size - scale * middle.y);
   cv::Mat picture(size, size, CV_8UC3, cv::Scalar::all(255));
   drawPath(picture, one, scale, origin, cv::Scalar(150, 150, 150), 3);
   drawPath(picture, two, scale, origin, cv::Scalar(40, 40, 220), 1);

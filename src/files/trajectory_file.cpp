@@ -23,7 +23,7 @@ namespace {
 
 using RowMajor34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
-constexpr double kRounding = 1e-6;    // numbers as they are
+constexpr double kRounding = 1e-6;     // numbers as they are
 constexpr double kTextRounding = 1e-4; // of numbers with few digits
 constexpr double kTolerance = 1e-2;
 constexpr double kNanoseconds = 1e17; // as seconds that would be 3 billion years
@@ -82,17 +82,17 @@ parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
   const std::string where = placeOf(path, line.number);
   const std::vector<double> numbers = parseNumbers(line.text, where);
   if (numbers.size() != 8)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": has " << numbers.size()
-                              << " numbers, expected 8 (time, translation, quaternion)");
+    PCL_THROW_EXCEPTION(
+        BadInputException,
+        where << ": has " << numbers.size()
+              << " numbers, expected 8 (time, translation, quaternion)");
   TimedPose timed;
   timed.time = std::abs(numbers[0]) >= kNanoseconds ? 1e-9 * numbers[0] : numbers[0];
   const Eigen::Quaterniond rotation(numbers[7], numbers[4], numbers[5], numbers[6]);
   const double deviation = std::abs(rotation.norm() - 1.0);
   if (!(deviation <= kTolerance))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": the quaternion has length " << rotation.norm()
-                              << ", expected 1");
+    PCL_THROW_EXCEPTION(BadInputException, where << ": the quaternion has length "
+                                                 << rotation.norm() << ", expected 1");
   if (deviation > kTextRounding)
     repairs.add(line.number);
   timed.pose.linear() = rotation.normalized().toRotationMatrix();
@@ -127,7 +127,8 @@ trajectoryFormatOf(const std::string& path)
       return TrajectoryFormat::tum;
     if (line.text.empty())
       continue;
-    const std::size_t count = parseNumbers(line.text, placeOf(path, line.number)).size();
+    const std::size_t count =
+        parseNumbers(line.text, placeOf(path, line.number)).size();
     if (count == 8)
       return TrajectoryFormat::tum;
     if (count >= 11 && count <= 13) // near 12: the reader says what is wrong with it

@@ -15,11 +15,11 @@ namespace pcl_semantic::odometry {
 
 namespace {
 
-constexpr int kLevels = 3;           // above the images themselves
-const cv::Size kWindow(11, 11);      // [px]
-constexpr float kCircle = 1.0f;      // how far from the start a circle may end [px]
-constexpr float kRowError = 1.5f;    // between left and right [px]
-constexpr float kBorder = 8.0f;      // [px]
+constexpr int kLevels = 3;        // above the images themselves
+const cv::Size kWindow(11, 11);   // [px]
+constexpr float kCircle = 1.0f;   // how far from the start a circle may end [px]
+constexpr float kRowError = 1.5f; // between left and right [px]
+constexpr float kBorder = 8.0f;   // [px]
 
 bool
 isInside(const cv::Point2f& point, const cv::Mat& image)
@@ -79,7 +79,8 @@ CircleTracker::track(const std::vector<StereoFeature>& before,
     now[i].left = left_now[i];
     now[i].right = right_now[i];
     now[i].is_found = in_left[i] && in_right[i] && in_circle[i] &&
-                      isInside(left_now[i], left()) && isInside(right_now[i], right()) &&
+                      isInside(left_now[i], left()) &&
+                      isInside(right_now[i], right()) &&
                       cv::norm(end[i] - right_before[i]) < kCircle &&
                       std::abs(left_now[i].y - right_now[i].y) < kRowError;
   }

@@ -15,9 +15,9 @@ namespace pcl_semantic::odometry {
 
 namespace {
 
-constexpr int kBorder = 12;     // windows are compared whole [px]
-constexpr int kThreshold = 10;  // of FAST, grey levels
-constexpr int kHalf = 3;        // window of the eigenvalue
+constexpr int kBorder = 12;    // windows are compared whole [px]
+constexpr int kThreshold = 10; // of FAST, grey levels
+constexpr int kHalf = 3;       // window of the eigenvalue
 
 // Smaller eigenvalue of the gradients' second moments around a pixel.
 double

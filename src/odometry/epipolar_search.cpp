@@ -45,7 +45,7 @@ searchDisparity(const cv::Mat& left, const cv::Mat& right, const cv::Point2f& co
   for (int k = 0; k < count; ++k)
     if (std::abs(k - at) > 2)
       second = std::min(second, int(costs[std::size_t(k)]));
-  if (*best > kClear * second || *best > 20 * kPixels)
+  if (*best >= kClear * second || *best > 20 * kPixels)
     return -1;
   return count - 1 - at;
 }

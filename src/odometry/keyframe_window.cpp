@@ -14,6 +14,7 @@ namespace pcl_semantic::odometry {
 namespace {
 
 constexpr double kOutlier = 16.0; // squared whitened length
+constexpr double kFewLeft = 0.7;  // of the last keyframe's tracks
 constexpr double kMedian = 2.366; // of the chi-squared distribution of three
 
 } // namespace
@@ -98,6 +99,32 @@ KeyframeWindow::adjust(int iterations)
   }
   const double noise = rejectOutliers(adjustment, adjusted) / kMedian;
   return noise * adjustment.covariance(int(frames.size()) - 1);
+}
+
+bool
+KeyframeWindow::newestBringsMuch(double flow) const
+{
+  const int newest = frames.back().number;
+  const int last = frames[frames.size() - 2].number;
+  std::vector<double> ways;
+  std::size_t before = 0;
+  for (const FeatureTrack& track : tracks) {
+    const auto& sightings = track.sightings;
+    const Eigen::Vector3d first(camera_.fx * track.place.ray.x() + camera_.cx,
+                                camera_.fy * track.place.ray.y() + camera_.cy, 0.0);
+    const Eigen::Vector3d* then = track.anchor == last ? &first : nullptr;
+    for (const FeatureTrack::Sighting& sighting : sightings)
+      if (sighting.frame == last)
+        then = &sighting.uvd;
+    before += then != nullptr;
+    if (then && !sightings.empty() && sightings.back().frame == newest)
+      ways.push_back((sightings.back().uvd - *then).head<2>().norm());
+  }
+  if (ways.empty() || double(ways.size()) < kFewLeft * double(before))
+    return true;
+  const auto middle = ways.begin() + std::ptrdiff_t(ways.size() / 2);
+  std::nth_element(ways.begin(), middle, ways.end());
+  return *middle > flow;
 }
 
 void

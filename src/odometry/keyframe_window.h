@@ -16,7 +16,7 @@ namespace pcl_semantic::odometry {
 /** \brief A feature through the frames that saw it. */
 struct FeatureTrack {
   struct Sighting {
-    int frame = 0; ///< its place in the order of frames
+    int frame = 0;                                 ///< its place in the order of frames
     Eigen::Vector3d uvd = Eigen::Vector3d::Zero(); ///< column, row, disparity [px]
   };
 
@@ -25,9 +25,9 @@ struct FeatureTrack {
   Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
   double anchor_disparity = 0.0;   ///< measured [px]
   std::vector<Sighting> sightings; ///< later ones, in keyframes and the newest frame
-  StereoFeature now;  ///< where it was followed to
-  StereoFeature next; ///< while a frame is worked on
-  bool is_alive = true; ///< still followed
+  StereoFeature now;               ///< where it was followed to
+  StereoFeature next;              ///< while a frame is worked on
+  bool is_alive = true;            ///< still followed
 
   /** \brief For scaledPoint() with T_camera_world. */
   AnchoredPoint
@@ -59,6 +59,10 @@ public:
    * \return covariance of the newest frame's T_camera_world, the others exact, with the
    * noise that the residuals show */
   Matrix6d adjust(int iterations);
+
+  /** \brief Whether the features have moved since the frame before the newest, by more
+   * than \a flow [px] in the median, or many have gone. */
+  bool newestBringsMuch(double flow) const;
 
   /** \brief Forgets the newest frame and what it saw. */
   void dropNewest();

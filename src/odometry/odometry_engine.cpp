@@ -22,8 +22,8 @@ using namespace odometry;
 
 namespace {
 
-constexpr double kUsualStep = 0.1;     // where times do not tell [s]
-constexpr double kLeastShare = 0.3;    // of the tracks that have to agree with a pose
+constexpr double kUsualStep = 0.1;       // where times do not tell [s]
+constexpr double kLeastShare = 0.3;      // of the tracks that have to agree with a pose
 constexpr double kLeastDisparity = 0.01; // of a point at infinity [px]
 
 Eigen::Vector3d
@@ -219,7 +219,8 @@ StereoOdometry::Engine::continueFrom(const Eigen::Isometry3d& T_camera_before)
   velocity_ = logMotion(motion) / step_;
   knows_velocity_ = true;
   addMotion(motion, covariance);
-  result_.is_keyframe = wantsKeyframe();
+  result_.is_keyframe =
+      window_.newestBringsMuch(parameters_.keyframe_flow * camera_.width);
   if (result_.is_keyframe) {
     addTracks();
     window_.shrink(std::size_t(parameters_.window));
@@ -251,36 +252,6 @@ StereoOdometry::Engine::addMotion(const Eigen::Isometry3d& motion,
   result_.covariance = A * result_.covariance * A.transpose() + motion_covariance;
 }
 
-// When features have moved or many have gone since the last keyframe.
-bool
-StereoOdometry::Engine::wantsKeyframe() const
-{
-  const int newest = window_.frames.back().number;
-  const int last = window_.frames[window_.frames.size() - 2].number;
-  std::vector<double> flow;
-  std::size_t before = 0;
-  for (const FeatureTrack& track : window_.tracks) {
-    const bool in_newest =
-        !track.sightings.empty() && track.sightings.back().frame == newest;
-    const Eigen::Vector3d* then = nullptr;
-    const Eigen::Vector3d first(camera_.fx * track.place.ray.x() + camera_.cx,
-                                camera_.fy * track.place.ray.y() + camera_.cy, 0.0);
-    if (track.anchor == last)
-      then = &first;
-    for (const FeatureTrack::Sighting& sighting : track.sightings)
-      if (sighting.frame == last)
-        then = &sighting.uvd;
-    before += then != nullptr;
-    if (then && in_newest)
-      flow.push_back((track.sightings.back().uvd - *then).head<2>().norm());
-  }
-  if (flow.size() < 0.7 * double(before) || flow.empty())
-    return true;
-  const auto middle = flow.begin() + std::ptrdiff_t(flow.size() / 2);
-  std::nth_element(flow.begin(), middle, flow.end());
-  return *middle > parameters_.keyframe_flow * camera_.width;
-}
-
 void
 StereoOdometry::Engine::addTracks()
 {
@@ -288,8 +259,8 @@ StereoOdometry::Engine::addTracks()
   for (const FeatureTrack& track : window_.tracks)
     if (track.is_alive)
       old.push_back(track.now.left);
-  const int max_disparity = parameters_.max_disparity ? parameters_.max_disparity
-                                                      : tracker_.left().cols / 8;
+  const int max_disparity =
+      parameters_.max_disparity ? parameters_.max_disparity : tracker_.left().cols / 8;
   std::vector<StereoFeature> features;
   for (const cv::Point2f& corner :
        detectCorners(tracker_.left(), old, parameters_.features)) {

@@ -53,8 +53,6 @@ private:
   void addMotion(const Eigen::Isometry3d& motion,
                  const odometry::Matrix6d& motion_covariance);
 
-  bool wantsKeyframe() const;
-
   void addTracks();
 
   Parameters parameters_;

@@ -40,9 +40,9 @@ PoseRansac::refine(const std::vector<const PoseMeasurement*>& measurements,
         continue;
       const Eigen::Vector3d residual =
           whiten.cwiseProduct(measurement->uvd - projectStereo(camera_, q, rho));
-      const Eigen::Matrix<double, 3, 6> J =
-          whiten.asDiagonal() * projectionByPoint(camera_, q, rho) *
-          pointByCamera(q, rho);
+      const Eigen::Matrix<double, 3, 6> J = whiten.asDiagonal() *
+                                            projectionByPoint(camera_, q, rho) *
+                                            pointByCamera(q, rho);
       const double length = residual.norm();
       const double weight = length > 2.0 ? 2.0 / length : 1.0;
       H.noalias() += weight * J.transpose() * J;

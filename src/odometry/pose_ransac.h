@@ -27,8 +27,8 @@ public:
       : camera_(camera), noise_(noise)
   {}
 
-  int trials = 60;          ///< at most
-  double threshold = 2.0;   ///< residual of an inlier [px]
+  int trials = 60;        ///< at most
+  double threshold = 2.0; ///< residual of an inlier [px]
   std::uint32_t seed = 1;
 
   /** \param[in,out] T_camera_world the predicted pose, then the one found

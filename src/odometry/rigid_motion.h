@@ -53,8 +53,8 @@ logMotion(const Eigen::Isometry3d& motion)
       angle < 1e-5 ? 1.0 / 12.0 : (1.0 - half / std::tan(half)) / (angle * angle);
   Vector6d velocity;
   velocity.tail<3>() = angle * rotation.axis();
-  velocity.head<3>() = (Eigen::Matrix3d::Identity() - 0.5 * W + c * W * W) *
-                       motion.translation();
+  velocity.head<3>() =
+      (Eigen::Matrix3d::Identity() - 0.5 * W + c * W * W) * motion.translation();
   return velocity;
 }
 

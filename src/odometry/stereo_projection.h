@@ -62,8 +62,8 @@ projectionByPoint(const StereoCamera& camera, const Eigen::Vector3d& q,
   return J;
 }
 
-/** \brief Derivative of q by a small motion of the camera (in its own frame, in front of
- * T_camera_anchor). */
+/** \brief Derivative of q by a small motion of the camera (in its own frame, in front
+ * of T_camera_anchor). */
 inline Eigen::Matrix<double, 3, 6>
 pointByCamera(const Eigen::Vector3d& q, double inverse_depth)
 {

@@ -14,9 +14,9 @@ namespace pcl_semantic::odometry {
 
 namespace {
 
-constexpr double kHuber = 2.0;        // whitened length from which cost grows linearly
-constexpr double kNearest = 1e-3;     // z of a scaled point in front of the camera
-constexpr double kBehindCost = 1e6;   // of a point behind the camera
+constexpr double kHuber = 2.0;         // whitened length from which cost grows linearly
+constexpr double kNearest = 1e-3;      // z of a scaled point in front of the camera
+constexpr double kBehindCost = 1e6;    // of a point behind the camera
 constexpr double kLeastInverse = 1e-6; // inverse depth of what is at infinity [1/m]
 
 struct Robust {

@@ -47,9 +47,9 @@ public:
   std::vector<Point> points;
   std::vector<Measurement> measurements; ///< those of a point one after the other
 
-  double offset = 0.0;              ///< measured disparity minus the true one [px]
-  double offset_before = 0.0;       ///< what is known of it already
-  double offset_deviation = 1e-6;   ///< and how well [px]
+  double offset = 0.0;            ///< measured disparity minus the true one [px]
+  double offset_before = 0.0;     ///< what is known of it already
+  double offset_deviation = 1e-6; ///< and how well [px]
 
   /** \brief Changes poses, inverse depths and the offset. \return the cost reached */
   double solve(int iterations);
@@ -58,8 +58,9 @@ public:
    * infinite behind the camera. */
   double squaredError(const Measurement& measurement) const;
 
-  /** \brief After solve(): covariance of the small motion in front of the T_camera_world
-   * of a free frame, all other poses taken for exact, for the noise as it was given. */
+  /** \brief After solve(): covariance of the small motion in front of the
+   * T_camera_world of a free frame, all other poses taken for exact, for the noise as
+   * it was given. */
   Matrix6d covariance(int frame) const;
 
 private:
@@ -92,8 +93,8 @@ private:
 
   StereoCamera camera_;
   MeasurementNoise noise_;
-  std::vector<int> unknown_; ///< of a frame: where its six unknowns are, or -1
-  int unknowns_ = 0;         ///< of the poses; the offset comes behind
+  std::vector<int> unknown_;       ///< of a frame: where its six unknowns are, or -1
+  int unknowns_ = 0;               ///< of the poses; the offset comes behind
   std::vector<std::size_t> begin_; ///< first measurement of each point, and the end
 };
 

@@ -21,7 +21,7 @@ using Trajectory = std::vector<Eigen::Isometry3d>;
 
 /** \brief A pose and when it was. */
 struct TimedPose {
-  double time = 0.0; ///< [s]
+  double time = 0.0;                                      ///< [s]
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity(); ///< as in Trajectory
 };
 
@@ -62,7 +62,8 @@ TimedTrajectory readTumTrajectory(const std::string& path);
  * \throws OutputException */
 void writeTumTrajectory(const std::string& path, const TimedTrajectory& trajectory);
 
-/** \brief The pose whose time is nearest, or null if none is within \a tolerance [s]. */
+/** \brief The pose whose time is nearest, or null if none is within \a tolerance [s].
+ */
 const TimedPose* findPose(const TimedTrajectory& trajectory, double time,
                           double tolerance);
 

@@ -30,10 +30,10 @@ struct OdometryResult {
   /** \brief Same, of the motion since the frame before alone. */
   Eigen::Matrix<double, 6, 6> motion_covariance = Eigen::Matrix<double, 6, 6>::Zero();
 
-  bool is_lost = false;     ///< the pose is the predicted one: nothing supports it
-  bool is_keyframe = false; ///< stays in the window
-  int tracked = 0;          ///< features found again
-  int inliers = 0;          ///< of those, how many agree with the pose
+  bool is_lost = false;          ///< the pose is the predicted one: nothing supports it
+  bool is_keyframe = false;      ///< stays in the window
+  int tracked = 0;               ///< features found again
+  int inliers = 0;               ///< of those, how many agree with the pose
   double disparity_offset = 0.0; ///< what disparities were measured too large by [px]
 };
 
@@ -51,11 +51,11 @@ struct OdometryResult {
 class StereoOdometry : public PoseSource {
 public:
   struct Parameters {
-    int features = 600;      ///< how many are followed at most
-    int window = 8;          ///< keyframes that are adjusted together
-    int iterations = 4;      ///< of the adjustment, at most
-    int minimum_inliers = 12; ///< with fewer the frame is lost
-    int max_disparity = 0;   ///< of a new feature [px]; 0 = an eighth of the width
+    int features = 600;           ///< how many are followed at most
+    int window = 8;               ///< keyframes that are adjusted together
+    int iterations = 4;           ///< of the adjustment, at most
+    int minimum_inliers = 12;     ///< with fewer the frame is lost
+    int max_disparity = 0;        ///< of a new feature [px]; 0 = an eighth of the width
     double keyframe_flow = 0.015; ///< median way of the features that makes a keyframe,
                                   ///< in widths of the image
     double pixel_noise = 0.15;    ///< standard deviation of a feature's place [px]
