@@ -86,104 +86,102 @@ requireRowsAreFrames(const KittiSequence& sequence,
                                  "frame n; use --format tum");
 }
 
-std::string
-reportHeader()
-{
-  std::string header = "frame,time,tracked,inliers,lost,keyframe,disparity_offset";
-  for (int row = 0; row < 6; ++row)
-    for (int column = 0; column < 6; ++column)
-      header += ",c" + std::to_string(row) + std::to_string(column);
-  return header + "\n";
-}
+// What comes out, frame by frame.
+struct Results {
+  TimedTrajectory trajectory;
+  std::vector<int> lost;
+  std::ostringstream report;
+
+  Results()
+  {
+    report.imbue(std::locale::classic());
+    report.precision(9);
+    report << "frame,time,tracked,inliers,lost,keyframe,disparity_offset";
+    for (int i = 0; i < 36; ++i)
+      report << ",c" << i / 6 << i % 6;
+    report << "\n";
+  }
+
+  void
+  add(double time, const Eigen::Isometry3d& pose, const OdometryResult& result)
+  {
+    trajectory.push_back({time, pose});
+    if (result.is_lost)
+      lost.push_back(result.frame);
+    report << result.frame << ',' << time << ',' << result.tracked << ','
+           << result.inliers << ',' << result.is_lost << ',' << result.is_keyframe
+           << ',' << result.disparity_offset;
+    for (int i = 0; i < 36; ++i)
+      report << ',' << result.covariance(i / 6, i % 6);
+    report << "\n";
+  }
+};
 
 void
-addToReport(std::ostream& report, double time, const OdometryResult& result)
+writeResults(const Options& options, const Results& results)
 {
-  report << result.frame << ',' << time << ',' << result.tracked << ','
-         << result.inliers << ',' << result.is_lost << ',' << result.is_keyframe << ','
-         << result.disparity_offset;
-  for (int i = 0; i < 36; ++i)
-    report << ',' << result.covariance(i / 6, i % 6);
-  report << "\n";
-}
-
-void
-warnOfLoss(const std::vector<int>& lost, std::size_t frames)
-{
-  if (lost.empty())
-    return;
-  std::cerr << usage.name << ": warning: " << lost.size() << " of " << frames
-            << " frames could not be tracked, the first is " << lost.front()
-            << ": their poses are predicted\n";
-}
-
-Trajectory
-posesOf(const TimedTrajectory& trajectory)
-{
+  const std::size_t frames = results.trajectory.size();
+  if (frames > 1 && results.lost.size() + 1 == frames)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        options.sequence << ": no frame could be tracked");
   Trajectory poses;
-  for (const TimedPose& timed : trajectory)
+  for (const TimedPose& timed : results.trajectory)
     poses.push_back(timed.pose);
-  return poses;
+  if (options.format == "tum")
+    writeTumTrajectory(options.output, results.trajectory);
+  else
+    writeKittiTrajectory(options.output, poses);
+  if (!options.report.empty())
+    writeTextFile(options.report, results.report.str());
+  if (!results.lost.empty())
+    std::cerr << usage.name << ": warning: " << results.lost.size() << " of " << frames
+              << " frames could not be tracked, the first is " << results.lost.front()
+              << ": their poses are predicted\n";
+  std::cout << options.output << ": " << frames << " poses\n";
 }
 
-void
-writeResults(const Options& options, const TimedTrajectory& trajectory,
-             const std::string& report)
+std::vector<std::size_t>
+chooseFrames(const Options& options, const KittiSequence& sequence)
 {
-  if (options.format == "tum")
-    writeTumTrajectory(options.output, trajectory);
-  else
-    writeKittiTrajectory(options.output, posesOf(trajectory));
-  if (!options.report.empty())
-    writeTextFile(options.report, report);
+  const std::vector<std::size_t> frames =
+      selectFrames(sequence, parseFrameRange(options.frames));
+  if (frames.empty())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        options.sequence << ": has no frame in " << options.frames);
+  if (options.format == "kitti")
+    requireRowsAreFrames(sequence, frames);
+  return frames;
 }
 
 int
 track(const Options& options)
 {
   setNumberOfThreads(options.threads);
-  const FrameRange range = parseFrameRange(options.frames);
+  parseFrameRange(options.frames); // wrong options are found first
   const KittiSequence sequence(options.sequence);
   tool::refuseSameFiles({sequence.posesPath(), options.sequence + "/calib.txt",
                          options.sequence + "/times.txt"},
                         {options.output, options.report});
-  const std::vector<std::size_t> frames = selectFrames(sequence, range);
-  if (frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence << ": has no frame in " << options.frames);
-  if (options.format == "kitti")
-    requireRowsAreFrames(sequence, frames);
+  const std::vector<std::size_t> frames = chooseFrames(options, sequence);
   StereoOdometry odometry(sequence.camera(), sequence.T_camera0_camera(),
                           options.parameters);
-  TimedTrajectory trajectory;
-  std::vector<int> lost;
-  std::ostringstream report;
-  report.imbue(std::locale::classic());
-  report << reportHeader();
-  report.precision(9);
+  Results results;
   tool::catchInterrupts();
   {
     tool::ProgressBar progress("tracking", frames.size());
     for (const std::size_t i : frames) {
       const StereoFrame frame = sequence.frame(i);
       const OdometryResult& result = odometry.process(frame);
-      if (result.is_lost)
-        lost.push_back(result.frame);
-      trajectory.push_back(
-          {frame.timestamp, worldFromFirstCamera().inverse() * result.T_world_camera *
-                                sequence.T_camera0_camera().inverse()});
-      addToReport(report, frame.timestamp, result);
+      results.add(frame.timestamp,
+                  worldFromFirstCamera().inverse() * result.T_world_camera *
+                      sequence.T_camera0_camera().inverse(),
+                  result);
       if (tool::interrupted())
         return tool::exit_interrupted;
       progress.step();
     }
   }
-  if (frames.size() > 1 && lost.size() + 1 == frames.size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence << ": no frame could be tracked");
-  writeResults(options, trajectory, report.str());
-  warnOfLoss(lost, frames.size());
-  std::cout << options.output << ": " << trajectory.size() << " poses\n";
+  writeResults(options, results);
   return tool::exit_done;
 }
 

@@ -50,9 +50,11 @@ CircleTracker::push(const cv::Mat& left, const cv::Mat& right)
   std::swap(right_before_, right_now_);
   cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
-      std::vector<cv::Mat> pyramid; // a new one: the images may be the caller's
-      cv::buildOpticalFlowPyramid(i ? right : left, pyramid, kWindow, kLevels);
-      // Every second one holds the derivatives of the one before.
+      // A copy: the caller may use the image's memory for the next one. Every second
+      // matrix holds the derivatives of the one before it.
+      std::vector<cv::Mat> pyramid;
+      cv::buildOpticalFlowPyramid(i ? right : left, pyramid, kWindow, kLevels, true,
+                                  cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);
       (i ? right_now_ : left_now_) = pyramid;
     }
   });

@@ -59,14 +59,13 @@ PoseRansac::refine(const std::vector<const PoseMeasurement*>& measurements,
   return true;
 }
 
-std::vector<char>
-PoseRansac::estimate(const std::vector<PoseMeasurement>& measurements,
-                     Eigen::Isometry3d& T_camera_world) const
+// The pose of the sample that most measurements agree with; the predicted one counts
+// too.
+Eigen::Isometry3d
+PoseRansac::bestOfSamples(const std::vector<PoseMeasurement>& measurements,
+                          const Eigen::Isometry3d& predicted) const
 {
   const std::size_t n = measurements.size();
-  std::vector<char> inliers(n, 0);
-  if (n < 3)
-    return inliers;
   const auto count = [&](const Eigen::Isometry3d& pose) {
     std::size_t agreeing = 0;
     for (const PoseMeasurement& measurement : measurements)
@@ -74,13 +73,13 @@ PoseRansac::estimate(const std::vector<PoseMeasurement>& measurements,
     return agreeing;
   };
   std::mt19937 random(seed);
-  Eigen::Isometry3d best = T_camera_world;
+  Eigen::Isometry3d best = predicted;
   std::size_t most = count(best);
   std::vector<const PoseMeasurement*> sample(3);
   for (int trial = 0; trial < trials && most < n; ++trial) {
     for (const PoseMeasurement*& one : sample)
       one = &measurements[random() % n];
-    Eigen::Isometry3d pose = T_camera_world;
+    Eigen::Isometry3d pose = predicted;
     if (sample[0] == sample[1] || sample[1] == sample[2] || sample[0] == sample[2] ||
         !refine(sample, 8, pose))
       continue;
@@ -94,17 +93,27 @@ PoseRansac::estimate(const std::vector<PoseMeasurement>& measurements,
     if (trial + 1 >= std::log(1e-4) / std::log(1.0 - share * share * share + 1e-12))
       break;
   }
+  return best;
+}
+
+std::vector<char>
+PoseRansac::estimate(const std::vector<PoseMeasurement>& measurements,
+                     Eigen::Isometry3d& T_camera_world) const
+{
+  std::vector<char> inliers(measurements.size(), 0);
+  if (measurements.size() < 3)
+    return inliers;
+  T_camera_world = bestOfSamples(measurements, T_camera_world);
   for (int round = 0; round < 2; ++round) {
-    sample.clear();
+    std::vector<const PoseMeasurement*> agreeing;
     for (const PoseMeasurement& measurement : measurements)
-      if (agrees(measurement, best))
-        sample.push_back(&measurement);
-    if (sample.size() >= 3)
-      refine(sample, 5, best);
+      if (agrees(measurement, T_camera_world))
+        agreeing.push_back(&measurement);
+    if (agreeing.size() >= 3)
+      refine(agreeing, 5, T_camera_world);
   }
-  T_camera_world = best;
-  for (std::size_t i = 0; i < n; ++i)
-    inliers[i] = agrees(measurements[i], best);
+  for (std::size_t i = 0; i < measurements.size(); ++i)
+    inliers[i] = agrees(measurements[i], T_camera_world);
   return inliers;
 }
 

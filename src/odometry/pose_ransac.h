@@ -43,6 +43,9 @@ private:
   bool refine(const std::vector<const PoseMeasurement*>& measurements, int iterations,
               Eigen::Isometry3d& T_camera_world) const;
 
+  Eigen::Isometry3d bestOfSamples(const std::vector<PoseMeasurement>& measurements,
+                                  const Eigen::Isometry3d& predicted) const;
+
   StereoCamera camera_;
   MeasurementNoise noise_;
 };
