@@ -5,6 +5,7 @@
  */
 
 #include "map_arguments.h"
+#include "map_poses.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -15,7 +16,6 @@
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
-#include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
@@ -55,26 +55,14 @@ makeLabelling(const MapArguments& arguments)
       ""};
 }
 
-std::string
-posesPath(const MapArguments& arguments, const KittiSequence& sequence)
-{
-  const std::string path =
-      arguments.poses == "sequence" ? sequence.posesPath() : arguments.poses;
-  if (path.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.sequence
-                            << ": has no poses.txt; give a trajectory with --poses");
-  return path;
-}
-
 // Everything that the map depends on.
 MappingRun
 makeRun(const MapArguments& arguments, const KittiSequence& sequence,
-        const Labelling& labelling)
+        const std::string& poses, const Labelling& labelling)
 {
   MappingRun run;
   run.inputs = {{"sequence", arguments.sequence},
-                {"poses", posesPath(arguments, sequence)},
+                {"poses", poses},
                 {"labels", arguments.labels},
                 {"network", arguments.network},
                 {"model", labelling.model}};
@@ -92,7 +80,7 @@ makeRun(const MapArguments& arguments, const KittiSequence& sequence,
 
 MappingOutput
 makeOutput(const MapArguments& arguments, const MappingRun& run,
-           const MappingArchive& archive)
+           const std::string& poses, const MappingArchive& archive)
 {
   return {arguments.output,
           run.camera,
@@ -101,7 +89,7 @@ makeOutput(const MapArguments& arguments, const MappingRun& run,
           run.T_camera0_camera,
           {{"sequence", arguments.sequence},
            {"frames", arguments.frames},
-           {"poses", arguments.poses},
+           {"poses", poses},
            {"labels", arguments.labels},
            {"label_set", arguments.label_set},
            {"network", arguments.network},
@@ -128,16 +116,16 @@ mapSequence(const MapArguments& arguments)
   tool::requireMapArguments(arguments);
   setNumberOfThreads(arguments.parameters.threads);
   const KittiSequence sequence(arguments.sequence);
+  const std::string chosen = tool::choosePoses(arguments, sequence);
   Labelling labelling = makeLabelling(arguments);
-  const MappingRun run = makeRun(arguments, sequence, labelling);
-  auto poses = std::make_unique<TrajectoryPoses>(
-      readKittiTrajectory(posesPath(arguments, sequence)), run.T_camera0_camera,
-      posesPath(arguments, sequence));
+  const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
+  std::unique_ptr<PoseSource> poses = tool::makePoses(chosen, sequence);
+  const auto* const odometry = dynamic_cast<StereoOdometry*>(poses.get());
   MappingArchive archive(arguments.archive, run);
   SemanticMapper mapper(run.camera, run.label_set, run.config,
                         std::move(labelling.predictor), std::move(poses),
                         archive.store());
-  MappingOutput output = makeOutput(arguments, run, archive);
+  MappingOutput output = makeOutput(arguments, run, chosen, archive);
   archive.resume(mapper);
   tool::catchInterrupts();
   tool::ProgressBar progress("mapping", run.frames.size() - archive.records().size());
@@ -150,6 +138,9 @@ mapSequence(const MapArguments& arguments)
     archive.add(mapped, mapper);
     progress.step();
   }
+  if (odometry && odometry->lostFrames() > 0)
+    std::cerr << "pcl_semantic_map: warning: " << odometry->lostFrames()
+              << " frames could not be tracked: their poses are predicted\n";
   archive.finish(mapper);
   output.finish(mapper.map());
   if (!archive.close())

@@ -33,8 +33,9 @@ describeOptions(MapArguments& arguments)
       "classes of --labels (default: label_sets/kitti11.yaml)")(
       "network", po::value(&arguments.network), "description of a network (.yaml)")(
       "model", po::value(&arguments.model), "the network itself (.onnx)")(
-      "poses", po::value(&arguments.poses)->default_value("sequence"),
-      "KITTI trajectory file, or 'sequence' for its own poses.txt")(
+      "poses", po::value(&arguments.poses)->default_value("auto"),
+      "KITTI or TUM trajectory file, 'sequence' for its own poses.txt, 'odometry' to "
+      "find them in the images, 'auto': its own or else odometry")(
       "frames", po::value(&arguments.frames), "A:B, frames numbered A <= n < B")(
       "archive", po::value(&arguments.archive.path),
       "file that keeps the map: the run can be killed and go on")(
@@ -106,6 +107,9 @@ requireMapArguments(const MapArguments& arguments)
   if (!arguments.archive.path.empty() &&
       isOutput(arguments.archive.path, arguments.output))
     fail("--archive is where --output puts its own files");
+  if (!arguments.archive.path.empty() && arguments.poses == "odometry")
+    fail("--archive needs poses from a file: odometry cannot go on where a run was "
+         "killed; write them with pcl_semantic_odometry");
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
   if (!arguments.model.empty() && arguments.network.empty())

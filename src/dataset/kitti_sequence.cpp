@@ -8,6 +8,7 @@
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -112,19 +113,7 @@ KittiSequence::readTimes()
       entry.timestamp = 0.1 * entry.number;
     return;
   }
-  std::vector<TextLine> lines = readLines(path);
-  while (!lines.empty() && lines.back().text.empty())
-    lines.pop_back();
-  std::vector<double> times;
-  for (const TextLine& line : lines) {
-    const std::string where = placeOf(path, line.number);
-    const std::vector<double> numbers = parseNumbers(line.text, where);
-    if (numbers.size() != 1)
-      PCL_THROW_EXCEPTION(BadInputException, where
-                                                 << ": has " << numbers.size()
-                                                 << " numbers, expected one time [s]");
-    times.push_back(numbers[0]);
-  }
+  const std::vector<double> times = pcl_semantic::readTimes(path);
   for (Entry& entry : frames_) {
     if (static_cast<std::size_t>(entry.number) >= times.size())
       PCL_THROW_EXCEPTION(BadInputException,

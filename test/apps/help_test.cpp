@@ -41,7 +41,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
                             " && export PATH=" PCL_SEMANTIC_BINARY_DIR "/bin:$PATH && ";
   // In this order: a map is made of the street, and evaluated.
   for (const char* verb : {"synthesize", "map", "evaluate", "lidar_truth", "crf",
-                           "image_crf", "archive"}) {
+                           "image_crf", "archive", "odometry", "trajectory"}) {
     std::string example = replaceAll(exampleOf(verb), "/tmp/", folder.path() + "/");
     example = replaceAll(example, "pcl_semantic_synthesize ",
                          "pcl_semantic_synthesize --frames 2 --size 208x64 ");
@@ -57,7 +57,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
 TEST(Help, VersionOfEveryTool)
 {
   for (const std::string verb : {"synthesize", "map", "evaluate", "lidar_truth", "crf",
-                                 "image_crf", "archive"}) {
+                                 "image_crf", "archive", "odometry", "trajectory"}) {
     const ToolResult result = runTool(verb + " --version");
     EXPECT_EQ(result.code, 0);
     EXPECT_EQ(result.text.rfind("pcl_semantic_" + verb + " ", 0), 0u) << result.text;
