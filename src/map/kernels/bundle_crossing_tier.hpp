@@ -152,7 +152,7 @@ crossAllFour(const SlabView& slab, const BundleView& bundles, std::size_t i,
 
 PCL_SEMANTIC_TARGET std::size_t
 crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
-             BundleLeft* left)
+             std::uint32_t* left)
 {
   std::size_t found = 0;
   std::uint8_t* const cells = slab.cells;
@@ -175,14 +175,14 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
                              columnPart(slab, column_high.cell)};
     const Ints row_extent = row_high.cell - row_low.cell;
     const Ints column_extent = column_high.cell - column_low.cell;
-    const Ints exists = lane() < std::int32_t(count - i);
+    const Ints exists =
+        (lane() < std::int32_t(count - i)) & (load(bundles.longest + i) >= slab.slab);
     const Ints inside = row_low.sure & row_high.sure & column_low.sure &
                         column_high.sure & exists & rows[0].inside & rows[1].inside &
                         columns[0].inside & columns[1].inside;
     const Ints sure = inside & (load(bundles.reach + i) > slab.slab);
     Ints known = sure & (row_extent + column_extent <= 1);
-    const Ints corner = inside & (row_extent == 1) & (column_extent == 1);
-    Ints four = sure & corner;
+    Ints four = sure & (row_extent == 1) & (column_extent == 1);
     if (any(four)) {
       four &= crossAllFour(slab, bundles, i, row_high.cell, column_high.cell);
       setCells(slab, cells, rows[0], columns[1], four);
@@ -191,12 +191,7 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
     }
     setCells(slab, cells, rows[0], columns[0], known);
     setCells(slab, cells, rows[1], columns[1], known);
-    const unsigned corners = bitsOf(corner);
-    for (unsigned bits = bitsOf(~known & exists); bits != 0; bits &= bits - 1) {
-      const int k = __builtin_ctz(bits);
-      left[found++] = {std::uint32_t(i) + unsigned(k), row_high.cell[k],
-                       column_high.cell[k], (corners >> k & 1) != 0};
-    }
+    found += list(~known & exists, i, left + found);
   }
   return found;
 }
