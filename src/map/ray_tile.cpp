@@ -11,34 +11,6 @@
 
 namespace pcl_semantic {
 
-namespace {
-
-// Bits of a number of up to 8 bits, with a gap after each.
-unsigned
-spread(unsigned bits)
-{
-  bits = (bits | bits << 4) & 0x0F0F;
-  bits = (bits | bits << 2) & 0x3333;
-  return (bits | bits << 1) & 0x5555;
-}
-
-} // namespace
-
-void
-setTile(int face, DirectedRay& ray)
-{
-  constexpr int bits = kTileBits + kLeafBits;
-  const auto place = [](float slope) {
-    const int cell = int((slope + 1.0f) * float(1 << (bits - 1)));
-    return unsigned(std::clamp(cell, 0, (1 << bits) - 1));
-  };
-  const unsigned row = place(ray.row_slope), column = place(ray.column_slope);
-  const unsigned leaf_mask = (1u << kLeafBits) - 1;
-  ray.tile = std::uint16_t(unsigned(face) * kTilesAFace +
-                           ((column >> kLeafBits) << kTileBits) + (row >> kLeafBits));
-  ray.leaf = std::uint16_t(spread(column & leaf_mask) << 1 | spread(row & leaf_mask));
-}
-
 void
 RayTile::set(const DirectedRay* const* rays, std::size_t count)
 {
