@@ -122,9 +122,15 @@ RayCaster::addRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     const std::uint32_t point = batch.point[k];
     ends_[point] = {batch.end[0][k], batch.end[1][k], batch.end[2][k]};
     const auto tile = std::uint16_t(batch.tile[k]);
-    part.rays.push_back({batch.row_slope[k], batch.column_slope[k], batch.end_slab[k],
-                         batch.end_row[k], batch.end_column[k], point, tile,
-                         std::uint16_t(batch.leaf[k])});
+    DirectedRay& ray = part.rays.emplace_back(); // filled in place: a copy would wait
+    ray.row_slope = batch.row_slope[k];
+    ray.column_slope = batch.column_slope[k];
+    ray.end_slab = batch.end_slab[k];
+    ray.end_row = batch.end_row[k];
+    ray.end_column = batch.end_column[k];
+    ray.point = point;
+    ray.tile = tile;
+    ray.leaf = std::uint16_t(batch.leaf[k]);
     ++part.next[tile];
     if (!batch.in_range[k])
       continue;
