@@ -125,29 +125,49 @@ any(const Ints& wanted)
   return bitsOf(wanted) != 0;
 }
 
-// Whether each of four cells around a corner holds a ray of the bundle when it enters
-// the slab or leaves it.
-PCL_SEMANTIC_INLINE Ints
-crossAllFour(const SlabView& slab, const BundleView& bundles, std::size_t i,
-             const Ints& row_boundary, const Ints& column_boundary)
+// Four cells around a corner, numbered as the rays at the corners: whether a ray of the
+// bundle is in them when it enters the slab or leaves it; whether it is certain for all
+// of them that one is or that no ray crosses the cell.
+struct Quadrants {
+  Ints crossed[4], certain;
+};
+
+PCL_SEMANTIC_INLINE Quadrants
+quadrantsOf(const SlabView& slab, const BundleView& bundles, std::size_t i,
+            const Ints& row_boundary, const Ints& column_boundary)
 {
   const Floats row = slab.row_start - __builtin_convertvector(row_boundary, Floats);
   const Floats column =
       slab.column_start - __builtin_convertvector(column_boundary, Floats);
-  Ints all = ~Ints{};
+  Quadrants quadrants;
+  quadrants.certain = ~Ints{};
   for (int corner = 0; corner < 4; ++corner) {
     // Beyond the boundary on the side of the corner: positive.
     const float row_side = corner & 1 ? 1.0f : -1.0f;
     const float column_side = corner & 2 ? 1.0f : -1.0f;
-    const Floats u = load(bundles.corner_row[corner] + i);
-    const Floats v = load(bundles.corner_column[corner] + i);
-    const auto inCell = [&](float distance) PCL_SEMANTIC_TARGET {
-      return ((u * distance + row) * row_side > slab.margin) &
-             ((v * distance + column) * column_side > slab.margin);
-    };
-    all &= inCell(slab.enter) | inCell(slab.leave);
+    const Floats u = load(bundles.corner_row[corner] + i) * row_side;
+    const Floats v = load(bundles.corner_column[corner] + i) * column_side;
+    const Floats row_start = row * row_side, column_start = column * column_side;
+    const Floats row_enter = u * slab.enter + row_start;
+    const Floats row_leave = u * slab.leave + row_start;
+    const Floats column_enter = v * slab.enter + column_start;
+    const Floats column_leave = v * slab.leave + column_start;
+    const Ints row_before = row_enter > slab.margin,
+               row_behind = row_leave > slab.margin;
+    const Ints column_before = column_enter > slab.margin,
+               column_behind = column_leave > slab.margin;
+    // In it on the way: beyond one boundary before it comes back over the other.
+    const Floats order = u * column_start - v * row_start;
+    quadrants.crossed[corner] =
+        (row_before & column_before) | (row_behind & column_behind) |
+        (row_behind & column_before & (order > 2.0f * slab.margin)) |
+        (row_before & column_behind & (order < -2.0f * slab.margin));
+    // No other ray goes further in the sum of both, which is linear on its way.
+    const Ints empty = (row_enter + column_enter < -2.0f * slab.margin) &
+                       (row_leave + column_leave < -2.0f * slab.margin);
+    quadrants.certain &= quadrants.crossed[corner] | empty;
   }
-  return all;
+  return quadrants;
 }
 
 PCL_SEMANTIC_TARGET std::size_t
@@ -182,15 +202,20 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
                         columns[0].inside & columns[1].inside;
     const Ints sure = inside & (load(bundles.reach + i) > slab.slab);
     Ints known = sure & (row_extent + column_extent <= 1);
-    Ints four = sure & (row_extent == 1) & (column_extent == 1);
+    Ints low = known, high = known; // of which the first or last cell is crossed
+    const Ints four = sure & (row_extent == 1) & (column_extent == 1);
     if (any(four)) {
-      four &= crossAllFour(slab, bundles, i, row_high.cell, column_high.cell);
-      setCells(slab, cells, rows[0], columns[1], four);
-      setCells(slab, cells, rows[1], columns[0], four);
-      known |= four;
+      const Quadrants quadrants =
+          quadrantsOf(slab, bundles, i, row_high.cell, column_high.cell);
+      const Ints certain = four & quadrants.certain;
+      setCells(slab, cells, rows[1], columns[0], certain & quadrants.crossed[1]);
+      setCells(slab, cells, rows[0], columns[1], certain & quadrants.crossed[2]);
+      low |= certain & quadrants.crossed[0];
+      high |= certain & quadrants.crossed[3];
+      known |= certain;
     }
-    setCells(slab, cells, rows[0], columns[0], known);
-    setCells(slab, cells, rows[1], columns[1], known);
+    setCells(slab, cells, rows[0], columns[0], low);
+    setCells(slab, cells, rows[1], columns[1], high);
     found += list(~known & exists, i, left + found);
   }
   return found;
