@@ -202,6 +202,17 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
                         columns[0].inside & columns[1].inside;
     const Ints sure = inside & (load(bundles.reach + i) > slab.slab);
     Ints known = sure & (row_extent + column_extent <= 1);
+    // Three in a line: bundles are not wider than one, so the middle is crossed too.
+    const Ints two_rows = row_extent == 2, two_columns = column_extent == 2;
+    const Ints three =
+        sure & ((two_rows & (column_extent == 0)) | (two_columns & (row_extent == 0)));
+    if (any(three)) {
+      const Part row = {rows[0].place + (two_rows & 8), rows[0].inside};
+      const Part column = {columns[0].place + (two_columns & slab.column_stride),
+                           columns[0].inside};
+      setCells(slab, cells, row, column, three);
+      known |= three;
+    }
     Ints low = known, high = known; // of which the first or last cell is crossed
     const Ints four = sure & (row_extent == 1) & (column_extent == 1);
     if (any(four)) {

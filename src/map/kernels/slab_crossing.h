@@ -37,6 +37,7 @@ struct SlabView {
 
 /** \brief Bundles of rays: the range of their slopes (per voxel along the axis), and
  * the rays at their corners: 0 low row and column, 1 high row, 2 high column, 3 both.
+ * In the slabs looked at they are no wider than a voxel.
  */
 struct BundleView {
   const float *row_low, *row_high, *column_low, *column_high;
