@@ -202,6 +202,8 @@ RayCaster::crossVoxels()
   ParallelGuard guard;
 #pragma omp parallel
   {
+#pragma omp single nowait // meanwhile the others begin
+    guard.run([&] { sortHits(); });
     std::optional<TileSweep> sweep;
     guard.run([&] { sweep.emplace(tier_, start_, ends_, crossed_); });
 #pragma omp for schedule(dynamic, 1)
@@ -237,8 +239,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                std::min(points, (p + 1) * part_size), part);
     });
   guard.rethrow();
-  sortHits();
-  crossVoxels();
+  crossVoxels(); // sorts the hits too
   ScanCounts counts;
   counts.points = points;
   counts.rays = rays_.size();
