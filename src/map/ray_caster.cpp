@@ -72,6 +72,19 @@ rayStart(const Eigen::Isometry3d& T_world_sensor, const QuantizedPoint& quantize
   return start;
 }
 
+void
+setRay(const kernels::RayBatch& batch, std::size_t k, DirectedRay& ray)
+{
+  ray.row_slope = batch.row_slope[k];
+  ray.column_slope = batch.column_slope[k];
+  ray.end_slab = batch.end_slab[k];
+  ray.end_row = batch.end_row[k];
+  ray.end_column = batch.end_column[k];
+  ray.point = batch.point[k];
+  ray.tile = std::uint16_t(batch.tile[k]);
+  ray.leaf = std::uint16_t(batch.leaf[k]);
+}
+
 // Points that a thread takes at a time.
 constexpr std::size_t part_size = 1 << 14;
 
@@ -121,17 +134,8 @@ RayCaster::addRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   for (std::size_t k = 0; k < batch.count; ++k) {
     const std::uint32_t point = batch.point[k];
     ends_[point] = {batch.end[0][k], batch.end[1][k], batch.end[2][k]};
-    const auto tile = std::uint16_t(batch.tile[k]);
-    DirectedRay& ray = part.rays.emplace_back(); // filled in place: a copy would wait
-    ray.row_slope = batch.row_slope[k];
-    ray.column_slope = batch.column_slope[k];
-    ray.end_slab = batch.end_slab[k];
-    ray.end_row = batch.end_row[k];
-    ray.end_column = batch.end_column[k];
-    ray.point = point;
-    ray.tile = tile;
-    ray.leaf = std::uint16_t(batch.leaf[k]);
-    ++part.next[tile];
+    setRay(batch, k, part.rays.emplace_back()); // in place: a copy would wait
+    ++part.next[part.rays.back().tile];
     if (!batch.in_range[k])
       continue;
     const bool whole = batch.share[k] == 1.0;

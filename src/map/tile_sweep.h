@@ -23,10 +23,9 @@ namespace pcl_semantic {
  *
  * Goes outward slab by slab (layers of voxels across the axis along which the rays are
  * longest). Near the start a bundle of rays is narrower than a voxel: where its
- * outermost rays show that all of it stays in one voxel, or in two that share a side,
- * these are crossed and no other. Bundles of which that is not certain are taken
- * apart, in the end into rays; what single precision cannot decide of a ray goes to
- * the exact traversal. */
+ * outermost rays show which voxels it crosses, these are set. Bundles of which that is
+ * not certain are taken apart, in the end into rays; what single precision cannot
+ * decide of a ray goes to the exact traversal. */
 class TileSweep {
 public:
   /** \param[in] start of all rays

@@ -170,12 +170,43 @@ quadrantsOf(const SlabView& slab, const BundleView& bundles, std::size_t i,
   return quadrants;
 }
 
+// Bundles that are decided; those of which the first cell is crossed, and the last.
+struct Decided {
+  Ints known, low, high;
+};
+
+// Sets the middle one of three cells in a line, and gives the bundles that cross three:
+// as they are not wider than a cell, they cannot miss it.
+PCL_SEMANTIC_INLINE Ints
+crossLines(const SlabView& slab, const Part& row, const Part& column, const Ints& sure,
+           const Ints& row_extent, const Ints& column_extent)
+{
+  const Ints by_row = (row_extent == 2) & (column_extent == 0);
+  const Ints by_column = (row_extent == 0) & (column_extent == 2);
+  const Ints three = sure & (by_row | by_column);
+  if (any(three))
+    setCells(slab, slab.cells, {row.place + (by_row & 8), row.inside},
+             {column.place + (by_column & slab.column_stride), column.inside}, three);
+  return three;
+}
+
+PCL_SEMANTIC_INLINE void
+crossCorners(const SlabView& slab, const Part* rows, const Part* columns,
+             const Ints& four, const Quadrants& quadrants, Decided& decided)
+{
+  const Ints certain = four & quadrants.certain;
+  setCells(slab, slab.cells, rows[1], columns[0], certain & quadrants.crossed[1]);
+  setCells(slab, slab.cells, rows[0], columns[1], certain & quadrants.crossed[2]);
+  decided.low |= certain & quadrants.crossed[0];
+  decided.high |= certain & quadrants.crossed[3];
+  decided.known |= certain;
+}
+
 PCL_SEMANTIC_TARGET std::size_t
 crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
              std::uint32_t* left)
 {
   std::size_t found = 0;
-  std::uint8_t* const cells = slab.cells;
   const float margin = slab.margin;
   const Floats enter = slab.enter - Floats{}, leave = slab.leave - Floats{};
   for (std::size_t i = 0; i < count; i += lanes) {
@@ -201,33 +232,20 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
                         column_high.sure & exists & rows[0].inside & rows[1].inside &
                         columns[0].inside & columns[1].inside;
     const Ints sure = inside & (load(bundles.reach + i) > slab.slab);
-    Ints known = sure & (row_extent + column_extent <= 1);
-    // Three in a line: bundles are not wider than one, so the middle is crossed too.
-    const Ints two_rows = row_extent == 2, two_columns = column_extent == 2;
-    const Ints three =
-        sure & ((two_rows & (column_extent == 0)) | (two_columns & (row_extent == 0)));
-    if (any(three)) {
-      const Part row = {rows[0].place + (two_rows & 8), rows[0].inside};
-      const Part column = {columns[0].place + (two_columns & slab.column_stride),
-                           columns[0].inside};
-      setCells(slab, cells, row, column, three);
-      known |= three;
-    }
-    Ints low = known, high = known; // of which the first or last cell is crossed
+    Decided decided;
+    decided.known = sure & (row_extent + column_extent <= 1);
+    decided.known |=
+        crossLines(slab, rows[0], columns[0], sure, row_extent, column_extent);
+    decided.low = decided.high = decided.known;
     const Ints four = sure & (row_extent == 1) & (column_extent == 1);
     if (any(four)) {
       const Quadrants quadrants =
           quadrantsOf(slab, bundles, i, row_high.cell, column_high.cell);
-      const Ints certain = four & quadrants.certain;
-      setCells(slab, cells, rows[1], columns[0], certain & quadrants.crossed[1]);
-      setCells(slab, cells, rows[0], columns[1], certain & quadrants.crossed[2]);
-      low |= certain & quadrants.crossed[0];
-      high |= certain & quadrants.crossed[3];
-      known |= certain;
+      crossCorners(slab, rows, columns, four, quadrants, decided);
     }
-    setCells(slab, cells, rows[0], columns[0], low);
-    setCells(slab, cells, rows[1], columns[1], high);
-    found += list(~known & exists, i, left + found);
+    setCells(slab, slab.cells, rows[0], columns[0], decided.low);
+    setCells(slab, slab.cells, rows[1], columns[1], decided.high);
+    found += list(~decided.known & exists, i, left + found);
   }
   return found;
 }

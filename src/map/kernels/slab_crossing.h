@@ -57,9 +57,9 @@ struct RaySlab {
 };
 
 struct SlabCrossing {
-  /** \brief Sets the cells of bundles that certainly cross one cell, two that share a
-   * side, or four that share a corner, and no other; gives the number of those that are
-   * left, and lists them. */
+  /** \brief Sets the cells of bundles that certainly cross one cell, two or three in a
+   * line, or certain ones of four that share a corner, and no other; gives the number
+   * of those that are left, and lists them. */
   std::size_t (*crossBundles)(const SlabView& slab, const BundleView& bundles,
                               std::size_t count, std::uint32_t* left);
 
