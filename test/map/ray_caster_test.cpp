@@ -152,12 +152,12 @@ TEST(RayCaster, EqualsTheTraversalOfSparseAndShortRays)
 // A thousand voxels and more: what the exact traversal multiplies needs 128 bits.
 TEST(RayCaster, EqualsTheTraversalOfVeryLongRays)
 {
-  Scan scan = makeDenseScan(0.02, 150.0, 7);
-  for (Eigen::Vector3f& point : scan.points)
+  std::vector<Eigen::Vector3f> points = makeDenseScan(0.02, 150.0, 7);
+  for (Eigen::Vector3f& point : points)
     point.head<2>() *= 0.03f;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = Eigen::Vector3d(0.013, 0.021, 70.0);
-  expectAsPlain(scan, pose, 140.0, {12, 12, 360});
+  expectAsPlain(points, pose, 140.0, {12, 12, 360});
 }
 
 TEST(RayCaster, FarAwayNothingChanges)
