@@ -68,7 +68,10 @@ BlockUpdate::sortByPlace(const RayHit* first, const RayHit* last)
   points_.resize(std::size_t(last - first));
   for (const RayHit* hit = first; hit != last; ++hit) {
     points_[end_[hit->place]++] = hit->point;
-    if (scan_.distributions) // neighbours in the map are none in the scan
+    // Neighbours in the map are none in the scan.
+    if (!scan_.rgb.empty())
+      __builtin_prefetch(scan_.rgb.address(hit->point));
+    if (scan_.distributions)
       __builtin_prefetch(scan_.distributions->column(Eigen::Index(hit->point)));
   }
 }

@@ -37,10 +37,15 @@ CrossedVoxels::blocks() const
 {
   std::vector<VoxelIndex> blocks;
   for (int z = first_.z(); z <= lastBlock(2); ++z)
-    for (int y = first_.y(); y <= lastBlock(1); ++y)
-      for (int x = first_.x(); x <= lastBlock(0); ++x)
-        if (touched_[slotOf({x, y, z})])
-          blocks.push_back({x, y, z});
+    for (int y = first_.y(); y <= lastBlock(1); ++y) {
+      VoxelIndex block(first_.x(), y, z);
+      const std::uint8_t* const row = touched_.data() + slotOf(block) - parts_[0][0];
+      for (const std::size_t part : parts_[0]) {
+        if (row[part])
+          blocks.push_back(block);
+        ++block.x();
+      }
+    }
   return blocks;
 }
 

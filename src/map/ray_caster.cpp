@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "kernels/ray_directions.h"
 #include "tile_sweep.h"
 
 #include <pcl_semantic/core/parallel_guard.h>
@@ -55,26 +56,33 @@ clearShare(const Scan& scan, std::size_t i)
   return length > uncertain ? 1.0 - uncertain / length : 0.0;
 }
 
-// The ray from one point to another, as the sweep wants it.
-DirectedRay
-directedRay(const QuantizedPoint& start, const QuantizedPoint& end, std::size_t point)
+kernels::RayStart
+rayStart(const Eigen::Isometry3d& T_world_sensor, const QuantizedPoint& quantized,
+         double voxel_size)
 {
-  const QuantizedPoint delta = end - start;
-  int along = 0;
-  delta.array().abs().maxCoeff(&along);
-  const int face = 2 * along + (delta[along] < 0);
-  const FaceAxes axes(face);
-  const VoxelIndex cells = voxelOf(end) - voxelOf(start);
-  const double length = std::max(1.0, double(std::llabs(delta[along])));
-  DirectedRay ray;
-  ray.row_slope = float(double(delta[axes.row]) / length);
-  ray.column_slope = float(double(delta[axes.column]) / length);
-  ray.end_slab = std::abs(cells[along]);
-  ray.end_row = cells[axes.row];
-  ray.end_column = cells[axes.column];
-  ray.point = std::uint32_t(point);
-  setTile(face, ray);
-  return ray;
+  kernels::RayStart start;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int column = 0; column < 4; ++column)
+      start.pose[axis][column] = T_world_sensor(axis, column);
+    start.start[axis] = double(quantized[axis]);
+    start.in_voxel[axis] =
+        std::int32_t(quantized[axis] & ((1 << kQuantizationBits) - 1));
+  }
+  start.scale = double(1 << kQuantizationBits) / voxel_size;
+  return start;
+}
+
+void
+setRay(const kernels::RayBatch& batch, std::size_t k, DirectedRay& ray)
+{
+  ray.row_slope = batch.row_slope[k];
+  ray.column_slope = batch.column_slope[k];
+  ray.end_slab = batch.end_slab[k];
+  ray.end_row = batch.end_row[k];
+  ray.end_column = batch.end_column[k];
+  ray.point = batch.point[k];
+  ray.tile = std::uint16_t(batch.tile[k]);
+  ray.leaf = std::uint16_t(batch.leaf[k]);
 }
 
 // Points that a thread takes at a time.
@@ -90,8 +98,10 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                     Part& part)
 {
   const float range = float(settings.max_range);
+  kernels::RayBatch batch{};
   for (std::size_t i = begin; i < end; ++i) {
-    const float reach = reachOf(scan.points[i]);
+    const Eigen::Vector3f point = scan.points[i];
+    const float reach = reachOf(point);
     if (!(reach < largest_reach) || !hasDeviation(scan, i)) { // or NaN
       ++part.invalid;
       continue;
@@ -100,26 +110,47 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
       ++part.sky;
       continue;
     }
-    const bool in_range = reach <= range;
-    const Eigen::Vector3d point = scan.points[i].cast<double>();
-    const double share =
-        std::min(in_range ? 1.0 : double(range / reach), clearShare(scan, i));
-    const QuantizedPoint ray_end =
-        quantize(T_world_sensor * (share * point), settings.voxel_size);
-    ends_[i] = (ray_end - start_).cast<std::int32_t>();
-    part.rays.push_back(directedRay(start_, ray_end, i));
+    const std::size_t k = batch.count++;
+    batch.point[k] = std::uint32_t(i);
+    batch.x[k] = point.x();
+    batch.y[k] = point.y();
+    batch.z[k] = point.z();
+    batch.share[k] =
+        std::min(reach <= range ? 1.0 : double(range / reach), clearShare(scan, i));
+    batch.in_range[k] = reach <= range;
+    if (batch.count == kernels::RayBatch::room)
+      addRays(scan, T_world_sensor, settings, batch, part);
+  }
+  addRays(scan, T_world_sensor, settings, batch, part);
+}
+
+void
+RayCaster::addRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+                   const Settings& settings, kernels::RayBatch& batch, Part& part)
+{
+  kernels::findDirections(tier_)(rayStart(T_world_sensor, start_, settings.voxel_size),
+                                 batch);
+  const VoxelIndex start_voxel = voxelOf(start_);
+  for (std::size_t k = 0; k < batch.count; ++k) {
+    const std::uint32_t point = batch.point[k];
+    ends_[point] = {batch.end[0][k], batch.end[1][k], batch.end[2][k]};
+    setRay(batch, k, part.rays.emplace_back()); // in place: a copy would wait
     ++part.next[part.rays.back().tile];
-    if (!in_range)
+    if (!batch.in_range[k])
       continue;
+    const bool whole = batch.share[k] == 1.0;
     const VoxelIndex voxel =
-        share == 1.0 ? voxelOf(ray_end)
-                     : voxelOf(quantize(T_world_sensor * point, settings.voxel_size));
+        whole ? VoxelIndex(start_voxel + VoxelIndex(batch.cell[0][k], batch.cell[1][k],
+                                                    batch.cell[2][k]))
+              : voxelOf(quantize(T_world_sensor * scan.points[point].cast<double>(),
+                                 settings.voxel_size));
     // A ray that stops short of its end leaves it to us to mark it.
-    if (!(share == 1.0 ? crossed_.contains(blockOf(voxel)) : crossed_.add(voxel)))
+    if (!(whole ? crossed_.contains(blockOf(voxel)) : crossed_.add(voxel)))
       continue; // outside the window
     part.hits.push_back({std::uint32_t(crossed_.slotOf(blockOf(voxel))),
-                         {std::uint32_t(i), std::uint32_t(voxelInBlock(voxel))}});
+                         {point, std::uint32_t(voxelInBlock(voxel))}});
   }
+  batch.count = 0;
 }
 
 // Orders hits by slot: counts those of each, then puts them in their places.
@@ -175,6 +206,8 @@ RayCaster::crossVoxels()
   ParallelGuard guard;
 #pragma omp parallel
   {
+#pragma omp single nowait // meanwhile the others begin
+    guard.run([&] { sortHits(); });
     std::optional<TileSweep> sweep;
     guard.run([&] { sweep.emplace(tier_, start_, ends_, crossed_); });
 #pragma omp for schedule(dynamic, 1)
@@ -210,8 +243,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                std::min(points, (p + 1) * part_size), part);
     });
   guard.rethrow();
-  sortHits();
-  crossVoxels();
+  crossVoxels(); // sorts the hits too
   ScanCounts counts;
   counts.points = points;
   counts.rays = rays_.size();

@@ -7,105 +7,9 @@
 #include "ray_tile.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 namespace pcl_semantic {
-
-namespace {
-
-// Bits of a number of up to 8 bits, with a gap after each.
-unsigned
-spread(unsigned bits)
-{
-  bits = (bits | bits << 4) & 0x0F0F;
-  bits = (bits | bits << 2) & 0x3333;
-  return (bits | bits << 1) & 0x5555;
-}
-
-constexpr float huge = std::numeric_limits<float>::max();
-
-// Puts a bundle together from rays or smaller bundles.
-class BundleMaker {
-public:
-  explicit BundleMaker(std::size_t begin)
-  {
-    bundle_.row_low = bundle_.column_low = huge;
-    bundle_.row_high = bundle_.column_high = -huge;
-    bundle_.longest = 0;
-    bundle_.begin = std::uint32_t(begin);
-    corner_.fill(-huge);
-  }
-
-  void
-  add(const RayBundle& part)
-  {
-    extend(part.row_low < bundle_.row_low, part.row_low, part, bundle_.row_low, 0);
-    extend(part.row_high > bundle_.row_high, part.row_high, part, bundle_.row_high, 1);
-    extend(part.column_low < bundle_.column_low, part.column_low, part,
-           bundle_.column_low, 2);
-    extend(part.column_high > bundle_.column_high, part.column_high, part,
-           bundle_.column_high, 3);
-    for (int corner = 0; corner < 4; ++corner) {
-      const float row = part.corner_row[corner], column = part.corner_column[corner];
-      const float outward = (corner & 1 ? row : -row) + (corner & 2 ? column : -column);
-      if (extend(outward > corner_[corner], outward, part, corner_[corner],
-                 4 + corner)) {
-        bundle_.corner_row[corner] = row;
-        bundle_.corner_column[corner] = column;
-      }
-    }
-    bundle_.longest = std::max(bundle_.longest, part.longest);
-  }
-
-  RayBundle
-  finish(std::size_t end)
-  {
-    bundle_.reach = *std::min_element(reach_.begin(), reach_.end());
-    bundle_.end = std::uint32_t(end);
-    return bundle_;
-  }
-
-private:
-  bool
-  extend(bool further, float value, const RayBundle& part, float& outermost,
-         std::size_t ray)
-  {
-    if (further) {
-      outermost = value;
-      reach_[ray] = part.reach;
-    }
-    return further;
-  }
-
-  RayBundle bundle_;
-  std::array<float, 4> corner_; // how far outward the rays at the corners go
-  std::array<std::int32_t, 8> reach_{};
-};
-
-RayBundle
-bundleOf(float row_slope, float column_slope, std::int32_t end_slab)
-{
-  const float u = row_slope, v = column_slope;
-  return {u, u, v, v, {u, u, u, u}, {v, v, v, v}, end_slab, end_slab, 0, 0};
-}
-
-} // namespace
-
-void
-setTile(int face, DirectedRay& ray)
-{
-  constexpr int bits = kTileBits + kLeafBits;
-  const auto place = [](float slope) {
-    const int cell = int((slope + 1.0f) * float(1 << (bits - 1)));
-    return unsigned(std::clamp(cell, 0, (1 << bits) - 1));
-  };
-  const unsigned row = place(ray.row_slope), column = place(ray.column_slope);
-  const unsigned leaf_mask = (1u << kLeafBits) - 1;
-  ray.tile = std::uint16_t(unsigned(face) * kTilesAFace +
-                           ((column >> kLeafBits) << kTileBits) + (row >> kLeafBits));
-  ray.leaf = std::uint16_t(spread(column & leaf_mask) << 1 | spread(row & leaf_mask));
-}
 
 void
 RayTile::set(const DirectedRay* const* rays, std::size_t count)
@@ -114,18 +18,25 @@ RayTile::set(const DirectedRay* const* rays, std::size_t count)
   makeLevels();
 }
 
+inline RayTile::Outermost
+RayTile::outermostOf(std::size_t ray) const
+{
+  const float u = rays_.slopes[0][ray], v = rays_.slopes[1][ray];
+  Outermost ends;
+  ends.outward = {-u, u, -v, v, -u - v, u - v, v - u, u + v};
+  ends.row_slope.fill(u);
+  ends.column_slope.fill(v);
+  ends.end_slab.fill(rays_.numbers[kEndSlab][ray]);
+  ends.longest = rays_.numbers[kEndSlab][ray];
+  return ends;
+}
+
 void
 RayTile::sortByLeaf(const DirectedRay* const* rays, std::size_t count)
 {
-  count_ = count;
-  const std::size_t room = count + kernels::slab_lanes;
-  row_slope_.resize(room);
-  column_slope_.resize(room);
-  end_slab_.resize(room);
-  end_row_.resize(room);
-  end_column_.resize(room);
-  point_.resize(room);
-  leaf_.resize(room);
+  rays_.reserve(count);
+  rays_.count = count;
+  leaf_.resize(count);
   std::array<std::uint32_t, (1 << (2 * kLeafBits)) + 1> next{};
   for (std::size_t i = 0; i < count; ++i)
     ++next[rays[i]->leaf + 1u];
@@ -133,60 +44,96 @@ RayTile::sortByLeaf(const DirectedRay* const* rays, std::size_t count)
   for (std::size_t i = 0; i < count; ++i) {
     const DirectedRay& ray = *rays[i];
     const std::size_t to = next[ray.leaf]++;
-    row_slope_[to] = ray.row_slope;
-    column_slope_[to] = ray.column_slope;
-    end_slab_[to] = ray.end_slab;
-    end_row_[to] = ray.end_row;
-    end_column_[to] = ray.end_column;
-    point_[to] = ray.point;
+    rays_.slopes[0][to] = ray.row_slope;
+    rays_.slopes[1][to] = ray.column_slope;
+    rays_.numbers[kEndSlab][to] = ray.end_slab;
+    rays_.numbers[kEndRow][to] = ray.end_row;
+    rays_.numbers[kEndColumn][to] = ray.end_column;
+    rays_.numbers[kPoint][to] = std::int32_t(ray.point);
     leaf_[to] = ray.leaf;
   }
+}
+
+inline void
+RayTile::Outermost::take(const Outermost& other)
+{
+  for (std::size_t k = 0; k < directions; ++k) { // the loop that compilers make wide
+    const bool further = other.outward[k] > outward[k];
+    outward[k] = further ? other.outward[k] : outward[k];
+    row_slope[k] = further ? other.row_slope[k] : row_slope[k];
+    column_slope[k] = further ? other.column_slope[k] : column_slope[k];
+    end_slab[k] = further ? other.end_slab[k] : end_slab[k];
+  }
+  longest = std::max(longest, other.longest);
 }
 
 void
 RayTile::makeLevels()
 {
-  std::vector<std::uint16_t> leaf(leaf_.begin(), leaf_.begin() + long(count_));
-  std::vector<RayBundle> parts(count_); // at first each ray is a bundle of its own
-  for (std::size_t i = 0; i < count_; ++i)
-    parts[i] = bundleOf(row_slope_[i], column_slope_[i], end_slab_[i]);
-  for (std::vector<RayBundle>& level : levels_) {
-    const int shift = &level == &levels_.front() ? 0 : 2;
-    level.clear();
-    std::size_t leaves = 0;
-    for (std::size_t i = 0; i < parts.size();) {
-      const auto number = std::uint16_t(leaf[i] >> shift);
-      BundleMaker bundle(i);
-      for (; i < parts.size() && leaf[i] >> shift == number; ++i)
-        bundle.add(parts[i]);
-      level.push_back(bundle.finish(i));
-      leaf[leaves++] = number;
+  outermost_.resize(std::size_t(1) << (2 * kLeafBits));
+  std::size_t count = rays_.count; // of parts: at first each ray is one
+  for (BundleRows& level : levels_) {
+    const bool of_rays = &level == &levels_.front();
+    const int shift = of_rays ? 0 : 2;
+    level.count = 0;
+    level.reserve(count);
+    for (std::size_t i = 0; i < count;) {
+      const std::size_t begin = i;
+      const auto leaf = std::uint16_t(leaf_[i] >> shift);
+      Outermost all = of_rays ? outermostOf(i) : outermost_[i];
+      for (++i; i < count && leaf_[i] >> shift == leaf; ++i)
+        all.take(of_rays ? outermostOf(i) : outermost_[i]);
+      leaf_[level.count] = leaf;
+      outermost_[level.count] = all;
+      addTo(level, all, begin, i);
     }
-    parts = level;
+    count = level.count;
   }
-}
-
-kernels::RayView
-RayTile::view() const
-{
-  return {row_slope_.data(), column_slope_.data(), end_slab_.data(), end_row_.data(),
-          end_column_.data()};
 }
 
 void
-RayTile::removeEnded(int slab)
+RayTile::addTo(BundleRows& level, const Outermost& rays, std::size_t begin,
+               std::size_t end)
 {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
-    row_slope_[kept] = row_slope_[i];
-    column_slope_[kept] = column_slope_[i];
-    end_slab_[kept] = end_slab_[i];
-    end_row_[kept] = end_row_[i];
-    end_column_[kept] = end_column_[i];
-    point_[kept] = point_[i];
-    kept += end_slab_[i] >= slab;
+  const std::size_t to = level.count++;
+  for (std::size_t k = 0; k < 2; ++k) {
+    level.slopes[k][to] = rays.row_slope[k];
+    level.slopes[2 + k][to] = rays.column_slope[2 + k];
   }
-  count_ = kept;
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    level.slopes[4 + corner][to] = rays.row_slope[4 + corner];
+    level.slopes[8 + corner][to] = rays.column_slope[4 + corner];
+  }
+  level.numbers[kLongest][to] = rays.longest;
+  level.numbers[kReach][to] =
+      *std::min_element(rays.end_slab.begin(), rays.end_slab.end());
+  level.numbers[kBegin][to] = std::int32_t(begin);
+  level.numbers[kEnd][to] = std::int32_t(end);
+}
+
+kernels::RayView
+columnsOf(const RayRows& rays)
+{
+  return {rays.slopes[0].data(), rays.slopes[1].data(), rays.numbers[kEndSlab].data(),
+          rays.numbers[kEndRow].data(), rays.numbers[kEndColumn].data()};
+}
+
+kernels::BundleView
+columnsOf(const BundleRows& bundles)
+{
+  kernels::BundleView view{bundles.slopes[0].data(),
+                           bundles.slopes[1].data(),
+                           bundles.slopes[2].data(),
+                           bundles.slopes[3].data(),
+                           {},
+                           {},
+                           bundles.numbers[kLongest].data(),
+                           bundles.numbers[kReach].data()};
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    view.corner_row[corner] = bundles.slopes[4 + corner].data();
+    view.corner_column[corner] = bundles.slopes[8 + corner].data();
+  }
+  return view;
 }
 
 } // namespace pcl_semantic

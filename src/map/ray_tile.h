@@ -7,6 +7,7 @@
 #pragma once
 
 #include "kernels/slab_crossing.h"
+#include "ray_table.h"
 
 #include <pcl_semantic/map/directed_ray.h>
 
@@ -16,14 +17,18 @@
 
 namespace pcl_semantic {
 
-/** \brief Rays of neighbouring directions. */
-struct RayBundle {
-  float row_low, row_high, column_low, column_high; ///< range of the slopes
-  float corner_row[4], corner_column[4];            ///< see kernels::BundleView
-  std::int32_t reach;       ///< slabs that all these rays pass whole
-  std::int32_t longest;     ///< largest end_slab
-  std::uint32_t begin, end; ///< its parts: smaller bundles, or rays
-};
+/** \brief Rays: row and column slope, and the numbers of DirectedRay. */
+using RayRows = RayTable<2, 4>;
+enum RayNumber : std::size_t { kEndSlab, kEndRow, kEndColumn, kPoint };
+
+/** \brief Bundles of rays of neighbouring directions: the slopes of kernels::BundleView
+ * in its order, its numbers, and the range of their parts: smaller bundles, or rays. */
+using BundleRows = RayTable<12, 4>;
+enum BundleNumber : std::size_t { kLongest, kReach, kBegin, kEnd };
+
+kernels::RayView columnsOf(const RayRows& rays);
+
+kernels::BundleView columnsOf(const BundleRows& bundles);
 
 /** \brief The rays of one tile, ordered by leaf, and their bundles of several sizes. */
 class RayTile {
@@ -41,49 +46,60 @@ public:
   void set(const DirectedRay* const* rays, std::size_t count);
 
   /** \brief The parts of level 0 are rays, those of level l are bundles of l - 1. */
-  const std::vector<RayBundle>&
+  const BundleRows&
   bundles(int level) const
   {
     return levels_[std::size_t(level)];
   }
 
-  /** \brief The bundle of all rays. */
-  const RayBundle&
+  /** \brief The one bundle of all rays. */
+  const BundleRows&
   all() const
   {
-    return levels_.back().front();
+    return levels_.back();
   }
 
-  std::size_t
-  size() const
+  const RayRows&
+  rays() const
   {
-    return count_;
+    return rays_;
   }
-
-  /** \brief Number of a ray in the scan. */
-  std::uint32_t
-  point(std::size_t ray) const
-  {
-    return point_[ray];
-  }
-
-  kernels::RayView view() const;
 
   /** \brief Removes the rays that end before a slab; the parts of the bundles of level
    * 0 do not hold any more. */
-  void removeEnded(int slab);
+  void
+  removeEnded(int slab)
+  {
+    rays_.removeEnded(slab);
+  }
 
 private:
+  // The outermost of some rays in eight directions: low and high row, low and high
+  // column, and the four corners.
+  struct Outermost {
+    static constexpr std::size_t directions = 8;
+
+    std::array<float, directions> outward; // how far they go
+    std::array<float, directions> row_slope, column_slope;
+    std::array<std::int32_t, directions> end_slab;
+    std::int32_t longest;
+
+    void take(const Outermost& other);
+  };
+
+  Outermost outermostOf(std::size_t ray) const;
+
   void sortByLeaf(const DirectedRay* const* rays, std::size_t count);
 
   void makeLevels();
 
-  std::size_t count_ = 0; // the arrays have kernels::slab_lanes more
-  std::vector<float> row_slope_, column_slope_;
-  std::vector<std::int32_t> end_slab_, end_row_, end_column_;
-  std::vector<std::uint32_t> point_;
-  std::vector<std::uint16_t> leaf_;
-  std::array<std::vector<RayBundle>, kLevels> levels_;
+  static void addTo(BundleRows& level, const Outermost& rays, std::size_t begin,
+                    std::size_t end);
+
+  RayRows rays_;
+  std::array<BundleRows, kLevels> levels_;
+  std::vector<std::uint16_t> leaf_;  // of the parts of a level
+  std::vector<Outermost> outermost_; // of their rays
 };
 
 } // namespace pcl_semantic

@@ -53,6 +53,19 @@ cellsBetween(float low, float high, float start, float near, float far)
           int(std::floor(start + std::max(high * near, high * far))) + 1};
 }
 
+// The parts of some bundles.
+template <typename Rows>
+void
+takeApart(const BundleRows& bundles, const std::vector<std::uint32_t>& wanted,
+          std::size_t count, const Rows& all, Rows& parts)
+{
+  parts.count = 0;
+  parts.reserve(all.count + 4);
+  for (std::size_t i = 0; i < count; ++i)
+    parts.add(all, std::size_t(bundles.numbers[kBegin][wanted[i]]),
+              std::size_t(bundles.numbers[kEnd][wanted[i]]));
+}
+
 } // namespace
 
 TileSweep::TileSweep(SimdTier tier, const QuantizedPoint& start,
@@ -69,7 +82,7 @@ TileSweep::run(int face, const DirectedRay* const* rays, std::size_t count)
   to_first_side_ = axes_.step > 0 ? 1.0f - inside : inside;
   tile_.set(rays, count);
   level_ = RayTile::kLevels; // none yet
-  const int longest = tile_.all().longest;
+  const int longest = tile_.all().numbers[kLongest][0];
   for (Group group{0, 0, 0}; group.first <= longest; group.first = group.last + 1) {
     const int voxel = start_voxel_[axes_.along] + axes_.step * group.first;
     const int layer = voxel & (kBlockEdge - 1);
@@ -93,7 +106,7 @@ TileSweep::beginGroup(const Group& group)
   if (group.block < crossed_.firstBlock(axes_.along) ||
       group.block > crossed_.lastBlock(axes_.along))
     return false;
-  const RayBundle& all = tile_.all();
+  const auto& slopes = tile_.all().slopes;
   const float near = enterDistance(group.first);
   const float far = to_first_side_ + float(group.last);
   const auto clipped = [&](std::pair<int, int> cells, int axis) {
@@ -104,9 +117,9 @@ TileSweep::beginGroup(const Group& group)
                                std::min(cells.second, high));
   };
   const auto rows = clipped(
-      cellsBetween(all.row_low, all.row_high, inVoxel(start_[axes_.row]), near, far),
+      cellsBetween(slopes[0][0], slopes[1][0], inVoxel(start_[axes_.row]), near, far),
       axes_.row);
-  const auto columns = clipped(cellsBetween(all.column_low, all.column_high,
+  const auto columns = clipped(cellsBetween(slopes[2][0], slopes[3][0],
                                             inVoxel(start_[axes_.column]), near, far),
                                axes_.column);
   if (rows.first > rows.second || columns.first > columns.second)
@@ -123,10 +136,11 @@ TileSweep::beginGroup(const Group& group)
     tile_.removeEnded(group.first);
     return true;
   }
+  const BundleRows& all_bundles = tile_.bundles(level_);
   active_.count = 0;
-  for (const RayBundle& bundle : tile_.bundles(level_))
-    if (bundle.longest >= group.first)
-      active_.add(bundle);
+  active_.reserve(all_bundles.count);
+  active_.add(all_bundles, 0, all_bundles.count);
+  active_.removeEnded(group.first);
   return true;
 }
 
@@ -158,53 +172,40 @@ TileSweep::crossAllRays(const Group& group)
   std::size_t count = 0;
   for (int slab = group.first; slab <= group.last; ++slab)
     slabs[count++] = viewOf(slab);
-  undecided_.resize(std::max(undecided_.size(), tile_.size() * kBlockEdge));
-  const std::size_t left = loops_.crossSlabs(slabs.data(), count, tile_.view(),
-                                             tile_.size(), undecided_.data());
+  const RayRows& rays = tile_.rays();
+  undecided_.resize(std::max(undecided_.size(), rays.count * kBlockEdge));
+  const std::size_t left = loops_.crossSlabs(slabs.data(), count, columnsOf(rays),
+                                             rays.count, undecided_.data());
   for (std::size_t i = 0; i < left; ++i)
-    crossExactly(tile_.point(undecided_[i].ray), int(undecided_[i].slab));
+    crossExactly(std::uint32_t(rays.numbers[kPoint][undecided_[i].ray]),
+                 int(undecided_[i].slab));
 }
 
 void
-TileSweep::crossBundles(const kernels::SlabView& slab, const Active& bundles, int level)
+TileSweep::crossBundles(const kernels::SlabView& slab, const BundleRows& bundles,
+                        int level)
 {
-  bundles_left_.resize(std::max(bundles_left_.size(), bundles.count));
+  left_.resize(std::max(left_.size(), bundles.count));
   const std::size_t left =
-      loops_.crossBundles(slab, bundles.view(), bundles.count, bundles_left_.data());
-  ranges_.clear();
-  corners_.clear();
-  Active& parts = parts_[std::size_t(level)];
-  parts.count = 0;
-  for (std::size_t i = 0; i < left; ++i) {
-    const kernels::BundleLeft& each = bundles_left_[i];
-    const RayBundle& bundle = *bundles.bundle[each.bundle];
-    if (bundle.longest < slab.slab)
-      continue;
-    if (level > 0)
-      for (std::uint32_t part = bundle.begin; part < bundle.end; ++part)
-        parts.add(tile_.bundles(level - 1)[part]);
-    else if (each.at_corner && slab.slab > 0)
-      corners_.push_back({{bundle.begin, bundle.end}, each.row, each.column});
-    else
-      ranges_.push_back({bundle.begin, bundle.end});
-  }
+      loops_.crossBundles(slab, columnsOf(bundles), bundles.count, left_.data());
   if (level == 0)
-    crossRays(slab);
-  else if (parts.count > 0)
+    return crossRays(slab, bundles, left);
+  BundleRows& parts = parts_[std::size_t(level)];
+  takeApart(bundles, left_, left, tile_.bundles(level - 1), parts);
+  if (parts.count > 0)
     crossBundles(slab, parts, level - 1);
 }
 
 void
-TileSweep::crossRays(const kernels::SlabView& slab)
+TileSweep::crossRays(const kernels::SlabView& slab, const BundleRows& bundles,
+                     std::size_t count)
 {
-  left_.resize(std::max(left_.size(), tile_.size()));
-  const kernels::RayView rays = tile_.view();
-  std::size_t left =
-      loops_.crossRays(slab, rays, ranges_.data(), ranges_.size(), left_.data());
-  left += loops_.crossCorners(slab, rays, corners_.data(), corners_.size(),
-                              left_.data() + left);
+  takeApart(bundles, left_, count, tile_.rays(), rays_);
+  left_.resize(std::max(left_.size(), rays_.count));
+  const std::size_t left =
+      loops_.crossRays(slab, columnsOf(rays_), rays_.count, left_.data());
   for (std::size_t i = 0; i < left; ++i)
-    crossExactly(tile_.point(left_[i]), slab.slab);
+    crossExactly(std::uint32_t(rays_.numbers[kPoint][left_[i]]), slab.slab);
 }
 
 void
@@ -215,42 +216,6 @@ TileSweep::crossExactly(std::uint32_t point, int slab)
     return std::abs(voxel[axes_.along] - start_voxel_[axes_.along]) <= slab &&
            crossed_.add(voxel);
   });
-}
-
-void
-TileSweep::Active::add(const RayBundle& added)
-{
-  if (reach.size() < count + 1 + kernels::slab_lanes) {
-    const std::size_t room = 2 * count + 4 * kernels::slab_lanes;
-    for (std::vector<float>& values : slopes)
-      values.resize(room);
-    reach.resize(room);
-    bundle.resize(room);
-  }
-  slopes[0][count] = added.row_low;
-  slopes[1][count] = added.row_high;
-  slopes[2][count] = added.column_low;
-  slopes[3][count] = added.column_high;
-  for (std::size_t corner = 0; corner < 4; ++corner) {
-    slopes[4 + corner][count] = added.corner_row[corner];
-    slopes[8 + corner][count] = added.corner_column[corner];
-  }
-  reach[count] = added.reach;
-  bundle[count] = &added;
-  ++count;
-}
-
-kernels::BundleView
-TileSweep::Active::view() const
-{
-  kernels::BundleView view{
-      slopes[0].data(), slopes[1].data(), slopes[2].data(), slopes[3].data(), {}, {},
-      reach.data()};
-  for (std::size_t corner = 0; corner < 4; ++corner) {
-    view.corner_row[corner] = slopes[4 + corner].data();
-    view.corner_column[corner] = slopes[8 + corner].data();
-  }
-  return view;
 }
 
 } // namespace pcl_semantic

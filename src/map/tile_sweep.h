@@ -23,10 +23,9 @@ namespace pcl_semantic {
  *
  * Goes outward slab by slab (layers of voxels across the axis along which the rays are
  * longest). Near the start a bundle of rays is narrower than a voxel: where its
- * outermost rays show that all of it stays in one voxel, or in two that share a side,
- * these are crossed and no other. Bundles of which that is not certain are taken
- * apart, in the end into rays; what single precision cannot decide of a ray goes to
- * the exact traversal. */
+ * outermost rays show which voxels it crosses, these are set. Bundles of which that is
+ * not certain are taken apart, in the end into rays; what single precision cannot
+ * decide of a ray goes to the exact traversal. */
 class TileSweep {
 public:
   /** \param[in] start of all rays
@@ -39,18 +38,6 @@ public:
   void run(int face, const DirectedRay* const* rays, std::size_t count);
 
 private:
-  // Bundles side by side, as the loops want them, with their origin in the tile.
-  struct Active {
-    std::array<std::vector<float>, 12> slopes; // of BundleView, in its order
-    std::vector<std::int32_t> reach;
-    std::vector<const RayBundle*> bundle;
-    std::size_t count = 0;
-
-    void add(const RayBundle& added);
-
-    kernels::BundleView view() const;
-  };
-
   // Slabs of one layer of blocks: first to last, outward.
   struct Group {
     int first, last;
@@ -65,9 +52,11 @@ private:
 
   void crossAllRays(const Group& group);
 
-  void crossBundles(const kernels::SlabView& slab, const Active& bundles, int level);
+  void crossBundles(const kernels::SlabView& slab, const BundleRows& bundles,
+                    int level);
 
-  void crossRays(const kernels::SlabView& slab);
+  void crossRays(const kernels::SlabView& slab, const BundleRows& bundles,
+                 std::size_t count);
 
   void crossExactly(std::uint32_t point, int slab);
 
@@ -80,15 +69,13 @@ private:
   float to_first_side_ = 0.0f; // from the start, along the axis [voxels]
   RayTile tile_;
   SlabBuffer buffer_;
-  int level_ = 0;                              // of the bundles of a group; -1: rays
-  int groups_ = 0;                             // that were begun
-  Active active_;                              // of the group
-  std::array<Active, RayTile::kLevels> parts_; // of a slab: those of bundles of a level
-  std::vector<std::uint32_t> left_;            // rays that need a closer look
-  std::vector<kernels::BundleLeft> bundles_left_;
-  std::vector<kernels::CornerRays> corners_;
+  int level_ = 0;     // of the bundles of a group; -1: rays
+  int groups_ = 0;    // that were begun
+  BundleRows active_; // of the group
+  std::array<BundleRows, RayTile::kLevels> parts_; // of a slab: of bundles of a level
+  RayRows rays_;                                   // of a slab
+  std::vector<std::uint32_t> left_;                // what needs a closer look
   std::vector<kernels::RaySlab> undecided_;
-  std::vector<kernels::RayRange> ranges_; // of rays of a slab
 };
 
 } // namespace pcl_semantic

@@ -25,6 +25,14 @@ settingsTo(double range)
   return {voxel_size, range, std::vector<bool>(256, false)};
 }
 
+Scan
+scanOf(const std::vector<Eigen::Vector3f>& points)
+{
+  Scan scan;
+  scan.points = points;
+  return scan;
+}
+
 RayCaster::Grid
 gridAround(const Eigen::Vector3d& sensor, const Eigen::Vector3i& blocks)
 {
@@ -38,12 +46,12 @@ gridAround(const Eigen::Vector3d& sensor, const Eigen::Vector3i& blocks)
 
 // The same by the exact traversal of each ray, one after the other.
 CrossedVoxels
-plainlyCrossed(const Scan& scan, const Eigen::Isometry3d& pose, double range,
-               const RayCaster::Grid& grid)
+plainlyCrossed(const std::vector<Eigen::Vector3f>& points,
+               const Eigen::Isometry3d& pose, double range, const RayCaster::Grid& grid)
 {
   CrossedVoxels crossed(grid.slots());
   crossed.begin(grid);
-  for (const Eigen::Vector3f& point : scan.points) {
+  for (const Eigen::Vector3f& point : points) {
     const float reach = point.cwiseAbs().maxCoeff();
     const double share = reach <= float(range) ? 1.0 : double(float(range) / reach);
     traverseSegment(quantize(pose.translation(), voxel_size),
@@ -54,15 +62,15 @@ plainlyCrossed(const Scan& scan, const Eigen::Isometry3d& pose, double range,
 }
 
 void
-expectAsPlain(const Scan& scan, const Eigen::Isometry3d& pose, double range,
-              const Eigen::Vector3i& blocks)
+expectAsPlain(const std::vector<Eigen::Vector3f>& points, const Eigen::Isometry3d& pose,
+              double range, const Eigen::Vector3i& blocks)
 {
   const RayCaster::Grid grid = gridAround(pose.translation(), blocks);
-  const CrossedVoxels expected = plainlyCrossed(scan, pose, range, grid);
+  const CrossedVoxels expected = plainlyCrossed(points, pose, range, grid);
   std::size_t voxels = 0;
   for (const SimdTier tier : supportedTiers()) {
     RayCaster caster(grid.slots(), tier);
-    caster.cast(scan, pose, grid, settingsTo(range));
+    caster.cast(scanOf(points), pose, grid, settingsTo(range));
     std::size_t missing = 0, more = 0;
     for (std::size_t slot = 0; slot < grid.slots(); ++slot)
       for (std::size_t z = 0; z < CrossedVoxels::kWords; ++z) {
@@ -126,16 +134,15 @@ TEST(RayCaster, EqualsTheTraversalOfSparseAndShortRays)
   std::mt19937 random(9);
   for (const float reach : {0.001f, 0.04f, 0.3f, 9.0f}) {
     std::uniform_real_distribution<float> coordinate(-reach, reach);
-    Scan scan;
+    std::vector<Eigen::Vector3f> points;
     for (int i = 0; i < 3000; ++i)
-      scan.points.emplace_back(coordinate(random), coordinate(random),
-                               coordinate(random));
-    scan.points.emplace_back(0.0f, 0.0f, 0.0f);
+      points.emplace_back(coordinate(random), coordinate(random), coordinate(random));
+    points.emplace_back(0.0f, 0.0f, 0.0f);
     const RayCaster::Grid grid = gridAround({0, 0, 0}, {50, 50, 50});
     RayCaster caster(grid.slots());
     const Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    caster.cast(scan, pose, grid, settingsTo(8.0));
-    const CrossedVoxels expected = plainlyCrossed(scan, pose, 8.0, grid);
+    caster.cast(scanOf(points), pose, grid, settingsTo(8.0));
+    const CrossedVoxels expected = plainlyCrossed(points, pose, 8.0, grid);
     for (std::size_t slot = 0; slot < grid.slots(); ++slot)
       for (std::size_t z = 0; z < CrossedVoxels::kWords; ++z)
         ASSERT_EQ(caster.crossed().layers(slot)[z], expected.layers(slot)[z]);
@@ -145,12 +152,12 @@ TEST(RayCaster, EqualsTheTraversalOfSparseAndShortRays)
 // A thousand voxels and more: what the exact traversal multiplies needs 128 bits.
 TEST(RayCaster, EqualsTheTraversalOfVeryLongRays)
 {
-  Scan scan = makeDenseScan(0.02, 150.0, 7);
-  for (Eigen::Vector3f& point : scan.points)
+  std::vector<Eigen::Vector3f> points = makeDenseScan(0.02, 150.0, 7);
+  for (Eigen::Vector3f& point : points)
     point.head<2>() *= 0.03f;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = Eigen::Vector3d(0.013, 0.021, 70.0);
-  expectAsPlain(scan, pose, 140.0, {12, 12, 360});
+  expectAsPlain(points, pose, 140.0, {12, 12, 360});
 }
 
 TEST(RayCaster, FarAwayNothingChanges)
@@ -162,24 +169,24 @@ TEST(RayCaster, FarAwayNothingChanges)
 
 TEST(RayCaster, HitsAreThePointsOfTheirBlocks)
 {
-  const Scan scan = makeDenseScan(0.02, 12.0, 5);
+  const std::vector<Eigen::Vector3f> points = makeDenseScan(0.02, 12.0, 5);
   const Eigen::Isometry3d pose = randomPose(5);
   const RayCaster::Grid grid = gridAround(pose.translation(), {30, 30, 30});
   RayCaster caster(grid.slots());
   for (int repeat = 0; repeat < 2; ++repeat)
-    caster.cast(scan, pose, grid, settingsTo(10.0));
+    caster.cast(scanOf(points), pose, grid, settingsTo(10.0));
   std::size_t found = 0;
   for (std::size_t slot = 0; slot < grid.slots(); ++slot) {
     const auto [first, last] = caster.hitsIn(slot);
     for (const RayHit* hit = first; hit != last; ++hit, ++found) {
       const VoxelIndex voxel =
-          voxelOf(quantize(pose * scan.points[hit->point].cast<double>(), voxel_size));
+          voxelOf(quantize(pose * points[hit->point].cast<double>(), voxel_size));
       EXPECT_EQ(grid.slotOf(blockOf(voxel)), slot);
       EXPECT_EQ(std::uint32_t(voxelInBlock(voxel)), hit->place);
     }
   }
   std::size_t expected = 0;
-  for (const Eigen::Vector3f& point : scan.points)
+  for (const Eigen::Vector3f& point : points)
     expected += point.cwiseAbs().maxCoeff() <= 10.0f &&
                 grid.contains(blockOf(
                     voxelOf(quantize(pose * point.cast<double>(), voxel_size))));

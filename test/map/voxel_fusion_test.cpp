@@ -156,6 +156,7 @@ TEST(LogSums, AreThoseOfTheStandardLibraryInAllTiers)
     for (const SimdTier tier : supportedTiers()) {
       sums.emplace_back(count + kernels::log_block, 7);
       kernels::addLogs(tier)(values.data(), count, 0.01f, sums.back().data());
+      sums.back().resize(count); // the rest is room
       EXPECT_EQ(sums.back(), sums.front()) << nameOf(tier);
     }
     for (std::size_t k = 0; k < count; ++k)

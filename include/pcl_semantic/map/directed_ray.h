@@ -26,8 +26,8 @@ struct DirectedRay {
   std::int32_t end_slab;            ///< slab it ends in, counted from the start
   std::int32_t end_row, end_column; ///< voxel it ends in, from that of the start
   std::uint32_t point;              ///< its number in the scan
-  std::uint16_t tile;               ///< see tileOf()
-  std::uint16_t leaf;               ///< place in the tile, by interleaved bits
+  std::uint16_t tile; ///< face (twice its axis, and one if it goes down), column, row
+  std::uint16_t leaf; ///< place in the tile, by interleaved bits
 };
 
 /** \brief Directions fall into tiles of an eighth of a radian, and these into leaves of
@@ -35,9 +35,5 @@ struct DirectedRay {
 constexpr int kTileBits = 4; // 16 x 16 tiles a face: slopes go from -1 to 1
 constexpr int kLeafBits = 5;
 constexpr int kTilesAFace = 1 << (2 * kTileBits);
-
-/** \brief Sets tile and leaf from the slopes.
- * \param[in] face 0..5: axis and direction along it */
-void setTile(int face, DirectedRay& ray);
 
 } // namespace pcl_semantic

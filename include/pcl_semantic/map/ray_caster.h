@@ -20,6 +20,10 @@
 
 namespace pcl_semantic {
 
+namespace kernels {
+struct RayBatch;
+}
+
 /** \brief An end point of a ray in a block of the window. */
 struct RayHit {
   std::uint32_t point; ///< its number in the scan
@@ -101,6 +105,10 @@ private:
   void findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                 const Settings& settings, std::size_t begin, std::size_t end,
                 Part& part);
+
+  // Adds the rays of a batch to a part, and empties it.
+  void addRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+               const Settings& settings, kernels::RayBatch& batch, Part& part);
 
   void sortHits();
 

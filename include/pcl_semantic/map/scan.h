@@ -11,14 +11,62 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace pcl_semantic {
 
-/** \brief What the map needs of a cloud of any type. */
+/** \brief Values that lie in memory at equal distances, as a field of a cloud. */
+template <typename T> class FieldView {
+public:
+  FieldView() = default;
+
+  /** \param[in] first value
+   * \param[in] stride from one value to the next [bytes] */
+  FieldView(const void* first, std::size_t size, std::size_t stride)
+      : first_(static_cast<const char*>(first)), size_(size), stride_(stride)
+  {}
+
+  FieldView(const std::vector<T>& values)
+      : FieldView(values.data(), values.size(), sizeof(T))
+  {}
+
+  std::size_t
+  size() const
+  {
+    return size_;
+  }
+
+  bool
+  empty() const
+  {
+    return size_ == 0;
+  }
+
+  /** \brief Where a value lies; it need not be aligned. */
+  const void*
+  address(std::size_t i) const
+  {
+    return first_ + i * stride_;
+  }
+
+  T
+  operator[](std::size_t i) const
+  {
+    T value;
+    std::memcpy(static_cast<void*>(&value), address(i), sizeof value);
+    return value;
+  }
+
+private:
+  const char* first_ = nullptr;
+  std::size_t size_ = 0, stride_ = 0;
+};
+
+/** \brief What the map needs of a cloud of any type, where it lies. */
 struct Scan {
-  std::vector<Eigen::Vector3f> points; ///< sensor frame [m]
-  std::vector<std::uint32_t> rgb;      ///< packed as in PCL; empty = no colour
+  FieldView<Eigen::Vector3f> points; ///< sensor frame [m]
+  FieldView<std::uint32_t> rgb;      ///< packed as in PCL; empty = no colour
   const LabelDistributions* distributions = nullptr; ///< null = no labels
   /// Standard deviation of the distance along each ray [m]; null = exact.
   const std::vector<float>* deviations = nullptr;

@@ -125,37 +125,88 @@ any(const Ints& wanted)
   return bitsOf(wanted) != 0;
 }
 
-// Whether each of four cells around a corner holds a ray of the bundle when it enters
-// the slab or leaves it.
-PCL_SEMANTIC_INLINE Ints
-crossAllFour(const SlabView& slab, const BundleView& bundles, std::size_t i,
-             const Ints& row_boundary, const Ints& column_boundary)
+// Four cells around a corner, numbered as the rays at the corners: whether a ray of the
+// bundle is in them when it enters the slab or leaves it; whether it is certain for all
+// of them that one is or that no ray crosses the cell.
+struct Quadrants {
+  Ints crossed[4], certain;
+};
+
+PCL_SEMANTIC_INLINE Quadrants
+quadrantsOf(const SlabView& slab, const BundleView& bundles, std::size_t i,
+            const Ints& row_boundary, const Ints& column_boundary)
 {
   const Floats row = slab.row_start - __builtin_convertvector(row_boundary, Floats);
   const Floats column =
       slab.column_start - __builtin_convertvector(column_boundary, Floats);
-  Ints all = ~Ints{};
+  Quadrants quadrants;
+  quadrants.certain = ~Ints{};
   for (int corner = 0; corner < 4; ++corner) {
     // Beyond the boundary on the side of the corner: positive.
     const float row_side = corner & 1 ? 1.0f : -1.0f;
     const float column_side = corner & 2 ? 1.0f : -1.0f;
-    const Floats u = load(bundles.corner_row[corner] + i);
-    const Floats v = load(bundles.corner_column[corner] + i);
-    const auto inCell = [&](float distance) PCL_SEMANTIC_TARGET {
-      return ((u * distance + row) * row_side > slab.margin) &
-             ((v * distance + column) * column_side > slab.margin);
-    };
-    all &= inCell(slab.enter) | inCell(slab.leave);
+    const Floats u = load(bundles.corner_row[corner] + i) * row_side;
+    const Floats v = load(bundles.corner_column[corner] + i) * column_side;
+    const Floats row_start = row * row_side, column_start = column * column_side;
+    const Floats row_enter = u * slab.enter + row_start;
+    const Floats row_leave = u * slab.leave + row_start;
+    const Floats column_enter = v * slab.enter + column_start;
+    const Floats column_leave = v * slab.leave + column_start;
+    const Ints row_before = row_enter > slab.margin,
+               row_behind = row_leave > slab.margin;
+    const Ints column_before = column_enter > slab.margin,
+               column_behind = column_leave > slab.margin;
+    // In it on the way: beyond one boundary before it comes back over the other.
+    const Floats order = u * column_start - v * row_start;
+    quadrants.crossed[corner] =
+        (row_before & column_before) | (row_behind & column_behind) |
+        (row_behind & column_before & (order > 2.0f * slab.margin)) |
+        (row_before & column_behind & (order < -2.0f * slab.margin));
+    // No other ray goes further in the sum of both, which is linear on its way.
+    const Ints empty = (row_enter + column_enter < -2.0f * slab.margin) &
+                       (row_leave + column_leave < -2.0f * slab.margin);
+    quadrants.certain &= quadrants.crossed[corner] | empty;
   }
-  return all;
+  return quadrants;
+}
+
+// Bundles that are decided; those of which the first cell is crossed, and the last.
+struct Decided {
+  Ints known, low, high;
+};
+
+// Sets the middle one of three cells in a line, and gives the bundles that cross three:
+// as they are not wider than a cell, they cannot miss it.
+PCL_SEMANTIC_INLINE Ints
+crossLines(const SlabView& slab, const Part& row, const Part& column, const Ints& sure,
+           const Ints& row_extent, const Ints& column_extent)
+{
+  const Ints by_row = (row_extent == 2) & (column_extent == 0);
+  const Ints by_column = (row_extent == 0) & (column_extent == 2);
+  const Ints three = sure & (by_row | by_column);
+  if (any(three))
+    setCells(slab, slab.cells, {row.place + (by_row & 8), row.inside},
+             {column.place + (by_column & slab.column_stride), column.inside}, three);
+  return three;
+}
+
+PCL_SEMANTIC_INLINE void
+crossCorners(const SlabView& slab, const Part* rows, const Part* columns,
+             const Ints& four, const Quadrants& quadrants, Decided& decided)
+{
+  const Ints certain = four & quadrants.certain;
+  setCells(slab, slab.cells, rows[1], columns[0], certain & quadrants.crossed[1]);
+  setCells(slab, slab.cells, rows[0], columns[1], certain & quadrants.crossed[2]);
+  decided.low |= certain & quadrants.crossed[0];
+  decided.high |= certain & quadrants.crossed[3];
+  decided.known |= certain;
 }
 
 PCL_SEMANTIC_TARGET std::size_t
 crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
-             BundleLeft* left)
+             std::uint32_t* left)
 {
   std::size_t found = 0;
-  std::uint8_t* const cells = slab.cells;
   const float margin = slab.margin;
   const Floats enter = slab.enter - Floats{}, leave = slab.leave - Floats{};
   for (std::size_t i = 0; i < count; i += lanes) {
@@ -175,28 +226,26 @@ crossBundles(const SlabView& slab, const BundleView& bundles, std::size_t count,
                              columnPart(slab, column_high.cell)};
     const Ints row_extent = row_high.cell - row_low.cell;
     const Ints column_extent = column_high.cell - column_low.cell;
-    const Ints exists = lane() < std::int32_t(count - i);
+    const Ints exists =
+        (lane() < std::int32_t(count - i)) & (load(bundles.longest + i) >= slab.slab);
     const Ints inside = row_low.sure & row_high.sure & column_low.sure &
                         column_high.sure & exists & rows[0].inside & rows[1].inside &
                         columns[0].inside & columns[1].inside;
     const Ints sure = inside & (load(bundles.reach + i) > slab.slab);
-    Ints known = sure & (row_extent + column_extent <= 1);
-    const Ints corner = inside & (row_extent == 1) & (column_extent == 1);
-    Ints four = sure & corner;
+    Decided decided;
+    decided.known = sure & (row_extent + column_extent <= 1);
+    decided.known |=
+        crossLines(slab, rows[0], columns[0], sure, row_extent, column_extent);
+    decided.low = decided.high = decided.known;
+    const Ints four = sure & (row_extent == 1) & (column_extent == 1);
     if (any(four)) {
-      four &= crossAllFour(slab, bundles, i, row_high.cell, column_high.cell);
-      setCells(slab, cells, rows[0], columns[1], four);
-      setCells(slab, cells, rows[1], columns[0], four);
-      known |= four;
+      const Quadrants quadrants =
+          quadrantsOf(slab, bundles, i, row_high.cell, column_high.cell);
+      crossCorners(slab, rows, columns, four, quadrants, decided);
     }
-    setCells(slab, cells, rows[0], columns[0], known);
-    setCells(slab, cells, rows[1], columns[1], known);
-    const unsigned corners = bitsOf(corner);
-    for (unsigned bits = bitsOf(~known & exists); bits != 0; bits &= bits - 1) {
-      const int k = __builtin_ctz(bits);
-      left[found++] = {std::uint32_t(i) + unsigned(k), row_high.cell[k],
-                       column_high.cell[k], (corners >> k & 1) != 0};
-    }
+    setCells(slab, slab.cells, rows[0], columns[0], decided.low);
+    setCells(slab, slab.cells, rows[1], columns[1], decided.high);
+    found += list(~decided.known & exists, i, left + found);
   }
   return found;
 }

@@ -14,9 +14,7 @@ addLogs(const float* values, std::size_t count, float smallest, std::int64_t* su
     float block[log_block];
     std::int32_t logs[log_block];
     const std::size_t length = count - begin < log_block ? count - begin : log_block;
-    for (std::size_t k = 0; k < log_block; ++k)
-      block[k] = 1.0f;
-    __builtin_memcpy(block, values + begin, length * sizeof(float));
+    loadBlock(values + begin, length, block);
     for (std::size_t k = 0; k < log_block; ++k) {
       // A power of two and a polynomial for 2/3 to 4/3 (Chebyshev).
       const float value = block[k] > smallest ? block[k] : smallest;

@@ -83,25 +83,21 @@ firstSide(const SlabView& slab, const Floats& u, const Floats& v)
 }
 
 PCL_SEMANTIC_TARGET std::size_t
-crossRays(const SlabView& slab, const RayView& rays, const RayRange* ranges,
-          std::size_t count, std::uint32_t* left)
+crossRays(const SlabView& slab, const RayView& rays, std::size_t count,
+          std::uint32_t* left)
 {
   std::size_t found = 0;
-  std::uint8_t* const cells = slab.cells;
-  for (std::size_t n = 0; n < count; ++n)
-    for (std::size_t i = ranges[n].begin; i < ranges[n].end; i += lanes) {
-      const Floats u = load(rays.row_slope + i), v = load(rays.column_slope + i);
-      const Ints end_slab = load(rays.end_slab + i);
-      const Ints alive =
-          (end_slab >= slab.slab) & (lane() < std::int32_t(ranges[n].end - i));
-      const Side a = firstSide(slab, u, v);
-      Side b = sideAt(slab, u, v, slab.leave);
-      endIn(end_slab == slab.slab, load(rays.end_row + i), load(rays.end_column + i),
-            b);
-      setParts(slab, b);
-      const Ints undecided = crossCells(slab, cells, u, v, a, b, alive);
-      found += list(undecided, i, left + found);
-    }
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Floats u = load(rays.row_slope + i), v = load(rays.column_slope + i);
+    const Ints end_slab = load(rays.end_slab + i);
+    const Ints alive = (end_slab >= slab.slab) & (lane() < std::int32_t(count - i));
+    const Side a = firstSide(slab, u, v);
+    Side b = sideAt(slab, u, v, slab.leave);
+    endIn(end_slab == slab.slab, load(rays.end_row + i), load(rays.end_column + i), b);
+    setParts(slab, b);
+    const Ints undecided = crossCells(slab, slab.cells, u, v, a, b, alive);
+    found += list(undecided, i, left + found);
+  }
   return found;
 }
 

@@ -20,9 +20,8 @@ namespace plain {
 #define PCL_SEMANTIC_LANES 4
 #define PCL_SEMANTIC_BITS(mask) __builtin_ia32_movmskps((Floats)(mask))
 #include "bundle_crossing_tier.hpp"
-#include "corner_crossing_tier.hpp"
 #include "ray_crossing_tier.hpp"
-constexpr SlabCrossing loops = {crossBundles, crossCorners, crossRays, crossSlabs};
+constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
 #undef PCL_SEMANTIC_INLINE
 #undef PCL_SEMANTIC_TARGET
 #undef PCL_SEMANTIC_LANES
@@ -34,9 +33,8 @@ namespace avx2 {
 #define PCL_SEMANTIC_LANES 8
 #define PCL_SEMANTIC_BITS(mask) __builtin_ia32_movmskps256((Floats)(mask))
 #include "bundle_crossing_tier.hpp"
-#include "corner_crossing_tier.hpp"
 #include "ray_crossing_tier.hpp"
-constexpr SlabCrossing loops = {crossBundles, crossCorners, crossRays, crossSlabs};
+constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
 #undef PCL_SEMANTIC_INLINE
 #undef PCL_SEMANTIC_TARGET
 #undef PCL_SEMANTIC_LANES
@@ -50,9 +48,8 @@ namespace avx512 {
 #define PCL_SEMANTIC_LANES 16
 #define PCL_SEMANTIC_BITS(mask) __builtin_ia32_cvtd2mask512((MaskWords)(mask))
 #include "bundle_crossing_tier.hpp"
-#include "corner_crossing_tier.hpp"
 #include "ray_crossing_tier.hpp"
-constexpr SlabCrossing loops = {crossBundles, crossCorners, crossRays, crossSlabs};
+constexpr SlabCrossing loops = {crossBundles, crossRays, crossSlabs};
 #undef PCL_SEMANTIC_INLINE
 #undef PCL_SEMANTIC_TARGET
 #undef PCL_SEMANTIC_LANES

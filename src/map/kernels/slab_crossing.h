@@ -37,11 +37,13 @@ struct SlabView {
 
 /** \brief Bundles of rays: the range of their slopes (per voxel along the axis), and
  * the rays at their corners: 0 low row and column, 1 high row, 2 high column, 3 both.
+ * In the slabs looked at they are no wider than a voxel.
  */
 struct BundleView {
   const float *row_low, *row_high, *column_low, *column_high;
   const float *corner_row[4], *corner_column[4];
-  const std::int32_t* reach; ///< slabs that all these rays pass whole
+  const std::int32_t* longest; ///< slab that none of their rays goes beyond
+  const std::int32_t* reach;   ///< slabs that all the rays above pass whole
 };
 
 /** \brief Rays: slopes, number of the slab they end in, and the cell there. */
@@ -50,44 +52,20 @@ struct RayView {
   const std::int32_t *end_slab, *end_row, *end_column;
 };
 
-struct RayRange {
-  std::uint32_t begin, end;
-};
-
 struct RaySlab {
   std::uint32_t ray, slab;
 };
 
-/** \brief A bundle that could not be decided. */
-struct BundleLeft {
-  std::uint32_t bundle;
-  std::int32_t row, column; ///< if at a corner: the upper of its two rows and columns
-  bool at_corner;           ///< all its rays are in the four cells around a corner
-};
-
-/** \brief Rays in the four cells around a corner. */
-struct CornerRays {
-  RayRange rays;
-  std::int32_t row, column; ///< see BundleLeft
-};
-
 struct SlabCrossing {
-  /** \brief Sets the cells of bundles that certainly cross one cell, two that share a
-   * side, or four that share a corner, and no other; gives the number of those that are
-   * left, and lists them. */
+  /** \brief Sets the cells of bundles that certainly cross one cell, two or three in a
+   * line, or certain ones of four that share a corner, and no other; gives the number
+   * of those that are left, and lists them. */
   std::size_t (*crossBundles)(const SlabView& slab, const BundleView& bundles,
-                              std::size_t count, BundleLeft* left);
-
-  /** \brief Sets the cells around corners that rays cross; gives the number of rays
-   * that are too close to a boundary, and lists them. */
-  std::size_t (*crossCorners)(const SlabView& slab, const RayView& rays,
-                              const CornerRays* corners, std::size_t count,
-                              std::uint32_t* left);
+                              std::size_t count, std::uint32_t* left);
 
   /** \brief Sets the cells that rays cross; gives the number of rays that are too close
    * to a boundary, and lists them. */
-  std::size_t (*crossRays)(const SlabView& slab, const RayView& rays,
-                           const RayRange* ranges, std::size_t count,
+  std::size_t (*crossRays)(const SlabView& slab, const RayView& rays, std::size_t count,
                            std::uint32_t* left);
 
   /** \brief The same for all rays and several slabs, one behind the other. */

@@ -18,15 +18,17 @@ template <typename PointT>
 Scan
 makeScan(const pcl::PointCloud<PointT>& cloud)
 {
+  using pcl::traits::offset;
+  constexpr std::size_t x = offset<PointT, pcl::fields::x>::value;
+  static_assert(offset<PointT, pcl::fields::y>::value == x + sizeof(float) &&
+                    offset<PointT, pcl::fields::z>::value == x + 2 * sizeof(float),
+                "x, y and z of a point have to lie side by side");
   Scan scan;
-  scan.points.resize(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    scan.points[i] = {cloud[i].x, cloud[i].y, cloud[i].z};
-  if constexpr (pcl::traits::has_color<PointT>::value) {
-    scan.rgb.resize(cloud.size());
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-      scan.rgb[i] = cloud[i].rgba;
-  }
+  if (cloud.empty())
+    return scan;
+  scan.points = {&cloud[0].x, cloud.size(), sizeof(PointT)};
+  if constexpr (pcl::traits::has_color<PointT>::value)
+    scan.rgb = {&cloud[0].rgba, cloud.size(), sizeof(PointT)};
   return scan;
 }
 
