@@ -35,8 +35,9 @@ makeSlots(int count, int disparities)
 } // namespace
 
 SemiGlobalBand::SemiGlobalBand(const Pair& pair,
-                               const SemiGlobalMatcher::Parameters& parameters)
-    : pair_(pair), parameters_(parameters), loops_(kernels::semiGlobal(simdTier())),
+                               const SemiGlobalMatcher::Parameters& parameters,
+                               SimdTier tier)
+    : pair_(pair), parameters_(parameters), loops_(kernels::semiGlobal(tier)),
       width_(pair.grey.cols), disparities_(parameters.disparities)
 {
   const int edge = parameters.edge;

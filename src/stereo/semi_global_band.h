@@ -21,7 +21,8 @@ public:
     const CensusImage &left, &right;
   };
 
-  SemiGlobalBand(const Pair& pair, const SemiGlobalMatcher::Parameters& parameters);
+  SemiGlobalBand(const Pair& pair, const SemiGlobalMatcher::Parameters& parameters,
+                 SimdTier tier = simdTier());
 
   /** \brief Matches the rows begin <= v < end. Paths from above begin some rows before.
    * \param[out] disparity CV_16SC1 as of disparity_cleaning.h; below 0 = none */

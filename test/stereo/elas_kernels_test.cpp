@@ -9,6 +9,7 @@
 
 #include "stereo/kernels/map_disparity.h"
 #include "stereo/kernels/smoothing.h"
+#include "support/supported_tiers.h"
 
 #include <gtest/gtest.h>
 
@@ -19,17 +20,6 @@
 
 namespace pcl_semantic::kernels {
 namespace {
-
-std::vector<SimdTier>
-tiersHere()
-{
-  std::vector<SimdTier> tiers = {SimdTier::plain};
-  if (__builtin_cpu_supports("avx2"))
-    tiers.push_back(SimdTier::avx2);
-  if (__builtin_cpu_supports("avx512bw"))
-    tiers.push_back(SimdTier::avx512);
-  return tiers;
-}
 
 std::vector<std::uint8_t>
 randomBytes(std::size_t count, unsigned seed)
@@ -54,7 +44,7 @@ TEST(ElasKernels, GradientsAreSobels)
 {
   for (const int width : {1, 2, 3, 70}) {
     const auto rows = randomBytes(std::size_t(3 * width), 5);
-    for (const SimdTier tier : tiersHere()) {
+    for (const SimdTier tier : supportedTiers()) {
       std::vector<std::uint8_t> across(rows.size()), down(rows.size());
       descriptors(tier).gradients(rows.data(), rows.data() + width,
                                   rows.data() + 2 * width, width, across.data(),
@@ -85,7 +75,7 @@ TEST(ElasKernels, DescriptorsAreGatheredAndCompared)
   const std::uint8_t* elements[descriptor_bytes];
   for (int i = 0; i < descriptor_bytes; ++i)
     elements[i] = plane.data() + i * 7 % descriptor_bytes;
-  for (const SimdTier tier : tiersHere()) {
+  for (const SimdTier tier : supportedTiers()) {
     std::vector<std::uint8_t> gathered(count * descriptor_bytes);
     descriptors(tier).gather(elements, count, gathered.data());
     for (int u = 0; u < count; ++u)
@@ -165,7 +155,7 @@ protected:
 
 TEST_P(MapDisparity, IsThatOfTheLeastEnergy)
 {
-  for (const SimdTier tier : tiersHere()) {
+  for (const SimdTier tier : supportedTiers()) {
     std::vector<std::int16_t> found(width);
     mapDisparities(tier)(row_, found.data());
     int matched = 0;
@@ -210,7 +200,7 @@ TEST(ElasKernels, SmoothingIsTheMeanOfWhatIsLikeThePixel)
   const std::int16_t* neighbours[2 * radius + 1];
   for (int i = 0; i <= 2 * radius; ++i)
     neighbours[i] = values.data() + i;
-  for (const SimdTier tier : tiersHere()) {
+  for (const SimdTier tier : supportedTiers()) {
     std::vector<std::int16_t> smooth(count);
     smoothing(tier)(values.data() + radius, neighbours, 2 * radius + 1, range, count,
                     smooth.data());
