@@ -85,7 +85,13 @@ AtomicFile::commit()
   if (error)
     PCL_THROW_EXCEPTION(OutputException,
                         path_ << ": cannot be written: " << error.message());
-  synchronize(folderOf(path_), O_RDONLY | O_DIRECTORY);
+  synchronizeFolderOf(path_);
+}
+
+void
+synchronizeFolderOf(const std::string& path)
+{
+  synchronize(folderOf(path), O_RDONLY | O_DIRECTORY);
 }
 
 void

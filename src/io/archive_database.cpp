@@ -16,7 +16,6 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr std::int64_t kApplication = 0x50434C53; // "PCLS"
 constexpr std::int64_t kVersion = 1;
 
 constexpr std::size_t kLargestMeta = 1 << 24;
@@ -81,8 +80,7 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path, Access access)
   if (access_ == Access::read)
     database_.run("BEGIN");
   else {
-    // What is written goes to FILE-wal first, so that readers are not in the way.
-    if (!database_.runUnlessBusy("PRAGMA journal_mode = WAL"))
+    if (!database_.splitLog())
       PCL_THROW_EXCEPTION(OutputException,
                           path << ": another program is using it; try again when it "
                                   "has finished");
@@ -95,7 +93,7 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path, Access access)
 void
 ArchiveDatabase::makeTables()
 {
-  database_.run("PRAGMA application_id = " + std::to_string(kApplication) +
+  database_.run("PRAGMA application_id = " + std::to_string(SqliteDatabase::whole) +
                 "; PRAGMA user_version = " + std::to_string(kVersion));
   for (const std::string& table : tables)
     database_.run(table);
@@ -104,7 +102,8 @@ ArchiveDatabase::makeTables()
 void
 ArchiveDatabase::checkTables()
 {
-  if (database_.number("PRAGMA application_id") != kApplication)
+  const std::int64_t mark = database_.number("PRAGMA application_id");
+  if (mark != SqliteDatabase::whole && mark != SqliteDatabase::with_log)
     PCL_THROW_EXCEPTION(BadInputException, path() << ": is no map archive");
   const std::int64_t version = database_.number("PRAGMA user_version");
   if (version > kVersion)

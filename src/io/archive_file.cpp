@@ -7,6 +7,7 @@
 #include "archive_file.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -48,18 +49,6 @@ rename(const std::string& from, const std::string& to)
   if (result != 0)
     PCL_THROW_EXCEPTION(OutputException,
                         to << ": cannot be written: " << std::strerror(errno));
-}
-
-// A name is on the disk only when its folder is.
-void
-syncFolderOf(const std::string& path)
-{
-  const std::string folder = fs::absolute(path).parent_path().string();
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY);
-  if (descriptor < 0)
-    return; // may not be read: nothing more can be done
-  ::fsync(descriptor);
-  ::close(descriptor);
 }
 
 // Removes what was made if it has not got its name.
@@ -110,7 +99,7 @@ makeArchiveFile(const std::string& path,
     PCL_THROW_EXCEPTION(OutputException, message);
   }
   rename(temporary.name, path);
-  syncFolderOf(path);
+  synchronizeFolderOf(path);
 }
 
 void

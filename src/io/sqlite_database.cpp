@@ -49,32 +49,29 @@ isOutputFailure(int code)
   }
 }
 
-int
-openFlags(SqliteDatabase::Access access)
-{
-  switch (access) {
-  case SqliteDatabase::Access::read:
-    return SQLITE_OPEN_READONLY;
-  case SqliteDatabase::Access::write:
-    return SQLITE_OPEN_READWRITE;
-  default:
-    return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  }
-}
-
-// Whether a file belongs together with FILE-wal, as byte 19 of its header says. Read by
+// Whether a file is marked as belonging together with FILE-wal, in FILE itself. Read by
 // SQLite's own handle: closing another would drop the locks of this process.
 bool
 needsLog(sqlite3* connection)
 {
-  constexpr unsigned char with_log = 2;
+  constexpr int at = 68; // application_id in the header of a database, big-endian
   sqlite3_file* file = nullptr;
-  unsigned char version = 0;
-  return sqlite3_file_control(connection, "main", SQLITE_FCNTL_FILE_POINTER, &file) ==
-             SQLITE_OK &&
-         file && file->pMethods &&
-         file->pMethods->xRead(file, &version, 1, 19) == SQLITE_OK &&
-         version == with_log;
+  unsigned char bytes[4] = {};
+  if (sqlite3_file_control(connection, "main", SQLITE_FCNTL_FILE_POINTER, &file) !=
+          SQLITE_OK ||
+      !file || !file->pMethods ||
+      file->pMethods->xRead(file, bytes, sizeof bytes, at) != SQLITE_OK)
+    return false;
+  std::int64_t mark = 0;
+  for (const unsigned char byte : bytes)
+    mark = mark << 8 | byte;
+  return mark == SqliteDatabase::with_log;
+}
+
+std::string
+marking(SqliteDatabase::FileMark mark)
+{
+  return "PRAGMA application_id = " + std::to_string(mark);
 }
 
 // For somebody else to come to an end of what takes no time.
@@ -89,7 +86,10 @@ waitALittle()
 SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
     : path_(path), access_(access)
 {
-  const int flags = openFlags(access) | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  // A reader, too, undoes what a killed writer left half done, where it may.
+  const int flags = SQLITE_OPEN_READWRITE |
+                    (access == Access::create ? SQLITE_OPEN_CREATE : 0) |
+                    SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
   // Some relative names (":memory:") mean something else to SQLite.
   const std::string absolute = std::filesystem::absolute(path).string();
   const int code = sqlite3_open_v2(absolute.c_str(), &connection_, flags, nullptr);
@@ -107,6 +107,8 @@ SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
     if (access != Access::read && sqlite3_db_readonly(connection_, "main") == 1)
       fail(SQLITE_READONLY);
     run("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON");
+    if (access == Access::read)
+      run("PRAGMA query_only = ON");
   }
   catch (...) {
     sqlite3_close(connection_);
@@ -156,11 +158,29 @@ SqliteDatabase::requireLog() const
 }
 
 bool
+SqliteDatabase::moveLogToFile()
+{
+  return number("PRAGMA wal_checkpoint(FULL)") == 0; // 1: a reader was in the way
+}
+
+bool
+SqliteDatabase::splitLog()
+{
+  if (!runUnlessBusy("PRAGMA journal_mode = WAL"))
+    return false;
+  run(marking(with_log));
+  return needsLog(connection_) || moveLogToFile();
+}
+
+bool
 SqliteDatabase::joinLog()
 {
+  sqlite3_busy_timeout(connection_, 0);
   // A reader is done soon, as a rule.
   for (int attempt = 0; attempt < 40; ++attempt) {
-    if (runUnlessBusy("PRAGMA journal_mode = DELETE"))
+    // Everything else is in the file before the mark that says so.
+    if (moveLogToFile() && runUnlessBusy(marking(whole)) && moveLogToFile() &&
+        runUnlessBusy("PRAGMA journal_mode = DELETE"))
       return true;
     waitALittle();
   }

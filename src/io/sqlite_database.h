@@ -23,6 +23,12 @@ namespace pcl_semantic {
  * the file cannot be used, std::bad_alloc where memory lacks. */
 class SqliteDatabase {
 public:
+  /** \brief What a file of ours is marked with (its application_id). */
+  enum FileMark : std::int64_t {
+    whole = 0x50434C53,   //!< "PCLS": FILE has everything that was committed
+    with_log = 0x50434C57 //!< "PCLW": FILE-wal may have more
+  };
+
   enum class Access { read, write, create };
 
   /** \throws BadInputException, OutputException */
@@ -36,6 +42,12 @@ public:
 
   /** \brief The same; only says whether a lock of another program was in the way. */
   bool runUnlessBusy(const std::string& sql);
+
+  /** \brief From now on commits go to FILE-wal first, so that readers are not in the
+   * way; outside of a transaction. The file says so (FileMark::with_log) before the
+   * first of them, so that FILE alone can be told from a whole file at any moment.
+   * \return false if another program was in the way */
+  bool splitLog();
 
   /** \brief Brings FILE-wal into the file, outside of a transaction.
    * \return false if readers were in the way for two seconds: both then stay */
@@ -57,6 +69,7 @@ private:
   friend class SqliteStatement;
 
   void requireLog() const;
+  bool moveLogToFile();
 
   std::string path_;
   Access access_;

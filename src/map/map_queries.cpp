@@ -39,24 +39,29 @@ struct Entry {
   int slab = 0; ///< voxels from the start along the axis
 };
 
+// In 64 bits: a window that lies nowhere is far beyond all voxels.
+using WideIndex = Eigen::Matrix<std::int64_t, 3, 1>;
+
 // \param[in] low, high the first and the last voxel of the box
 // \return nothing if the segment does not come to it
 std::optional<Entry>
-entryOf(const QuantizedPoint& from, const QuantizedPoint& to, const VoxelIndex& low,
-        const VoxelIndex& high)
+entryOf(const QuantizedPoint& from, const QuantizedPoint& to, const WideIndex& low,
+        const WideIndex& high)
 {
-  const VoxelIndex start = voxelOf(from), end = voxelOf(to);
+  const WideIndex start = voxelOf(from).cast<std::int64_t>();
+  const WideIndex end = voxelOf(to).cast<std::int64_t>();
   Entry entry;
   double latest = 0.0; // in lengths of the segment
   for (int axis = 0; axis < 3; ++axis) {
     if (std::max(start[axis], end[axis]) < low[axis] ||
         std::min(start[axis], end[axis]) > high[axis])
       return std::nullopt;
-    const int slab = std::max({low[axis] - start[axis], start[axis] - high[axis], 0});
-    const double time = slab / std::abs(double(end[axis]) - start[axis]);
+    const std::int64_t slab =
+        std::max(low[axis] - start[axis], start[axis] - high[axis]);
+    const double time = double(slab) / std::abs(double(end[axis] - start[axis]));
     if (slab > 0 && time > latest) {
       latest = time;
-      entry = {axis, slab};
+      entry = {axis, int(slab)};
     }
   }
   return entry;
@@ -243,8 +248,9 @@ SemanticVoxelMap::firstOccupied(const Eigen::Vector3d& from,
   };
   const QuantizedPoint start = quantize(from, voxel_size),
                        end = quantize(to, voxel_size);
-  const VoxelIndex low = grid_.origin() * kBlockEdge;
-  const VoxelIndex high = low + grid_.size() * kBlockEdge - VoxelIndex::Ones();
+  const WideIndex low = grid_.origin().cast<std::int64_t>() * kBlockEdge;
+  const WideIndex high =
+      low + grid_.size().cast<std::int64_t>() * kBlockEdge - WideIndex::Ones();
   if (const std::optional<Entry> entry = entryOf(start, end, low, high))
     traverseSegmentFrom(start, end, entry->axis, entry->slab, visit);
   return found;

@@ -160,6 +160,9 @@ TEST(MapQueries, ARayFromAnywhereFindsWhatItsTraversalFinds)
   }
   EXPECT_GT(found, 100);
   EXPECT_GT(from_outside, 50);
+  // A window that has not been anywhere.
+  EXPECT_FALSE(SemanticVoxelMap(twoClasses(), smallWindow())
+                   .firstOccupied({-4e8, -4e8, -4e8}, {4e8, 4e8, 4e8}));
   // Ends at once, though the segment has two billion voxels.
   EXPECT_FALSE(map.firstOccupied({-4e8, 3.0, 4.0}, {4e8, 3.0, 4.0}));
   EXPECT_FALSE(map.firstOccupied({4e8, 4e8, 4e8}, {-4e8, 4e8, 4e8}));

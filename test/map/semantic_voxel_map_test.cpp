@@ -281,16 +281,35 @@ TEST(SemanticVoxelMap, BadPointsAndSkyAreCountedAndSkipped)
   EXPECT_EQ(map.occupied().size(), 1u);
 }
 
+// No sky: the same rays with labels and without.
+LabelledScan
+makeScanOfOneClass()
+{
+  LabelledScan scan = makeRandomScan(500, 5.0f, 3, 6);
+  for (Eigen::Index i = 0; i < scan.distributions.size(); ++i)
+    scan.distributions.setLabel(i, 1, 0.6f);
+  return scan;
+}
+
+// Takes every occupied voxel for class 3; gives the distributions.
+LabelDistributions
+refineAll(SemanticVoxelMap& map)
+{
+  const VoxelCloud voxels = map.occupied();
+  LabelDistributions refined(3, Eigen::Index(voxels.size()));
+  for (Eigen::Index i = 0; i < refined.size(); ++i)
+    refined.setLabel(i, 3, 0.8f);
+  map.setRefined(voxels, refined);
+  return refined;
+}
+
 TEST(SemanticVoxelMap, RefinedDistributionsAreReadAndMeasurementsKept)
 {
   const LabelledScan scan = makeRandomScan(500, 5.0f, 3, 6);
   SemanticVoxelMap map(threeClasses(), smallWindow());
   map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
   const VoxelCloud before = map.occupied();
-  LabelDistributions refined(3, Eigen::Index(before.size()));
-  for (Eigen::Index i = 0; i < refined.size(); ++i)
-    refined.setLabel(i, 3, 0.8f);
-  map.setRefined(before, refined);
+  const LabelDistributions refined = refineAll(map);
   const VoxelCloud after = map.occupied();
   EXPECT_TRUE(after.measured.matrix() == before.measured.matrix());
   EXPECT_TRUE(after.refined.matrix() == refined.matrix());
@@ -308,16 +327,10 @@ TEST(SemanticVoxelMap, RefinedDistributionsAreReadAndMeasurementsKept)
 
 TEST(SemanticVoxelMap, ANewMeasurementVoidsTheRefinement)
 {
-  LabelledScan scan = makeRandomScan(500, 5.0f, 3, 6);
-  for (Eigen::Index i = 0; i < scan.distributions.size(); ++i)
-    scan.distributions.setLabel(i, 1, 0.6f); // no sky: the same rays with and without
+  const LabelledScan scan = makeScanOfOneClass();
   SemanticVoxelMap map(threeClasses(), smallWindow());
   map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
-  const VoxelCloud before = map.occupied();
-  LabelDistributions refined(3, Eigen::Index(before.size()));
-  for (Eigen::Index i = 0; i < refined.size(); ++i)
-    refined.setLabel(i, 3, 0.8f);
-  map.setRefined(before, refined);
+  const LabelDistributions refined = refineAll(map);
   map.integrate(scan.cloud, poseAt(0, 0, 0)); // no labels: nothing new is known of them
   EXPECT_TRUE(map.occupied().refined.matrix() == refined.matrix());
   map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
@@ -327,16 +340,10 @@ TEST(SemanticVoxelMap, ANewMeasurementVoidsTheRefinement)
 
 TEST(SemanticVoxelMap, PixelsWithoutALabelVoidNothing)
 {
-  LabelledScan scan = makeRandomScan(500, 5.0f, 3, 6);
-  for (Eigen::Index i = 0; i < scan.distributions.size(); ++i)
-    scan.distributions.setLabel(i, 1, 0.6f);
+  LabelledScan scan = makeScanOfOneClass();
   SemanticVoxelMap map(threeClasses(), smallWindow());
   map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
-  const VoxelCloud before = map.occupied();
-  LabelDistributions refined(3, Eigen::Index(before.size()));
-  for (Eigen::Index i = 0; i < refined.size(); ++i)
-    refined.setLabel(i, 3, 0.8f);
-  map.setRefined(before, refined);
+  const LabelDistributions refined = refineAll(map);
   scan.distributions.matrix().setZero();
   map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
   EXPECT_TRUE(map.occupied().refined.matrix() == refined.matrix());

@@ -40,6 +40,9 @@ private:
   std::ofstream stream_;
 };
 
+/** \brief Brings the name of a file to the disk, where its folder may be read. */
+void synchronizeFolderOf(const std::string& path);
+
 /** \brief Writes a text file through AtomicFile. \throws OutputException */
 void writeTextFile(const std::string& path, const std::string& text);
 

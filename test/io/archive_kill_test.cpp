@@ -1,0 +1,161 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// A writer that ends before any one of its system calls.
+
+#include "support/archives.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <omp.h>
+#include <sqlite3.h>
+
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// What SQLite asks of the system that changes something on the disk.
+const char* const calls[] = {"write",  "pwrite",    "pwrite64", "ftruncate",
+                             "unlink", "fallocate", "open"};
+int calls_left = 0;
+
+// Stands for one of the calls: the process ends there, or goes on with what was meant.
+template <std::size_t call> sqlite3_syscall_ptr meant = nullptr;
+
+template <std::size_t call, typename... Arguments>
+long
+endOrGoOn(Arguments... arguments)
+{
+  if (calls_left-- == 0)
+    ::_exit(1);
+  return reinterpret_cast<long (*)(Arguments...)>(meant<call>)(arguments...);
+}
+
+template <std::size_t call, typename... Arguments>
+void
+replaceCall(sqlite3_vfs& vfs)
+{
+  meant<call> = vfs.xGetSystemCall(&vfs, calls[call]);
+  if (meant<call>)
+    vfs.xSetSystemCall(
+        &vfs, calls[call],
+        reinterpret_cast<sqlite3_syscall_ptr>(&endOrGoOn<call, Arguments...>));
+}
+
+// Runs a writer in a process of its own that ends before call number `calls_before`.
+// Returns whether it has come to its end.
+bool
+runUntil(int calls_before, const std::function<void()>& write)
+{
+  const pid_t child = ::fork();
+  if (child == 0) {
+    sqlite3_vfs& vfs = *sqlite3_vfs_find(nullptr);
+    calls_left = calls_before;
+    replaceCall<0, long, const void*, long>(vfs);
+    replaceCall<1, long, const void*, long, long>(vfs);
+    replaceCall<2, long, const void*, long, long>(vfs);
+    replaceCall<3, long, long>(vfs);
+    replaceCall<4, const char*>(vfs);
+    replaceCall<5, long, long, long>(vfs);
+    replaceCall<6, const char*, long, long>(vfs);
+    try {
+      write();
+    }
+    catch (...) {
+      ::_exit(2);
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) < 2) << status;
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+// The blocks that are there after so many commits.
+Blocks
+blocksAfter(int commits)
+{
+  Blocks blocks;
+  for (unsigned i = 0; i < 4u * unsigned(commits); ++i)
+    blocks[VoxelIndex(int(i), 0, 0)] = makeRandomBlock(20, 3, i);
+  return blocks;
+}
+
+constexpr int kCommits = 2;
+
+void
+writeAll(const std::string& path, int& commits)
+{
+  const auto archive = MapArchive::create(path, makeArchiveHeader());
+  for (int commit = 1; commit <= kCommits; ++commit) {
+    putAll(blocksAfter(commit), *archive);
+    archive->commit({});
+    commits = commit;
+  }
+  archive->close();
+}
+
+// EXPECTs what is left to be the map after these commits or the one that was under way.
+void
+expectCommitted(const MapArchive& archive, int commits)
+{
+  int blocks = 0;
+  archive.forEach([&](const VoxelIndex&, const VoxelBlock&) { ++blocks; });
+  const int found = blocks / 4;
+  EXPECT_TRUE(found == commits || found == commits + 1) << blocks;
+  expectHolds(archive, blocksAfter(found));
+}
+
+} // namespace
+
+TEST(ArchiveKill, BeforeAnySystemCallNothingCommittedIsLost)
+{
+  omp_set_num_threads(1); // a forked process has no other
+  auto& commits = *static_cast<int*>(::mmap(
+      nullptr, sizeof(int), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+  int refused = 0;
+  bool ended = false;
+  for (int calls_before = 0; !ended; ++calls_before) {
+    SCOPED_TRACE(calls_before);
+    const TemporaryFolder folder;
+    const std::string path = folder.path("map"), copy = folder.path("copy");
+    commits = 0;
+    ended = runUntil(calls_before, [&] { writeAll(path, commits); });
+    if (!fs::exists(path)) {
+      EXPECT_EQ(commits, 0);
+      continue;
+    }
+    // FILE alone has everything, or is refused.
+    fs::copy_file(path, copy);
+    try {
+      expectCommitted(MapArchive(copy, ArchiveAccess::read), commits);
+    }
+    catch (const BadInputException& error) {
+      EXPECT_TRUE(holds(error.what(), "lacks " + copy + "-wal"));
+      ++refused;
+    }
+    expectCommitted(MapArchive(path, ArchiveAccess::read), commits);
+    {
+      MapArchive archive(path, ArchiveAccess::write);
+      expectCommitted(archive, commits);
+      EXPECT_TRUE(archive.close());
+    }
+    EXPECT_FALSE(fs::exists(path + "-wal"));
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_EQ(commits, kCommits);
+  EXPECT_GT(refused, 10);
+}
+
+} // namespace pcl_semantic
