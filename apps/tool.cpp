@@ -120,6 +120,14 @@ run(const std::string& name, const std::function<int()>& body)
 }
 
 void
+requireExtension(const std::string& path, const std::string& extension)
+{
+  if (!path.empty() && std::filesystem::path(path).extension() != extension)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        path << ": expected a name that ends in " << extension);
+}
+
+void
 refuseSameFiles(const std::vector<std::string>& inputs,
                 const std::vector<std::string>& outputs)
 {

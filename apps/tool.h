@@ -52,6 +52,12 @@ bool parseCommandLine(int argc, char** argv, const Usage& usage,
  * error and the exit code that belongs to it. */
 int run(const std::string& name, const std::function<int()>& body);
 
+/** \brief Refuses a file to write whose name promises another kind of file; an empty
+ * path is none.
+ * \param[in] extension ".png"
+ * \throws InvalidParameterException */
+void requireExtension(const std::string& path, const std::string& extension);
+
 /** \brief Refuses outputs that are also inputs, or each other; empty paths are no
  * files. \throws InvalidParameterException */
 void refuseSameFiles(const std::vector<std::string>& inputs,

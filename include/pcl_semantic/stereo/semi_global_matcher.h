@@ -30,8 +30,8 @@ public:
     int left_right_tolerance = 1; ///< between the images' disparities [px]
     int speckle_size = 200;       ///< smaller segments are dropped [px]; 0 keeps all
     double speckle_range = 1.0;   ///< disparity step within a segment [px]
-    int smoothing_radius = 3;     ///< along row and column [px]; 0 = none
-    double smoothing_range = 1.0; ///< what differs by more does not count [px]
+    int smoothing_radius = 5;     ///< along row and column [px]; 0 = none
+    double smoothing_range = 4.0; ///< what differs by more does not count [px]
     int gap_width = 10000;        ///< longer gaps in a row stay [px]; 0 fills none
     double gap_step = 6.0;        ///< of the two ends of a gap [px], see fillGaps
 
