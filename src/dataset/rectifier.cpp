@@ -21,6 +21,9 @@ namespace {
 // polynomial that was fitted to too little.
 constexpr double kScale = 8.0;
 
+constexpr int kStep = 8;           // [px] between the pixels that are looked at
+constexpr double kUsable = 0.95;   // share of them that has to come out right
+
 // A rig as OpenCV's functions take it, and what stereoRectify makes of it.
 struct Rectification {
   cv::Mat K1, K2, D1, D2, R, T;
@@ -74,6 +77,29 @@ cameraOf(const StereoRig& rig, const Rectification& result)
   return camera;
 }
 
+// Polynomials fold an image over where they were not fitted, and OpenCV does not look.
+void
+requireUsable(const cv::Mat2s& whole, const char* name)
+{
+  const cv::Rect image({}, whole.size());
+  int usable = 0, all = 0;
+  for (int y = 0; y + kStep < whole.rows; y += kStep)
+    for (int x = 0; x + kStep < whole.cols; x += kStep) {
+      const cv::Vec2s here = whole(y, x);
+      const cv::Vec2i right = cv::Vec2i(whole(y, x + kStep)) - cv::Vec2i(here);
+      const cv::Vec2i below = cv::Vec2i(whole(y + kStep, x)) - cv::Vec2i(here);
+      const bool keeps_sides = right[0] * below[1] - right[1] * below[0] > 0;
+      usable += keeps_sides && image.contains(cv::Point(here));
+      ++all;
+    }
+  if (usable < kUsable * all)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "only " << 100 * usable / std::max(all, 1) << " % of the "
+                                << name
+                                << " image can be rectified: K, D, R or T cannot be "
+                                   "right");
+}
+
 } // namespace
 
 Rectifier::Rectifier(const StereoRig& rig)
@@ -98,8 +124,10 @@ Rectifier::Rectifier(const StereoRig& rig)
                                 maps_[0].whole, maps_[0].fraction);
     cv::initUndistortRectifyMap(result.K2, result.D2, result.R2, result.P2, size, CV_16SC2,
                                 maps_[1].whole, maps_[1].fraction);
+    requireUsable(maps_[0].whole, "left");
+    requireUsable(maps_[1].whole, "right");
   }
-  catch (const cv::Exception& error) {
+  catch (const cv::Exception& error) { // its message has several lines
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "the rig cannot be rectified: " << error.err);
   }

@@ -60,6 +60,19 @@ findKey(const Source& source, const Keys& keys)
   return found;
 }
 
+std::vector<double>
+numbersOf(const std::vector<std::string>& words, const std::string& where)
+{
+  std::vector<double> numbers;
+  for (const std::string& word : words) {
+    numbers.push_back(parseNumber(word, where));
+    if (!std::isfinite(numbers.back()))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          where << ": '" << word << "' is not a finite number");
+  }
+  return numbers;
+}
+
 // The numbers of a matrix, row after row.
 std::vector<double>
 readMatrix(const Source& source, const Keys& keys)
@@ -72,16 +85,17 @@ readMatrix(const Source& source, const Keys& keys)
     PCL_THROW_EXCEPTION(BadInputException,
                         source.path << ": key " << names << " is missing");
   }
+  const std::string where = source.map.where(key) + ": " + key;
   if (!source.map.isMap(key))
-    return source.map.require<std::vector<double>>(key);
+    return numbersOf(source.map.require<std::vector<std::string>>(key), where);
   const YamlMap matrix = source.map.requireMap(key);
-  const auto data = matrix.require<std::vector<double>>("data");
+  const std::vector<double> data =
+      numbersOf(matrix.require<std::vector<std::string>>("data"), where);
   const int rows = matrix.require<int>("rows"), columns = matrix.require<int>("cols");
   if (rows < 1 || columns < 1 || double(rows) * columns != double(data.size()))
     PCL_THROW_EXCEPTION(BadInputException,
-                        source.map.where(key) << ": " << key << ": has " << data.size()
-                                              << " numbers, expected " << rows << " x "
-                                              << columns);
+                        where << ": has " << data.size() << " numbers, expected "
+                              << rows << " x " << columns);
   return data;
 }
 

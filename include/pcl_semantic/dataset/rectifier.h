@@ -24,12 +24,13 @@ enum class StereoSide { left = 0, right = 1 };
  *
  * Both cameras are turned as little as possible (Bouguet's method, `cv::stereoRectify`
  * with CALIB_ZERO_DISPARITY) and get the same focal length and principal point, chosen
- * so that no pixel comes from outside an image (alpha = 0): a margin is cut off. */
+ * so that (but for single pixels of the margin) none comes from outside an image, alpha =
+ * 0: what only one of the two cameras or a corner sees is cut off. */
 class Rectifier {
 public:
   /** \param[in] rig cameras with the size of their images
    * \throws InvalidParameterException if a value of the rig cannot be used, its size is
-   * not known, or next to nothing of the images would remain */
+   * not known, or the distortion folds the images */
   explicit Rectifier(const StereoRig& rig);
 
   /** \brief The rectified pair; the left camera's frame is that of its images. */
