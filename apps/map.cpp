@@ -11,7 +11,6 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/frame_range.h>
-#include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
@@ -57,20 +56,20 @@ makeLabelling(const MapArguments& arguments)
 
 // Everything that the map depends on.
 MappingRun
-makeRun(const MapArguments& arguments, const KittiSequence& sequence,
+makeRun(const MapArguments& arguments, const FrameSequence& sequence,
         const std::string& poses, const Labelling& labelling)
 {
   MappingRun run;
-  run.inputs = {{"sequence", arguments.sequence},
-                {"poses", poses},
-                {"labels", arguments.labels},
-                {"network", arguments.network},
-                {"model", labelling.model}};
+  run.inputs = tool::inputsOf(arguments.sequence);
+  run.inputs.insert(run.inputs.end(), {{"poses", poses},
+                                       {"labels", arguments.labels},
+                                       {"network", arguments.network},
+                                       {"model", labelling.model}});
   for (const std::size_t i : selectFrames(sequence, parseFrameRange(arguments.frames)))
     run.frames.push_back(sequence.frameNumber(i));
   if (run.frames.empty())
     PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.sequence << ": has no frame in " << arguments.frames);
+                        arguments.sequence.name() << ": has no frame in " << arguments.frames);
   run.camera = sequence.camera();
   run.T_camera0_camera = sequence.T_camera0_camera();
   run.label_set = labelling.label_set;
@@ -82,19 +81,16 @@ MappingOutput
 makeOutput(const MapArguments& arguments, const MappingRun& run,
            const std::string& poses, const MappingArchive& archive)
 {
-  return {arguments.output,
-          run.camera,
-          run.label_set,
-          run.config,
-          run.T_camera0_camera,
-          {{"sequence", arguments.sequence},
-           {"frames", arguments.frames},
-           {"poses", poses},
-           {"labels", arguments.labels},
-           {"label_set", arguments.label_set},
-           {"network", arguments.network},
-           {"model", arguments.model},
-           {"archive", arguments.archive.path}},
+  auto inputs = tool::inputsOf(arguments.sequence);
+  inputs.insert(inputs.end(), {{"frames", arguments.frames},
+                               {"poses", poses},
+                               {"labels", arguments.labels},
+                               {"label_set", arguments.label_set},
+                               {"network", arguments.network},
+                               {"model", arguments.model},
+                               {"archive", arguments.archive.path}});
+  return {arguments.output, run.camera,           run.label_set,
+          run.config,       run.T_camera0_camera, std::move(inputs),
           archive.records()};
 }
 
@@ -115,7 +111,8 @@ mapSequence(const MapArguments& arguments)
 {
   tool::requireMapArguments(arguments);
   setNumberOfThreads(arguments.parameters.threads);
-  const KittiSequence sequence(arguments.sequence);
+  const std::unique_ptr<FrameSequence> opened = tool::openSequence(arguments.sequence);
+  const FrameSequence& sequence = *opened;
   const std::string chosen = tool::choosePoses(arguments, sequence);
   Labelling labelling = makeLabelling(arguments);
   const MappingRun run = makeRun(arguments, sequence, chosen, labelling);

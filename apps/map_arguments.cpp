@@ -23,9 +23,8 @@ po::options_description
 describeOptions(MapArguments& arguments)
 {
   po::options_description options("Options");
-  options.add_options()("sequence", po::value(&arguments.sequence),
-                        "folder in KITTI's odometry layout")(
-      "output", po::value(&arguments.output),
+  addSequenceOptions(arguments.sequence, options);
+  options.add_options()("output", po::value(&arguments.output),
       "folder to write to; an earlier map in it is replaced")(
       "labels", po::value(&arguments.labels),
       "folder of stored label distributions: .bin, .npy or .png a frame")(
@@ -74,7 +73,8 @@ parseMapArguments(int argc, char** argv, MapArguments& arguments)
   po::variables_map values;
   const Usage usage{
       "pcl_semantic_map",
-      "SEQUENCE --output DIR (--labels DIR | --network FILE.yaml) [options]",
+      "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)\n"
+      "  --output DIR (--labels DIR | --network FILE.yaml) [options]",
       "Maps a stereo sequence: writes a labelled voxel map, the classes as the camera\n"
       "sees them in it, pictures and a summary. Defaults of the parameters are shown.",
       "pcl_semantic_synthesize /tmp/street && \\\n"
@@ -92,12 +92,11 @@ parseMapArguments(int argc, char** argv, MapArguments& arguments)
 void
 requireMapArguments(const MapArguments& arguments)
 {
-  const auto fail = [](const char* message) {
+  const auto fail = [](const std::string& message) {
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         message << " (see pcl_semantic_map --help)");
   };
-  if (arguments.sequence.empty())
-    fail("the SEQUENCE is missing");
+  requireSequence(arguments.sequence, "pcl_semantic_map");
   if (arguments.output.empty())
     fail("--output is missing");
   if (arguments.archive.resume && arguments.archive.path.empty())
@@ -110,6 +109,9 @@ requireMapArguments(const MapArguments& arguments)
   if (!arguments.archive.path.empty() && arguments.poses == "odometry")
     fail("--archive needs poses from a file: odometry cannot go on where a run was "
          "killed; write them with pcl_semantic_odometry");
+  for (const auto& [name, path] : inputsOf(arguments.sequence))
+    if (name != "sequence" && isOutput(path, arguments.output))
+      fail("--" + name + " is where --output puts its own files");
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
   if (!arguments.model.empty() && arguments.network.empty())

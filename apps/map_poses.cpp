@@ -13,7 +13,7 @@
 namespace pcl_semantic::tool {
 
 std::string
-choosePoses(const MapArguments& arguments, const KittiSequence& sequence)
+choosePoses(const MapArguments& arguments, const FrameSequence& sequence)
 {
   if (arguments.poses != "auto" && arguments.poses != "sequence")
     return arguments.poses;
@@ -22,19 +22,19 @@ choosePoses(const MapArguments& arguments, const KittiSequence& sequence)
     return path;
   if (arguments.poses == "sequence")
     PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.sequence
+                        arguments.sequence.name()
                             << ": has no poses.txt; give a trajectory with --poses");
   if (!arguments.archive.path.empty())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "--archive needs poses from a file, but "
-                            << arguments.sequence
+                            << arguments.sequence.name()
                             << " has no poses.txt; write them with "
                                "pcl_semantic_odometry and give them with --poses");
   return "odometry";
 }
 
 std::unique_ptr<PoseSource>
-makePoses(const std::string& chosen, const KittiSequence& sequence)
+makePoses(const std::string& chosen, const FrameSequence& sequence)
 {
   const Eigen::Isometry3d& T_camera0_camera = sequence.T_camera0_camera();
   if (chosen == "odometry")

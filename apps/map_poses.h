@@ -8,7 +8,7 @@
 
 #include "map_arguments.h"
 
-#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
 #include <memory>
@@ -18,10 +18,10 @@ namespace pcl_semantic::tool {
 /** \brief Where the poses of a run come from: the path of a trajectory, or "odometry".
  * \throws BadInputException if the sequence shall have a trajectory and has none
  * \throws InvalidParameterException if the run is archived and has no trajectory */
-std::string choosePoses(const MapArguments& arguments, const KittiSequence& sequence);
+std::string choosePoses(const MapArguments& arguments, const FrameSequence& sequence);
 
 /** \brief Opens what choosePoses() has chosen. */
 std::unique_ptr<PoseSource> makePoses(const std::string& chosen,
-                                      const KittiSequence& sequence);
+                                      const FrameSequence& sequence);
 
 } // namespace pcl_semantic::tool

@@ -4,12 +4,11 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "tool.h"
+#include "sequence_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/frame_range.h>
-#include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
@@ -22,7 +21,9 @@ using namespace pcl_semantic;
 
 namespace {
 
-const tool::Usage usage{"pcl_semantic_odometry", "SEQUENCE OUT.txt [options]",
+const tool::Usage usage{"pcl_semantic_odometry", 
+                        "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration "
+                        "FILE.yaml) OUT.txt\n  [options]",
                         "Poses of a stereo sequence from its images alone, of camera 0 "
                         "in the frame of the\n"
                         "first one, as KITTI or TUM trajectory.",
@@ -30,7 +31,8 @@ const tool::Usage usage{"pcl_semantic_odometry", "SEQUENCE OUT.txt [options]",
                         "  pcl_semantic_odometry /tmp/street /tmp/poses.txt"};
 
 struct Options {
-  std::string sequence, output, report;
+  tool::SequenceOptions sequence;
+  std::string output, report;
   std::string format = "kitti", frames = ":";
   int threads = 0;
   StereoOdometry::Parameters parameters;
@@ -46,9 +48,8 @@ parseOptions(int argc, char** argv, Options& options)
     visible.add_options()(name, po::value<T>(&value)->default_value(value), text);
   };
   StereoOdometry::Parameters& parameters = options.parameters;
-  visible.add_options()("sequence", po::value(&options.sequence),
-                        "folder in KITTI's odometry layout")(
-      "output", po::value(&options.output), "trajectory to write")(
+  tool::addSequenceOptions(options.sequence, visible);
+  visible.add_options()("output", po::value(&options.output), "trajectory to write")(
       "report", po::value(&options.report),
       "table (.csv): what was tracked and the covariance of each pose");
   add("format", options.format, "kitti (12 numbers a row) or tum (time, quaternion)");
@@ -63,8 +64,9 @@ parseOptions(int argc, char** argv, Options& options)
   po::variables_map values;
   if (!tool::parseCommandLine(argc, argv, usage, visible, positional, values))
     return false;
-  if (options.sequence.empty())
-    tool::failUsage(usage, "the SEQUENCE is missing");
+  if (options.sequence.hasFiles() && options.output.empty())
+    std::swap(options.sequence.folder, options.output); // OUT.txt is the only one
+  tool::requireSequence(options.sequence, usage.name);
   if (options.output.empty())
     tool::failUsage(usage, "OUT.txt is missing");
   if (options.format != "kitti" && options.format != "tum")
@@ -76,7 +78,7 @@ parseOptions(int argc, char** argv, Options& options)
 
 // Row n of a KITTI trajectory is frame n.
 void
-requireRowsAreFrames(const KittiSequence& sequence,
+requireRowsAreFrames(const FrameSequence& sequence,
                      const std::vector<std::size_t>& frames)
 {
   for (std::size_t row = 0; row < frames.size(); ++row)
@@ -123,7 +125,7 @@ writeResults(const Options& options, const Results& results)
   const std::size_t frames = results.trajectory.size();
   if (frames > 1 && results.lost.size() + 1 == frames)
     PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence << ": no frame could be tracked");
+                        options.sequence.name() << ": no frame could be tracked");
   Trajectory poses;
   for (const TimedPose& timed : results.trajectory)
     poses.push_back(timed.pose);
@@ -141,13 +143,13 @@ writeResults(const Options& options, const Results& results)
 }
 
 std::vector<std::size_t>
-chooseFrames(const Options& options, const KittiSequence& sequence)
+chooseFrames(const Options& options, const FrameSequence& sequence)
 {
   const std::vector<std::size_t> frames =
       selectFrames(sequence, parseFrameRange(options.frames));
   if (frames.empty())
     PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence << ": has no frame in " << options.frames);
+                        options.sequence.name() << ": has no frame in " << options.frames);
   if (options.format == "kitti")
     requireRowsAreFrames(sequence, frames);
   return frames;
@@ -158,9 +160,9 @@ track(const Options& options)
 {
   setNumberOfThreads(options.threads);
   parseFrameRange(options.frames); // wrong options are found first
-  const KittiSequence sequence(options.sequence);
-  tool::refuseSameFiles({sequence.posesPath(), options.sequence + "/calib.txt",
-                         options.sequence + "/times.txt"},
+  const std::unique_ptr<FrameSequence> opened = tool::openSequence(options.sequence);
+  const FrameSequence& sequence = *opened;
+  tool::refuseSameFiles(tool::textFilesOf(options.sequence, sequence),
                         {options.output, options.report});
   const std::vector<std::size_t> frames = chooseFrames(options, sequence);
   StereoOdometry odometry(sequence.camera(), sequence.T_camera0_camera(),

@@ -4,9 +4,10 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "stereo_pair_reader.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
@@ -18,17 +19,6 @@ namespace pcl_semantic {
 namespace fs = std::filesystem;
 
 namespace {
-
-cv::Mat
-readImage(const std::string& path, int frame)
-{
-  try {
-    return readPng(path, ImageKind::grey_or_colour);
-  }
-  catch (const BadInputException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, error.what() << " (frame " << frame << ")");
-  }
-}
 
 void
 requirePartner(const std::vector<FrameFile>& files, const FrameFile& file,
@@ -78,7 +68,7 @@ KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
   findFrames(folder + (grey ? "/image_0" : "/image_2"),
              folder + (grey ? "/image_1" : "/image_3"));
   readTimes();
-  const cv::Mat first = readImage(frames_.front().left, frames_.front().number);
+  const cv::Mat first = readFrameImage(frames_.front().left, frames_.front().number);
   calibration_.camera.width = first.cols;
   calibration_.camera.height = first.rows;
   checkCamera(calibration_.camera, folder + "/calib.txt");
@@ -127,26 +117,10 @@ StereoFrame
 KittiSequence::frame(std::size_t i) const
 {
   const Entry& entry = frames_.at(i);
-  StereoFrame frame;
-  frame.number = entry.number;
+  StereoFrame frame = readStereoPair({entry.left, entry.right, entry.number},
+                                     {camera().width, camera().height},
+                                     "the first image");
   frame.timestamp = entry.timestamp;
-  frame.left = readImage(entry.left, entry.number);
-  frame.right = readImage(entry.right, entry.number);
-  for (const auto& [image, path] :
-       {std::pair(&frame.left, &entry.left), std::pair(&frame.right, &entry.right)}) {
-    if (image->cols != camera().width || image->rows != camera().height)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          *path << ": has " << image->cols << " x " << image->rows
-                                << " pixels, expected " << camera().width << " x "
-                                << camera().height << " as the first image (frame "
-                                << entry.number << ")");
-    if (image->type() != frame.left.type())
-      PCL_THROW_EXCEPTION(BadInputException, *path << ": has " << image->channels()
-                                                   << " channel(s), the left image has "
-                                                   << frame.left.channels()
-                                                   << " (frame " << entry.number
-                                                   << ")");
-  }
   return frame;
 }
 

@@ -9,7 +9,10 @@
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/core/stereo_frame.h>
 
+#include <Eigen/Geometry>
+
 #include <cstddef>
+#include <string>
 
 namespace pcl_semantic {
 
@@ -30,6 +33,22 @@ public:
 
   /** \brief The stereo pair that took the images, their size filled in. */
   virtual const StereoCamera& camera() const = 0;
+
+  /** \brief Pose of that pair's left camera in camera 0, the one whose poses are in
+   * trajectory files [m]. */
+  virtual const Eigen::Isometry3d&
+  T_camera0_camera() const
+  {
+    static const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
+    return identity;
+  }
+
+  /** \brief Path of the trajectory that comes with the sequence; empty if none does. */
+  virtual std::string
+  posesPath() const
+  {
+    return {};
+  }
 };
 
 } // namespace pcl_semantic

@@ -52,9 +52,8 @@ public:
     return calibration_.camera;
   }
 
-  /** \brief Pose of the left camera in camera 0, whose poses KITTI's files hold [m]. */
   const Eigen::Isometry3d&
-  T_camera0_camera() const
+  T_camera0_camera() const override
   {
     return calibration_.T_camera0_camera;
   }
@@ -71,7 +70,7 @@ public:
   const Eigen::Isometry3d& T_camera0_velodyne() const;
 
   /** \brief Path of `poses.txt`; empty if there is none. */
-  std::string posesPath() const;
+  std::string posesPath() const override;
 
   const std::string&
   folder() const
