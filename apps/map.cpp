@@ -117,6 +117,8 @@ mapSequence(const MapArguments& arguments)
   Labelling labelling = makeLabelling(arguments);
   const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
   std::unique_ptr<PoseSource> poses = tool::makePoses(chosen, sequence);
+  poses->requirePoses(
+      frameTimes(sequence, selectFrames(sequence, parseFrameRange(arguments.frames))));
   const auto* const odometry = dynamic_cast<StereoOdometry*>(poses.get());
   MappingArchive archive(arguments.archive, run);
   SemanticMapper mapper(run.camera, run.label_set, run.config,

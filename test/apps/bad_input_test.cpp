@@ -166,7 +166,10 @@ TEST(BadInput, Sequence)
        options, word("poses.txt", 2, 1, "2")},
       {"far pose", 3, "frame 1: the sensor is at", options,
        word("poses.txt", 2, 12, "1e30")},
-      {"a pose too few", 3, "poses.txt: has 2 poses, none for frame 2", options,
+      {"a pose too few", 3,
+       "poses.txt: has 2 poses, none for frame 2 (row = frame number); 1 of 3 "
+       "frames lack one",
+       options,
        [](const std::string& street) {
          const std::vector<std::string> lines = linesOf(street + "/poses.txt");
          write(street + "/poses.txt", lines[0] + "\n" + lines[1] + "\n");

@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "support/thrown_message.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/odometry/timed_poses.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
@@ -41,9 +43,32 @@ TEST(TimedPoses, AFrameWithoutPoseIsNamed)
     FAIL() << "a pose was given";
   }
   catch (const BadInputException& error) {
-    EXPECT_STREQ(error.what(),
-                 "tum.txt: has no pose within 0.01 s of 1.02 s, the time of frame 7");
+    EXPECT_STREQ(
+        error.what(),
+        "tum.txt: has no pose within 0.01 s of 1.02 s, the time of frame 7; its "
+        "times are from 1 to 1 s");
   }
+}
+
+TEST(TimedPoses, AreAllRequiredBeforeTheFirstFrame)
+{
+  const double start = 1403636579.763555584; // as ORB-SLAM writes EuRoC's
+  TimedTrajectory trajectory(4);
+  for (const int i : {0, 1, 2, 3})
+    trajectory[std::size_t(i)].time = start + (i < 2 ? 0.05 * i : 0.05 * (i + 1));
+  const TimedPoses poses(trajectory, Eigen::Isometry3d::Identity(), "tum.txt");
+  std::vector<FrameTime> frames;
+  for (const int i : {0, 1, 3, 4})
+    frames.push_back({10 + i, start + 0.05 * i});
+  poses.requirePoses(frames);
+  poses.requirePoses({});
+  frames.push_back({12, start + 0.1}); // lost in the middle
+  frames.push_back({15, start + 0.25});
+  EXPECT_EQ(
+      thrownMessage<BadInputException>([&] { poses.requirePoses(frames); }),
+      "tum.txt: has no pose within 0.01 s of 1403636579.86356 s, the time of frame 12; "
+      "its times are from 1403636579.76356 to 1403636579.96356 s; 2 of 6 frames lack "
+      "one");
 }
 
 } // namespace

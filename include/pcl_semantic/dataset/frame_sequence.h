@@ -27,6 +27,9 @@ public:
   /** \brief Number of the i-th frame in the whole sequence; may have gaps. */
   virtual int frameNumber(std::size_t i) const = 0;
 
+  /** \brief Time of the i-th frame [s], without reading its images. */
+  virtual double timestamp(std::size_t i) const = 0;
+
   /** \brief Reads the images of the i-th frame.
    * \throws BadInputException if an image is missing, damaged or of another size */
   virtual StereoFrame frame(std::size_t i) const = 0;

@@ -42,8 +42,13 @@ public:
     return frames_.at(i).number;
   }
 
-  /** \brief See FrameSequence. The time is that of `times.txt` or, without it, 0.1 s
-   * times the frame number. */
+  /** \brief That of `times.txt` or, without it, 0.1 s times the frame number. */
+  double
+  timestamp(std::size_t i) const override
+  {
+    return frames_.at(i).timestamp;
+  }
+
   StereoFrame frame(std::size_t i) const override;
 
   const StereoCamera&

@@ -25,7 +25,13 @@ public:
 
   Eigen::Isometry3d pose(const StereoFrame& frame) override;
 
+  void requirePoses(const std::vector<FrameTime>& frames) const override;
+
 private:
+  const TimedPose* find(const FrameTime& frame) const;
+
+  std::string lackOf(const FrameTime& frame) const;
+
   TimedTrajectory trajectory_;
   Eigen::Isometry3d T_camera0_camera_;
   std::string name_;
