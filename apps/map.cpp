@@ -6,6 +6,7 @@
 
 #include "map_arguments.h"
 #include "map_poses.h"
+#include "pair_watch.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -65,11 +66,9 @@ makeRun(const MapArguments& arguments, const FrameSequence& sequence,
                                        {"labels", arguments.labels},
                                        {"network", arguments.network},
                                        {"model", labelling.model}});
-  for (const std::size_t i : selectFrames(sequence, parseFrameRange(arguments.frames)))
+  for (const std::size_t i :
+       tool::chooseFrames(arguments.sequence, sequence, arguments.frames))
     run.frames.push_back(sequence.frameNumber(i));
-  if (run.frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.sequence.name() << ": has no frame in " << arguments.frames);
   run.camera = sequence.camera();
   run.T_camera0_camera = sequence.T_camera0_camera();
   run.label_set = labelling.label_set;
@@ -89,9 +88,8 @@ makeOutput(const MapArguments& arguments, const MappingRun& run,
                                {"network", arguments.network},
                                {"model", arguments.model},
                                {"archive", arguments.archive.path}});
-  return {arguments.output, run.camera,           run.label_set,
-          run.config,       run.T_camera0_camera, std::move(inputs),
-          archive.records()};
+  return {arguments.output,     run.camera,        run.label_set,    run.config,
+          run.T_camera0_camera, std::move(inputs), archive.records()};
 }
 
 void
@@ -117,8 +115,9 @@ mapSequence(const MapArguments& arguments)
   Labelling labelling = makeLabelling(arguments);
   const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
   std::unique_ptr<PoseSource> poses = tool::makePoses(chosen, sequence);
-  poses->requirePoses(
-      frameTimes(sequence, selectFrames(sequence, parseFrameRange(arguments.frames))));
+  poses->requirePoses(frameTimes(
+      sequence,
+      tool::chooseFrames(arguments.sequence, sequence, arguments.frames)));
   const auto* const odometry = dynamic_cast<StereoOdometry*>(poses.get());
   MappingArchive archive(arguments.archive, run);
   SemanticMapper mapper(run.camera, run.label_set, run.config,
@@ -128,11 +127,14 @@ mapSequence(const MapArguments& arguments)
   archive.resume(mapper);
   tool::catchInterrupts();
   tool::ProgressBar progress("mapping", run.frames.size() - archive.records().size());
+  tool::PairWatch watch("pcl_semantic_map", arguments.sequence.strict);
   for (std::size_t i = 0; i < sequence.size() && !tool::interrupted(); ++i) {
     const int frame = sequence.frameNumber(i);
     if (!run.contains(frame) || archive.holds(frame))
       continue;
-    const MappedFrame mapped = mapper.process(sequence.frame(i));
+    const StereoFrame pair = sequence.frame(i);
+    watch.look(pair);
+    const MappedFrame mapped = mapper.process(pair);
     output.writeFrame(mapped, mapper.map());
     archive.add(mapped, mapper);
     progress.step();

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "pair_watch.h"
 #include "sequence_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -21,7 +22,7 @@ using namespace pcl_semantic;
 
 namespace {
 
-const tool::Usage usage{"pcl_semantic_odometry", 
+const tool::Usage usage{"pcl_semantic_odometry",
                         "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration "
                         "FILE.yaml) OUT.txt\n  [options]",
                         "Poses of a stereo sequence from its images alone, of camera 0 "
@@ -124,8 +125,8 @@ writeResults(const Options& options, const Results& results)
 {
   const std::size_t frames = results.trajectory.size();
   if (frames > 1 && results.lost.size() + 1 == frames)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence.name() << ": no frame could be tracked");
+    PCL_THROW_EXCEPTION(BadInputException, options.sequence.name()
+                                               << ": no frame could be tracked");
   Trajectory poses;
   for (const TimedPose& timed : results.trajectory)
     poses.push_back(timed.pose);
@@ -142,19 +143,6 @@ writeResults(const Options& options, const Results& results)
   std::cout << options.output << ": " << frames << " poses\n";
 }
 
-std::vector<std::size_t>
-chooseFrames(const Options& options, const FrameSequence& sequence)
-{
-  const std::vector<std::size_t> frames =
-      selectFrames(sequence, parseFrameRange(options.frames));
-  if (frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence.name() << ": has no frame in " << options.frames);
-  if (options.format == "kitti")
-    requireRowsAreFrames(sequence, frames);
-  return frames;
-}
-
 int
 track(const Options& options)
 {
@@ -164,15 +152,20 @@ track(const Options& options)
   const FrameSequence& sequence = *opened;
   tool::refuseSameFiles(tool::textFilesOf(options.sequence, sequence),
                         {options.output, options.report});
-  const std::vector<std::size_t> frames = chooseFrames(options, sequence);
+  const std::vector<std::size_t> frames =
+      tool::chooseFrames(options.sequence, sequence, options.frames);
+  if (options.format == "kitti")
+    requireRowsAreFrames(sequence, frames);
   StereoOdometry odometry(sequence.camera(), sequence.T_camera0_camera(),
                           options.parameters);
   Results results;
+  tool::PairWatch watch(usage.name, options.sequence.strict);
   tool::catchInterrupts();
   {
     tool::ProgressBar progress("tracking", frames.size());
     for (const std::size_t i : frames) {
       const StereoFrame frame = sequence.frame(i);
+      watch.look(frame);
       const OdometryResult& result = odometry.process(frame);
       results.add(frame.timestamp,
                   worldFromFirstCamera().inverse() * result.T_world_camera *

@@ -7,6 +7,7 @@
 #include "sequence_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 
 namespace pcl_semantic::tool {
@@ -34,11 +35,14 @@ addSequenceOptions(SequenceOptions& options, po::options_description& descriptio
       "instead of SEQUENCE: left images of any camera, a pattern in quotes "
       "('left/*.png')")("right", po::value(&files.right), "right images, as many")(
       "calibration", po::value(&files.calibration),
-      "of --left and --right, as OpenCV's stereoCalibrate gives it (.yaml)")(
-      "extrinsics", po::value(&files.extrinsics),
-      "R and T, if they are not in --calibration (.yaml)")(
+      "of --left and --right, as OpenCV's stereoCalibrate gives it (.yaml, .yml, "
+      ".xml), "
+      "or KITTI's (.txt)")("extrinsics", po::value(&files.extrinsics),
+                           "R and T, if they are not in --calibration (.yaml)")(
       "times", po::value(&files.times),
-      "when the images were taken, one time a row [s] (default: ten pairs a second)");
+      "when the images were taken, one time a row [s] (default: ten pairs a second)")(
+      "strict", po::bool_switch(&options.strict),
+      "refuse pairs that look blank, swapped or unrelated instead of warning of them");
 }
 
 void
@@ -57,9 +61,9 @@ requireSequence(const SequenceOptions& options, const std::string& program)
     fail("both a SEQUENCE ('" + options.folder +
          "') and --left, --right, --calibration or --times; patterns need quotes");
   const ImagePairFiles& files = options.files;
-  for (const auto& [name, value] : {std::pair("--left", &files.left),
-                                    std::pair("--right", &files.right),
-                                    std::pair("--calibration", &files.calibration)})
+  for (const auto& [name, value] :
+       {std::pair("--left", &files.left), std::pair("--right", &files.right),
+        std::pair("--calibration", &files.calibration)})
     if (value->empty())
       fail(std::string(name) +
            " is missing; --left, --right and --calibration belong together");
@@ -71,6 +75,17 @@ openSequence(const SequenceOptions& options)
   if (options.hasFiles())
     return std::make_unique<ImagePairSequence>(options.files);
   return std::make_unique<KittiSequence>(options.folder);
+}
+
+std::vector<std::size_t>
+chooseFrames(const SequenceOptions& options, const FrameSequence& sequence,
+             const std::string& range)
+{
+  std::vector<std::size_t> frames = selectFrames(sequence, parseFrameRange(range));
+  if (frames.empty())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        options.name() << ": has no frame in " << range);
+  return frames;
 }
 
 std::vector<std::string>
@@ -87,12 +102,10 @@ inputsOf(const SequenceOptions& options)
 {
   std::vector<std::pair<std::string, std::string>> inputs;
   const ImagePairFiles& files = options.files;
-  for (const auto& [name, value] : {std::pair("sequence", &options.folder),
-                                    std::pair("left", &files.left),
-                                    std::pair("right", &files.right),
-                                    std::pair("calibration", &files.calibration),
-                                    std::pair("extrinsics", &files.extrinsics),
-                                    std::pair("times", &files.times)})
+  for (const auto& [name, value] :
+       {std::pair("sequence", &options.folder), std::pair("left", &files.left),
+        std::pair("right", &files.right), std::pair("calibration", &files.calibration),
+        std::pair("extrinsics", &files.extrinsics), std::pair("times", &files.times)})
     if (!value->empty())
       inputs.emplace_back(name, *value);
   return inputs;

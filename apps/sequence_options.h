@@ -22,6 +22,7 @@ namespace pcl_semantic::tool {
 struct SequenceOptions {
   std::string folder; ///< the positional SEQUENCE
   ImagePairFiles files;
+  bool strict = false; ///< refuse pairs that look wrong, see PairWatch
 
   /** \brief Whether any option about files was given. */
   bool hasFiles() const;
@@ -30,7 +31,8 @@ struct SequenceOptions {
   const std::string& name() const;
 };
 
-/** \brief Adds --sequence, --left, --right, --calibration, --extrinsics and --times. */
+/** \brief Adds --sequence, --left, --right, --calibration, --extrinsics, --times and
+ * --strict. */
 void addSequenceOptions(SequenceOptions& options, po::options_description& description);
 
 /** \brief What a sequence cannot do without, or together.
@@ -39,6 +41,12 @@ void requireSequence(const SequenceOptions& options, const std::string& program)
 
 /** \brief Opens it. \throws BadInputException */
 std::unique_ptr<FrameSequence> openSequence(const SequenceOptions& options);
+
+/** \brief Places of the frames that are in the range A:B.
+ * \throws BadInputException if there are none */
+std::vector<std::size_t> chooseFrames(const SequenceOptions& options,
+                                      const FrameSequence& sequence,
+                                      const std::string& range);
 
 /** \brief The files of numbers that a tool must not write over. */
 std::vector<std::string> textFilesOf(const SequenceOptions& options,

@@ -12,6 +12,7 @@
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <algorithm>
+#include <filesystem>
 
 namespace pcl_semantic {
 
@@ -60,9 +61,9 @@ requirePairs(const Paths& left, const Paths& right, const ImagePairFiles& files)
                                   << i << " (pairs are made by position)");
   }
   if (left.size() != right.size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        files.left << ": matches " << left.size() << " files, but "
-                                   << files.right << " matches " << right.size());
+    PCL_THROW_EXCEPTION(BadInputException, files.left << ": matches " << left.size()
+                                                      << " files, but " << files.right
+                                                      << " matches " << right.size());
 }
 
 // The rig with the size of the first image, which has to be its own if it has one.
@@ -97,29 +98,42 @@ makeRectifier(const ImagePairFiles& files, const std::string& first_image)
 } // namespace
 
 ImagePairSequence::ImagePairSequence(const ImagePairFiles& files)
-    : left_(findFiles(files.left)), right_(findFiles(files.right)),
-      rectifier_(makeRectifier(files, left_.front()))
+    : left_(findFiles(files.left)), right_(findFiles(files.right))
 {
   requirePairs(left_, right_, files);
+  if (std::filesystem::path(files.calibration).extension() == ".txt") {
+    const cv::Mat first = readFrameImage(left_.front(), 0);
+    const KittiCalibration calibration = readCalibrationOf(
+        first, files.calibration,
+        first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
+    camera_ = calibration.camera;
+    T_camera0_camera_ = calibration.T_camera0_camera;
+  }
+  else {
+    rectifier_ = makeRectifier(files, left_.front());
+    camera_ = rectifier_->camera();
+    T_camera0_camera_ = rectifier_->T_left_rectified();
+  }
   if (files.times.empty())
     return;
   times_ = readTimes(files.times);
   if (times_.size() < left_.size())
     PCL_THROW_EXCEPTION(BadInputException, files.times << ": has " << times_.size()
-                                                       << " times for "
-                                                       << left_.size()
+                                                       << " times for " << left_.size()
                                                        << " pairs (row = pair)");
 }
 
 StereoFrame
 ImagePairSequence::frame(std::size_t i) const
 {
-  StereoFrame frame = readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
-                                     {camera().width, camera().height},
-                                     "the first image");
-  frame.timestamp = times_.empty() ? 0.1 * double(i) : times_[i];
-  frame.left = rectifier_.rectify(frame.left, StereoSide::left);
-  frame.right = rectifier_.rectify(frame.right, StereoSide::right);
+  StereoFrame frame =
+      readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
+                     {camera().width, camera().height}, "the first image");
+  frame.timestamp = timestamp(i);
+  if (rectifier_) {
+    frame.left = rectifier_->rectify(frame.left, StereoSide::left);
+    frame.right = rectifier_->rectify(frame.right, StereoSide::right);
+  }
   return frame;
 }
 

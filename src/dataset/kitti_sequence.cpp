@@ -34,24 +34,6 @@ requirePartner(const std::vector<FrameFile>& files, const FrameFile& file,
                                << file.path << " (frame " << file.frame << ")");
 }
 
-// A principal point outside the image is the calibration of images of another size.
-void
-checkCamera(const StereoCamera& camera, const std::string& path)
-{
-  try {
-    camera.validate();
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
-  }
-  if (!(camera.cx > 0.0 && camera.cx < camera.width && camera.cy > 0.0 &&
-        camera.cy < camera.height))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": the principal point (" << camera.cx << ", "
-                             << camera.cy << ") is outside the images of "
-                             << camera.width << " x " << camera.height << " pixels");
-}
-
 } // namespace
 
 KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
@@ -64,14 +46,12 @@ KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
     cameras = fs::is_directory(folder + "/image_2") ? KittiCameras::colour
                                                     : KittiCameras::grey;
   const bool grey = cameras == KittiCameras::grey;
-  calibration_ = readKittiCalibration(folder + "/calib.txt", cameras);
   findFrames(folder + (grey ? "/image_0" : "/image_2"),
              folder + (grey ? "/image_1" : "/image_3"));
   readTimes();
-  const cv::Mat first = readFrameImage(frames_.front().left, frames_.front().number);
-  calibration_.camera.width = first.cols;
-  calibration_.camera.height = first.rows;
-  checkCamera(calibration_.camera, folder + "/calib.txt");
+  calibration_ =
+      readCalibrationOf(readFrameImage(frames_.front().left, frames_.front().number),
+                        folder + "/calib.txt", cameras);
 }
 
 void
@@ -117,9 +97,9 @@ StereoFrame
 KittiSequence::frame(std::size_t i) const
 {
   const Entry& entry = frames_.at(i);
-  StereoFrame frame = readStereoPair({entry.left, entry.right, entry.number},
-                                     {camera().width, camera().height},
-                                     "the first image");
+  StereoFrame frame =
+      readStereoPair({entry.left, entry.right, entry.number},
+                     {camera().width, camera().height}, "the first image");
   frame.timestamp = entry.timestamp;
   return frame;
 }

@@ -11,6 +11,28 @@
 
 namespace pcl_semantic {
 
+namespace {
+
+// A principal point outside the image is the calibration of images of another size.
+void
+checkCamera(const StereoCamera& camera, const std::string& path)
+{
+  try {
+    camera.validate();
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
+  }
+  if (!(camera.cx > 0.0 && camera.cx < camera.width && camera.cy > 0.0 &&
+        camera.cy < camera.height))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": the principal point (" << camera.cx << ", "
+                             << camera.cy << ") is outside the images of "
+                             << camera.width << " x " << camera.height << " pixels");
+}
+
+} // namespace
+
 cv::Mat
 readFrameImage(const std::string& path, int frame)
 {
@@ -29,8 +51,8 @@ readStereoPair(const StereoPairFiles& files, cv::Size size, const std::string& a
   frame.number = files.frame;
   frame.left = readFrameImage(files.left, files.frame);
   frame.right = readFrameImage(files.right, files.frame);
-  for (const auto& [image, path] : {std::pair(&frame.left, &files.left),
-                                    std::pair(&frame.right, &files.right)}) {
+  for (const auto& [image, path] :
+       {std::pair(&frame.left, &files.left), std::pair(&frame.right, &files.right)}) {
     if (image->size() != size)
       PCL_THROW_EXCEPTION(BadInputException,
                           *path << ": has " << image->cols << " x " << image->rows
@@ -44,6 +66,16 @@ readStereoPair(const StereoPairFiles& files, cv::Size size, const std::string& a
                                                    << " (frame " << files.frame << ")");
   }
   return frame;
+}
+
+KittiCalibration
+readCalibrationOf(const cv::Mat& image, const std::string& path, KittiCameras cameras)
+{
+  KittiCalibration calibration = readKittiCalibration(path, cameras);
+  calibration.camera.width = image.cols;
+  calibration.camera.height = image.rows;
+  checkCamera(calibration.camera, path);
+  return calibration;
 }
 
 } // namespace pcl_semantic

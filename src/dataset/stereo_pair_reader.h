@@ -8,6 +8,8 @@
 
 #include <pcl_semantic/core/stereo_frame.h>
 
+#include <pcl_semantic/dataset/kitti_calibration.h>
+
 #include <string>
 
 namespace pcl_semantic {
@@ -30,5 +32,11 @@ cv::Mat readFrameImage(const std::string& path, int frame);
  * \throws BadInputException that names the frame */
 StereoFrame readStereoPair(const StereoPairFiles& files, cv::Size size,
                            const std::string& as);
+
+/** \brief KITTI's calibration with the size of the images filled in.
+ * \param[in] image one of them
+ * \throws BadInputException as readKittiCalibration(), or if it cannot be theirs */
+KittiCalibration readCalibrationOf(const cv::Mat& image, const std::string& path,
+                                   KittiCameras cameras);
 
 } // namespace pcl_semantic

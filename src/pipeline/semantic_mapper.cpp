@@ -31,8 +31,8 @@ SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label
                                std::shared_ptr<BlockStore> store)
     : camera_(camera), config_(validated(std::move(config))),
       stereo_(makeDisparityEstimator(config_.stereo, config_.disparities)),
-      predictor_(std::move(predictor)),
-      poses_(std::move(poses)), map_(label_set, config_.map, std::move(store))
+      predictor_(std::move(predictor)), poses_(std::move(poses)),
+      map_(label_set, config_.map, std::move(store))
 {
   camera_.validate();
   setNumberOfThreads(config_.threads);

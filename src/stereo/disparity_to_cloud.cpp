@@ -93,9 +93,9 @@ distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
   std::vector<float> deviations(cloud.size(), 0.0f);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud[i].getVector3fMap().allFinite())
-      deviations[i] = cloud[i].getVector3fMap().norm() * cloud[i].z * share *
-                      disparity_deviation.at<float>(int(i / cloud.width),
-                                                    int(i % cloud.width));
+      deviations[i] =
+          cloud[i].getVector3fMap().norm() * cloud[i].z * share *
+          disparity_deviation.at<float>(int(i / cloud.width), int(i % cloud.width));
   return deviations;
 }
 

@@ -80,9 +80,11 @@ TEST(OwnCamera, GivesTheMapOfTheRectifiedStreet)
   const ToolResult result = runTool(mapCommand(camera, folder.path("own")) +
                                     "--poses " + camera + "/poses.txt");
   ASSERT_EQ(result.code, 0) << result.text;
-  std::cerr << shareFoundIn(folder.path("street"), folder.path("own")) << " " <<  voxelsOf(folder.path("own")).size() << " " << voxelsOf(folder.path("street")).size() << "\n";
+  std::cerr << shareFoundIn(folder.path("street"), folder.path("own")) << " "
+            << voxelsOf(folder.path("own")).size() << " "
+            << voxelsOf(folder.path("street")).size() << "\n";
   const ToolResult result2 = runTool(mapCommand(camera, folder.path("own2")) +
-                                    "--poses " + tinyStreet() + "/poses.txt");
+                                     "--poses " + tinyStreet() + "/poses.txt");
   std::cerr << shareFoundIn(folder.path("street"), folder.path("own2")) << "\n";
 }
 

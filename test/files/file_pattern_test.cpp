@@ -39,8 +39,9 @@ TEST(FilePattern, FindsFilesInNaturalOrder)
 TEST(FilePattern, NaturalOrderIsAnOrder)
 {
   const std::vector<std::string> sorted = {
-      "",  "01", "1",    "2",     "010",   "10",  "99999999999999999999",
-      "a", "a1", "a1b02", "a1b2", "a1b10", "a02", "a2b", "a10", "b", "ba"};
+      "",    "01", "1",     "2",    "010",   "10",  "99999999999999999999",
+      "a",   "a1", "a1b02", "a1b2", "a1b10", "a02", "a2b",
+      "a10", "b",  "ba"};
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     EXPECT_FALSE(naturalLess(sorted[i], sorted[i]));
     for (std::size_t j = i + 1; j < sorted.size(); ++j) {

@@ -9,6 +9,7 @@
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/rectifier.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,13 @@ namespace pcl_semantic {
 struct ImagePairFiles {
   std::string left;        ///< pattern of PNG files, see findFiles()
   std::string right;       ///< pattern of as many PNG files
-  std::string calibration; ///< see readStereoRig()
+  std::string calibration; ///< see readStereoRig(); `.txt`: see readKittiCalibration()
   std::string extrinsics;  ///< R and T, if not in `calibration`
   std::string times;       ///< one a row [s]; empty: ten frames a second
 };
 
-/** \brief Stereo images of any camera by two patterns, rectified as they are read.
+/** \brief Stereo images of any camera by two patterns, rectified as they are read;
+ * KITTI's are rectified already.
  *
  * Pairs are made by position in natural order. Frame n is the n-th pair from 0, row n
  * of `times` its time. Camera 0, whose poses a trajectory holds, is the left camera as
@@ -47,25 +49,40 @@ public:
     return static_cast<int>(i);
   }
 
+  double
+  timestamp(std::size_t i) const override
+  {
+    return times_.empty() ? 0.1 * double(i) : times_.at(i);
+  }
+
   StereoFrame frame(std::size_t i) const override;
 
   /** \brief The rectified pair. */
   const StereoCamera&
   camera() const override
   {
-    return rectifier_.camera();
+    return camera_;
   }
 
   const Eigen::Isometry3d&
   T_camera0_camera() const override
   {
-    return rectifier_.T_left_rectified();
+    return T_camera0_camera_;
+  }
+
+  /** \brief Path of the i-th left image. */
+  const std::string&
+  leftPath(std::size_t i) const
+  {
+    return left_.at(i);
   }
 
 private:
   std::vector<std::string> left_, right_; ///< paths
   std::vector<double> times_;             ///< [s]; empty: ten frames a second
-  Rectifier rectifier_;
+  std::optional<Rectifier> rectifier_;    ///< not for KITTI's images
+  StereoCamera camera_;
+  Eigen::Isometry3d T_camera0_camera_;
 };
 
 } // namespace pcl_semantic

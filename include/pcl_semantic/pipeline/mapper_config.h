@@ -16,9 +16,9 @@ namespace pcl_semantic {
 /** \brief Everything that can be set of SemanticMapper. doc/parameters.md has the
  * reasons for the defaults. */
 struct MapperConfig {
-  std::string stereo = "sgm";    ///< engine, one of disparityEngines()
-  int disparities = 128;         ///< range of the stereo search [px]
-  double max_deviation = 0.0;    ///< less sure disparities give no depth [px]; 0 = all do
+  std::string stereo = "sgm"; ///< engine, one of disparityEngines()
+  int disparities = 128;      ///< range of the stereo search [px]
+  double max_deviation = 0.0; ///< less sure disparities give no depth [px]; 0 = all do
   double deviation_scale = 0.0;  ///< of the depth-deviation model; 0 = none
   double label_confidence = 0.8; ///< probability of the class a stored `.png` states
   SemanticVoxelMap::Parameters map;

@@ -14,8 +14,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Names of the engines, the best first: `sgm` (SemiGlobalMatcher), `elas` (Elas)
- * and `sgbm` (Sgbm, OpenCV's). */
+/** \brief Names of the engines, the best first: `sgm` (SemiGlobalMatcher), `elas`
+ * (Elas) and `sgbm` (Sgbm, OpenCV's). */
 const std::vector<std::string>& disparityEngines();
 
 /** \brief An engine with its defaults.
