@@ -68,8 +68,9 @@ makeRun(const MapArguments& arguments, const FrameSequence& sequence,
   for (const std::size_t i : selectFrames(sequence, parseFrameRange(arguments.frames)))
     run.frames.push_back(sequence.frameNumber(i));
   if (run.frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.sequence.name() << ": has no frame in " << arguments.frames);
+    PCL_THROW_EXCEPTION(BadInputException, arguments.sequence.name()
+                                               << ": has no frame in "
+                                               << arguments.frames);
   run.camera = sequence.camera();
   run.T_camera0_camera = sequence.T_camera0_camera();
   run.label_set = labelling.label_set;
@@ -89,9 +90,8 @@ makeOutput(const MapArguments& arguments, const MappingRun& run,
                                {"network", arguments.network},
                                {"model", arguments.model},
                                {"archive", arguments.archive.path}});
-  return {arguments.output, run.camera,           run.label_set,
-          run.config,       run.T_camera0_camera, std::move(inputs),
-          archive.records()};
+  return {arguments.output,     run.camera,        run.label_set,    run.config,
+          run.T_camera0_camera, std::move(inputs), archive.records()};
 }
 
 void

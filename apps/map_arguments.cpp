@@ -25,7 +25,7 @@ describeOptions(MapArguments& arguments)
   po::options_description options("Options");
   addSequenceOptions(arguments.sequence, options);
   options.add_options()("output", po::value(&arguments.output),
-      "folder to write to; an earlier map in it is replaced")(
+                        "folder to write to; an earlier map in it is replaced")(
       "labels", po::value(&arguments.labels),
       "folder of stored label distributions: .bin, .npy or .png a frame")(
       "label-set", po::value(&arguments.label_set),

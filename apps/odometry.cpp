@@ -21,7 +21,7 @@ using namespace pcl_semantic;
 
 namespace {
 
-const tool::Usage usage{"pcl_semantic_odometry", 
+const tool::Usage usage{"pcl_semantic_odometry",
                         "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration "
                         "FILE.yaml) OUT.txt\n  [options]",
                         "Poses of a stereo sequence from its images alone, of camera 0 "
@@ -124,8 +124,8 @@ writeResults(const Options& options, const Results& results)
 {
   const std::size_t frames = results.trajectory.size();
   if (frames > 1 && results.lost.size() + 1 == frames)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence.name() << ": no frame could be tracked");
+    PCL_THROW_EXCEPTION(BadInputException, options.sequence.name()
+                                               << ": no frame could be tracked");
   Trajectory poses;
   for (const TimedPose& timed : results.trajectory)
     poses.push_back(timed.pose);
@@ -148,8 +148,9 @@ chooseFrames(const Options& options, const FrameSequence& sequence)
   const std::vector<std::size_t> frames =
       selectFrames(sequence, parseFrameRange(options.frames));
   if (frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence.name() << ": has no frame in " << options.frames);
+    PCL_THROW_EXCEPTION(BadInputException, options.sequence.name()
+                                               << ": has no frame in "
+                                               << options.frames);
   if (options.format == "kitti")
     requireRowsAreFrames(sequence, frames);
   return frames;

@@ -57,9 +57,9 @@ requireSequence(const SequenceOptions& options, const std::string& program)
     fail("both a SEQUENCE ('" + options.folder +
          "') and --left, --right, --calibration or --times; patterns need quotes");
   const ImagePairFiles& files = options.files;
-  for (const auto& [name, value] : {std::pair("--left", &files.left),
-                                    std::pair("--right", &files.right),
-                                    std::pair("--calibration", &files.calibration)})
+  for (const auto& [name, value] :
+       {std::pair("--left", &files.left), std::pair("--right", &files.right),
+        std::pair("--calibration", &files.calibration)})
     if (value->empty())
       fail(std::string(name) +
            " is missing; --left, --right and --calibration belong together");
@@ -87,12 +87,10 @@ inputsOf(const SequenceOptions& options)
 {
   std::vector<std::pair<std::string, std::string>> inputs;
   const ImagePairFiles& files = options.files;
-  for (const auto& [name, value] : {std::pair("sequence", &options.folder),
-                                    std::pair("left", &files.left),
-                                    std::pair("right", &files.right),
-                                    std::pair("calibration", &files.calibration),
-                                    std::pair("extrinsics", &files.extrinsics),
-                                    std::pair("times", &files.times)})
+  for (const auto& [name, value] :
+       {std::pair("sequence", &options.folder), std::pair("left", &files.left),
+        std::pair("right", &files.right), std::pair("calibration", &files.calibration),
+        std::pair("extrinsics", &files.extrinsics), std::pair("times", &files.times)})
     if (!value->empty())
       inputs.emplace_back(name, *value);
   return inputs;

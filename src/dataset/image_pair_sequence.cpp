@@ -60,9 +60,9 @@ requirePairs(const Paths& left, const Paths& right, const ImagePairFiles& files)
                                   << i << " (pairs are made by position)");
   }
   if (left.size() != right.size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        files.left << ": matches " << left.size() << " files, but "
-                                   << files.right << " matches " << right.size());
+    PCL_THROW_EXCEPTION(BadInputException, files.left << ": matches " << left.size()
+                                                      << " files, but " << files.right
+                                                      << " matches " << right.size());
 }
 
 // The rig with the size of the first image, which has to be its own if it has one.
@@ -106,17 +106,16 @@ ImagePairSequence::ImagePairSequence(const ImagePairFiles& files)
   times_ = readTimes(files.times);
   if (times_.size() < left_.size())
     PCL_THROW_EXCEPTION(BadInputException, files.times << ": has " << times_.size()
-                                                       << " times for "
-                                                       << left_.size()
+                                                       << " times for " << left_.size()
                                                        << " pairs (row = pair)");
 }
 
 StereoFrame
 ImagePairSequence::frame(std::size_t i) const
 {
-  StereoFrame frame = readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
-                                     {camera().width, camera().height},
-                                     "the first image");
+  StereoFrame frame =
+      readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
+                     {camera().width, camera().height}, "the first image");
   frame.timestamp = times_.empty() ? 0.1 * double(i) : times_[i];
   frame.left = rectifier_.rectify(frame.left, StereoSide::left);
   frame.right = rectifier_.rectify(frame.right, StereoSide::right);

@@ -117,9 +117,9 @@ StereoFrame
 KittiSequence::frame(std::size_t i) const
 {
   const Entry& entry = frames_.at(i);
-  StereoFrame frame = readStereoPair({entry.left, entry.right, entry.number},
-                                     {camera().width, camera().height},
-                                     "the first image");
+  StereoFrame frame =
+      readStereoPair({entry.left, entry.right, entry.number},
+                     {camera().width, camera().height}, "the first image");
   frame.timestamp = entry.timestamp;
   return frame;
 }

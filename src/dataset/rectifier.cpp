@@ -21,8 +21,8 @@ namespace {
 // polynomial that was fitted to too little.
 constexpr double kScale = 8.0;
 
-constexpr int kStep = 8;           // [px] between the pixels that are looked at
-constexpr double kUsable = 0.95;   // share of them that has to come out right
+constexpr int kStep = 8;         // [px] between the pixels that are looked at
+constexpr double kUsable = 0.95; // share of them that has to come out right
 
 // A rig as OpenCV's functions take it, and what stereoRectify makes of it.
 struct Rectification {
@@ -52,8 +52,8 @@ isZero(const std::vector<double>& distortion)
 bool
 isRectified(const StereoRig& rig)
 {
-  return isZero(rig.D1) && isZero(rig.D2) && rig.K1 == rig.K2 && rig.R.isIdentity(1e-9) &&
-         rig.T.y() == 0.0 && rig.T.z() == 0.0;
+  return isZero(rig.D1) && isZero(rig.D2) && rig.K1 == rig.K2 &&
+         rig.R.isIdentity(1e-9) && rig.T.y() == 0.0 && rig.T.z() == 0.0;
 }
 
 StereoCamera
@@ -120,10 +120,10 @@ Rectifier::Rectifier(const StereoRig& rig)
     cv::cv2eigen(result.R1, R1);
     T_left_rectified_.linear() = R1.transpose();
     const cv::Size size(rig.width, rig.height);
-    cv::initUndistortRectifyMap(result.K1, result.D1, result.R1, result.P1, size, CV_16SC2,
-                                maps_[0].whole, maps_[0].fraction);
-    cv::initUndistortRectifyMap(result.K2, result.D2, result.R2, result.P2, size, CV_16SC2,
-                                maps_[1].whole, maps_[1].fraction);
+    cv::initUndistortRectifyMap(result.K1, result.D1, result.R1, result.P1, size,
+                                CV_16SC2, maps_[0].whole, maps_[0].fraction);
+    cv::initUndistortRectifyMap(result.K2, result.D2, result.R2, result.P2, size,
+                                CV_16SC2, maps_[1].whole, maps_[1].fraction);
     requireUsable(maps_[0].whole, "left");
     requireUsable(maps_[1].whole, "right");
   }

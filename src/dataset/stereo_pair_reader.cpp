@@ -29,8 +29,8 @@ readStereoPair(const StereoPairFiles& files, cv::Size size, const std::string& a
   frame.number = files.frame;
   frame.left = readFrameImage(files.left, files.frame);
   frame.right = readFrameImage(files.right, files.frame);
-  for (const auto& [image, path] : {std::pair(&frame.left, &files.left),
-                                    std::pair(&frame.right, &files.right)}) {
+  for (const auto& [image, path] :
+       {std::pair(&frame.left, &files.left), std::pair(&frame.right, &files.right)}) {
     if (image->size() != size)
       PCL_THROW_EXCEPTION(BadInputException,
                           *path << ": has " << image->cols << " x " << image->rows

@@ -28,7 +28,8 @@ validateCamera(const Eigen::Matrix3d& K, const StereoRig& rig, const char* name)
     PCL_THROW_EXCEPTION(InvalidParameterException, name << ": focal lengths are " << fx
                                                         << " and " << fy
                                                         << " px, expected more than 0");
-  if (K(0, 1) != 0.0 || K(1, 0) != 0.0 || !K.row(2).isApprox(Eigen::RowVector3d(0, 0, 1)))
+  if (K(0, 1) != 0.0 || K(1, 0) != 0.0 ||
+      !K.row(2).isApprox(Eigen::RowVector3d(0, 0, 1)))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         name << ": is no camera matrix, expected fx 0 cx, 0 fy cy, "
                                 "0 0 1");
@@ -45,7 +46,8 @@ validateDistortion(const std::vector<double>& D, const char* name)
   const std::size_t n = D.size();
   if (n != 4 && n != 5 && n != 8 && n != 12 && n != 14)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << ": has " << n << " numbers, expected 4, 5, 8, 12 or 14");
+                        name << ": has " << n
+                             << " numbers, expected 4, 5, 8, 12 or 14");
   if (!std::all_of(D.begin(), D.end(), [](double d) { return std::isfinite(d); }))
     PCL_THROW_EXCEPTION(InvalidParameterException, name << ": is not finite");
 }
@@ -55,19 +57,19 @@ validateRotation(const Eigen::Matrix3d& R)
 {
   const double deviation = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (!(deviation <= 1e-6) || R.determinant() < 0.0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "R: is no rotation (determinant " << R.determinant()
-                                                          << ", R R^T is off by "
-                                                          << deviation << ")");
+    PCL_THROW_EXCEPTION(InvalidParameterException, "R: is no rotation (determinant "
+                                                       << R.determinant()
+                                                       << ", R R^T is off by "
+                                                       << deviation << ")");
 }
 
 void
 validateTranslation(const Eigen::Vector3d& T)
 {
   const auto fail = [&T](const char* message) {
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "T: is (" << T.x() << ", " << T.y() << ", " << T.z() << "): "
-                                  << message);
+    PCL_THROW_EXCEPTION(InvalidParameterException, "T: is (" << T.x() << ", " << T.y()
+                                                             << ", " << T.z()
+                                                             << "): " << message);
   };
   if (!T.allFinite())
     fail("not finite");
@@ -90,9 +92,8 @@ void
 StereoRig::validate() const
 {
   if (width < 0 || height < 0 || (width == 0) != (height == 0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "image size: is " << width << " x "
-                                                                     << height
-                                                                     << " pixels");
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "image size: is " << width << " x " << height << " pixels");
   validateCamera(K1, *this, "K1");
   validateCamera(K2, *this, "K2");
   validateDistortion(D1, "D1");

@@ -36,8 +36,9 @@ load(const std::string& path)
       continue;
     if (line.text[0] == '<')
       PCL_THROW_EXCEPTION(BadInputException,
-                          path << ": is XML, expected YAML as cv::FileStorage writes it "
-                                  "to a file named .yaml");
+                          path
+                              << ": is XML, expected YAML as cv::FileStorage writes it "
+                                 "to a file named .yaml");
     break;
   }
   return {path, YamlMap::load(path)};
@@ -52,9 +53,9 @@ findKey(const Source& source, const Keys& keys)
     if (!source.map.has(key))
       continue;
     if (!found.empty())
-      PCL_THROW_EXCEPTION(BadInputException, source.map.where(key)
-                                                 << ": '" << key << "' is '" << found
-                                                 << "' once more, expected one of them");
+      PCL_THROW_EXCEPTION(BadInputException,
+                          source.map.where(key) << ": '" << key << "' is '" << found
+                                                << "' once more, expected one of them");
     found = key;
   }
   return found;
@@ -93,9 +94,9 @@ readMatrix(const Source& source, const Keys& keys)
       numbersOf(matrix.require<std::vector<std::string>>("data"), where);
   const int rows = matrix.require<int>("rows"), columns = matrix.require<int>("cols");
   if (rows < 1 || columns < 1 || double(rows) * columns != double(data.size()))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": has " << data.size() << " numbers, expected "
-                              << rows << " x " << columns);
+    PCL_THROW_EXCEPTION(BadInputException, where << ": has " << data.size()
+                                                 << " numbers, expected " << rows
+                                                 << " x " << columns);
   return data;
 }
 
@@ -105,9 +106,9 @@ readMatrix(const Source& source, const Keys& keys, std::size_t count)
   std::vector<double> data = readMatrix(source, keys);
   const std::string key = findKey(source, keys);
   if (data.size() != count)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        source.map.where(key) << ": " << key << ": has " << data.size()
-                                              << " numbers, expected " << count);
+    PCL_THROW_EXCEPTION(BadInputException, source.map.where(key)
+                                               << ": " << key << ": has " << data.size()
+                                               << " numbers, expected " << count);
   return data;
 }
 
@@ -130,8 +131,8 @@ readRotation(const Source& source)
                               << ", R R^T is off by " << deviation << ")");
   if (deviation > 1e-4)
     PCL_WARN("%s: was not quite a rotation and made one\n", where.c_str());
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU |
+                                                     Eigen::ComputeFullV);
   return svd.matrixU() * svd.matrixV().transpose();
 }
 
@@ -142,7 +143,8 @@ readSize(const Source& source, StereoRig& rig)
   const bool has_height = source.map.get("image_height", rig.height);
   if (has_width != has_height)
     PCL_THROW_EXCEPTION(BadInputException,
-                        source.path << ": expected both 'image_width' and 'image_height'");
+                        source.path
+                            << ": expected both 'image_width' and 'image_height'");
   const std::string key = findKey(source, {"image_size", "imageSize"});
   if (!has_width && !key.empty()) {
     const auto size = source.map.require<std::vector<int>>(key);
@@ -180,8 +182,8 @@ readStereoRig(const std::string& path, const std::string& extrinsics_path)
   }
   catch (const InvalidParameterException& error) {
     const std::string message = error.what();
-    PCL_THROW_EXCEPTION(BadInputException,
-                        (message[0] == 'T' ? extrinsics.path : path) << ": " << message);
+    PCL_THROW_EXCEPTION(BadInputException, (message[0] == 'T' ? extrinsics.path : path)
+                                               << ": " << message);
   }
   return rig;
 }

@@ -68,7 +68,8 @@ TEST(ImagePairSequence, PairsInNaturalOrder)
     const StereoFrame frame = sequence.frame(i);
     EXPECT_EQ(frame.number, int(i));
     EXPECT_DOUBLE_EQ(frame.timestamp, 0.1 * double(i));
-    EXPECT_EQ(frame.left.at<cv::Vec3b>(240, 320), cv::Vec3b::all(std::uint8_t(order[i])));
+    EXPECT_EQ(frame.left.at<cv::Vec3b>(240, 320),
+              cv::Vec3b::all(std::uint8_t(order[i])));
     EXPECT_EQ(frame.right.at<cv::Vec3b>(240, 320),
               cv::Vec3b::all(std::uint8_t(100 + order[i])));
   }
@@ -87,11 +88,13 @@ TEST(ImagePairSequence, RectifiesAndKnowsHowTheCameraWasTurned)
   const Rectifier rectifier(exampleRig());
   EXPECT_DOUBLE_EQ(sequence.camera().fx, rectifier.camera().fx);
   EXPECT_DOUBLE_EQ(sequence.camera().baseline, rectifier.camera().baseline);
-  EXPECT_TRUE(sequence.T_camera0_camera().isApprox(rectifier.T_left_rectified(), 1e-12));
+  EXPECT_TRUE(
+      sequence.T_camera0_camera().isApprox(rectifier.T_left_rectified(), 1e-12));
   EXPECT_FALSE(sequence.T_camera0_camera().matrix().isIdentity(1e-3));
   const StereoFrame frame = sequence.frame(0);
-  EXPECT_EQ(cv::norm(frame.left, rectifier.rectify(left, StereoSide::left), cv::NORM_L1),
-            0.0);
+  EXPECT_EQ(
+      cv::norm(frame.left, rectifier.rectify(left, StereoSide::left), cv::NORM_L1),
+      0.0);
   EXPECT_EQ(
       cv::norm(frame.right, rectifier.rectify(right, StereoSide::right), cv::NORM_L1),
       0.0);
@@ -101,7 +104,8 @@ TEST(ImagePairSequence, RectifiesAndKnowsHowTheCameraWasTurned)
 TEST(ImagePairSequence, TimesByRow)
 {
   Pairs pairs;
-  for (const char* const name : {"left/a.png", "left/b.png", "right/a.png", "right/b.png"})
+  for (const char* const name :
+       {"left/a.png", "left/b.png", "right/a.png", "right/b.png"})
     pairs.add(name, 1);
   pairs.files.times = pairs.folder.write("times.txt", "7.5\n7.75\n8\n");
   const ImagePairSequence sequence(pairs.files);

@@ -20,8 +20,8 @@ namespace pcl_semantic {
 
 namespace {
 
-// An image whose pixels hold their own coordinates: rectified, it tells where each pixel
-// comes from.
+// An image whose pixels hold their own coordinates: rectified, it tells where each
+// pixel comes from.
 cv::Mat2f
 coordinates(int width, int height)
 {

@@ -104,17 +104,30 @@ TEST(StereoRig, OtherSpellings)
 {
   const TemporaryFolder folder;
   const StereoRig read = readStereoRig(folder.write(
-      "rig.yaml",
-      "cameraMatrix1: [500, 0, 320, 0, 501, 240, 0, 0, 1]\ndist_coeffs_1: [0, 0, 0, 0]\n"
-      "camera_matrix_2: [500, 0, 320, 0, 501, 240, 0, 0, 1]\n"
-      "distCoeffs2: !!opencv-matrix\n  rows: 1\n  cols: 4\n  dt: f\n"
-      "  data: [ 1.e-01, -2., 0., .5 ]\n"
-      "imageSize: [ 640, 480 ]\nrms: 0.21\n" +
-          extrinsics));
+      "rig.yaml", "cameraMatrix1: [500, 0, 320, 0, 501, 240, 0, 0, 1]\ndist_coeffs_1: "
+                  "[0, 0, 0, 0]\n"
+                  "camera_matrix_2: [500, 0, 320, 0, 501, 240, 0, 0, 1]\n"
+                  "distCoeffs2: !!opencv-matrix\n  rows: 1\n  cols: 4\n  dt: f\n"
+                  "  data: [ 1.e-01, -2., 0., .5 ]\n"
+                  "imageSize: [ 640, 480 ]\nrms: 0.21\n" +
+                      extrinsics));
   EXPECT_EQ(read.width, 640);
   EXPECT_EQ(read.height, 480);
   EXPECT_EQ(read.D2, (std::vector<double>{0.1, -2.0, 0.0, 0.5}));
   EXPECT_EQ(read.K1(1, 1), 501.0);
+}
+
+TEST(StereoRig, ReadsTheExampleOfTheDocument)
+{
+  const std::string text = bytesOf(PCL_SEMANTIC_SOURCE_DIR "/doc/stereo.md");
+  const std::string begin = "```yaml\n";
+  const std::size_t at = text.find(begin) + begin.size();
+  const TemporaryFolder folder;
+  const StereoRig read = readStereoRig(
+      folder.write("stereo.yaml", text.substr(at, text.find("```", at) - at)));
+  EXPECT_EQ(read.width, 1280);
+  EXPECT_EQ(read.height, 720);
+  EXPECT_NEAR(read.T.norm(), 0.12, 1e-3);
 }
 
 TEST(StereoRig, RefusesValuesThatCannotBe)
@@ -133,8 +146,8 @@ TEST(StereoRig, RefusesValuesThatCannotBe)
                     "D1: has 3 numbers, expected 4, 5, 8, 12 or 14"));
   EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.D2[1] = -1.0 / 0.0; }),
                     "D2: '-.Inf' is not a number"));
-  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.R *= 1.1; }),
-                    "R: is no rotation"));
+  EXPECT_TRUE(
+      holds(complaint([](StereoRig& rig) { rig.R *= 1.1; }), "R: is no rotation"));
   EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.R *= -1.0; }),
                     "R: is no rotation (determinant -1"));
   EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.R(1, 1) = nan; }),
@@ -148,7 +161,8 @@ TEST(StereoRig, RefusesCamerasThatAreNotSideBySide)
   };
   EXPECT_TRUE(holds(moved(0, 0, 0), "T: is (0, 0, 0): the baseline is 0 m"));
   EXPECT_TRUE(holds(moved(nan, 0, 0), "T: '.Nan' is not a number"));
-  EXPECT_TRUE(holds(moved(0.12, 0, 0), "the right camera is on the left, expected T.x"));
+  EXPECT_TRUE(
+      holds(moved(0.12, 0, 0), "the right camera is on the left, expected T.x"));
   EXPECT_TRUE(holds(moved(-0.01, 0.1, 0), "one camera is above the other"));
   EXPECT_TRUE(holds(moved(-0.01, 0, 0.1), "one camera is ahead of the other"));
   EXPECT_TRUE(holds(moved(-120, 0, 0), "if these are millimetres, expected metres"));
@@ -181,10 +195,10 @@ TEST(StereoRig, RefusesFilesThatHoldNone)
                     "rig.yaml line 5: R: has 3 numbers, expected 9"));
   EXPECT_TRUE(holds(complaintAbout(intrinsics + "T: [-0.1, 0, 0]\nR: one\n"),
                     "rig.yaml line 6: the value of 'R'"));
-  EXPECT_TRUE(holds(
-      complaintAbout(intrinsics + "R: !!opencv-matrix\n  rows: 3\n  cols: 3\n"
-                                  "  dt: d\n  data: [1, 0]\nT: [-0.1, 0, 0]\n"),
-      "rig.yaml line 5: R: has 2 numbers, expected 3 x 3"));
+  EXPECT_TRUE(
+      holds(complaintAbout(intrinsics + "R: !!opencv-matrix\n  rows: 3\n  cols: 3\n"
+                                        "  dt: d\n  data: [1, 0]\nT: [-0.1, 0, 0]\n"),
+            "rig.yaml line 5: R: has 2 numbers, expected 3 x 3"));
   EXPECT_TRUE(holds(complaintAbout(intrinsics + extrinsics + "image_width: 640\n"),
                     "expected both 'image_width' and 'image_height'"));
   EXPECT_TRUE(holds(complaintAbout(intrinsics + extrinsics + "image_size: [640]\n"),

@@ -74,9 +74,9 @@ raysOf(cv::Size size, const Eigen::Matrix3d& K, const std::vector<double>& D,
   return rays;
 }
 
-/** \brief tinyStreet() as a camera that is neither rectified nor in KITTI's layout takes
- * it: `left/shot1.png ...`, `right/`, `stereo.yaml`, `labels/` of the rectified left
- * images, and `poses.txt` of the left camera. */
+/** \brief tinyStreet() as a camera that is neither rectified nor in KITTI's layout
+ * takes it: `left/shot1.png ...`, `right/`, `stereo.yaml`, `labels/` of the rectified
+ * left images, and `poses.txt` of the left camera. */
 inline void
 writeOwnCamera(const std::string& folder)
 {

@@ -30,9 +30,11 @@ rotationBy(double x, double y, double z)
 }
 
 /** \brief A rig whose cameras stand where those of a rectified pair are, but turned:
- * \a A1 and \a A2 take directions in the pair's frame to the left and the right camera. */
+ * \a A1 and \a A2 take directions in the pair's frame to the left and the right camera.
+ */
 inline StereoRig
-turnedRig(const StereoCamera& pair, const Eigen::Matrix3d& A1, const Eigen::Matrix3d& A2)
+turnedRig(const StereoCamera& pair, const Eigen::Matrix3d& A1,
+          const Eigen::Matrix3d& A2)
 {
   StereoRig rig;
   rig.width = pair.width;
@@ -67,8 +69,8 @@ writeRig(const std::string& path, const StereoRig& rig)
   cv::FileStorage file(path, cv::FileStorage::WRITE);
   file << "image_width" << rig.width << "image_height" << rig.height;
   cv::Mat matrix;
-  for (const auto& [name, value] : {std::pair("K1", &rig.K1), std::pair("K2", &rig.K2),
-                                    std::pair("R", &rig.R)}) {
+  for (const auto& [name, value] :
+       {std::pair("K1", &rig.K1), std::pair("K2", &rig.K2), std::pair("R", &rig.R)}) {
     cv::eigen2cv(*value, matrix);
     file << name << matrix;
   }

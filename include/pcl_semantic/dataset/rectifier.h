@@ -24,8 +24,8 @@ enum class StereoSide { left = 0, right = 1 };
  *
  * Both cameras are turned as little as possible (Bouguet's method, `cv::stereoRectify`
  * with CALIB_ZERO_DISPARITY) and get the same focal length and principal point, chosen
- * so that (but for single pixels of the margin) none comes from outside an image, alpha =
- * 0: what only one of the two cameras or a corner sees is cut off. */
+ * so that (but for single pixels of the margin) none comes from outside an image, alpha
+ * = 0: what only one of the two cameras or a corner sees is cut off. */
 class Rectifier {
 public:
   /** \param[in] rig cameras with the size of their images
@@ -40,8 +40,8 @@ public:
     return camera_;
   }
 
-  /** \brief Pose of the rectified left camera in the rig's left camera: a rotation about
-   * its centre, the transposed R1 of `cv::stereoRectify`. */
+  /** \brief Pose of the rectified left camera in the rig's left camera: a rotation
+   * about its centre, the transposed R1 of `cv::stereoRectify`. */
   const Eigen::Isometry3d&
   T_left_rectified() const
   {

@@ -11,7 +11,8 @@
 
 namespace pcl_semantic {
 
-/** \brief The files that match a pattern as the shell's (`left-*.png`, with `*`, `?` and
+/** \brief The files that match a pattern as the shell's (`left-*.png`, with `*`, `?`
+ * and
  * `[...]`), in natural order.
  * \throws BadInputException if there are none or a folder cannot be read */
 std::vector<std::string> findFiles(const std::string& pattern);
