@@ -8,7 +8,9 @@
 #include <pcl_semantic/files/file_pattern.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <memory>
+#include <new>
 
 #include <glob.h>
 
@@ -35,13 +37,20 @@ takeNumber(const std::string& text, std::size_t& at)
   return text.substr(first, at - first);
 }
 
+// A folder that is not there holds nothing; one that cannot be read may hold files.
+int
+isTrouble(const char*, int error)
+{
+  return error != ENOENT && error != ENOTDIR;
+}
+
 } // namespace
 
 std::vector<std::string>
 findFiles(const std::string& pattern)
 {
   glob_t found{};
-  const int code = ::glob(pattern.c_str(), GLOB_ERR | GLOB_NOSORT, nullptr, &found);
+  const int code = ::glob(pattern.c_str(), GLOB_NOSORT, &isTrouble, &found);
   const std::unique_ptr<glob_t, decltype(&::globfree)> guard(&found, &::globfree);
   if (code == GLOB_NOMATCH)
     PCL_THROW_EXCEPTION(BadInputException, pattern << ": no file matches");

@@ -117,6 +117,19 @@ TEST(StereoRig, OtherSpellings)
   EXPECT_EQ(read.K1(1, 1), 501.0);
 }
 
+TEST(StereoRig, ReadsTheExampleOfTheDocument)
+{
+  const std::string text = bytesOf(PCL_SEMANTIC_SOURCE_DIR "/doc/stereo.md");
+  const std::string begin = "```yaml\n";
+  const std::size_t at = text.find(begin) + begin.size();
+  const TemporaryFolder folder;
+  const StereoRig read = readStereoRig(
+      folder.write("stereo.yaml", text.substr(at, text.find("```", at) - at)));
+  EXPECT_EQ(read.width, 1280);
+  EXPECT_EQ(read.height, 720);
+  EXPECT_NEAR(read.T.norm(), 0.12, 1e-3);
+}
+
 TEST(StereoRig, RefusesValuesThatCannotBe)
 {
   EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.K1(0, 0) = 0.0; }),

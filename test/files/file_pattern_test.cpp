@@ -6,13 +6,14 @@
 
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
+#include "support/unprivileged.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/file_pattern.h>
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <fcntl.h>
 
 namespace pcl_semantic {
 
@@ -34,6 +35,20 @@ TEST(FilePattern, FindsFilesInNaturalOrder)
   EXPECT_EQ(names("b3.png"), Names{"b3.png"});
   EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { names("*.bmp"); }),
                     "*.bmp: no file matches"));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { names("none/*.png"); }),
+                    "none/*.png: no file matches"));
+}
+
+TEST(FilePattern, AFolderThatCannotBeReadIsSaid)
+{
+  const TemporaryFolder folder; // of its owner alone
+  const std::string pattern = folder.path("*.png");
+  const Unprivileged user;
+  if (!user.isEffective() ||
+      ::faccessat(AT_FDCWD, folder.path().c_str(), R_OK, AT_EACCESS) == 0)
+    GTEST_SKIP() << "skipped: this user reads everything";
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { findFiles(pattern); }),
+                    "*.png: a folder cannot be read"));
 }
 
 TEST(FilePattern, NaturalOrderIsAnOrder)
