@@ -116,8 +116,7 @@ mapSequence(const MapArguments& arguments)
   const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
   std::unique_ptr<PoseSource> poses = tool::makePoses(chosen, sequence);
   poses->requirePoses(frameTimes(
-      sequence,
-      tool::chooseFrames(arguments.sequence, sequence, arguments.frames)));
+      sequence, tool::chooseFrames(arguments.sequence, sequence, arguments.frames)));
   const auto* const odometry = dynamic_cast<StereoOdometry*>(poses.get());
   MappingArchive archive(arguments.archive, run);
   SemanticMapper mapper(run.camera, run.label_set, run.config,

@@ -83,8 +83,8 @@ chooseFrames(const SequenceOptions& options, const FrameSequence& sequence,
 {
   std::vector<std::size_t> frames = selectFrames(sequence, parseFrameRange(range));
   if (frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.name() << ": has no frame in " << range);
+    PCL_THROW_EXCEPTION(BadInputException, options.name()
+                                               << ": has no frame in " << range);
   return frames;
 }
 

@@ -42,7 +42,7 @@ struct Options {
   std::string left, right, calibration, extrinsics, output, disparity;
   std::string engine = disparityEngines().front();
   int disparities = 128, threads = 0;
-  double max_depth = 80.0, max_deviation = 0.0;
+  double max_depth = 80.0, max_deviation = 0.7;
   bool strict = false;
 };
 
@@ -71,7 +71,9 @@ parseOptions(int argc, char** argv, Options& options)
   add("disparities", options.disparities, "range of the search, a multiple of 64 [px]");
   add("max-depth", options.max_depth, "what is farther has no depth [m]; 0 = all has");
   add("max-deviation", options.max_deviation,
-      "nor have disparities less sure than this [px]; 0 = all have");
+      "nor have disparities that are less sure than this [px]: the default keeps what "
+      "was "
+      "matched, 0 also what was filled in between");
   add("threads", options.threads, "0 = all processors; the clouds do not depend on it");
   po::positional_options_description positional;
   positional.add("left", 1).add("right", 1).add("calibration", 1).add("output", 1);
