@@ -129,13 +129,18 @@ readMatched(const Options& options)
   }
   if (first != second && options.times.empty())
     tool::failUsage(usage, "a KITTI trajectory meets a TUM one: --times is missing");
-  matched = matchByTime(withTimes(options.truth, first, options.times),
-                        withTimes(options.estimate, second, options.times),
-                        options.tolerance);
+  const TimedTrajectory truth = withTimes(options.truth, first, options.times);
+  const TimedTrajectory estimate = withTimes(options.estimate, second, options.times);
+  matched = matchByTime(truth, estimate, options.tolerance);
   if (matched.first.empty())
     PCL_THROW_EXCEPTION(BadInputException, options.estimate
                                                << ": has no pose at the times of "
                                                << options.truth);
+  const std::size_t common = matched.first.size();
+  if (common < truth.size() || common < estimate.size())
+    std::cerr << usage.name << ": warning: " << truth.size() << " and "
+              << estimate.size() << " poses: the " << common
+              << " of the same times are compared\n";
   return matched;
 }
 

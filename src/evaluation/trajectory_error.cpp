@@ -141,7 +141,8 @@ matchByTime(const TimedTrajectory& first, const TimedTrajectory& second,
 {
   MatchedTrajectories matched;
   for (const TimedPose& timed : first)
-    if (const TimedPose* const other = findPose(second, timed.time, tolerance)) {
+    if (const TimedPose* const other = findPose(second, timed.time, tolerance);
+        other && findPose(first, other->time, tolerance) == &timed) {
       matched.first.push_back(timed.pose);
       matched.second.push_back(other->pose);
     }

@@ -30,7 +30,8 @@ constexpr double kNanoseconds = 1e17; // as seconds that would be 3 billion year
 
 // What was made right on the way through a file, said once at its end.
 struct Repairs {
-  int count = 0, first_line = 0;
+  std::size_t count = 0;
+  int first_line = 0;
 
   void
   add(int line)
@@ -40,18 +41,51 @@ struct Repairs {
   }
 
   void
-  warn(const std::string& path) const
+  warn(const std::string& path, std::size_t poses) const
   {
     if (count > 0)
-      PCL_WARN("%s: %d poses were not quite rigid and made so, the first in line %d\n",
-               path.c_str(), count, first_line);
+      PCL_WARN("%s: warning: %zu of %zu poses were not quite rigid and made so, the "
+               "first in line %d\n",
+               path.c_str(), count, poses, first_line);
   }
 };
+
+bool
+isComment(const std::string& text)
+{
+  const std::size_t first = text.find_first_not_of(" \t");
+  return first != std::string::npos && text[first] == '#';
+}
+
+// Without comments before the first row and empty lines after the last: elsewhere they
+// would shift the frames' numbers.
+std::vector<TextLine>
+rowsOf(const std::string& path)
+{
+  std::vector<TextLine> lines = readLines(path);
+  while (!lines.empty() && lines.back().text.empty())
+    lines.pop_back();
+  lines.erase(lines.begin(),
+              std::find_if_not(lines.begin(), lines.end(), [](const TextLine& line) {
+                return isComment(line.text);
+              }));
+  return lines;
+}
+
+double
+inSeconds(double time)
+{
+  return std::abs(time) >= kNanoseconds ? 1e-9 * time : time;
+}
 
 Eigen::Isometry3d
 parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
 {
   const std::string where = placeOf(path, line.number);
+  if (line.text.empty() || isComment(line.text))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where << ": holds no pose, but a later line does (every frame "
+                                 "has its row)");
   const std::vector<double> numbers = parseNumbers(line.text, where);
   if (numbers.size() != 12)
     PCL_THROW_EXCEPTION(BadInputException,
@@ -87,7 +121,7 @@ parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
         where << ": has " << numbers.size()
               << " numbers, expected 8 (time, translation, quaternion)");
   TimedPose timed;
-  timed.time = std::abs(numbers[0]) >= kNanoseconds ? 1e-9 * numbers[0] : numbers[0];
+  timed.time = inSeconds(numbers[0]);
   const Eigen::Quaterniond rotation(numbers[7], numbers[4], numbers[5], numbers[6]);
   const double deviation = std::abs(rotation.norm() - 1.0);
   if (!(deviation <= kTolerance))
@@ -100,32 +134,13 @@ parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
   return timed;
 }
 
-bool
-isComment(const std::string& text)
-{
-  const std::size_t first = text.find_first_not_of(" \t");
-  return first != std::string::npos && text[first] == '#';
-}
-
-// Without the empty ones at the end: elsewhere they would shift the frames' numbers.
-std::vector<TextLine>
-poseLines(const std::string& path)
-{
-  std::vector<TextLine> lines = readLines(path);
-  while (!lines.empty() && lines.back().text.empty())
-    lines.pop_back();
-  return lines;
-}
-
 } // namespace
 
 TrajectoryFormat
 trajectoryFormatOf(const std::string& path)
 {
   for (const TextLine& line : readLines(path)) {
-    if (isComment(line.text))
-      return TrajectoryFormat::tum;
-    if (line.text.empty())
+    if (line.text.empty() || isComment(line.text))
       continue;
     const std::size_t count =
         parseNumbers(line.text, placeOf(path, line.number)).size();
@@ -146,11 +161,11 @@ readKittiTrajectory(const std::string& path)
 {
   Trajectory trajectory;
   Repairs repairs;
-  for (const TextLine& line : poseLines(path))
+  for (const TextLine& line : rowsOf(path))
     trajectory.push_back(parsePose(line, path, repairs));
   if (trajectory.empty())
     PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
-  repairs.warn(path);
+  repairs.warn(path, trajectory.size());
   return trajectory;
 }
 
@@ -186,7 +201,7 @@ readTumTrajectory(const std::string& path)
   }
   if (trajectory.empty())
     PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
-  repairs.warn(path);
+  repairs.warn(path, trajectory.size());
   return trajectory;
 }
 
@@ -229,14 +244,14 @@ std::vector<double>
 readTimes(const std::string& path)
 {
   std::vector<double> times;
-  for (const TextLine& line : poseLines(path)) {
+  for (const TextLine& line : rowsOf(path)) {
     const std::string where = placeOf(path, line.number);
     const std::vector<double> numbers = parseNumbers(line.text, where);
     if (numbers.size() != 1)
       PCL_THROW_EXCEPTION(BadInputException, where
                                                  << ": has " << numbers.size()
                                                  << " numbers, expected one time [s]");
-    times.push_back(numbers[0]);
+    times.push_back(inSeconds(numbers[0]));
   }
   return times;
 }

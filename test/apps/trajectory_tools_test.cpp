@@ -5,6 +5,7 @@
  */
 
 #include "support/bad_case.h"
+#include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/files/image_file.h>
@@ -89,7 +90,12 @@ TEST(TrajectoryTool, ComparesRowsAndTimes)
   const ToolResult times = runTool("trajectory compare " + poses + " " + tum +
                                    " --times " + tinyStreet() + "/times.txt");
   EXPECT_EQ(times.code, 0);
-  EXPECT_EQ(times.text.rfind("2 poses, 0.9 m\n", 0), 0u) << times.text;
+  EXPECT_EQ(
+      times.text.rfind("pcl_semantic_trajectory: warning: 3 and 2 poses: the 2 of "
+                       "the same times are compared\n2 poses, 0.9 m\n",
+                       0),
+      0u)
+      << times.text;
 }
 
 TEST(MapTool, FindsItsPosesByOdometryWithoutPosesTxt)
@@ -122,6 +128,70 @@ TEST(MapTool, TakesTumTrajectories)
   const ToolResult gap = runTool(command);
   EXPECT_EQ(gap.code, 3);
   EXPECT_NE(gap.text.find("the time of frame 2"), std::string::npos) << gap.text;
+}
+
+// What is wrong with the poses is said before anything is made.
+TEST(BadInput, Trajectories)
+{
+  const std::string rest = "1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"", "a.txt: holds no pose"},
+      {"# only\n", "a.txt: holds no pose"},
+      {rest, "a.txt: has 2 poses, none for frame 2 (row = frame number); 1 of 3"},
+      {"1 0 0 0 0 1 0 0 0 0 1\n" + rest, "a.txt line 1: has 11 numbers, expected 12"},
+      {rest + "1 0 0 0 0 1 0 0 0 0 1\n", "a.txt line 3: has 11 numbers, expected 12"},
+      {rest + "\n" + rest, "a.txt line 3: holds no pose, but a later line does"},
+      {"1 0 0 0 0 1 0 0 0 0 1 inf\n" + rest, "a.txt line 1: 'inf'"},
+      {"1.1 0 0 0 0 1 0 0 0 0 1 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
+      {"-1 0 0 0 0 -1 0 0 0 0 -1 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
+      {"0 0 0 0 0 0 0 0 0 0 0 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
+      {"0 0 0 0 0 0 0 1\n0.2 0 0 0 0 0 0 1\n",
+       "a.txt: has no pose within 0.01 s of 0.1 s, the time of frame 1; its times are "
+       "from 0 to 0.2 s; 1 of 3 frames lack one"},
+      {"1403636579763555584 0 0 0 0 0 0 1\n",
+       "from 1403636579.76356 to 1403636579.76356 s; 3 of 3 frames lack one"},
+      {"0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: its time is not after"},
+      {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: its time is not after"},
+      {"0 0 0 0 0 0 0 0\n", "a.txt line 1: the quaternion has length 0"},
+      {"0 0 0 0 0 0 0 1.1\n", "a.txt line 1: the quaternion has length 1.1"},
+      {"0 0 0 nan 0 0 0 1\n", "a.txt line 1: 'nan'"},
+  };
+  const TemporaryFolder folder;
+  const std::string out = folder.path("out"), archive = folder.path("a.db");
+  for (const auto& [text, says] : cases) {
+    SCOPED_TRACE(text);
+    const ToolResult result = runTool(
+        "map " + tinyStreet() + " --labels " + tinyStreet() + "/labels --poses " +
+        folder.write("a.txt", text) + " --output " + out + " --archive " + archive);
+    EXPECT_EQ(result.code, 3);
+    EXPECT_EQ(result.text.rfind("pcl_semantic_map: " + folder.path("a.txt"), 0), 0u);
+    EXPECT_TRUE(holds(result.text, says));
+    EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1);
+    EXPECT_FALSE(fs::exists(out));
+    EXPECT_FALSE(fs::exists(archive));
+  }
+}
+
+TEST(MapTool, MakesPosesRigidWithOneWarning)
+{
+  const TemporaryFolder folder;
+  std::string text = "# by hand\r\n";
+  for (const char* const z : {"0", "0.85", "1.7"})
+    text += std::string("0.998 0 0 0 0 1 0 0 0 0 1 ") + z + "\r\n";
+  const ToolResult result =
+      runTool("map " + tinyStreet() + " --labels " + tinyStreet() +
+              "/labels --crf none --poses " + folder.write("a.txt", text) +
+              " --output " + folder.path("out"));
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.text.rfind(folder.path("a.txt") +
+                                  ": warning: 3 of 3 poses were not quite rigid and "
+                                  "made so, the first in line 2\nmap: ",
+                              0),
+            0u)
+      << result.text;
+  for (const Eigen::Isometry3d& pose :
+       readKittiTrajectory(folder.path("out/trajectory.txt")))
+    EXPECT_TRUE(pose.linear().isIdentity(1e-12));
 }
 
 TEST(BadUsage, TrajectoryTools)
@@ -158,6 +228,8 @@ TEST(BadUsage, TrajectoryTools)
       {"other times", 3, "has no pose at the times",
        "trajectory compare" + poses + "STREET/a.txt --times STREET/times.txt",
        trajectory("900 0 0 0 0 0 0 1\n")},
+      {"commas", 3, "a.txt line 1: '1,0,0", "trajectory compare STREET/a.txt" + poses,
+       trajectory("1,0,0,0,0,1,0,0,0,0,1,0\n")},
       {"odometry and archive", 2, "--archive needs poses from a file",
        "--labels STREET/labels --poses odometry --archive TEMP/a.db"},
       {"no poses and archive", 2, "--archive needs poses from a file",

@@ -117,6 +117,26 @@ TEST(MatchByTime, LeavesOutWhatHasNoPartner)
   EXPECT_TRUE(matchByTime(all, some, 0.001).first.empty());
 }
 
+TEST(MatchByTime, TakesEveryPoseOnceThoughTheOtherFileIsDenser)
+{
+  TimedTrajectory dense(50), sparse(3); // 200 Hz and 10 Hz, not in step
+  for (std::size_t i = 0; i < dense.size(); ++i) {
+    dense[i].time = 0.005 * double(i);
+    dense[i].pose.translation().x() = double(i);
+  }
+  for (std::size_t i = 0; i < sparse.size(); ++i) {
+    sparse[i].time = 0.1 * double(i) + 0.002;
+    sparse[i].pose.translation().x() = 20.0 * double(i);
+  }
+  for (const bool dense_first : {true, false}) {
+    const MatchedTrajectories matched = dense_first ? matchByTime(dense, sparse, 0.01)
+                                                    : matchByTime(sparse, dense, 0.01);
+    ASSERT_EQ(matched.first.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(matched.first[i].matrix(), matched.second[i].matrix());
+  }
+}
+
 TEST(TrajectoryPicture, ShowsBothPaths)
 {
   // Both go ahead, which is up; the second bends to the right.

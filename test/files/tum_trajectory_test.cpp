@@ -115,8 +115,10 @@ TEST(TumTrajectory, MakesAQuaternionOfNearlyLengthOneExact)
   testing::internal::CaptureStderr();
   const TimedTrajectory trajectory =
       readText("1 0 0 0 0 0 0 1\n2 0 0 0 0 0.6 0 0.803\n");
-  EXPECT_TRUE(holds(testing::internal::GetCapturedStderr(),
-                    "1 poses were not quite rigid and made so, the first in line 2"));
+  EXPECT_TRUE(
+      holds(testing::internal::GetCapturedStderr(),
+            "tum.txt: warning: 1 of 2 poses were not quite rigid and made so, the "
+            "first in line 2\n"));
   const Eigen::Matrix3d rotation = trajectory[1].pose.linear();
   EXPECT_TRUE((rotation * rotation.transpose()).isIdentity(1e-14));
 }
@@ -134,6 +136,29 @@ TEST(KittiTrajectory, WarnsOfRotationsItHadToRepair)
   EXPECT_TRUE(holds(testing::internal::GetCapturedStderr(), "the first in line 2"));
 }
 
+TEST(KittiTrajectory, HasARowForEveryFrame)
+{
+  const TemporaryFolder folder;
+  const std::string row = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const auto read = [&](const std::string& text) {
+    return readKittiTrajectory(folder.write("poses.txt", text));
+  };
+  EXPECT_EQ(read("# by some tool\n#\n" + row + row + "\n\n").size(), 2u);
+  for (const char* const gap : {"\n", "# lost\n", " \r\n"})
+    EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { read(row + gap + row); }),
+                      "poses.txt line 2: holds no pose, but a later line does"));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { read("# nothing\n"); }),
+                    "poses.txt: holds no pose"));
+}
+
+TEST(KittiTrajectory, ShowsNoBytesOfABinaryFile)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("poses.txt", std::string("\x1b[2J\x01x", 6));
+  EXPECT_EQ(thrownMessage<BadInputException>([&] { readKittiTrajectory(path); }),
+            path + " line 1: '?[2J?x' is not a number");
+}
+
 TEST(TrajectoryFormat, IsKnownByTheNumbers)
 {
   const TemporaryFolder folder;
@@ -143,7 +168,8 @@ TEST(TrajectoryFormat, IsKnownByTheNumbers)
   EXPECT_EQ(format("1 0 0 0 0 1 0 0 0 0 1 0\n"), TrajectoryFormat::kitti);
   EXPECT_EQ(format("\n1 0 0 0 0 0 0 1\n"), TrajectoryFormat::tum);
   EXPECT_EQ(format("# time\n1 0 0 0 0 0 0 1\n"), TrajectoryFormat::tum);
-  for (const char* const bad : {"", "\n", "1 2 3\n", "a b\n"})
+  EXPECT_EQ(format("# poses\n1 0 0 0 0 1 0 0 0 0 1 0\n"), TrajectoryFormat::kitti);
+  for (const char* const bad : {"", "\n", "# nothing\n", "1 2 3\n", "a b\n"})
     thrownMessage<BadInputException>([&] { format(bad); });
 }
 
@@ -166,6 +192,8 @@ TEST(Times, AreReadByRow)
   const TemporaryFolder folder;
   EXPECT_EQ(readTimes(folder.write("times.txt", "0\n1.5e-1\n\n")),
             (std::vector<double>{0.0, 0.15}));
+  EXPECT_NEAR(readTimes(folder.write("times.txt", "1403636579763555584\n")).front(),
+              1403636579.763555584, 1e-6);
   for (const char* const bad : {"0\n1 2\n", "0\n\n1\n", "0\nx\n", "0\nnan\n"})
     EXPECT_TRUE(holds(thrownMessage<BadInputException>(
                           [&] { readTimes(folder.write("times.txt", bad)); }),

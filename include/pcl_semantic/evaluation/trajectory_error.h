@@ -62,7 +62,7 @@ struct MatchedTrajectories {
 };
 
 /** \brief By time: every pose of \a first with the nearest of \a second, if that is
- * within \a tolerance [s]. */
+ * within \a tolerance [s] and no other of \a first is nearer to it. */
 MatchedTrajectories matchByTime(const TimedTrajectory& first,
                                 const TimedTrajectory& second, double tolerance);
 

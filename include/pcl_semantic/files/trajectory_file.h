@@ -29,7 +29,7 @@ struct TimedPose {
 using TimedTrajectory = std::vector<TimedPose>;
 
 enum class TrajectoryFormat {
-  kitti, ///< 12 numbers a row, the upper 3 x 4 of the pose
+  kitti, ///< 12 numbers a row, the upper 3 x 4 of the pose; comments before the first
   tum    ///< time, translation, quaternion (x y z w); lines with # are comments
 };
 
@@ -68,6 +68,7 @@ const TimedPose* findPose(const TimedTrajectory& trajectory, double time,
                           double tolerance);
 
 /** \brief The times of a file as KITTI's times.txt: one a row [s], row = frame number.
+ * Times beyond 1e17 are nanoseconds.
  * \throws BadInputException with the line */
 std::vector<double> readTimes(const std::string& path);
 
