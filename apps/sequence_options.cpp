@@ -35,8 +35,7 @@ addSequenceOptions(SequenceOptions& options, po::options_description& descriptio
       "instead of SEQUENCE: left images of any camera, a pattern in quotes "
       "('left/*.png')")("right", po::value(&files.right), "right images, as many")(
       "calibration", po::value(&files.calibration),
-      "of --left and --right, as OpenCV's stereoCalibrate gives it (.yaml, .yml, "
-      ".xml), "
+      "of --left and --right, as OpenCV's stereoCalibrate gives it (.yaml, .yml), "
       "or KITTI's (.txt)")("extrinsics", po::value(&files.extrinsics),
                            "R and T, if they are not in --calibration (.yaml)")(
       "times", po::value(&files.times),

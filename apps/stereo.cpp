@@ -59,7 +59,7 @@ parseOptions(int argc, char** argv, Options& options)
       "right", po::value(&options.right), "the other camera's")(
       "calibration", po::value(&options.calibration),
       "KITTI's calib.txt, or a stereo calibration of OpenCV "
-      "(.yaml, .yml, .xml): then the cloud is that of the "
+      "(.yaml, .yml): then the cloud is that of the "
       "rectified left camera")("extrinsics", po::value(&options.extrinsics),
                                "file of R and T, if not in the calibration")(
       "output", po::value(&options.output), "cloud to write, or folder for them")(

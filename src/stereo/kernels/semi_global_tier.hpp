@@ -4,9 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-// Included once a tier, with PCL_SEMANTIC_TARGET its instruction set,
-// PCL_SEMANTIC_LANES the bytes of a vector and PCL_SEMANTIC_BITS the top bits of its
-// bytes.
+// Included once a tier: PCL_SEMANTIC_TARGET is its instruction set, _LANES the bytes of
+// a vector, _BITS the top bits of its bytes.
 
 #define PCL_SEMANTIC_INLINE inline PCL_SEMANTIC_TARGET __attribute__((always_inline))
 #define PCL_SEMANTIC_LAMBDA PCL_SEMANTIC_TARGET __attribute__((always_inline))
@@ -58,10 +57,10 @@ leastOf(const EightWords& words)
 #ifdef PCL_SEMANTIC_LEAST
   return PCL_SEMANTIC_LEAST(words);
 #else
-  std::uint16_t smallest = words[0];
+  std::uint16_t least = words[0];
   for (int k = 1; k < 8; ++k)
-    smallest = words[k] < smallest ? words[k] : smallest;
-  return smallest;
+    least = words[k] < least ? words[k] : least;
+  return least;
 #endif
 }
 
