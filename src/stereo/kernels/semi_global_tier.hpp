@@ -254,8 +254,7 @@ PCL_SEMANTIC_INLINE void
 choose(const std::uint16_t* sums, int D, std::uint16_t smallest, int u,
        const RowMatches& matches)
 {
-  const std::uint16_t* const even = sums;
-  const std::uint16_t* const odd = sums + D / 2;
+  const std::uint16_t *const even = sums, *const odd = sums + D / 2;
   const int e = 2 * firstOf(even, D / 2, smallest);
   const int o = 2 * firstOf(odd, D / 2, smallest) + 1;
   const int d = e < o ? e : o;
