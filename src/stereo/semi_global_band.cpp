@@ -8,7 +8,6 @@
 #include "kernels/map_disparity.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 
 namespace pcl_semantic {
@@ -164,7 +163,7 @@ SemiGlobalBand::matchOf(int u) const
   const float behind = float(around[2]) - float(around[1]);
   const float steepest = std::max({before, behind, 1.0f});
   const float shift = 0.5f * (before - behind) / steepest;
-  return std::int16_t(std::lround((float(d) + shift) * kernels::disparity_steps));
+  return std::int16_t((float(d) + shift) * kernels::disparity_steps + 0.5f);
 }
 
 } // namespace pcl_semantic

@@ -23,7 +23,7 @@ namespace {
 constexpr int steps = kernels::disparity_steps;
 
 // Fixed, so that the result does not depend on the number of threads.
-constexpr int band_rows = 64;
+constexpr int band_rows = 96;
 
 cv::Mat
 matchBands(const SemiGlobalBand::Pair& pair,

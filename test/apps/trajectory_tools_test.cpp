@@ -17,15 +17,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-BadCase::Damage
-blankImages()
+void
+blankImages(const std::string& street)
 {
-  return [](const std::string& street) {
-    for (const char* const frame : {"000000", "000001", "000002"})
-      for (const char* const folder : {"/image_2/", "/image_3/"})
-        writePng(street + folder + frame + ".png",
-                 cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(90)));
-  };
+  for (const char* const frame : {"000000", "000001", "000002"})
+    for (const char* const folder : {"/image_2/", "/image_3/"})
+      writePng(street + folder + frame + ".png",
+               cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(90)));
 }
 
 BadCase::Damage
@@ -73,6 +71,19 @@ TEST(OdometryTool, SaysWhatWasLost)
       std::string::npos)
       << result.text;
   EXPECT_EQ(readKittiTrajectory(folder.path("out.txt")).size(), 3u);
+}
+
+TEST(OdometryTool, BlankImagesGiveNoTrajectory)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), output = folder.path("out.txt");
+  copyStreet(street);
+  blankImages(street);
+  const ToolResult result = runTool("odometry " + street + " " + output);
+  EXPECT_EQ(result.code, 3);
+  EXPECT_TRUE(holds(result.text, "warning: frame 0: both images are blank"));
+  EXPECT_TRUE(holds(result.text, street + ": no frame could be tracked\n"));
+  EXPECT_FALSE(fs::exists(output));
 }
 
 TEST(TrajectoryTool, ComparesRowsAndTimes)
@@ -208,7 +219,8 @@ TEST(BadUsage, TrajectoryTools)
       {"rows are frames", 2, "use --format tum", "odometry STREET OUT --frames 1:3"},
       {"no frames", 3, "has no frame in 7:9", "odometry STREET OUT --frames 7:9"},
       {"no folder", 3, "none: is no folder", "odometry STREET/none OUT"},
-      {"blank", 3, "no frame could be tracked", "odometry STREET OUT", blankImages()},
+      {"blank", 3, "frame 0: both images are blank", "odometry STREET OUT --strict",
+       blankImages},
       {"below a file", 5, "calib.txt", "odometry STREET STREET/calib.txt/x"},
       {"no command", 2, "the command is missing", "trajectory"},
       {"another command", 2, "unknown command 'show'", "trajectory show"},
