@@ -7,6 +7,7 @@
 #include "map_arguments.h"
 #include "map_poses.h"
 #include "pair_watch.h"
+#include "progress_bar.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -104,29 +105,14 @@ printResults(const MapArguments& arguments, const MappingArchive& archive)
     std::cout << "archive:  " << arguments.archive.path << "\n";
 }
 
-int
-mapSequence(const MapArguments& arguments)
+// Maps what the run has and the archive does not hold yet.
+void
+mapFrames(const FrameSequence& sequence, const MappingRun& run, bool strict,
+          SemanticMapper& mapper, MappingArchive& archive, MappingOutput& output)
 {
-  tool::requireMapArguments(arguments);
-  setNumberOfThreads(arguments.parameters.threads);
-  const std::unique_ptr<FrameSequence> opened = tool::openSequence(arguments.sequence);
-  const FrameSequence& sequence = *opened;
-  const std::string chosen = tool::choosePoses(arguments, sequence);
-  Labelling labelling = makeLabelling(arguments);
-  const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
-  std::unique_ptr<PoseSource> poses = tool::makePoses(chosen, sequence);
-  poses->requirePoses(frameTimes(
-      sequence, tool::chooseFrames(arguments.sequence, sequence, arguments.frames)));
-  const auto* const odometry = dynamic_cast<StereoOdometry*>(poses.get());
-  MappingArchive archive(arguments.archive, run);
-  SemanticMapper mapper(run.camera, run.label_set, run.config,
-                        std::move(labelling.predictor), std::move(poses),
-                        archive.store());
-  MappingOutput output = makeOutput(arguments, run, chosen, archive);
-  archive.resume(mapper);
   tool::catchInterrupts();
+  tool::PairWatch watch("pcl_semantic_map", strict);
   tool::ProgressBar progress("mapping", run.frames.size() - archive.records().size());
-  tool::PairWatch watch("pcl_semantic_map", arguments.sequence.strict);
   for (std::size_t i = 0; i < sequence.size() && !tool::interrupted(); ++i) {
     const int frame = sequence.frameNumber(i);
     if (!run.contains(frame) || archive.holds(frame))
@@ -138,9 +124,45 @@ mapSequence(const MapArguments& arguments)
     archive.add(mapped, mapper);
     progress.step();
   }
-  if (odometry && odometry->lostFrames() > 0)
-    std::cerr << "pcl_semantic_map: warning: " << odometry->lostFrames()
-              << " frames could not be tracked: their poses are predicted\n";
+}
+
+void
+judgeTracking(const MapArguments& arguments, const PoseSource& poses, int frames)
+{
+  const auto* const odometry = dynamic_cast<const StereoOdometry*>(&poses);
+  const int lost = odometry ? odometry->lostFrames() : 0;
+  if (lost == 0)
+    return;
+  if (lost + 1 == frames)
+    PCL_THROW_EXCEPTION(BadInputException, arguments.sequence.name()
+                                               << ": no frame could be tracked");
+  tool::warn("pcl_semantic_map", std::to_string(lost) +
+                                     " frames could not be tracked: their poses are "
+                                     "predicted");
+}
+
+int
+mapSequence(const MapArguments& arguments)
+{
+  tool::requireMapArguments(arguments);
+  setNumberOfThreads(arguments.parameters.threads);
+  const std::unique_ptr<FrameSequence> opened = tool::openSequence(arguments.sequence);
+  const FrameSequence& sequence = *opened;
+  const std::string chosen = tool::choosePoses(arguments, sequence);
+  Labelling labelling = makeLabelling(arguments);
+  const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
+  std::unique_ptr<PoseSource> owned_poses = tool::makePoses(chosen, sequence);
+  const PoseSource& poses = *owned_poses;
+  poses.requirePoses(frameTimes(
+      sequence, tool::chooseFrames(arguments.sequence, sequence, arguments.frames)));
+  MappingArchive archive(arguments.archive, run);
+  SemanticMapper mapper(run.camera, run.label_set, run.config,
+                        std::move(labelling.predictor), std::move(owned_poses),
+                        archive.store());
+  MappingOutput output = makeOutput(arguments, run, chosen, archive);
+  archive.resume(mapper);
+  mapFrames(sequence, run, arguments.sequence.strict, mapper, archive, output);
+  judgeTracking(arguments, poses, int(run.frames.size()));
   archive.finish(mapper);
   output.finish(mapper.map());
   if (!archive.close())

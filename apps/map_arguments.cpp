@@ -9,6 +9,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 
 #include <algorithm>
@@ -119,6 +120,9 @@ requireMapArguments(const MapArguments& arguments)
   if (!arguments.label_set.empty() && arguments.labels.empty())
     fail("--label-set is for --labels; the description of a network names its own");
   std::error_code error;
+  if (std::filesystem::is_directory(arguments.output, error) &&
+      !listFrameFiles(arguments.output, {".png"}).empty())
+    fail("--output holds images of frames; maps need a folder of their own");
   if (std::filesystem::exists(arguments.output + "/calib.txt", error))
     fail("--output holds a sequence (calib.txt); maps need a folder of their own");
   if (std::filesystem::equivalent(arguments.labels, arguments.output + "/labels",

@@ -5,6 +5,7 @@
  */
 
 #include "pair_watch.h"
+#include "progress_bar.h"
 #include "sequence_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -14,6 +15,7 @@
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
+#include <filesystem>
 #include <iostream>
 #include <locale>
 #include <sstream>
@@ -44,21 +46,22 @@ parseOptions(int argc, char** argv, Options& options)
 {
   namespace po = tool::po;
   po::options_description visible("Options");
-  const auto add = [&visible](const char* name, auto& value, const char* text) {
-    using T = std::decay_t<decltype(value)>;
-    visible.add_options()(name, po::value<T>(&value)->default_value(value), text);
-  };
   StereoOdometry::Parameters& parameters = options.parameters;
   tool::addSequenceOptions(options.sequence, visible);
   visible.add_options()("output", po::value(&options.output), "trajectory to write")(
       "report", po::value(&options.report),
       "table (.csv): what was tracked and the covariance of each pose");
-  add("format", options.format, "kitti (12 numbers a row) or tum (time, quaternion)");
-  add("frames", options.frames, "A:B, frames numbered A <= n < B");
-  add("threads", options.threads, "0 = all processors; the poses do not depend on it");
-  add("features", parameters.features, "how many are followed at most");
-  add("keyframes", parameters.window, "how many are adjusted together");
-  add("offset-drift", parameters.offset_drift,
+  tool::addOption(visible, "format", options.format,
+                  "kitti (12 numbers a row) or tum (time, quaternion)");
+  tool::addOption(visible, "frames", options.frames, "A:B, frames numbered A <= n < B");
+  tool::addOption(visible, "threads", options.threads,
+                  "0 = all processors; the poses do not depend on it");
+  tool::addOption(visible, "features", parameters.features,
+                  "how many are followed at most");
+  tool::addOption(visible, "window", parameters.window,
+                  "how many keyframes are adjusted together");
+  tool::addOption(
+      visible, "offset-drift", parameters.offset_drift,
       "how fast the offset of all disparities may change [px]; 0 = there is none");
   po::positional_options_description positional;
   positional.add("sequence", 1).add("output", 1);
@@ -124,9 +127,9 @@ void
 writeResults(const Options& options, const Results& results)
 {
   const std::size_t frames = results.trajectory.size();
+  const std::string& name = options.sequence.name();
   if (frames > 1 && results.lost.size() + 1 == frames)
-    PCL_THROW_EXCEPTION(BadInputException, options.sequence.name()
-                                               << ": no frame could be tracked");
+    PCL_THROW_EXCEPTION(BadInputException, name << ": no frame could be tracked");
   Trajectory poses;
   for (const TimedPose& timed : results.trajectory)
     poses.push_back(timed.pose);
@@ -137,15 +140,20 @@ writeResults(const Options& options, const Results& results)
   if (!options.report.empty())
     writeTextFile(options.report, results.report.str());
   if (!results.lost.empty())
-    std::cerr << usage.name << ": warning: " << results.lost.size() << " of " << frames
-              << " frames could not be tracked, the first is " << results.lost.front()
-              << ": their poses are predicted\n";
-  std::cout << options.output << ": " << frames << " poses\n";
+    tool::warn(usage.name, tool::shown(results.lost.size()) + " of " +
+                               tool::shown(frames) + " frames could not be tracked, " +
+                               "the first is " + tool::shown(results.lost.front()) +
+                               ": their poses are predicted");
+  std::cout << options.output << ": " << frames
+            << (frames > 1 ? " poses\n" : " pose\n");
 }
 
 int
 track(const Options& options)
 {
+  for (const std::string& path : {options.output, options.report})
+    if (std::filesystem::path(path).extension() == ".png")
+      tool::failUsage(usage, path + ": is a name for an image");
   setNumberOfThreads(options.threads);
   parseFrameRange(options.frames); // wrong options are found first
   const std::unique_ptr<FrameSequence> opened = tool::openSequence(options.sequence);
@@ -159,9 +167,9 @@ track(const Options& options)
   StereoOdometry odometry(sequence.camera(), sequence.T_camera0_camera(),
                           options.parameters);
   Results results;
-  tool::PairWatch watch(usage.name, options.sequence.strict);
   tool::catchInterrupts();
   {
+    tool::PairWatch watch(usage.name, options.sequence.strict);
     tool::ProgressBar progress("tracking", frames.size());
     for (const std::size_t i : frames) {
       const StereoFrame frame = sequence.frame(i);

@@ -5,10 +5,9 @@
  */
 
 #include "pair_watch.h"
+#include "progress_bar.h"
 
 #include <pcl_semantic/core/exceptions.h>
-
-#include <iostream>
 
 namespace pcl_semantic::tool {
 
@@ -20,12 +19,11 @@ PairWatch::~PairWatch()
 {
   for (const auto& [fault, pairs] : warned_)
     if (pairs > 1)
-      std::cerr << program_ << ": warning: " << pairs << " pairs looked "
-                << (fault == PairFault::blank       ? "blank"
-                    : fault == PairFault::identical ? "identical"
-                    : fault == PairFault::swapped   ? "swapped"
-                                                    : "unrelated")
-                << "\n";
+      warn(program_, std::to_string(pairs) + " pairs looked " +
+                         (fault == PairFault::blank       ? "blank"
+                          : fault == PairFault::identical ? "identical"
+                          : fault == PairFault::swapped   ? "swapped"
+                                                          : "unrelated"));
 }
 
 void
@@ -37,7 +35,7 @@ PairWatch::look(const StereoFrame& frame, const std::string& name)
   if (strict_)
     PCL_THROW_EXCEPTION(BadInputException, name << ": " << check_.reason());
   if (++warned_[fault] == 1)
-    std::cerr << program_ << ": warning: " << name << ": " << check_.reason() << "\n";
+    warn(program_, name + ": " + check_.reason());
 }
 
 } // namespace pcl_semantic::tool

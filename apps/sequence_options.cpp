@@ -41,7 +41,8 @@ addSequenceOptions(SequenceOptions& options, po::options_description& descriptio
       "times", po::value(&files.times),
       "when the images were taken, one time a row [s] (default: ten pairs a second)")(
       "strict", po::bool_switch(&options.strict),
-      "refuse pairs that look blank, swapped or unrelated instead of warning of them");
+      "refuse pairs that look blank, identical, swapped or unrelated instead of "
+      "warning of them");
 }
 
 void

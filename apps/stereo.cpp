@@ -5,11 +5,13 @@
  */
 
 #include "pair_watch.h"
+#include "progress_bar.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
+#include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
@@ -32,7 +34,8 @@ const tool::Usage usage{
     "pcl_semantic_stereo", "LEFT RIGHT CALIBRATION OUT [options]",
     "Depth of a stereo pair (.png) as an organized coloured cloud (.pcd), in the left "
     "camera's\n"
-    "frame. With folders as LEFT, RIGHT and OUT: of all pairs of one name in them.",
+    "frame. With folders as LEFT, RIGHT and OUT: of all images in them, paired in "
+    "their order.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_stereo /tmp/street/image_2/000000.png "
     "/tmp/street/image_3/000000.png \\\n"
@@ -51,10 +54,6 @@ parseOptions(int argc, char** argv, Options& options)
 {
   namespace po = tool::po;
   po::options_description visible("Options");
-  const auto add = [&visible](const char* name, auto& value, const char* text) {
-    using T = std::decay_t<decltype(value)>;
-    visible.add_options()(name, po::value<T>(&value)->default_value(value), text);
-  };
   visible.add_options()("left", po::value(&options.left), "image, or folder of images")(
       "right", po::value(&options.right), "the other camera's")(
       "calibration", po::value(&options.calibration),
@@ -67,14 +66,18 @@ parseOptions(int argc, char** argv, Options& options)
       "also draws the disparities: picture, or folder for them (blue is far, red "
       "near)")("strict", po::bool_switch(&options.strict),
                "refuse pairs that look wrong instead of warning of them");
-  add("engine", options.engine, "sgm, elas or sgbm");
-  add("disparities", options.disparities, "range of the search, a multiple of 64 [px]");
-  add("max-depth", options.max_depth, "what is farther has no depth [m]; 0 = all has");
-  add("max-deviation", options.max_deviation,
+  tool::addOption(visible, "engine", options.engine, "sgm, elas or sgbm");
+  tool::addOption(visible, "disparities", options.disparities,
+                  "range of the search, a multiple of 64 (elas, sgbm: of 16) [px]");
+  tool::addOption(visible, "max-depth", options.max_depth,
+                  "what is farther has no depth [m]; 0 = all has");
+  tool::addOption(
+      visible, "max-deviation", options.max_deviation,
       "nor have disparities that are less sure than this [px]: the default keeps what "
       "was "
       "matched, 0 also what was filled in between");
-  add("threads", options.threads, "0 = all processors; the clouds do not depend on it");
+  tool::addOption(visible, "threads", options.threads,
+                  "0 = all processors; the clouds do not depend on it");
   po::positional_options_description positional;
   positional.add("left", 1).add("right", 1).add("calibration", 1).add("output", 1);
   po::variables_map values;
@@ -86,15 +89,9 @@ parseOptions(int argc, char** argv, Options& options)
        {std::pair("--max-depth", options.max_depth),
         std::pair("--max-deviation", options.max_deviation)})
     if (!(value >= 0.0))
-      tool::failUsage(usage, std::string(name) + " is less than 0");
+      tool::failUsage(usage,
+                      name + (" is " + tool::shown(value)) + ", expected 0 or more");
   return true;
-}
-
-// A folder's images, or the one image.
-std::string
-patternOf(const std::string& path)
-{
-  return fs::is_directory(path) ? path + "/*.png" : path;
 }
 
 // What to write for each pair: a cloud and, if wanted, a picture.
@@ -114,9 +111,9 @@ nameOutputs(const Options& options, const ImagePairSequence& pairs)
         {options.output + "/" + name + ".pcd",
          options.disparity.empty() ? "" : options.disparity + "/" + name + ".png"});
   }
-  fs::create_directories(options.output);
+  makeOutputFolder(options.output);
   if (!options.disparity.empty())
-    fs::create_directories(options.disparity);
+    makeOutputFolder(options.disparity);
   return outputs;
 }
 
@@ -126,6 +123,9 @@ requireKindsOfFiles(const Options& options)
   const bool folders = fs::is_directory(options.left);
   if (folders != fs::is_directory(options.right))
     tool::failUsage(usage, "LEFT and RIGHT have to be two images, or two folders");
+  for (const std::string& path : {options.left, options.right})
+    if (!fs::exists(path))
+      PCL_THROW_EXCEPTION(BadInputException, path << ": is not there");
   if (!folders) {
     tool::requireExtension(options.output, ".pcd");
     tool::requireExtension(options.disparity, ".png");
@@ -160,20 +160,22 @@ processPairs(const Options& options)
   requireKindsOfFiles(options);
   setNumberOfThreads(options.threads);
   const auto estimator = makeDisparityEstimator(options.engine, options.disparities);
-  const ImagePairSequence pairs({patternOf(options.left), patternOf(options.right),
-                                 options.calibration, options.extrinsics, ""});
+  const ImagePairSequence pairs(
+      {options.left, options.right, options.calibration, options.extrinsics, ""});
   const std::vector<Outputs> outputs = nameOutputs(options, pairs);
-  tool::PairWatch watch(usage.name, options.strict);
-  tool::ProgressBar progress("stereo", pairs.size(), "pairs");
   tool::catchInterrupts();
   double share = 0.0;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const StereoFrame frame = pairs.frame(i);
-    watch.look(frame, pairs.leftPath(i));
-    share += processPair(options, frame, pairs.camera(), *estimator, outputs[i]);
-    progress.step();
-    if (tool::interrupted())
-      return tool::exit_interrupted;
+  {
+    tool::PairWatch watch(usage.name, options.strict);
+    tool::ProgressBar progress("stereo", pairs.size(), "pairs");
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const StereoFrame frame = pairs.frame(i);
+      watch.look(frame, pairs.leftPath(i));
+      share += processPair(options, frame, pairs.camera(), *estimator, outputs[i]);
+      if (tool::interrupted())
+        return tool::exit_interrupted;
+      progress.step();
+    }
   }
   std::cout << options.output << ": " << pairs.size() << " cloud"
             << (pairs.size() > 1 ? "s" : "") << " of " << pairs.camera().width << " x "

@@ -42,19 +42,18 @@ parseOptions(int argc, char** argv, Options& options)
 {
   namespace po = tool::po;
   po::options_description visible("Options");
-  const auto add = [&visible](const char* name, auto& value, const char* text) {
-    using T = std::decay_t<decltype(value)>;
-    visible.add_options()(name, po::value<T>(&value)->default_value(value), text);
-  };
   visible.add_options()("command", po::value(&options.command), "compare")(
       "truth", po::value(&options.truth), "trajectory that is right")(
       "estimate", po::value(&options.estimate),
       "trajectory to judge")("times", po::value(&options.times),
                              "times.txt of a KITTI trajectory that meets a TUM one")(
       "picture", po::value(&options.picture), "picture of both paths to write (.png)");
-  add("lengths", options.lengths, "of the pieces that are compared [m]");
-  add("step", options.step, "every which pose begins a piece (KITTI's own: 10)");
-  add("tolerance", options.tolerance, "how far times that match may differ [s]");
+  tool::addOption(visible, "lengths", options.lengths,
+                  "of the pieces that are compared [m]");
+  tool::addOption(visible, "step", options.step,
+                  "every which pose begins a piece (KITTI's own: 10)");
+  tool::addOption(visible, "tolerance", options.tolerance,
+                  "how far times that match may differ [s]");
   po::positional_options_description positional;
   positional.add("command", 1).add("truth", 1).add("estimate", 1);
   po::variables_map values;
@@ -68,6 +67,7 @@ parseOptions(int argc, char** argv, Options& options)
     tool::failUsage(usage, "compare needs two trajectories");
   if (!(options.tolerance >= 0.0))
     tool::failUsage(usage, "--tolerance is less than 0");
+  tool::requireExtension(options.picture, ".png");
   tool::refuseSameFiles({options.truth, options.estimate, options.times},
                         {options.picture});
   return true;
@@ -122,7 +122,7 @@ readMatched(const Options& options)
     if (matched.first.size() != matched.second.size())
       std::cerr << usage.name << ": warning: " << matched.first.size() << " and "
                 << matched.second.size() << " poses: the first " << common
-                << " are compared\n";
+                << " are compared, row by row\n";
     matched.first.resize(common);
     matched.second.resize(common);
     return matched;
@@ -164,9 +164,8 @@ compare(const Options& options)
               lengthOf(matched.first), "length", "pieces", "translation %",
               "rotation deg/m");
   for (const SegmentErrors& each : errors) {
-    const std::string name = each.length > 0.0
-                                 ? std::to_string(int(std::lround(each.length))) + " m"
-                                 : "all";
+    const std::string name =
+        each.length > 0.0 ? tool::shown(each.length) + " m" : "all";
     if (each.segments > 0)
       std::printf("%8s %9zu %14.4f %16.5f\n", name.c_str(), each.segments,
                   100.0 * each.translation, each.rotation * 180.0 / M_PI);
@@ -176,7 +175,8 @@ compare(const Options& options)
   std::printf("\n");
   print("from the start:", errorsFromStart(matched.first, matched.second));
   print("aligned:", errorsAligned(matched.first, matched.second));
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0)
+    PCL_THROW_EXCEPTION(OutputException, "standard output cannot be written");
   return tool::exit_done;
 }
 

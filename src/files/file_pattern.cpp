@@ -9,12 +9,15 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <memory>
 #include <new>
 
 #include <glob.h>
 
 namespace pcl_semantic {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -44,10 +47,8 @@ isTrouble(const char*, int error)
   return error != ENOENT && error != ENOTDIR;
 }
 
-} // namespace
-
 std::vector<std::string>
-findFiles(const std::string& pattern)
+globbed(const std::string& pattern)
 {
   glob_t found{};
   const int code = ::glob(pattern.c_str(), GLOB_NOSORT, &isTrouble, &found);
@@ -58,7 +59,34 @@ findFiles(const std::string& pattern)
     throw std::bad_alloc();
   if (code != 0)
     PCL_THROW_EXCEPTION(BadInputException, pattern << ": a folder cannot be read");
-  std::vector<std::string> files(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  return {found.gl_pathv, found.gl_pathv + found.gl_pathc};
+}
+
+std::vector<std::string>
+imagesIn(const std::string& folder)
+{
+  std::vector<std::string> images;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".png")
+      images.push_back(entry.path().string());
+  if (error)
+    PCL_THROW_EXCEPTION(BadInputException, folder << ": the folder cannot be read");
+  if (images.empty())
+    PCL_THROW_EXCEPTION(BadInputException, folder << ": holds no images (.png)");
+  return images;
+}
+
+} // namespace
+
+std::vector<std::string>
+findFiles(const std::string& pattern)
+{
+  std::error_code error;
+  if (fs::is_regular_file(pattern, error))
+    return {pattern};
+  std::vector<std::string> files =
+      fs::is_directory(pattern, error) ? imagesIn(pattern) : globbed(pattern);
   std::sort(files.begin(), files.end(), naturalLess);
   return files;
 }

@@ -251,7 +251,11 @@ readTimes(const std::string& path)
       PCL_THROW_EXCEPTION(BadInputException, where
                                                  << ": has " << numbers.size()
                                                  << " numbers, expected one time [s]");
-    times.push_back(inSeconds(numbers[0]));
+    const double time = inSeconds(numbers[0]);
+    if (!times.empty() && time <= times.back())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          where << ": is not later than the time before it");
+    times.push_back(time);
   }
   return times;
 }

@@ -90,7 +90,7 @@ PoseRansac::bestOfSamples(const std::vector<PoseMeasurement>& measurements,
     }
     // Enough when a sample without outliers has been drawn with near certainty.
     const double share = double(most) / double(n);
-    if (trial + 1 >= std::log(1e-4) / std::log(1.0 - share * share * share + 1e-12))
+    if (most > 0 && trial + 1 >= std::log(1e-4) / std::log1p(-share * share * share))
       break;
   }
   return best;

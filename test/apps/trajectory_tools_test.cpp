@@ -17,15 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void
-blankImages(const std::string& street)
-{
-  for (const char* const frame : {"000000", "000001", "000002"})
-    for (const char* const folder : {"/image_2/", "/image_3/"})
-      writePng(street + folder + frame + ".png",
-               cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(90)));
-}
-
 BadCase::Damage
 trajectory(const std::string& text)
 {
@@ -213,7 +204,7 @@ TEST(BadUsage, TrajectoryTools)
       {"no output", 2, "OUT.txt is missing", "odometry STREET"},
       {"format", 2, "--format is 'csv'", "odometry STREET OUT --format csv"},
       {"features", 2, "features is 1", "odometry STREET OUT --features 1"},
-      {"keyframes", 2, "window is 0", "odometry STREET OUT --keyframes 0"},
+      {"window", 2, "window is 0", "odometry STREET OUT --window 0"},
       {"threads", 2, "threads is -1", "odometry STREET OUT --threads -1"},
       {"its own poses", 2, "poses.txt", "odometry STREET" + poses},
       {"rows are frames", 2, "use --format tum", "odometry STREET OUT --frames 1:3"},

@@ -45,6 +45,19 @@ measure(const Eigen::Isometry3d& pose, int nth, std::mt19937& random)
 
 } // namespace
 
+// The first sample may hold a wrong measurement while nothing agrees with the
+// prediction.
+TEST(PoseRansac, GoesOnUntilSomethingAgrees)
+{
+  std::mt19937 random(2);
+  for (int round = 0; round < 100; ++round) {
+    const std::vector<PoseMeasurement> measurements = measure(someMotion(), 2, random);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    PoseRansac(gridCamera(), {}).estimate(measurements, pose);
+    EXPECT_LT(logMotion(pose * someMotion().inverse()).norm(), 0.02) << round;
+  }
+}
+
 TEST(PoseRansac, FindsThePoseAmongWrongMeasurements)
 {
   std::mt19937 random(1);

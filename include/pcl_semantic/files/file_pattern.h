@@ -12,8 +12,8 @@
 namespace pcl_semantic {
 
 /** \brief The files that match a pattern as the shell's (`left-*.png`, with `*`, `?`
- * and
- * `[...]`), in natural order.
+ * and `[...]`, a backslash before what is meant as it is), in natural order. What is a
+ * file as it stands is that file; a folder is all its `.png` files.
  * \throws BadInputException if there are none or a folder cannot be read */
 std::vector<std::string> findFiles(const std::string& pattern);
 
