@@ -27,19 +27,20 @@ struct Street {
   std::vector<Eigen::Isometry3d> T_world_camera;
 };
 
-// Fourteen frames: 11 m, the last of them in a turn.
+// Fourteen frames: 11 m, the last of them in a turn; as the test
+// odometry.odometry_street has left them.
 const Street&
 street()
 {
   static const Street made = [] {
     const SyntheticScene scene(1, 14);
     const SyntheticRenderer renderer(scene, 496, 150);
+    const KittiSequence sequence(PCL_SEMANTIC_BINARY_DIR "/test/odometry_street");
     Street result;
     result.camera = renderer.camera();
     for (int i = 0; i < scene.frames(); ++i) {
-      const SyntheticView view = renderer.render(i);
-      result.frames.push_back({i, 0.1 * i, view.left, view.right});
-      result.T_world_camera.push_back(view.T_world_camera);
+      result.frames.push_back(sequence.frame(std::size_t(i)));
+      result.T_world_camera.push_back(renderer.pose(i));
     }
     return result;
   }();

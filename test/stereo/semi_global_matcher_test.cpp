@@ -49,7 +49,8 @@ class PlainMatcher {
 public:
   PlainMatcher(const Pair& pair, const SemiGlobalMatcher::Parameters& parameters)
       : pair_(pair), parameters_(parameters), width_(pair.left.cols),
-        height_(pair.left.rows), D_(parameters.disparities)
+        height_(pair.left.rows), D_(parameters.disparities),
+        left_(censusesOf(pair.left)), right_(censusesOf(pair.right))
   {}
 
   // Disparities of the rows from begin to end; paths from above begin at row first.
@@ -108,6 +109,16 @@ private:
     return census;
   }
 
+  static std::vector<std::bitset<64>>
+  censusesOf(const cv::Mat& image)
+  {
+    std::vector<std::bitset<64>> all;
+    for (int v = 0; v < image.rows; ++v)
+      for (int u = 0; u < image.cols; ++u)
+        all.push_back(censusAt(image, u, v));
+    return all;
+  }
+
   int
   quarterAt(int u, int v, int d) const
   {
@@ -115,7 +126,8 @@ private:
     std::size_t sum = 0;
     for (int dy = -2; dy <= 2; ++dy) {
       const int y = std::clamp(v + dy, 0, height_ - 1);
-      sum += (censusAt(pair_.left, u, y) ^ censusAt(pair_.right, std::max(u - d, 0), y))
+      sum += (left_[std::size_t(y * width_ + u)] ^
+              right_[std::size_t(y * width_ + std::max(u - d, 0))])
                  .count();
     }
     return int(sum + 2) / 4;
@@ -201,6 +213,7 @@ private:
   const Pair& pair_;
   const SemiGlobalMatcher::Parameters& parameters_;
   int width_, height_, D_;
+  std::vector<std::bitset<64>> left_, right_; // censuses
 };
 
 int

@@ -259,7 +259,7 @@ choose(const std::uint16_t* sums, int D, std::uint16_t smallest, int u,
   const int o = 2 * firstOf(odd, D / 2, smallest) + 1;
   const int d = e < o ? e : o;
   const auto sumAt = [&](int at) {
-    return at < 0 || at >= D ? no_sum : (at % 2 == 0 ? even : odd)[at / 2];
+    return at < 0 || at >= D ? no_sum : sums[at % 2 * (D / 2) + at / 2];
   };
   std::uint16_t* const around = matches.around + 3 * u;
   for (int k = 0; k < 3; ++k)
