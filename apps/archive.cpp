@@ -5,6 +5,7 @@
  */
 
 #include "archive_arguments.h"
+#include "progress_bar.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/archive_merge.h>

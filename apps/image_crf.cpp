@@ -19,7 +19,6 @@
 #include <pcl_semantic/io/map_pictures.h>
 #include <pcl_semantic/pipeline/crf_config.h>
 
-#include <filesystem>
 #include <iostream>
 
 namespace {
@@ -100,15 +99,6 @@ setCliques(const std::string& cliques, const cv::Mat& image, ImageCRF& crf)
   crf.setCliques(cliquesOfSegments(slicSuperpixels(image, slic)));
 }
 
-// Others would be written as this kind too, under a name that says otherwise.
-void
-requireExtension(const std::string& path, const std::string& extension)
-{
-  if (!path.empty() && std::filesystem::path(path).extension() != extension)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        path << ": expected a name that ends in " << extension);
-}
-
 int
 refine(const Arguments& arguments)
 {
@@ -117,9 +107,9 @@ refine(const Arguments& arguments)
   tool::refuseSameFiles({arguments.image, arguments.distributions, arguments.config,
                          arguments.label_set, arguments.parameters.cliques},
                         {arguments.output, arguments.overlay, arguments.refined});
-  requireExtension(arguments.output, ".png");
-  requireExtension(arguments.overlay, ".png");
-  requireExtension(arguments.refined, ".bin");
+  tool::requireExtension(arguments.output, ".png");
+  tool::requireExtension(arguments.overlay, ".png");
+  tool::requireExtension(arguments.refined, ".bin");
   arguments.parameters.requireFittingCliques();
   setNumberOfThreads(arguments.parameters.threads);
   const LabelSet label_set =

@@ -5,17 +5,18 @@
  */
 
 #include "map_arguments.h"
+#include "map_poses.h"
+#include "pair_watch.h"
+#include "progress_bar.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/frame_range.h>
-#include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
-#include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
@@ -55,34 +56,20 @@ makeLabelling(const MapArguments& arguments)
       ""};
 }
 
-std::string
-posesPath(const MapArguments& arguments, const KittiSequence& sequence)
-{
-  const std::string path =
-      arguments.poses == "sequence" ? sequence.posesPath() : arguments.poses;
-  if (path.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.sequence
-                            << ": has no poses.txt; give a trajectory with --poses");
-  return path;
-}
-
 // Everything that the map depends on.
 MappingRun
-makeRun(const MapArguments& arguments, const KittiSequence& sequence,
-        const Labelling& labelling)
+makeRun(const MapArguments& arguments, const FrameSequence& sequence,
+        const std::string& poses, const Labelling& labelling)
 {
   MappingRun run;
-  run.inputs = {{"sequence", arguments.sequence},
-                {"poses", posesPath(arguments, sequence)},
-                {"labels", arguments.labels},
-                {"network", arguments.network},
-                {"model", labelling.model}};
-  for (const std::size_t i : selectFrames(sequence, parseFrameRange(arguments.frames)))
+  run.inputs = tool::inputsOf(arguments.sequence);
+  run.inputs.insert(run.inputs.end(), {{"poses", poses},
+                                       {"labels", arguments.labels},
+                                       {"network", arguments.network},
+                                       {"model", labelling.model}});
+  for (const std::size_t i :
+       tool::chooseFrames(arguments.sequence, sequence, arguments.frames))
     run.frames.push_back(sequence.frameNumber(i));
-  if (run.frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.sequence << ": has no frame in " << arguments.frames);
   run.camera = sequence.camera();
   run.T_camera0_camera = sequence.T_camera0_camera();
   run.label_set = labelling.label_set;
@@ -92,22 +79,18 @@ makeRun(const MapArguments& arguments, const KittiSequence& sequence,
 
 MappingOutput
 makeOutput(const MapArguments& arguments, const MappingRun& run,
-           const MappingArchive& archive)
+           const std::string& poses, const MappingArchive& archive)
 {
-  return {arguments.output,
-          run.camera,
-          run.label_set,
-          run.config,
-          run.T_camera0_camera,
-          {{"sequence", arguments.sequence},
-           {"frames", arguments.frames},
-           {"poses", arguments.poses},
-           {"labels", arguments.labels},
-           {"label_set", arguments.label_set},
-           {"network", arguments.network},
-           {"model", arguments.model},
-           {"archive", arguments.archive.path}},
-          archive.records()};
+  auto inputs = tool::inputsOf(arguments.sequence);
+  inputs.insert(inputs.end(), {{"frames", arguments.frames},
+                               {"poses", poses},
+                               {"labels", arguments.labels},
+                               {"label_set", arguments.label_set},
+                               {"network", arguments.network},
+                               {"model", arguments.model},
+                               {"archive", arguments.archive.path}});
+  return {arguments.output,     run.camera,        run.label_set,    run.config,
+          run.T_camera0_camera, std::move(inputs), archive.records()};
 }
 
 void
@@ -122,34 +105,64 @@ printResults(const MapArguments& arguments, const MappingArchive& archive)
     std::cout << "archive:  " << arguments.archive.path << "\n";
 }
 
-int
-mapSequence(const MapArguments& arguments)
+// Maps what the run has and the archive does not hold yet.
+void
+mapFrames(const FrameSequence& sequence, const MappingRun& run, bool strict,
+          SemanticMapper& mapper, MappingArchive& archive, MappingOutput& output)
 {
-  tool::requireMapArguments(arguments);
-  setNumberOfThreads(arguments.parameters.threads);
-  const KittiSequence sequence(arguments.sequence);
-  Labelling labelling = makeLabelling(arguments);
-  const MappingRun run = makeRun(arguments, sequence, labelling);
-  auto poses = std::make_unique<TrajectoryPoses>(
-      readKittiTrajectory(posesPath(arguments, sequence)), run.T_camera0_camera,
-      posesPath(arguments, sequence));
-  MappingArchive archive(arguments.archive, run);
-  SemanticMapper mapper(run.camera, run.label_set, run.config,
-                        std::move(labelling.predictor), std::move(poses),
-                        archive.store());
-  MappingOutput output = makeOutput(arguments, run, archive);
-  archive.resume(mapper);
   tool::catchInterrupts();
+  tool::PairWatch watch("pcl_semantic_map", strict);
   tool::ProgressBar progress("mapping", run.frames.size() - archive.records().size());
   for (std::size_t i = 0; i < sequence.size() && !tool::interrupted(); ++i) {
     const int frame = sequence.frameNumber(i);
     if (!run.contains(frame) || archive.holds(frame))
       continue;
-    const MappedFrame mapped = mapper.process(sequence.frame(i));
+    const StereoFrame pair = sequence.frame(i);
+    watch.look(pair);
+    const MappedFrame mapped = mapper.process(pair);
     output.writeFrame(mapped, mapper.map());
     archive.add(mapped, mapper);
     progress.step();
   }
+}
+
+void
+judgeTracking(const MapArguments& arguments, const PoseSource& poses, int frames)
+{
+  const auto* const odometry = dynamic_cast<const StereoOdometry*>(&poses);
+  const int lost = odometry ? odometry->lostFrames() : 0;
+  if (lost == 0)
+    return;
+  if (lost + 1 == frames)
+    PCL_THROW_EXCEPTION(BadInputException, arguments.sequence.name()
+                                               << ": no frame could be tracked");
+  tool::warn("pcl_semantic_map", std::to_string(lost) +
+                                     " frames could not be tracked: their poses are "
+                                     "predicted");
+}
+
+int
+mapSequence(const MapArguments& arguments)
+{
+  tool::requireMapArguments(arguments);
+  setNumberOfThreads(arguments.parameters.threads);
+  const std::unique_ptr<FrameSequence> opened = tool::openSequence(arguments.sequence);
+  const FrameSequence& sequence = *opened;
+  const std::string chosen = tool::choosePoses(arguments, sequence);
+  Labelling labelling = makeLabelling(arguments);
+  const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
+  std::unique_ptr<PoseSource> owned_poses = tool::makePoses(chosen, sequence);
+  const PoseSource& poses = *owned_poses;
+  poses.requirePoses(frameTimes(
+      sequence, tool::chooseFrames(arguments.sequence, sequence, arguments.frames)));
+  MappingArchive archive(arguments.archive, run);
+  SemanticMapper mapper(run.camera, run.label_set, run.config,
+                        std::move(labelling.predictor), std::move(owned_poses),
+                        archive.store());
+  MappingOutput output = makeOutput(arguments, run, chosen, archive);
+  archive.resume(mapper);
+  mapFrames(sequence, run, arguments.sequence.strict, mapper, archive, output);
+  judgeTracking(arguments, poses, int(run.frames.size()));
   archive.finish(mapper);
   output.finish(mapper.map());
   if (!archive.close())

@@ -9,6 +9,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 
 #include <algorithm>
@@ -23,18 +24,18 @@ po::options_description
 describeOptions(MapArguments& arguments)
 {
   po::options_description options("Options");
-  options.add_options()("sequence", po::value(&arguments.sequence),
-                        "folder in KITTI's odometry layout")(
-      "output", po::value(&arguments.output),
-      "folder to write to; an earlier map in it is replaced")(
+  addSequenceOptions(arguments.sequence, options);
+  options.add_options()("output", po::value(&arguments.output),
+                        "folder to write to; an earlier map in it is replaced")(
       "labels", po::value(&arguments.labels),
       "folder of stored label distributions: .bin, .npy or .png a frame")(
       "label-set", po::value(&arguments.label_set),
       "classes of --labels (default: label_sets/kitti11.yaml)")(
       "network", po::value(&arguments.network), "description of a network (.yaml)")(
       "model", po::value(&arguments.model), "the network itself (.onnx)")(
-      "poses", po::value(&arguments.poses)->default_value("sequence"),
-      "KITTI trajectory file, or 'sequence' for its own poses.txt")(
+      "poses", po::value(&arguments.poses)->default_value("auto"),
+      "KITTI or TUM trajectory file, 'sequence' for its own poses.txt, 'odometry' to "
+      "find them in the images, 'auto': its own or else odometry")(
       "frames", po::value(&arguments.frames), "A:B, frames numbered A <= n < B")(
       "archive", po::value(&arguments.archive.path),
       "file that keeps the map: the run can be killed and go on")(
@@ -73,7 +74,8 @@ parseMapArguments(int argc, char** argv, MapArguments& arguments)
   po::variables_map values;
   const Usage usage{
       "pcl_semantic_map",
-      "SEQUENCE --output DIR (--labels DIR | --network FILE.yaml) [options]",
+      "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)\n"
+      "  --output DIR (--labels DIR | --network FILE.yaml) [options]",
       "Maps a stereo sequence: writes a labelled voxel map, the classes as the camera\n"
       "sees them in it, pictures and a summary. Defaults of the parameters are shown.",
       "pcl_semantic_synthesize /tmp/street && \\\n"
@@ -91,12 +93,11 @@ parseMapArguments(int argc, char** argv, MapArguments& arguments)
 void
 requireMapArguments(const MapArguments& arguments)
 {
-  const auto fail = [](const char* message) {
+  const auto fail = [](const std::string& message) {
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         message << " (see pcl_semantic_map --help)");
   };
-  if (arguments.sequence.empty())
-    fail("the SEQUENCE is missing");
+  requireSequence(arguments.sequence, "pcl_semantic_map");
   if (arguments.output.empty())
     fail("--output is missing");
   if (arguments.archive.resume && arguments.archive.path.empty())
@@ -106,6 +107,12 @@ requireMapArguments(const MapArguments& arguments)
   if (!arguments.archive.path.empty() &&
       isOutput(arguments.archive.path, arguments.output))
     fail("--archive is where --output puts its own files");
+  if (!arguments.archive.path.empty() && arguments.poses == "odometry")
+    fail("--archive needs poses from a file: odometry cannot go on where a run was "
+         "killed; write them with pcl_semantic_odometry");
+  for (const auto& [name, path] : inputsOf(arguments.sequence))
+    if (name != "sequence" && isOutput(path, arguments.output))
+      fail("--" + name + " is where --output puts its own files");
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
   if (!arguments.model.empty() && arguments.network.empty())
@@ -113,6 +120,9 @@ requireMapArguments(const MapArguments& arguments)
   if (!arguments.label_set.empty() && arguments.labels.empty())
     fail("--label-set is for --labels; the description of a network names its own");
   std::error_code error;
+  if (std::filesystem::is_directory(arguments.output, error) &&
+      !listFrameFiles(arguments.output, {".png"}).empty())
+    fail("--output holds images of frames; maps need a folder of their own");
   if (std::filesystem::exists(arguments.output + "/calib.txt", error))
     fail("--output holds a sequence (calib.txt); maps need a folder of their own");
   if (std::filesystem::equivalent(arguments.labels, arguments.output + "/labels",

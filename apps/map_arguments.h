@@ -6,6 +6,8 @@
 
 #pragma once
 
+#include "sequence_options.h"
+
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 
@@ -15,7 +17,8 @@ namespace pcl_semantic::tool {
 
 /** \brief The command line of pcl_semantic_map. */
 struct MapArguments {
-  std::string sequence, output, labels, label_set, network, model, poses, config;
+  SequenceOptions sequence;
+  std::string output, labels, label_set, network, model, poses, config;
   std::string frames = ":";
   bool print_config = false;
   MappingArchive::Options archive;

@@ -16,7 +16,6 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
-#include <unistd.h>
 
 namespace pcl_semantic::tool {
 
@@ -120,6 +119,14 @@ run(const std::string& name, const std::function<int()>& body)
 }
 
 void
+requireExtension(const std::string& path, const std::string& extension)
+{
+  if (!path.empty() && std::filesystem::path(path).extension() != extension)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        path << ": expected a name that ends in " << extension);
+}
+
+void
 refuseSameFiles(const std::vector<std::string>& inputs,
                 const std::vector<std::string>& outputs)
 {
@@ -152,38 +159,6 @@ bool
 interrupted()
 {
   return interrupt_count > 0;
-}
-
-ProgressBar::ProgressBar(std::string what, std::size_t total, std::string unit)
-    : what_(std::move(what)), total_(total), unit_(std::move(unit)),
-      terminal_(isatty(STDERR_FILENO) == 1)
-{}
-
-ProgressBar::~ProgressBar()
-{
-  if (drawn_)
-    std::fprintf(stderr, "\n");
-}
-
-void
-ProgressBar::step()
-{
-  ++done_;
-  const Clock::time_point now = Clock::now();
-  const bool is_last = done_ == total_;
-  if (!terminal_ || now < (is_last ? start_ + std::chrono::seconds(1) : next_))
-    return;
-  next_ = now + std::chrono::milliseconds(100);
-  const double seconds = std::chrono::duration<double>(now - start_).count();
-  constexpr int width = 30;
-  const int filled = static_cast<int>(width * done_ / total_);
-  const double rate = double(done_) / seconds;
-  std::fprintf(stderr, "\r%s [%s%s] %zu/%zu  %.1f %s/s  %.0f s left ", what_.c_str(),
-               std::string(filled, '#').c_str(),
-               std::string(width - filled, '.').c_str(), done_, total_, rate,
-               unit_.c_str(), double(total_ - done_) / rate);
-  std::fflush(stderr);
-  drawn_ = true;
 }
 
 } // namespace pcl_semantic::tool

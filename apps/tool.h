@@ -8,12 +8,12 @@
 
 #include <boost/program_options.hpp>
 
-#include <chrono>
 #include <functional>
+#include <sstream>
 #include <string>
 #include <vector>
 
-/** \brief What all pcl_semantic_* programs share: options, exit codes, progress. */
+/** \brief What all pcl_semantic_* programs share: options and exit codes. */
 namespace pcl_semantic::tool {
 
 namespace po = boost::program_options;
@@ -45,12 +45,38 @@ bool parseCommandLine(int argc, char** argv, const Usage& usage,
                       const po::positional_options_description& positional,
                       po::variables_map& values);
 
+/** \brief A value as help shows it: 0.7, not 0.69999999999999996. */
+template <typename T>
+std::string
+shown(const T& value)
+{
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/** \brief Adds an option whose value is its default. */
+template <typename T>
+void
+addOption(po::options_description& options, const char* name, T& value,
+          const char* text)
+{
+  options.add_options()(name, po::value<T>(&value)->default_value(value, shown(value)),
+                        text);
+}
+
 /** \brief Throws InvalidParameterException, with a word on where help is. */
 [[noreturn]] void failUsage(const Usage& usage, const std::string& message);
 
 /** \brief Runs the body of a tool and turns what it throws into one line on standard
  * error and the exit code that belongs to it. */
 int run(const std::string& name, const std::function<int()>& body);
+
+/** \brief Refuses a file to write whose name promises another kind of file; an empty
+ * path is none.
+ * \param[in] extension ".png"
+ * \throws InvalidParameterException */
+void requireExtension(const std::string& path, const std::string& extension);
 
 /** \brief Refuses outputs that are also inputs, or each other; empty paths are no
  * files. \throws InvalidParameterException */
@@ -62,31 +88,5 @@ void catchInterrupts();
 
 /** \brief Whether SIGINT or SIGTERM came since catchInterrupts(). */
 bool interrupted();
-
-/** \brief A progress bar on standard error: only on a terminal, and only for work that
- * takes longer than a second. */
-class ProgressBar {
-public:
-  /** \param[in] what "mapping"
-   * \param[in] total number of steps
-   * \param[in] unit of a step */
-  ProgressBar(std::string what, std::size_t total, std::string unit = "frames");
-  ~ProgressBar();
-
-  /** \brief One step is done; draws ten times a second. */
-  void step();
-
-private:
-  using Clock = std::chrono::steady_clock;
-
-  std::string what_;
-  std::size_t total_;
-  std::string unit_;
-  std::size_t done_ = 0;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point next_ = start_ + std::chrono::seconds(1);
-  bool terminal_;
-  bool drawn_ = false;
-};
 
 } // namespace pcl_semantic::tool

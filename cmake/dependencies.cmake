@@ -1,7 +1,8 @@
 # Shared by the build and by the installed package configuration.
 find_package(Eigen3 REQUIRED)
 find_package(PCL 1.13 REQUIRED COMPONENTS common filters)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn
+  features2d video)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 
 set(PCL_SEMANTIC_PUBLIC_LIBRARIES Eigen3::Eigen pcl_common pcl_filters opencv_core)
@@ -13,6 +14,7 @@ if(NOT PCL_SEMANTIC_CONSUMER)
   find_package(zstd REQUIRED)
   set(PCL_SEMANTIC_PRIVATE_LIBRARIES
     opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
+    opencv_features2d opencv_video
     OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json
     SQLite::SQLite3 zstd::libzstd_shared)
 endif()

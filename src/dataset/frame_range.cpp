@@ -46,4 +46,13 @@ selectFrames(const FrameSequence& sequence, const FrameRange& range)
   return frames;
 }
 
+std::vector<FrameTime>
+frameTimes(const FrameSequence& sequence, const std::vector<std::size_t>& positions)
+{
+  std::vector<FrameTime> frames;
+  for (const std::size_t i : positions)
+    frames.push_back({sequence.frameNumber(i), sequence.timestamp(i)});
+  return frames;
+}
+
 } // namespace pcl_semantic

@@ -4,10 +4,12 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "stereo_pair_reader.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -17,17 +19,6 @@ namespace pcl_semantic {
 namespace fs = std::filesystem;
 
 namespace {
-
-cv::Mat
-readImage(const std::string& path, int frame)
-{
-  try {
-    return readPng(path, ImageKind::grey_or_colour);
-  }
-  catch (const BadInputException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, error.what() << " (frame " << frame << ")");
-  }
-}
 
 void
 requirePartner(const std::vector<FrameFile>& files, const FrameFile& file,
@@ -43,24 +34,6 @@ requirePartner(const std::vector<FrameFile>& files, const FrameFile& file,
                                << file.path << " (frame " << file.frame << ")");
 }
 
-// A principal point outside the image is the calibration of images of another size.
-void
-checkCamera(const StereoCamera& camera, const std::string& path)
-{
-  try {
-    camera.validate();
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
-  }
-  if (!(camera.cx > 0.0 && camera.cx < camera.width && camera.cy > 0.0 &&
-        camera.cy < camera.height))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": the principal point (" << camera.cx << ", "
-                             << camera.cy << ") is outside the images of "
-                             << camera.width << " x " << camera.height << " pixels");
-}
-
 } // namespace
 
 KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
@@ -73,14 +46,12 @@ KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
     cameras = fs::is_directory(folder + "/image_2") ? KittiCameras::colour
                                                     : KittiCameras::grey;
   const bool grey = cameras == KittiCameras::grey;
-  calibration_ = readKittiCalibration(folder + "/calib.txt", cameras);
   findFrames(folder + (grey ? "/image_0" : "/image_2"),
              folder + (grey ? "/image_1" : "/image_3"));
   readTimes();
-  const cv::Mat first = readImage(frames_.front().left, frames_.front().number);
-  calibration_.camera.width = first.cols;
-  calibration_.camera.height = first.rows;
-  checkCamera(calibration_.camera, folder + "/calib.txt");
+  calibration_ =
+      readCalibrationOf(readFrameImage(frames_.front().left, frames_.front().number),
+                        folder + "/calib.txt", cameras);
 }
 
 void
@@ -112,19 +83,7 @@ KittiSequence::readTimes()
       entry.timestamp = 0.1 * entry.number;
     return;
   }
-  std::vector<TextLine> lines = readLines(path);
-  while (!lines.empty() && lines.back().text.empty())
-    lines.pop_back();
-  std::vector<double> times;
-  for (const TextLine& line : lines) {
-    const std::string where = placeOf(path, line.number);
-    const std::vector<double> numbers = parseNumbers(line.text, where);
-    if (numbers.size() != 1)
-      PCL_THROW_EXCEPTION(BadInputException, where
-                                                 << ": has " << numbers.size()
-                                                 << " numbers, expected one time [s]");
-    times.push_back(numbers[0]);
-  }
+  const std::vector<double> times = pcl_semantic::readTimes(path);
   for (Entry& entry : frames_) {
     if (static_cast<std::size_t>(entry.number) >= times.size())
       PCL_THROW_EXCEPTION(BadInputException,
@@ -138,26 +97,10 @@ StereoFrame
 KittiSequence::frame(std::size_t i) const
 {
   const Entry& entry = frames_.at(i);
-  StereoFrame frame;
-  frame.number = entry.number;
+  StereoFrame frame =
+      readStereoPair({entry.left, entry.right, entry.number},
+                     {camera().width, camera().height}, "the first image");
   frame.timestamp = entry.timestamp;
-  frame.left = readImage(entry.left, entry.number);
-  frame.right = readImage(entry.right, entry.number);
-  for (const auto& [image, path] :
-       {std::pair(&frame.left, &entry.left), std::pair(&frame.right, &entry.right)}) {
-    if (image->cols != camera().width || image->rows != camera().height)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          *path << ": has " << image->cols << " x " << image->rows
-                                << " pixels, expected " << camera().width << " x "
-                                << camera().height << " as the first image (frame "
-                                << entry.number << ")");
-    if (image->type() != frame.left.type())
-      PCL_THROW_EXCEPTION(BadInputException, *path << ": has " << image->channels()
-                                                   << " channel(s), the left image has "
-                                                   << frame.left.channels()
-                                                   << " (frame " << entry.number
-                                                   << ")");
-  }
   return frame;
 }
 

@@ -69,7 +69,7 @@ parseNumber(const std::string& text, const std::string& where)
   const bool two_signs = begin != text.data() && begin != end && *begin == '-';
   if (error != std::errc() || rest != end || two_signs)
     PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": '" << text << "' is not a number");
+                        where << ": " << inQuotes(text) << " is not a number");
   return value;
 }
 

@@ -9,8 +9,11 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
+#include <pcl/console/print.h>
+
 #include <Eigen/SVD>
 
+#include <algorithm>
 #include <locale>
 #include <sstream>
 
@@ -20,10 +23,69 @@ namespace {
 
 using RowMajor34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
+constexpr double kRounding = 1e-6;     // numbers as they are
+constexpr double kTextRounding = 1e-4; // of numbers with few digits
+constexpr double kTolerance = 1e-2;
+constexpr double kNanoseconds = 1e17; // as seconds that would be 3 billion years
+
+// What was made right on the way through a file, said once at its end.
+struct Repairs {
+  std::size_t count = 0;
+  int first_line = 0;
+
+  void
+  add(int line)
+  {
+    if (count++ == 0)
+      first_line = line;
+  }
+
+  void
+  warn(const std::string& path, std::size_t poses) const
+  {
+    if (count > 0)
+      PCL_WARN("%s: warning: %zu of %zu poses were not quite rigid and made so, the "
+               "first in line %d\n",
+               path.c_str(), count, poses, first_line);
+  }
+};
+
+bool
+isComment(const std::string& text)
+{
+  const std::size_t first = text.find_first_not_of(" \t");
+  return first != std::string::npos && text[first] == '#';
+}
+
+// Without comments before the first row and empty lines after the last: elsewhere they
+// would shift the frames' numbers.
+std::vector<TextLine>
+rowsOf(const std::string& path)
+{
+  std::vector<TextLine> lines = readLines(path);
+  while (!lines.empty() && lines.back().text.empty())
+    lines.pop_back();
+  lines.erase(lines.begin(),
+              std::find_if_not(lines.begin(), lines.end(), [](const TextLine& line) {
+                return isComment(line.text);
+              }));
+  return lines;
+}
+
+double
+inSeconds(double time)
+{
+  return std::abs(time) >= kNanoseconds ? 1e-9 * time : time;
+}
+
 Eigen::Isometry3d
-parsePose(const TextLine& line, const std::string& path)
+parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
 {
   const std::string where = placeOf(path, line.number);
+  if (line.text.empty() || isComment(line.text))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where << ": holds no pose, but a later line does (every frame "
+                                 "has its row)");
   const std::vector<double> numbers = parseNumbers(line.text, where);
   if (numbers.size() != 12)
     PCL_THROW_EXCEPTION(BadInputException,
@@ -33,15 +95,14 @@ parsePose(const TextLine& line, const std::string& path)
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = rows.col(3);
   pose.linear() = rows.leftCols<3>();
-
-  constexpr double rounding = 1e-6;
-  constexpr double tolerance = 1e-2;
   const double deviation =
       (pose.linear() * pose.linear().transpose() - Eigen::Matrix3d::Identity()).norm();
-  if (!(deviation <= tolerance) || pose.linear().determinant() < 0.0)
+  if (!(deviation <= kTolerance) || pose.linear().determinant() < 0.0)
     PCL_THROW_EXCEPTION(BadInputException,
                         where << ": the left 3 x 3 block is no rotation");
-  if (deviation > rounding) {
+  if (deviation > kTextRounding)
+    repairs.add(line.number);
+  if (deviation > kRounding) {
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(pose.linear(), Eigen::ComputeFullU |
                                                                    Eigen::ComputeFullV);
     pose.linear() = svd.matrixU() * svd.matrixV().transpose();
@@ -49,19 +110,62 @@ parsePose(const TextLine& line, const std::string& path)
   return pose;
 }
 
+TimedPose
+parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
+{
+  const std::string where = placeOf(path, line.number);
+  const std::vector<double> numbers = parseNumbers(line.text, where);
+  if (numbers.size() != 8)
+    PCL_THROW_EXCEPTION(
+        BadInputException,
+        where << ": has " << numbers.size()
+              << " numbers, expected 8 (time, translation, quaternion)");
+  TimedPose timed;
+  timed.time = inSeconds(numbers[0]);
+  const Eigen::Quaterniond rotation(numbers[7], numbers[4], numbers[5], numbers[6]);
+  const double deviation = std::abs(rotation.norm() - 1.0);
+  if (!(deviation <= kTolerance))
+    PCL_THROW_EXCEPTION(BadInputException, where << ": the quaternion has length "
+                                                 << rotation.norm() << ", expected 1");
+  if (deviation > kTextRounding)
+    repairs.add(line.number);
+  timed.pose.linear() = rotation.normalized().toRotationMatrix();
+  timed.pose.translation() << numbers[1], numbers[2], numbers[3];
+  return timed;
+}
+
 } // namespace
+
+TrajectoryFormat
+trajectoryFormatOf(const std::string& path)
+{
+  for (const TextLine& line : readLines(path)) {
+    if (line.text.empty() || isComment(line.text))
+      continue;
+    const std::size_t count =
+        parseNumbers(line.text, placeOf(path, line.number)).size();
+    if (count == 8)
+      return TrajectoryFormat::tum;
+    if (count >= 11 && count <= 13) // near 12: the reader says what is wrong with it
+      return TrajectoryFormat::kitti;
+    PCL_THROW_EXCEPTION(BadInputException,
+                        placeOf(path, line.number)
+                            << ": has " << count
+                            << " numbers, expected 12 (a KITTI trajectory) or 8 (TUM)");
+  }
+  PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
+}
 
 Trajectory
 readKittiTrajectory(const std::string& path)
 {
-  std::vector<TextLine> lines = readLines(path);
-  while (!lines.empty() && lines.back().text.empty())
-    lines.pop_back(); // an empty line between poses would shift the frames' numbers
   Trajectory trajectory;
-  for (const TextLine& line : lines)
-    trajectory.push_back(parsePose(line, path));
+  Repairs repairs;
+  for (const TextLine& line : rowsOf(path))
+    trajectory.push_back(parsePose(line, path, repairs));
   if (trajectory.empty())
     PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
+  repairs.warn(path, trajectory.size());
   return trajectory;
 }
 
@@ -78,6 +182,82 @@ writeKittiTrajectory(const std::string& path, const Trajectory& trajectory)
     text << "\n";
   }
   writeTextFile(path, text.str());
+}
+
+TimedTrajectory
+readTumTrajectory(const std::string& path)
+{
+  TimedTrajectory trajectory;
+  Repairs repairs;
+  for (const TextLine& line : readLines(path)) {
+    if (line.text.empty() || isComment(line.text))
+      continue;
+    trajectory.push_back(parseTimedPose(line, path, repairs));
+    if (trajectory.size() > 1 &&
+        !(trajectory.back().time > trajectory[trajectory.size() - 2].time))
+      PCL_THROW_EXCEPTION(BadInputException, placeOf(path, line.number)
+                                                 << ": its time is not after that of "
+                                                    "the pose before");
+  }
+  if (trajectory.empty())
+    PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
+  repairs.warn(path, trajectory.size());
+  return trajectory;
+}
+
+void
+writeTumTrajectory(const std::string& path, const TimedTrajectory& trajectory)
+{
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << "# time [s] tx ty tz [m] qx qy qz qw\n";
+  for (const TimedPose& timed : trajectory) {
+    const Eigen::Quaterniond rotation(timed.pose.linear());
+    text.setf(std::ios::fixed);
+    text.precision(9);
+    text << timed.time;
+    text.unsetf(std::ios::floatfield);
+    text.precision(17);
+    const Eigen::Vector3d position = timed.pose.translation();
+    for (const double number : {position.x(), position.y(), position.z(), rotation.x(),
+                                rotation.y(), rotation.z(), rotation.w()})
+      text << " " << number;
+    text << "\n";
+  }
+  writeTextFile(path, text.str());
+}
+
+const TimedPose*
+findPose(const TimedTrajectory& trajectory, double time, double tolerance)
+{
+  const auto after = std::lower_bound(
+      trajectory.begin(), trajectory.end(), time,
+      [](const TimedPose& timed, double value) { return timed.time < value; });
+  const TimedPose* nearest = after == trajectory.end() ? nullptr : &*after;
+  if (after != trajectory.begin() &&
+      (!nearest || time - (after - 1)->time < nearest->time - time))
+    nearest = &*(after - 1);
+  return nearest && std::abs(nearest->time - time) <= tolerance ? nearest : nullptr;
+}
+
+std::vector<double>
+readTimes(const std::string& path)
+{
+  std::vector<double> times;
+  for (const TextLine& line : rowsOf(path)) {
+    const std::string where = placeOf(path, line.number);
+    const std::vector<double> numbers = parseNumbers(line.text, where);
+    if (numbers.size() != 1)
+      PCL_THROW_EXCEPTION(BadInputException, where
+                                                 << ": has " << numbers.size()
+                                                 << " numbers, expected one time [s]");
+    const double time = inSeconds(numbers[0]);
+    if (!times.empty() && time <= times.back())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          where << ": is not later than the time before it");
+    times.push_back(time);
+  }
+  return times;
 }
 
 } // namespace pcl_semantic

@@ -149,6 +149,12 @@ YamlMap::requireList(const std::string& key) const
   return maps;
 }
 
+bool
+YamlMap::isMap(const std::string& key) const
+{
+  return has(key) && impl_->node[key].IsMap();
+}
+
 YamlMap
 YamlMap::requireMap(const std::string& key) const
 {

@@ -7,6 +7,8 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 
+#include <algorithm>
+
 namespace pcl_semantic {
 
 TrajectoryPoses::TrajectoryPoses(Trajectory trajectory,
@@ -16,16 +18,40 @@ TrajectoryPoses::TrajectoryPoses(Trajectory trajectory,
       name_(std::move(name))
 {}
 
+bool
+TrajectoryPoses::has(const FrameTime& frame) const
+{
+  return frame.number >= 0 && std::size_t(frame.number) < trajectory_.size();
+}
+
+std::string
+TrajectoryPoses::lackOf(const FrameTime& frame) const
+{
+  return name_ + ": has " + std::to_string(trajectory_.size()) +
+         " poses, none for frame " + std::to_string(frame.number) +
+         " (row = frame number)";
+}
+
 Eigen::Isometry3d
 TrajectoryPoses::pose(const StereoFrame& frame)
 {
-  if (frame.number < 0 || std::size_t(frame.number) >= trajectory_.size())
-    PCL_THROW_EXCEPTION(BadInputException, name_ << ": has " << trajectory_.size()
-                                                 << " poses, none for frame "
-                                                 << frame.number
-                                                 << " (row = frame number)");
+  const FrameTime time{frame.number, frame.timestamp};
+  if (!has(time))
+    PCL_THROW_EXCEPTION(BadInputException, lackOf(time));
   return worldFromFirstCamera() * trajectory_[std::size_t(frame.number)] *
          T_camera0_camera_;
+}
+
+void
+TrajectoryPoses::requirePoses(const std::vector<FrameTime>& frames) const
+{
+  const auto lacks = [&](const FrameTime& frame) { return !has(frame); };
+  const auto first = std::find_if(frames.begin(), frames.end(), lacks);
+  if (first != frames.end())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        lackOf(*first)
+                            << "; " << std::count_if(first, frames.end(), lacks)
+                            << " of " << frames.size() << " frames lack one");
 }
 
 } // namespace pcl_semantic

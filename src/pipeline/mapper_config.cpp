@@ -6,6 +6,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <algorithm>
 
@@ -44,10 +45,12 @@ MapperConfig::validate()
                         "max_depth is " << map.max_range << " m, expected more than 0");
   map.validate();
   crf_parameters.validate();
-  if (!(disparity_deviation >= 0.0 && disparity_deviation <= 100.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "disparity_deviation is "
-                                                       << disparity_deviation
-                                                       << " px, expected 0 to 100");
+  makeDisparityEstimator(stereo, disparities); // checks both
+  for (const auto& [name, value] : {std::pair("max_deviation", max_deviation),
+                                    std::pair("deviation_scale", deviation_scale)})
+    if (!(value >= 0.0 && value <= 100.0))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          name << " is " << value << ", expected 0 to 100");
   if (crf_every < 1)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "crf_every is " << crf_every << ", expected 1 or more");
@@ -62,12 +65,15 @@ parametersOf(MapperConfig& config)
 {
   FusionParameters& fusion = config.map.fusion;
   ConfigParameters parameters = {
-      {"disparities", "range of the stereo search, a multiple of 16 [px]",
+      {"stereo", "engine: " + joinWords(disparityEngines()), &config.stereo},
+      {"disparities", "range of the stereo search, a multiple of 64 [px]",
        &config.disparities},
-      {"stereo_block", "edge of a matching block, odd [px]", &config.stereo_block},
-      {"disparity_deviation",
-       "of the stereo depth: nothing is cleared within two deviations [px]; 0 = none",
-       &config.disparity_deviation},
+      {"max_deviation",
+       "disparities with a larger standard deviation give no depth [px]; 0 = all do",
+       &config.max_deviation},
+      {"deviation_scale",
+       "nothing is cleared within two deviations of a depth, times this; 0 = always",
+       &config.deviation_scale},
       {"label_confidence", "probability of the class that a stored .png states",
        &config.label_confidence},
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},

@@ -8,21 +8,12 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
-#include <pcl_semantic/stereo/sgbm.h>
 
 namespace pcl_semantic {
 
 namespace {
-
-std::unique_ptr<DisparityEstimator>
-makeStereo(const MapperConfig& config)
-{
-  Sgbm::Parameters parameters;
-  parameters.disparities = config.disparities;
-  parameters.block_size = config.stereo_block;
-  return std::make_unique<Sgbm>(parameters);
-}
 
 MapperConfig
 validated(MapperConfig config)
@@ -39,8 +30,9 @@ SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label
                                std::unique_ptr<PoseSource> poses,
                                std::shared_ptr<BlockStore> store)
     : camera_(camera), config_(validated(std::move(config))),
-      stereo_(makeStereo(config_)), predictor_(std::move(predictor)),
-      poses_(std::move(poses)), map_(label_set, config_.map, std::move(store))
+      stereo_(makeDisparityEstimator(config_.stereo, config_.disparities)),
+      predictor_(std::move(predictor)), poses_(std::move(poses)),
+      map_(label_set, config_.map, std::move(store))
 {
   camera_.validate();
   setNumberOfThreads(config_.threads);
@@ -70,8 +62,12 @@ SemanticMapper::process(const StereoFrame& frame)
   result.T_world_camera = times.measure("pose", [&] { return poses_->pose(frame); });
   result.disparity = times.measure(
       "stereo", [&] { return stereo_->estimate(frame.left, frame.right); });
-  result.cloud = times.measure(
-      "cloud", [&] { return disparityToCloud(result.disparity, frame.left, camera_); });
+  if (config_.max_deviation > 0.0)
+    result.disparity.disparity.setTo(0.0, result.disparity.deviation >
+                                              config_.max_deviation);
+  result.cloud = times.measure("cloud", [&] {
+    return disparityToCloud(result.disparity.disparity, frame.left, camera_);
+  });
   result.network =
       times.measure("labelling", [&] { return predictor_->predict(frame); });
   result.counts = times.measure("map", [&] { return integrate(result); });
@@ -99,9 +95,9 @@ ScanCounts
 SemanticMapper::integrate(const MappedFrame& mapped)
 {
   std::vector<float> deviations;
-  if (config_.disparity_deviation > 0.0)
-    deviations =
-        distanceDeviations(*mapped.cloud, camera_, config_.disparity_deviation);
+  if (config_.deviation_scale > 0.0)
+    deviations = distanceDeviations(*mapped.cloud, camera_, mapped.disparity.deviation,
+                                    config_.deviation_scale);
   try {
     return map_.integrate(*mapped.cloud, mapped.T_world_camera, mapped.network,
                           deviations);

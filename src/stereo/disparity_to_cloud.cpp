@@ -80,13 +80,22 @@ disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
 
 std::vector<float>
 distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-                   const StereoCamera& camera, double disparity_deviation)
+                   const StereoCamera& camera, const cv::Mat& disparity_deviation,
+                   double scale)
 {
-  const float share = float(disparity_deviation / (camera.fx * camera.baseline));
+  if (disparity_deviation.type() != CV_32FC1 ||
+      disparity_deviation.cols != int(cloud.width) ||
+      disparity_deviation.rows != int(cloud.height))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "the deviations of the disparities are no 32-bit image of "
+                            << cloud.width << " x " << cloud.height << " pixels");
+  const float share = float(scale / (camera.fx * camera.baseline));
   std::vector<float> deviations(cloud.size(), 0.0f);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud[i].getVector3fMap().allFinite())
-      deviations[i] = cloud[i].getVector3fMap().norm() * cloud[i].z * share;
+      deviations[i] =
+          cloud[i].getVector3fMap().norm() * cloud[i].z * share *
+          disparity_deviation.at<float>(int(i / cloud.width), int(i % cloud.width));
   return deviations;
 }
 

@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "image_pair.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/stereo/sgbm.h>
 
@@ -13,6 +15,9 @@
 namespace pcl_semantic {
 
 namespace {
+
+// Of its matches in KITTI's streets, gross errors aside (doc/stereo.md). [px]
+constexpr double deviation = 0.5;
 
 constexpr float disparity_scale = 1.0f / cv::StereoMatcher::DISP_SCALE;
 
@@ -39,31 +44,11 @@ openCvMode(Sgbm::Mode mode)
   return cv::StereoSGBM::MODE_SGBM_3WAY;
 }
 
-void
-checkImages(const cv::Mat& left, const cv::Mat& right)
-{
-  if (left.empty() || (left.type() != CV_8UC1 && left.type() != CV_8UC3))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "left image: expected 8-bit grey or 8-bit colour");
-  if (left.size() != right.size())
-    PCL_THROW_EXCEPTION(BadInputException, "right image is "
-                                               << right.cols << " x " << right.rows
-                                               << " pixels, the left one " << left.cols
-                                               << " x " << left.rows);
-  if (left.type() != right.type())
-    PCL_THROW_EXCEPTION(BadInputException, "right image has "
-                                               << right.channels()
-                                               << " channel(s), the left one "
-                                               << left.channels());
-}
-
 cv::Mat
 paddedGrey(const cv::Mat& image, int padding)
 {
-  cv::Mat grey = image, padded;
-  if (image.channels() == 3)
-    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  cv::copyMakeBorder(grey, padded, 0, 0, padding, 0, cv::BORDER_REPLICATE);
+  cv::Mat padded;
+  cv::copyMakeBorder(greyImage(image), padded, 0, 0, padding, 0, cv::BORDER_REPLICATE);
   return padded;
 }
 
@@ -120,14 +105,15 @@ Sgbm::Sgbm(const Parameters& parameters) : parameters_(parameters)
       openCvMode(parameters_.mode));
 }
 
-cv::Mat
+DisparityImage
 Sgbm::estimate(const cv::Mat& left, const cv::Mat& right)
 {
-  checkImages(left, right);
+  requireImagePair(left, right);
   const int padding = parameters_.disparities;
   cv::Mat fixed;
   matcher_->compute(paddedGrey(left, padding), paddedGrey(right, padding), fixed);
-  return cropDisparity(fixed, padding);
+  const cv::Mat disparity = cropDisparity(fixed, padding);
+  return {disparity, cv::Mat(disparity.size(), CV_32FC1, cv::Scalar(deviation))};
 }
 
 } // namespace pcl_semantic

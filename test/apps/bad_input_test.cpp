@@ -156,7 +156,8 @@ TEST(BadInput, Sequence)
        remove("image_3/000001.png")},
       {"no left image", 3, "image_2/000002.png: is missing", options,
        remove("image_2/000002.png")},
-      {"poses missing", 3, "street: has no poses.txt", options, remove("poses.txt")},
+      {"poses missing", 3, "street: has no poses.txt", options + " --poses sequence",
+       remove("poses.txt")},
       {"NaN pose", 3, "poses.txt line 2: 'nan'", options,
        word("poses.txt", 2, 1, "nan")},
       {"pose of 11", 3, "poses.txt line 3: has 11", options,
@@ -165,7 +166,10 @@ TEST(BadInput, Sequence)
        options, word("poses.txt", 2, 1, "2")},
       {"far pose", 3, "frame 1: the sensor is at", options,
        word("poses.txt", 2, 12, "1e30")},
-      {"a pose too few", 3, "poses.txt: has 2 poses, none for frame 2", options,
+      {"a pose too few", 3,
+       "poses.txt: has 2 poses, none for frame 2 (row = frame number); 1 of 3 "
+       "frames lack one",
+       options,
        [](const std::string& street) {
          const std::vector<std::string> lines = linesOf(street + "/poses.txt");
          write(street + "/poses.txt", lines[0] + "\n" + lines[1] + "\n");

@@ -93,9 +93,10 @@ readFrames(const std::string& name)
   std::vector<BenchFrame> frames;
   for (std::size_t i = 0; i < std::min<std::size_t>(sequence.size(), 8); ++i) {
     const StereoFrame images = sequence.frame(i);
-    frames.push_back({disparityToCloud(stereo.estimate(images.left, images.right),
-                                       images.left, sequence.camera()),
-                      predictor.predict(images), poses.pose(images)});
+    frames.push_back(
+        {disparityToCloud(stereo.estimate(images.left, images.right).disparity,
+                          images.left, sequence.camera()),
+         predictor.predict(images), poses.pose(images)});
     removeSky(label_set, frames.back());
   }
   return frames;

@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "support/thrown_message.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 
@@ -55,6 +57,19 @@ TEST(TrajectoryPoses, AFrameWithoutPoseIsNamed)
     EXPECT_STREQ(error.what(),
                  "poses.txt: has 3 poses, none for frame 3 (row = frame number)");
   }
+}
+
+TEST(TrajectoryPoses, AreAllRequiredBeforeTheFirstFrame)
+{
+  const TrajectoryPoses poses(Trajectory(3, Eigen::Isometry3d::Identity()),
+                              Eigen::Isometry3d::Identity(), "poses.txt");
+  poses.requirePoses({{0, 0.0}, {2, 0.2}});
+  poses.requirePoses({});
+  EXPECT_EQ(thrownMessage<BadInputException>([&] {
+              poses.requirePoses({{1, 0.1}, {2, 0.2}, {5, 0.5}, {6, 0.6}});
+            }),
+            "poses.txt: has 3 poses, none for frame 5 (row = frame number); 2 of 4 "
+            "frames lack one");
 }
 
 } // namespace

@@ -85,10 +85,13 @@ TEST(DisparityToCloud, DeviationsAreThoseOfAShiftedDisparity)
 {
   const StereoCamera camera = makeCamera();
   const auto cloud = disparityToCloud(makeDisparity(), makeImage(), camera);
-  const std::vector<float> deviations = distanceDeviations(*cloud, camera, 0.01);
+  cv::Mat deviation(height, width, CV_32FC1);
+  cv::RNG(7).fill(deviation, cv::RNG::UNIFORM, 0.002, 0.01);
+  const std::vector<float> deviations =
+      distanceDeviations(*cloud, camera, deviation, 2.0);
   ASSERT_EQ(deviations.size(), cloud->size());
   const auto shifted =
-      disparityToCloud(makeDisparity() + cv::Scalar(0.01), makeImage(), camera);
+      disparityToCloud(makeDisparity() + 2.0 * deviation, makeImage(), camera);
   for (std::size_t i = 0; i < cloud->size(); ++i) {
     const Eigen::Vector3f point = (*cloud)[i].getVector3fMap();
     if (!point.allFinite())
@@ -97,6 +100,15 @@ TEST(DisparityToCloud, DeviationsAreThoseOfAShiftedDisparity)
       EXPECT_NEAR(deviations[i], (point - (*shifted)[i].getVector3fMap()).norm(),
                   0.03f * deviations[i]);
   }
+}
+
+TEST(DisparityToCloud, DeviationsOfAnotherImageAreRefused)
+{
+  const auto cloud = disparityToCloud(makeDisparity(), makeImage(), makeCamera());
+  for (const cv::Mat& deviation : {cv::Mat(height, width - 1, CV_32FC1),
+                                   cv::Mat(height, width, CV_64FC1), cv::Mat()})
+    EXPECT_THROW(distanceDeviations(*cloud, makeCamera(), deviation),
+                 BadInputException);
 }
 
 TEST(DisparityToCloud, GreyImage)

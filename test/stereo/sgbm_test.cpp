@@ -76,7 +76,8 @@ TEST(Sgbm, FindsTheDisparitiesOfTwoPlanes)
        {Sgbm::Mode::three_way, Sgbm::Mode::five_way, Sgbm::Mode::eight_way}) {
     Sgbm::Parameters parameters = smallParameters();
     parameters.mode = mode;
-    const cv::Mat disparity = Sgbm(parameters).estimate(pair.left, pair.right);
+    const cv::Mat disparity =
+        Sgbm(parameters).estimate(pair.left, pair.right).disparity;
     ASSERT_EQ(disparity.size(), pair.left.size());
     ASSERT_EQ(disparity.type(), CV_32FC1);
     int good = 0, wrong = 0;
@@ -94,7 +95,8 @@ TEST(Sgbm, FindsTheDisparitiesOfTwoPlanes)
 TEST(Sgbm, FirstColumnsHaveDepthWhereTheirMatchIsInTheRightImage)
 {
   const Pair pair = makePair();
-  const cv::Mat disparity = Sgbm(smallParameters()).estimate(pair.left, pair.right);
+  const cv::Mat disparity =
+      Sgbm(smallParameters()).estimate(pair.left, pair.right).disparity;
   int valid = 0;
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u)
@@ -112,7 +114,8 @@ TEST(Sgbm, ColourIsMatchedAsGrey)
   cv::cvtColor(pair.left, left, cv::COLOR_GRAY2BGR);
   cv::cvtColor(pair.right, right, cv::COLOR_GRAY2BGR);
   Sgbm sgbm(smallParameters());
-  EXPECT_TRUE(equal(sgbm.estimate(pair.left, pair.right), sgbm.estimate(left, right)));
+  EXPECT_TRUE(equal(sgbm.estimate(pair.left, pair.right).disparity,
+                    sgbm.estimate(left, right).disparity));
 }
 
 TEST(Sgbm, SameForAnyNumberOfThreads)
@@ -120,10 +123,12 @@ TEST(Sgbm, SameForAnyNumberOfThreads)
   const Pair pair = makePair();
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
-  const cv::Mat single = Sgbm(smallParameters()).estimate(pair.left, pair.right);
+  const cv::Mat single =
+      Sgbm(smallParameters()).estimate(pair.left, pair.right).disparity;
   for (const int number : {2, 3, 8}) {
     cv::setNumThreads(number);
-    EXPECT_TRUE(equal(single, Sgbm(smallParameters()).estimate(pair.left, pair.right)))
+    EXPECT_TRUE(equal(
+        single, Sgbm(smallParameters()).estimate(pair.left, pair.right).disparity))
         << number << " threads";
   }
   cv::setNumThreads(threads);
@@ -133,7 +138,7 @@ TEST(Sgbm, ImagesSmallerThanTheSearchRange)
 {
   for (const int size : {2, 3, 7}) {
     const cv::Mat image(size, size, CV_8UC1, cv::Scalar(100));
-    EXPECT_EQ(Sgbm().estimate(image, image).size(), image.size());
+    EXPECT_EQ(Sgbm().estimate(image, image).disparity.size(), image.size());
   }
 }
 
@@ -178,7 +183,7 @@ TEST(Sgbm, MiddleburyCones)
   const cv::Mat left = readPng(folder + "im2.png", ImageKind::grey_or_colour);
   const cv::Mat right = readPng(folder + "im6.png", ImageKind::grey_or_colour);
   const cv::Mat truth = readPng(folder + "disp2.png", ImageKind::labels);
-  const cv::Mat disparity = Sgbm(smallParameters()).estimate(left, right);
+  const cv::Mat disparity = Sgbm(smallParameters()).estimate(left, right).disparity;
   int known = 0, valid = 0, bad = 0;
   for (int v = 0; v < truth.rows; ++v)
     for (int u = 0; u < truth.cols; ++u) {

@@ -9,6 +9,8 @@
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
 
+#include <pcl_semantic/files/image_file.h>
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -38,6 +40,16 @@ copyStreet(const std::string& path)
 {
   std::filesystem::remove_all(path);
   std::filesystem::copy(tinyStreet(), path, std::filesystem::copy_options::recursive);
+}
+
+/** \brief Makes all images of a copy of it one grey. */
+inline void
+blankImages(const std::string& street)
+{
+  for (const char* const frame : {"000000", "000001", "000002"})
+    for (const char* const folder : {"/image_2/", "/image_3/"})
+      writePng(street + folder + frame + ".png",
+               cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(90)));
 }
 
 /** \brief Adds a scan of two points and their labels, for pcl_semantic_lidar_truth. */

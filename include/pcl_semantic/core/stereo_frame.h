@@ -18,4 +18,10 @@ struct StereoFrame {
   cv::Mat right;          ///< as left
 };
 
+/** \brief A frame that nobody has to read yet. */
+struct FrameTime {
+  int number = 0;         ///< as in StereoFrame
+  double timestamp = 0.0; ///< [s]
+};
+
 } // namespace pcl_semantic

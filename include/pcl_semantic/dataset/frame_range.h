@@ -34,4 +34,8 @@ FrameRange parseFrameRange(const std::string& text);
 std::vector<std::size_t> selectFrames(const FrameSequence& sequence,
                                       const FrameRange& range);
 
+/** \brief Numbers and times of the frames at some positions in a sequence. */
+std::vector<FrameTime> frameTimes(const FrameSequence& sequence,
+                                  const std::vector<std::size_t>& positions);
+
 } // namespace pcl_semantic

@@ -42,8 +42,13 @@ public:
     return frames_.at(i).number;
   }
 
-  /** \brief See FrameSequence. The time is that of `times.txt` or, without it, 0.1 s
-   * times the frame number. */
+  /** \brief That of `times.txt` or, without it, 0.1 s times the frame number. */
+  double
+  timestamp(std::size_t i) const override
+  {
+    return frames_.at(i).timestamp;
+  }
+
   StereoFrame frame(std::size_t i) const override;
 
   const StereoCamera&
@@ -52,9 +57,8 @@ public:
     return calibration_.camera;
   }
 
-  /** \brief Pose of the left camera in camera 0, whose poses KITTI's files hold [m]. */
   const Eigen::Isometry3d&
-  T_camera0_camera() const
+  T_camera0_camera() const override
   {
     return calibration_.T_camera0_camera;
   }
@@ -71,7 +75,7 @@ public:
   const Eigen::Isometry3d& T_camera0_velodyne() const;
 
   /** \brief Path of `poses.txt`; empty if there is none. */
-  std::string posesPath() const;
+  std::string posesPath() const override;
 
   const std::string&
   folder() const

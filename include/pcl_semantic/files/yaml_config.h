@@ -44,6 +44,9 @@ public:
   /** \brief The mappings in a list. \throws BadInputException if the key is missing */
   std::vector<YamlMap> requireList(const std::string& key) const;
 
+  /** \brief Whether the key is there and its value a mapping. */
+  bool isMap(const std::string& key) const;
+
   /** \brief The mapping under a key. \throws BadInputException if it is missing */
   YamlMap requireMap(const std::string& key) const;
 

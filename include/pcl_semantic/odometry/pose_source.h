@@ -10,6 +10,8 @@
 
 #include <Eigen/Geometry>
 
+#include <vector>
+
 namespace pcl_semantic {
 
 /** \brief The one rotation between KITTI's frames and ours: takes points in the frame
@@ -31,6 +33,14 @@ public:
   /** \brief T_world_camera, the pose of the frame's left camera in the world [m].
    * \throws BadInputException that names the frame, if there is no pose for it */
   virtual Eigen::Isometry3d pose(const StereoFrame& frame) = 0;
+
+  /** \brief Before the first frame: makes sure that all frames have a pose, as far as
+   * that can be known without their images.
+   * \throws BadInputException that names the first frame without one, and says how many
+   * lack one and what was expected */
+  virtual void
+  requirePoses(const std::vector<FrameTime>& /*frames*/) const
+  {}
 };
 
 } // namespace pcl_semantic

@@ -24,7 +24,13 @@ public:
 
   Eigen::Isometry3d pose(const StereoFrame& frame) override;
 
+  void requirePoses(const std::vector<FrameTime>& frames) const override;
+
 private:
+  bool has(const FrameTime& frame) const;
+
+  std::string lackOf(const FrameTime& frame) const;
+
   Trajectory trajectory_;
   Eigen::Isometry3d T_camera0_camera_;
   std::string name_;

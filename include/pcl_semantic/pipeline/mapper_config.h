@@ -16,10 +16,11 @@ namespace pcl_semantic {
 /** \brief Everything that can be set of SemanticMapper. doc/parameters.md has the
  * reasons for the defaults. */
 struct MapperConfig {
-  int disparities = 128;            ///< range of the stereo search [px]
-  int stereo_block = 5;             ///< edge of a matching block [px]
-  double disparity_deviation = 0.0; ///< of the depth-deviation model [px]; 0 = none
-  double label_confidence = 0.8;    ///< probability of the class a stored `.png` states
+  std::string stereo = "sgm"; ///< engine, one of disparityEngines()
+  int disparities = 128;      ///< range of the stereo search [px]
+  double max_deviation = 0.0; ///< less sure disparities give no depth [px]; 0 = all do
+  double deviation_scale = 0.0;  ///< of the depth-deviation model; 0 = none
+  double label_confidence = 0.8; ///< probability of the class a stored `.png` states
   SemanticVoxelMap::Parameters map;
   std::string pixel_fusion = "mean"; ///< PixelFusion by name
   std::string crf = "dense";         ///< none, dense, pn-potts or hierarchical

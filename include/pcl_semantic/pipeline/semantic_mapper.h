@@ -23,7 +23,7 @@ namespace pcl_semantic {
 /** \brief What became of one frame. */
 struct MappedFrame {
   StereoFrame frame;
-  cv::Mat disparity;                            ///< CV_32FC1 [px], 0 = none
+  DisparityImage disparity;                     ///< of each pixel, and how sure it is
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< organized, camera frame [m]
   LabelDistributions network;                   ///< L x pixels, of the left image
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();

@@ -10,6 +10,12 @@
 
 namespace pcl_semantic {
 
+/** \brief What is known of the disparity of every pixel of the left image. */
+struct DisparityImage {
+  cv::Mat disparity; ///< CV_32FC1 [px], 0 = none
+  cv::Mat deviation; ///< CV_32FC1, standard deviation of the disparity [px]
+};
+
 /** \brief Gives the disparity of every pixel of the left image of a rectified pair. */
 class DisparityEstimator {
 public:
@@ -17,9 +23,9 @@ public:
 
   /** \param[in] left CV_8UC3 (BGR) or CV_8UC1
    * \param[in] right as left
-   * \return CV_32FC1 of the same size: disparity [px], 0 = none
+   * \return images of the same size
    * \throws BadInputException if the images do not fit each other */
-  virtual cv::Mat estimate(const cv::Mat& left, const cv::Mat& right) = 0;
+  virtual DisparityImage estimate(const cv::Mat& left, const cv::Mat& right) = 0;
 };
 
 } // namespace pcl_semantic

@@ -33,10 +33,13 @@ pcl::PointCloud<pcl::PointXYZRGB>::Ptr disparityToCloud(const cv::Mat& disparity
 /** \brief Standard deviation of the distance to each point [m]: of a depth Z it is
  * Z^2 sigma / (f b), and longer by as much as the ray is longer than the depth.
  * \param[in] cloud as disparityToCloud gives it
- * \param[in] disparity_deviation sigma of the disparity [px]
- * \return one a point; 0 without depth */
+ * \param[in] disparity_deviation sigma of each disparity [px], CV_32FC1
+ * \param[in] scale the deviations count so many times
+ * \return one a point; 0 without depth
+ * \throws BadInputException if the sizes or the type do not fit */
 std::vector<float> distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                                       const StereoCamera& camera,
-                                      double disparity_deviation);
+                                      const cv::Mat& disparity_deviation,
+                                      double scale = 1.0);
 
 } // namespace pcl_semantic

@@ -22,8 +22,8 @@ namespace pcl_semantic {
  * The images are padded on the left by the number of disparities, so that the first
  * columns are matched too; a match outside the right image is no match. Colour images
  * are matched as grey ones: on KITTI that is as good and takes half the time. The
- * result does not depend on the number of threads. Not for use from several threads at
- * once. */
+ * deviation is the same for all pixels. The result does not depend on the number of
+ * threads. Not for use from several threads at once. */
 class Sgbm : public DisparityEstimator {
 public:
   /** \brief Along how many directions the cost is summed up. */
@@ -61,7 +61,7 @@ public:
     return parameters_;
   }
 
-  cv::Mat estimate(const cv::Mat& left, const cv::Mat& right) override;
+  DisparityImage estimate(const cv::Mat& left, const cv::Mat& right) override;
 
 private:
   Parameters parameters_;

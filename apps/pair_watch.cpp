@@ -1,0 +1,41 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "pair_watch.h"
+#include "progress_bar.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+namespace pcl_semantic::tool {
+
+PairWatch::PairWatch(std::string program, bool strict)
+    : program_(std::move(program)), strict_(strict)
+{}
+
+PairWatch::~PairWatch()
+{
+  for (const auto& [fault, pairs] : warned_)
+    if (pairs > 1)
+      warn(program_, std::to_string(pairs) + " pairs looked " +
+                         (fault == PairFault::blank       ? "blank"
+                          : fault == PairFault::identical ? "identical"
+                          : fault == PairFault::swapped   ? "swapped"
+                                                          : "unrelated"));
+}
+
+void
+PairWatch::look(const StereoFrame& frame, const std::string& name)
+{
+  const PairFault fault = check_.add(frame.left, frame.right);
+  if (fault == PairFault::none)
+    return;
+  if (strict_)
+    PCL_THROW_EXCEPTION(BadInputException, name << ": " << check_.reason());
+  if (++warned_[fault] == 1)
+    warn(program_, name + ": " + check_.reason());
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,44 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace pcl_semantic::tool {
+
+/** \brief A progress bar on standard error: only on a terminal, and only for work that
+ * takes longer than a second. */
+class ProgressBar {
+public:
+  /** \param[in] what "mapping"
+   * \param[in] total number of steps
+   * \param[in] unit of a step */
+  ProgressBar(std::string what, std::size_t total, std::string unit = "frames");
+  ~ProgressBar();
+
+  /** \brief One step is done; draws ten times a second. */
+  void step();
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string what_;
+  std::size_t total_;
+  std::string unit_;
+  std::size_t done_ = 0;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point next_ = start_ + std::chrono::seconds(1);
+  bool terminal_;
+};
+
+/** \brief Warns on standard error: "NAME: warning: MESSAGE", in a line of its own even
+ * while a progress bar is there. */
+void warn(const std::string& name, const std::string& message);
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,197 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "pair_watch.h"
+#include "progress_bar.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/dataset/image_pair_sequence.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/io/colour_cloud_file.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
+#include <pcl_semantic/stereo/disparity_picture.h>
+#include <pcl_semantic/stereo/disparity_to_cloud.h>
+
+#include <opencv2/core.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+
+using namespace pcl_semantic;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const tool::Usage usage{
+    "pcl_semantic_stereo", "LEFT RIGHT CALIBRATION OUT [options]",
+    "Depth of a stereo pair (.png) as an organized coloured cloud (.pcd), in the left "
+    "camera's\n"
+    "frame. With folders as LEFT, RIGHT and OUT: of all images in them, paired in "
+    "their order.",
+    "pcl_semantic_synthesize /tmp/street && \\\n"
+    "  pcl_semantic_stereo /tmp/street/image_2/000000.png "
+    "/tmp/street/image_3/000000.png \\\n"
+    "    /tmp/street/calib.txt /tmp/pair.pcd --disparity /tmp/disparity.png"};
+
+struct Options {
+  std::string left, right, calibration, extrinsics, output, disparity;
+  std::string engine = disparityEngines().front();
+  int disparities = 128, threads = 0;
+  double max_depth = 80.0, max_deviation = 0.7;
+  bool strict = false;
+};
+
+bool
+parseOptions(int argc, char** argv, Options& options)
+{
+  namespace po = tool::po;
+  po::options_description visible("Options");
+  visible.add_options()("left", po::value(&options.left), "image, or folder of images")(
+      "right", po::value(&options.right), "the other camera's")(
+      "calibration", po::value(&options.calibration),
+      "KITTI's calib.txt, or a stereo calibration of OpenCV "
+      "(.yaml, .yml): then the cloud is that of the "
+      "rectified left camera")("extrinsics", po::value(&options.extrinsics),
+                               "file of R and T, if not in the calibration")(
+      "output", po::value(&options.output), "cloud to write, or folder for them")(
+      "disparity", po::value(&options.disparity),
+      "also draws the disparities: picture, or folder for them (blue is far, red "
+      "near)")("strict", po::bool_switch(&options.strict),
+               "refuse pairs that look wrong instead of warning of them");
+  tool::addOption(visible, "engine", options.engine, "sgm, elas or sgbm");
+  tool::addOption(visible, "disparities", options.disparities,
+                  "range of the search, a multiple of 64 (elas, sgbm: of 16) [px]");
+  tool::addOption(visible, "max-depth", options.max_depth,
+                  "what is farther has no depth [m]; 0 = all has");
+  tool::addOption(
+      visible, "max-deviation", options.max_deviation,
+      "nor have disparities that are less sure than this [px]: the default keeps what "
+      "was "
+      "matched, 0 also what was filled in between");
+  tool::addOption(visible, "threads", options.threads,
+                  "0 = all processors; the clouds do not depend on it");
+  po::positional_options_description positional;
+  positional.add("left", 1).add("right", 1).add("calibration", 1).add("output", 1);
+  po::variables_map values;
+  if (!tool::parseCommandLine(argc, argv, usage, visible, positional, values))
+    return false;
+  if (options.output.empty())
+    tool::failUsage(usage, "expected LEFT RIGHT CALIBRATION OUT");
+  for (const auto& [name, value] :
+       {std::pair("--max-depth", options.max_depth),
+        std::pair("--max-deviation", options.max_deviation)})
+    if (!(value >= 0.0))
+      tool::failUsage(usage,
+                      name + (" is " + tool::shown(value)) + ", expected 0 or more");
+  return true;
+}
+
+// What to write for each pair: a cloud and, if wanted, a picture.
+struct Outputs {
+  std::string cloud, picture;
+};
+
+std::vector<Outputs>
+nameOutputs(const Options& options, const ImagePairSequence& pairs)
+{
+  if (!fs::is_directory(options.left))
+    return {{options.output, options.disparity}};
+  std::vector<Outputs> outputs;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::string name = fs::path(pairs.leftPath(i)).stem().string();
+    outputs.push_back(
+        {options.output + "/" + name + ".pcd",
+         options.disparity.empty() ? "" : options.disparity + "/" + name + ".png"});
+  }
+  makeOutputFolder(options.output);
+  if (!options.disparity.empty())
+    makeOutputFolder(options.disparity);
+  return outputs;
+}
+
+void
+requireKindsOfFiles(const Options& options)
+{
+  const bool folders = fs::is_directory(options.left);
+  if (folders != fs::is_directory(options.right))
+    tool::failUsage(usage, "LEFT and RIGHT have to be two images, or two folders");
+  for (const std::string& path : {options.left, options.right})
+    if (!fs::exists(path))
+      PCL_THROW_EXCEPTION(BadInputException, path << ": is not there");
+  if (!folders) {
+    tool::requireExtension(options.output, ".pcd");
+    tool::requireExtension(options.disparity, ".png");
+  }
+  tool::refuseSameFiles(
+      {options.left, options.right, options.calibration, options.extrinsics},
+      {options.output, options.disparity});
+}
+
+// Gives the share of pixels that have a depth.
+double
+processPair(const Options& options, const StereoFrame& frame,
+            const StereoCamera& camera, DisparityEstimator& estimator,
+            const Outputs& outputs)
+{
+  DisparityImage image = estimator.estimate(frame.left, frame.right);
+  if (options.max_deviation > 0.0)
+    image.disparity.setTo(0.0, image.deviation > options.max_deviation);
+  if (options.max_depth > 0.0)
+    image.disparity.setTo(0.0, image.disparity <
+                                   camera.fx * camera.baseline / options.max_depth);
+  writeColourCloud(outputs.cloud,
+                   *disparityToCloud(image.disparity, frame.left, camera));
+  if (!outputs.picture.empty())
+    writePng(outputs.picture, drawDisparity(image.disparity, options.disparities));
+  return double(cv::countNonZero(image.disparity)) / double(image.disparity.total());
+}
+
+int
+processPairs(const Options& options)
+{
+  requireKindsOfFiles(options);
+  setNumberOfThreads(options.threads);
+  const auto estimator = makeDisparityEstimator(options.engine, options.disparities);
+  const ImagePairSequence pairs(
+      {options.left, options.right, options.calibration, options.extrinsics, ""});
+  const std::vector<Outputs> outputs = nameOutputs(options, pairs);
+  tool::catchInterrupts();
+  double share = 0.0;
+  {
+    tool::PairWatch watch(usage.name, options.strict);
+    tool::ProgressBar progress("stereo", pairs.size(), "pairs");
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const StereoFrame frame = pairs.frame(i);
+      watch.look(frame, pairs.leftPath(i));
+      share += processPair(options, frame, pairs.camera(), *estimator, outputs[i]);
+      if (tool::interrupted())
+        return tool::exit_interrupted;
+      progress.step();
+    }
+  }
+  std::cout << options.output << ": " << pairs.size() << " cloud"
+            << (pairs.size() > 1 ? "s" : "") << " of " << pairs.camera().width << " x "
+            << pairs.camera().height << " points, "
+            << std::lround(100.0 * share / double(pairs.size())) << " % with depth\n";
+  return tool::exit_done;
+}
+
+} // namespace
+
+int
+main(int argc, char** argv)
+{
+  return tool::run(usage.name, [&] {
+    Options options;
+    return parseOptions(argc, argv, options) ? processPairs(options)
+                                             : int(tool::exit_done);
+  });
+}

@@ -1,0 +1,192 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/evaluation/trajectory_error.h>
+#include <pcl_semantic/evaluation/trajectory_picture.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+
+#include <cstdio>
+#include <iostream>
+
+using namespace pcl_semantic;
+
+namespace {
+
+const tool::Usage usage{
+    "pcl_semantic_trajectory", "compare TRUTH ESTIMATE [options]",
+    "Compares two trajectories, KITTI (matched by row) or TUM (matched by time): "
+    "errors\n"
+    "by KITTI's definition, distances of the positions, and a picture of both paths.",
+    "pcl_semantic_synthesize /tmp/street && \\\n"
+    "  pcl_semantic_odometry /tmp/street /tmp/poses.txt && \\\n"
+    "  pcl_semantic_trajectory compare /tmp/street/poses.txt /tmp/poses.txt \\\n"
+    "    --lengths 10,20 --picture /tmp/paths.png"};
+
+struct Options {
+  std::string command, truth, estimate, times, picture;
+  std::string lengths = "100,200,300,400,500,600,700,800";
+  int step = 1;
+  double tolerance = 0.01; ///< [s]
+};
+
+bool
+parseOptions(int argc, char** argv, Options& options)
+{
+  namespace po = tool::po;
+  po::options_description visible("Options");
+  visible.add_options()("command", po::value(&options.command), "compare")(
+      "truth", po::value(&options.truth), "trajectory that is right")(
+      "estimate", po::value(&options.estimate),
+      "trajectory to judge")("times", po::value(&options.times),
+                             "times.txt of a KITTI trajectory that meets a TUM one")(
+      "picture", po::value(&options.picture), "picture of both paths to write (.png)");
+  tool::addOption(visible, "lengths", options.lengths,
+                  "of the pieces that are compared [m]");
+  tool::addOption(visible, "step", options.step,
+                  "every which pose begins a piece (KITTI's own: 10)");
+  tool::addOption(visible, "tolerance", options.tolerance,
+                  "how far times that match may differ [s]");
+  po::positional_options_description positional;
+  positional.add("command", 1).add("truth", 1).add("estimate", 1);
+  po::variables_map values;
+  if (!tool::parseCommandLine(argc, argv, usage, visible, positional, values))
+    return false;
+  if (options.command != "compare")
+    tool::failUsage(usage, options.command.empty()
+                               ? "the command is missing"
+                               : "unknown command '" + options.command + "'");
+  if (options.truth.empty() || options.estimate.empty())
+    tool::failUsage(usage, "compare needs two trajectories");
+  if (!(options.tolerance >= 0.0))
+    tool::failUsage(usage, "--tolerance is less than 0");
+  tool::requireExtension(options.picture, ".png");
+  tool::refuseSameFiles({options.truth, options.estimate, options.times},
+                        {options.picture});
+  return true;
+}
+
+std::vector<double>
+parseLengths(std::string text)
+{
+  std::vector<double> lengths;
+  std::replace(text.begin(), text.end(), ',', ' ');
+  try {
+    lengths = parseNumbers(text, "--lengths");
+  }
+  catch (const BadInputException& error) {
+    tool::failUsage(usage, error.what());
+  }
+  for (const double length : lengths)
+    if (!(length > 0.0))
+      tool::failUsage(usage, "--lengths: a length is not more than 0");
+  if (lengths.empty())
+    tool::failUsage(usage, "--lengths: there is none");
+  return lengths;
+}
+
+TimedTrajectory
+withTimes(const std::string& path, TrajectoryFormat format, const std::string& times)
+{
+  if (format == TrajectoryFormat::tum)
+    return readTumTrajectory(path);
+  const Trajectory poses = readKittiTrajectory(path);
+  const std::vector<double> seconds = readTimes(times);
+  if (seconds.size() < poses.size())
+    PCL_THROW_EXCEPTION(BadInputException, times << ": has " << seconds.size()
+                                                 << " times for the " << poses.size()
+                                                 << " poses of " << path);
+  TimedTrajectory trajectory;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    trajectory.push_back({seconds[i], poses[i]});
+  return trajectory;
+}
+
+MatchedTrajectories
+readMatched(const Options& options)
+{
+  const TrajectoryFormat first = trajectoryFormatOf(options.truth);
+  const TrajectoryFormat second = trajectoryFormatOf(options.estimate);
+  MatchedTrajectories matched;
+  if (first == TrajectoryFormat::kitti && second == TrajectoryFormat::kitti) {
+    matched = {readKittiTrajectory(options.truth),
+               readKittiTrajectory(options.estimate)};
+    const std::size_t common = std::min(matched.first.size(), matched.second.size());
+    if (matched.first.size() != matched.second.size())
+      std::cerr << usage.name << ": warning: " << matched.first.size() << " and "
+                << matched.second.size() << " poses: the first " << common
+                << " are compared, row by row\n";
+    matched.first.resize(common);
+    matched.second.resize(common);
+    return matched;
+  }
+  if (first != second && options.times.empty())
+    tool::failUsage(usage, "a KITTI trajectory meets a TUM one: --times is missing");
+  const TimedTrajectory truth = withTimes(options.truth, first, options.times);
+  const TimedTrajectory estimate = withTimes(options.estimate, second, options.times);
+  matched = matchByTime(truth, estimate, options.tolerance);
+  if (matched.first.empty())
+    PCL_THROW_EXCEPTION(BadInputException, options.estimate
+                                               << ": has no pose at the times of "
+                                               << options.truth);
+  const std::size_t common = matched.first.size();
+  if (common < truth.size() || common < estimate.size())
+    std::cerr << usage.name << ": warning: " << truth.size() << " and "
+              << estimate.size() << " poses: the " << common
+              << " of the same times are compared\n";
+  return matched;
+}
+
+void
+print(const char* name, const AbsoluteErrors& errors)
+{
+  std::printf("%-16s mean %.4f m, rms %.4f m, largest %.4f m, last %.4f m\n", name,
+              errors.mean, errors.rms, errors.largest, errors.last);
+}
+
+int
+compare(const Options& options)
+{
+  const std::vector<double> lengths = parseLengths(options.lengths);
+  const MatchedTrajectories matched = readMatched(options);
+  const std::vector<SegmentErrors> errors =
+      kittiErrors(matched.first, matched.second, lengths, options.step);
+  if (!options.picture.empty())
+    writePng(options.picture, drawTrajectories(matched.first, matched.second));
+  std::printf("%zu poses, %.1f m\n\n%8s %9s %14s %16s\n", matched.first.size(),
+              lengthOf(matched.first), "length", "pieces", "translation %",
+              "rotation deg/m");
+  for (const SegmentErrors& each : errors) {
+    const std::string name =
+        each.length > 0.0 ? tool::shown(each.length) + " m" : "all";
+    if (each.segments > 0)
+      std::printf("%8s %9zu %14.4f %16.5f\n", name.c_str(), each.segments,
+                  100.0 * each.translation, each.rotation * 180.0 / M_PI);
+    else
+      std::printf("%8s %9zu %14s %16s\n", name.c_str(), each.segments, "-", "-");
+  }
+  std::printf("\n");
+  print("from the start:", errorsFromStart(matched.first, matched.second));
+  print("aligned:", errorsAligned(matched.first, matched.second));
+  if (std::fflush(stdout) != 0)
+    PCL_THROW_EXCEPTION(OutputException, "standard output cannot be written");
+  return tool::exit_done;
+}
+
+} // namespace
+
+int
+main(int argc, char** argv)
+{
+  return tool::run(usage.name, [&] {
+    Options options;
+    return parseOptions(argc, argv, options) ? compare(options) : int(tool::exit_done);
+  });
+}

@@ -1,0 +1,88 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/dataset/frame_sequence.h>
+#include <pcl_semantic/dataset/rectifier.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The files of a user's own stereo camera. */
+struct ImagePairFiles {
+  std::string left;        ///< pattern of PNG files, see findFiles()
+  std::string right;       ///< pattern of as many PNG files
+  std::string calibration; ///< see readStereoRig(); `.txt`: see readKittiCalibration()
+  std::string extrinsics;  ///< R and T, if not in `calibration`
+  std::string times;       ///< one a row [s]; empty: ten frames a second
+};
+
+/** \brief Stereo images of any camera by two patterns, rectified as they are read;
+ * KITTI's are rectified already.
+ *
+ * Pairs are made by position in natural order. Frame n is the n-th pair from 0, row n
+ * of `times` its time. Camera 0, whose poses a trajectory holds, is the left camera as
+ * it was calibrated, before rectification turns it. */
+class ImagePairSequence : public FrameSequence {
+public:
+  /** \throws BadInputException if a pattern matches nothing, there are not as many left
+   * as right images, a pair's names hold different numbers, the calibration cannot be
+   * used or is of images of another size, or `times` is damaged or too short */
+  explicit ImagePairSequence(const ImagePairFiles& files);
+
+  std::size_t
+  size() const override
+  {
+    return left_.size();
+  }
+
+  int
+  frameNumber(std::size_t i) const override
+  {
+    return static_cast<int>(i);
+  }
+
+  double
+  timestamp(std::size_t i) const override
+  {
+    return times_.empty() ? 0.1 * double(i) : times_.at(i);
+  }
+
+  StereoFrame frame(std::size_t i) const override;
+
+  /** \brief The rectified pair. */
+  const StereoCamera&
+  camera() const override
+  {
+    return camera_;
+  }
+
+  const Eigen::Isometry3d&
+  T_camera0_camera() const override
+  {
+    return T_camera0_camera_;
+  }
+
+  /** \brief Path of the i-th left image. */
+  const std::string&
+  leftPath(std::size_t i) const
+  {
+    return left_.at(i);
+  }
+
+private:
+  std::vector<std::string> left_, right_; ///< paths
+  std::vector<double> times_;             ///< [s]; empty: ten frames a second
+  std::optional<Rectifier> rectifier_;    ///< not for KITTI's images
+  StereoCamera camera_;
+  Eigen::Isometry3d T_camera0_camera_;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,56 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/abi_check.h>
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Two calibrated cameras side by side, as OpenCV's `stereoCalibrate` describes
+ * them: pinhole cameras with its polynomial distortion (no fisheyes).
+ *
+ * A point x_1 in the left camera's frame is x_2 = R x_1 + T in the right one's. */
+struct StereoRig {
+  int width = 0;              ///< columns of both images [px]; 0 = not known
+  int height = 0;             ///< rows of both images [px]; 0 = not known
+  Eigen::Matrix3d K1, K2;     ///< fx 0 cx, 0 fy cy, 0 0 1 [px]; left, right
+  std::vector<double> D1, D2; ///< k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 .. s4 [tx ty]]]]
+  Eigen::Matrix3d R;          ///< rotation from the left to the right camera's frame
+  Eigen::Vector3d T;          ///< the same, translation [m]; x < 0
+
+  /** \throws InvalidParameterException that names the value, unless everything is
+   * finite, K1 and K2 are camera matrices with the principal point in the image, D1 and
+   * D2 have 4, 5, 8, 12 or 14 numbers, R is a rotation, and T says that the right
+   * camera is on the right, beside (not above or ahead), no farther than 100 m */
+  void validate() const;
+};
+
+/** \brief Reads a rig as `cv::FileStorage` writes it in YAML.
+ *
+ * | value | key, one of |
+ * |---|---|
+ * | K1, K2 | `K1`, `M1`, `cameraMatrix1`, `camera_matrix_1`; 2 accordingly |
+ * | D1, D2 | `D1`, `distCoeffs1`, `dist_coeffs_1`; 2 accordingly |
+ * | R, T | `R`, `T` |
+ * | size | `image_width` and `image_height`, or `image_size`, `imageSize`; may be
+ * absent |
+ *
+ * A matrix is an `!!opencv-matrix` or a list of numbers, row after row. Other keys are
+ * passed over. An R that is a rotation but for rounding is made one, with a warning if
+ * it is more than that of text (1e-4); by more than 1e-2 it is refused.
+ * \param[in] path the calibration, or the intrinsics alone
+ * \param[in] extrinsics_path where R and T are, if in a file of their own
+ * \throws BadInputException with file and key */
+StereoRig readStereoRig(const std::string& path,
+                        const std::string& extrinsics_path = "");
+
+} // namespace pcl_semantic

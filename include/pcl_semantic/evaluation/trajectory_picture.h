@@ -1,0 +1,23 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/files/trajectory_file.h>
+
+#include <opencv2/core/mat.hpp>
+
+namespace pcl_semantic {
+
+/** \brief Two paths seen from above, forward is up: the first grey, the second red, the
+ * beginning a circle, a bar for the scale. The second is moved so that the first poses
+ * agree.
+ * \return CV_8UC3 (BGR)
+ * \throws InvalidParameterException if one is empty */
+cv::Mat drawTrajectories(const Trajectory& first, const Trajectory& second,
+                         int size = 800);
+
+} // namespace pcl_semantic

@@ -1,0 +1,26 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The files that match a pattern as the shell's (`left-*.png`, with `*`, `?`
+ * and `[...]`, a backslash before what is meant as it is), in natural order. What is a
+ * file as it stands is that file; a folder is all its `.png` files.
+ * \throws BadInputException if there are none or a folder cannot be read */
+std::vector<std::string> findFiles(const std::string& pattern);
+
+/** \brief Natural order: numbers by value, "frame2" before "frame10". */
+bool naturalLess(const std::string& a, const std::string& b);
+
+/** \brief The whole numbers in a text, of any length, without leading zeros. */
+std::vector<std::string> numbersIn(const std::string& text);
+
+} // namespace pcl_semantic

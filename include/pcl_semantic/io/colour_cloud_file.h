@@ -1,0 +1,23 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief Writes a cloud as a binary `.pcd` with x y z rgb, whole or not at all.
+ * Organized clouds stay organized, points at NaN keep their place and colour.
+ * \throws InvalidParameterException if width x height is not the number of points
+ * \throws OutputException */
+void writeColourCloud(const std::string& path,
+                      const pcl::PointCloud<pcl::PointXYZRGB>& cloud);
+
+} // namespace pcl_semantic

@@ -1,0 +1,140 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "stereo_pair_reader.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/image_pair_sequence.h>
+#include <pcl_semantic/files/file_pattern.h>
+#include <pcl_semantic/files/trajectory_file.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Paths = std::vector<std::string>;
+using Numbers = std::vector<std::string>;
+
+// The numbers in each path that are not the same in all of them: those that count.
+// Empty if the paths do not all hold as many.
+std::vector<Numbers>
+countingNumbers(const Paths& paths)
+{
+  std::vector<Numbers> all;
+  for (const std::string& path : paths)
+    all.push_back(numbersIn(path));
+  std::vector<Numbers> counting(all.size());
+  for (const Numbers& numbers : all)
+    if (numbers.size() != all[0].size())
+      return {};
+  for (std::size_t k = 0; k < all[0].size(); ++k) {
+    const bool same = std::all_of(all.begin(), all.end(), [&](const Numbers& numbers) {
+      return numbers[k] == all[0][k];
+    });
+    for (std::size_t i = 0; !same && i < all.size(); ++i)
+      counting[i].push_back(all[i][k]);
+  }
+  return counting;
+}
+
+// A lost image in the middle of one side would shift all the pairs behind it.
+void
+requirePairs(const Paths& left, const Paths& right, const ImagePairFiles& files)
+{
+  const std::vector<Numbers> a = countingNumbers(left), b = countingNumbers(right);
+  const std::size_t both = std::min(left.size(), right.size());
+  for (std::size_t i = 0; i < both; ++i) {
+    if (left[i] == right[i])
+      PCL_THROW_EXCEPTION(BadInputException,
+                          left[i] << ": is both the left and the right image of frame "
+                                  << i);
+    if (!a.empty() && !b.empty() && a[i].size() == b[i].size() && a[i] != b[i])
+      PCL_THROW_EXCEPTION(BadInputException,
+                          left[i] << " and " << right[i]
+                                  << ": have different numbers, but would be frame "
+                                  << i << " (pairs are made by position)");
+  }
+  if (left.size() != right.size())
+    PCL_THROW_EXCEPTION(BadInputException, files.left << ": matches " << left.size()
+                                                      << " files, but " << files.right
+                                                      << " matches " << right.size());
+}
+
+// The rig with the size of the first image, which has to be its own if it has one.
+StereoRig
+readRigOf(const ImagePairFiles& files, const std::string& first_image)
+{
+  StereoRig rig = readStereoRig(files.calibration, files.extrinsics);
+  const cv::Size size = readFrameImage(first_image, 0).size();
+  if (rig.width > 0 && size != cv::Size(rig.width, rig.height))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        first_image << ": has " << size.width << " x " << size.height
+                                    << " pixels, but " << files.calibration
+                                    << " is the calibration of " << rig.width << " x "
+                                    << rig.height);
+  rig.width = size.width;
+  rig.height = size.height;
+  return rig;
+}
+
+Rectifier
+makeRectifier(const ImagePairFiles& files, const std::string& first_image)
+{
+  const StereoRig rig = readRigOf(files, first_image);
+  try {
+    return Rectifier(rig);
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, files.calibration << ": " << error.what());
+  }
+}
+
+} // namespace
+
+ImagePairSequence::ImagePairSequence(const ImagePairFiles& files)
+    : left_(findFiles(files.left)), right_(findFiles(files.right))
+{
+  requirePairs(left_, right_, files);
+  if (std::filesystem::path(files.calibration).extension() == ".txt") {
+    const cv::Mat first = readFrameImage(left_.front(), 0);
+    const KittiCalibration calibration = readCalibrationOf(
+        first, files.calibration,
+        first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
+    camera_ = calibration.camera;
+    T_camera0_camera_ = calibration.T_camera0_camera;
+  }
+  else {
+    rectifier_ = makeRectifier(files, left_.front());
+    camera_ = rectifier_->camera();
+    T_camera0_camera_ = rectifier_->T_left_rectified();
+  }
+  if (files.times.empty())
+    return;
+  times_ = readTimes(files.times);
+  if (times_.size() < left_.size())
+    PCL_THROW_EXCEPTION(BadInputException, files.times << ": has " << times_.size()
+                                                       << " times for " << left_.size()
+                                                       << " pairs (row = pair)");
+}
+
+StereoFrame
+ImagePairSequence::frame(std::size_t i) const
+{
+  StereoFrame frame =
+      readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
+                     {camera().width, camera().height}, "the first image");
+  frame.timestamp = timestamp(i);
+  if (rectifier_) {
+    frame.left = rectifier_->rectify(frame.left, StereoSide::left);
+    frame.right = rectifier_->rectify(frame.right, StereoSide::right);
+  }
+  return frame;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,153 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/rectifier.h>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/eigen.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+
+namespace pcl_semantic {
+
+namespace {
+
+// How much a rectified image may be enlarged or made smaller. More is no lens, but a
+// polynomial that was fitted to too little.
+constexpr double kScale = 8.0;
+
+constexpr int kStep = 8;         // [px] between the pixels that are looked at
+constexpr double kUsable = 0.95; // share of them that has to come out right
+
+// A rig as OpenCV's functions take it, and what stereoRectify makes of it.
+struct Rectification {
+  cv::Mat K1, K2, D1, D2, R, T;
+  cv::Mat R1, R2, P1, P2;
+
+  explicit Rectification(const StereoRig& rig)
+      : D1(cv::Mat(rig.D1).clone()), D2(cv::Mat(rig.D2).clone())
+  {
+    cv::eigen2cv(rig.K1, K1);
+    cv::eigen2cv(rig.K2, K2);
+    cv::eigen2cv(rig.R, R);
+    cv::eigen2cv(rig.T, T);
+    cv::Mat Q;
+    cv::stereoRectify(K1, D1, K2, D2, {rig.width, rig.height}, R, T, R1, R2, P1, P2, Q,
+                      cv::CALIB_ZERO_DISPARITY, 0.0);
+  }
+};
+
+bool
+isZero(const std::vector<double>& distortion)
+{
+  return std::all_of(distortion.begin(), distortion.end(),
+                     [](double d) { return d == 0.0; });
+}
+
+bool
+isRectified(const StereoRig& rig)
+{
+  return isZero(rig.D1) && isZero(rig.D2) && rig.K1 == rig.K2 &&
+         rig.R.isIdentity(1e-9) && rig.T.y() == 0.0 && rig.T.z() == 0.0;
+}
+
+StereoCamera
+cameraOf(const StereoRig& rig, const Rectification& result)
+{
+  StereoCamera camera;
+  camera.width = rig.width;
+  camera.height = rig.height;
+  camera.fx = result.P1.at<double>(0, 0);
+  camera.fy = result.P1.at<double>(1, 1);
+  camera.cx = result.P1.at<double>(0, 2);
+  camera.cy = result.P1.at<double>(1, 2);
+  camera.baseline = -result.P2.at<double>(0, 3) / camera.fx;
+  const double scale = camera.fx / rig.K1(0, 0);
+  if (!(scale < kScale && scale > 1.0 / kScale))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "rectified images would be those of a focal length of "
+                            << camera.fx << " px instead of " << rig.K1(0, 0)
+                            << " px: K, D, R or T cannot be right");
+  camera.validate();
+  return camera;
+}
+
+// Polynomials fold an image over where they were not fitted, and OpenCV does not look.
+void
+requireUsable(const cv::Mat2s& whole, const char* name)
+{
+  const cv::Rect image({}, whole.size());
+  int usable = 0, all = 0;
+  for (int y = 0; y + kStep < whole.rows; y += kStep)
+    for (int x = 0; x + kStep < whole.cols; x += kStep) {
+      const cv::Vec2s here = whole(y, x);
+      const cv::Vec2i right = cv::Vec2i(whole(y, x + kStep)) - cv::Vec2i(here);
+      const cv::Vec2i below = cv::Vec2i(whole(y + kStep, x)) - cv::Vec2i(here);
+      const bool keeps_sides = right[0] * below[1] - right[1] * below[0] > 0;
+      usable += keeps_sides && image.contains(cv::Point(here));
+      ++all;
+    }
+  if (usable < kUsable * all)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "only " << 100 * usable / std::max(all, 1) << " % of the "
+                                << name
+                                << " image can be rectified: K, D, R or T cannot be "
+                                   "right");
+}
+
+} // namespace
+
+Rectifier::Rectifier(const StereoRig& rig)
+{
+  rig.validate();
+  if (rig.width == 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "image size: is not known, expected that of the rig's images");
+  if (isRectified(rig)) {
+    camera_ = {rig.K1(0, 0), rig.K1(1, 1), rig.K1(0, 2), rig.K1(1, 2),
+               -rig.T.x(),   rig.width,    rig.height};
+    return;
+  }
+  try {
+    const Rectification result(rig);
+    camera_ = cameraOf(rig, result);
+    Eigen::Matrix3d R1;
+    cv::cv2eigen(result.R1, R1);
+    T_left_rectified_.linear() = R1.transpose();
+    const cv::Size size(rig.width, rig.height);
+    cv::initUndistortRectifyMap(result.K1, result.D1, result.R1, result.P1, size,
+                                CV_16SC2, maps_[0].whole, maps_[0].fraction);
+    cv::initUndistortRectifyMap(result.K2, result.D2, result.R2, result.P2, size,
+                                CV_16SC2, maps_[1].whole, maps_[1].fraction);
+    requireUsable(maps_[0].whole, "left");
+    requireUsable(maps_[1].whole, "right");
+  }
+  catch (const cv::Exception& error) { // its message has several lines
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the rig cannot be rectified: " << error.err);
+  }
+}
+
+cv::Mat
+Rectifier::rectify(const cv::Mat& image, StereoSide side) const
+{
+  if (image.cols != camera_.width || image.rows != camera_.height)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "image has " << image.cols << " x " << image.rows
+                                     << " pixels, expected " << camera_.width << " x "
+                                     << camera_.height << " as the rig");
+  const Maps& maps = maps_[std::size_t(side)];
+  if (maps.whole.empty())
+    return image.clone();
+  cv::Mat rectified;
+  cv::remap(image, rectified, maps.whole, maps.fraction, cv::INTER_LINEAR,
+            cv::BORDER_CONSTANT);
+  return rectified;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,125 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/file_pattern.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <memory>
+#include <new>
+
+#include <glob.h>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool
+isDigit(char c)
+{
+  return c >= '0' && c <= '9';
+}
+
+// The number that begins at `at`, without leading zeros; `at` moves behind it.
+std::string
+takeNumber(const std::string& text, std::size_t& at)
+{
+  const std::size_t begin = at;
+  while (at < text.size() && isDigit(text[at]))
+    ++at;
+  std::size_t first = begin;
+  while (first + 1 < at && text[first] == '0')
+    ++first;
+  return text.substr(first, at - first);
+}
+
+// A folder that is not there holds nothing; one that cannot be read may hold files.
+int
+isTrouble(const char*, int error)
+{
+  return error != ENOENT && error != ENOTDIR;
+}
+
+std::vector<std::string>
+globbed(const std::string& pattern)
+{
+  glob_t found{};
+  const int code = ::glob(pattern.c_str(), GLOB_NOSORT, &isTrouble, &found);
+  const std::unique_ptr<glob_t, decltype(&::globfree)> guard(&found, &::globfree);
+  if (code == GLOB_NOMATCH)
+    PCL_THROW_EXCEPTION(BadInputException, pattern << ": no file matches");
+  if (code == GLOB_NOSPACE)
+    throw std::bad_alloc();
+  if (code != 0)
+    PCL_THROW_EXCEPTION(BadInputException, pattern << ": a folder cannot be read");
+  return {found.gl_pathv, found.gl_pathv + found.gl_pathc};
+}
+
+std::vector<std::string>
+imagesIn(const std::string& folder)
+{
+  std::vector<std::string> images;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".png")
+      images.push_back(entry.path().string());
+  if (error)
+    PCL_THROW_EXCEPTION(BadInputException, folder << ": the folder cannot be read");
+  if (images.empty())
+    PCL_THROW_EXCEPTION(BadInputException, folder << ": holds no images (.png)");
+  return images;
+}
+
+} // namespace
+
+std::vector<std::string>
+findFiles(const std::string& pattern)
+{
+  std::error_code error;
+  if (fs::is_regular_file(pattern, error))
+    return {pattern};
+  std::vector<std::string> files =
+      fs::is_directory(pattern, error) ? imagesIn(pattern) : globbed(pattern);
+  std::sort(files.begin(), files.end(), naturalLess);
+  return files;
+}
+
+bool
+naturalLess(const std::string& a, const std::string& b)
+{
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (isDigit(a[i]) && isDigit(b[j])) {
+      const std::string left = takeNumber(a, i), right = takeNumber(b, j);
+      if (left != right)
+        return left.size() != right.size() ? left.size() < right.size() : left < right;
+    }
+    else if (a[i] != b[j])
+      return a[i] < b[j];
+    else
+      ++i, ++j;
+  }
+  // Equal but for zeros in front of numbers: any order will do that is one.
+  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
+}
+
+std::vector<std::string>
+numbersIn(const std::string& text)
+{
+  std::vector<std::string> numbers;
+  for (std::size_t at = 0; at < text.size();)
+    if (isDigit(text[at]))
+      numbers.push_back(takeNumber(text, at));
+    else
+      ++at;
+  return numbers;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,54 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include <vector>
+
+namespace pcl_semantic::odometry {
+
+/** \brief A feature in both images of a pair [px]. */
+struct StereoFeature {
+  cv::Point2f left, right;
+  bool is_found = false;
+};
+
+/** \brief Follows features around the circle left before, left now, right now, right
+ * before by pyramidal Lucas-Kanade; one that does not come back to where it started is
+ * not found (Geiger et al., StereoScan, 2011). */
+class CircleTracker {
+public:
+  /** \brief Takes the next pair, CV_8UC1; the one that was there becomes "before". */
+  void push(const cv::Mat& left, const cv::Mat& right);
+
+  /** \brief \param[in] before where features were \param[in,out] now where they are
+   * expected, then where they are */
+  void track(const std::vector<StereoFeature>& before,
+             std::vector<StereoFeature>& now) const;
+
+  /** \brief Finds features of the left image now in the right one.
+   * \param[in,out] features left, and the expected right; is_found is set */
+  void matchStereo(std::vector<StereoFeature>& features) const;
+
+  const cv::Mat&
+  left() const
+  {
+    return left_now_[0];
+  }
+
+  const cv::Mat&
+  right() const
+  {
+    return right_now_[0];
+  }
+
+private:
+  std::vector<cv::Mat> left_before_, right_before_, left_now_, right_now_;
+};
+
+} // namespace pcl_semantic::odometry

@@ -1,0 +1,43 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "image_pair.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <opencv2/imgproc.hpp>
+
+namespace pcl_semantic {
+
+void
+requireImagePair(const cv::Mat& left, const cv::Mat& right)
+{
+  if (left.empty() || (left.type() != CV_8UC1 && left.type() != CV_8UC3))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "left image: expected 8-bit grey or 8-bit colour");
+  if (left.size() != right.size())
+    PCL_THROW_EXCEPTION(BadInputException, "right image is "
+                                               << right.cols << " x " << right.rows
+                                               << " pixels, the left one " << left.cols
+                                               << " x " << left.rows);
+  if (left.type() != right.type())
+    PCL_THROW_EXCEPTION(BadInputException, "right image has "
+                                               << right.channels()
+                                               << " channel(s), the left one "
+                                               << left.channels());
+}
+
+cv::Mat
+greyImage(const cv::Mat& image)
+{
+  if (image.channels() == 1)
+    return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,21 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace pcl_semantic {
+
+/** \brief What every estimator wants of its two images.
+ * \throws BadInputException unless both are 8-bit grey or colour, of one size and type
+ */
+void requireImagePair(const cv::Mat& left, const cv::Mat& right);
+
+/** \brief A grey image as it is, a colour one (BGR) as grey. */
+cv::Mat greyImage(const cv::Mat& image);
+
+} // namespace pcl_semantic

@@ -1,0 +1,61 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "support_points.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief What the support points say of every pixel of one of the two images: the
+ * disparity of the plane through the corners of its triangle, and the disparities seen
+ * near its cell. */
+class PlanePrior {
+public:
+  static constexpr int cell_size = 10; // [px]
+
+  /** \param[in] points with their coordinates in this image, their disparities within
+   * the range
+   * \param[in] disparities a multiple of 8 */
+  PlanePrior(std::vector<SupportPoint> points, int width, int height, int disparities);
+
+  /** \brief Expected disparities of rows [begin, end) [1 / disparity_steps px]. */
+  void fillRows(int begin, int end, std::vector<std::int16_t>& expected) const;
+
+  /** \brief The sets of the cells of a row of pixels, disparities / 8 bytes each. */
+  const std::uint8_t*
+  seen(int v) const
+  {
+    return seen_.data() + std::size_t(v / cell_size * columns_ * bytes_);
+  }
+
+private:
+  struct Triangle {
+    std::array<int, 3> u, v;                 ///< corners, from top to bottom
+    float long_edge, upper_edge, lower_edge; ///< columns a row
+    float at_zero, along_u, along_v;         ///< of the plane
+  };
+
+  void addTriangle(const SupportPoint& a, const SupportPoint& b, const SupportPoint& c);
+
+  void markSeen(const std::vector<SupportPoint>& points);
+
+  int width_, height_;
+  int columns_, rows_; // of the cells
+  int bytes_;          // a cell
+  std::vector<Triangle> triangles_;
+  std::vector<std::uint8_t> seen_;
+};
+
+/** \brief The points where the right image has them; of two at one pixel the nearer
+ * one. */
+std::vector<SupportPoint> seenFromRight(const std::vector<SupportPoint>& points);
+
+} // namespace pcl_semantic

@@ -1,0 +1,169 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "semi_global_band.h"
+#include "kernels/map_disparity.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int rows_before = 16; // of a band: paths that are longer matter little
+constexpr int block_radius = 2;
+
+// Slots with their paddings; a path begins with zeros.
+std::vector<std::uint8_t>
+makeSlots(int count, int disparities)
+{
+  const std::size_t padding = kernels::slot_padding;
+  const std::size_t size = std::size_t(disparities) + padding;
+  std::vector<std::uint8_t> slots(padding + std::size_t(count) * size,
+                                  kernels::largest_path_cost);
+  for (int i = 0; i < count; ++i)
+    std::fill_n(slots.begin() + long(padding + std::size_t(i) * size), disparities,
+                std::uint8_t(0));
+  return slots;
+}
+
+} // namespace
+
+SemiGlobalBand::SemiGlobalBand(const Pair& pair,
+                               const SemiGlobalMatcher::Parameters& parameters,
+                               SimdTier tier)
+    : pair_(pair), parameters_(parameters), loops_(kernels::semiGlobal(tier)),
+      width_(pair.grey.cols), disparities_(parameters.disparities)
+{
+  const int edge = parameters.edge;
+  for (int difference = 0; difference < 256; ++difference)
+    large_step_[std::size_t(difference)] = std::uint8_t(
+        std::max(parameters.small_step + 1,
+                 parameters.large_step * edge / std::max(edge, difference)));
+  const std::size_t width = std::size_t(width_), D = std::size_t(disparities_);
+  for (Bytes& row : rows_)
+    row.resize(width * D);
+  for (Bytes* const bytes : {&added_row_, &row_sums_, &quarters_, &costs_})
+    bytes->resize(width * D);
+  for (Bytes* const bytes : {&steps_down_, &steps_along_, &best_, &has_rival_})
+    bytes->resize(width + 1);
+  along_ = makeSlots(1, disparities_);
+  sums_.resize(width * D);
+  around_.resize(3 * width);
+  for (int parity = 0; parity < 2; ++parity)
+    for (Shorts* const values : {&right_sum_[parity], &right_disparity_[parity]})
+      values->resize((width + D) / 2 + kernels::disparity_block);
+}
+
+void
+SemiGlobalBand::match(int begin, int end, cv::Mat& disparity)
+{
+  const int first = std::max(0, begin - rows_before);
+  down_ = makeSlots(width_, disparities_);
+  smallest_down_.assign(std::size_t(width_), 0);
+  std::fill(row_sums_.begin(), row_sums_.end(), std::uint8_t(0));
+  next_row_ = first - block_radius;
+  for (int v = first; v < end; ++v) {
+    const kernels::PathRow row = pathRow(costsOf(v), v);
+    loops_.forward(row);
+    if (v < begin)
+      continue;
+    loops_.backward(row, clearMatches());
+    writeRow(disparity.ptr<std::int16_t>(v));
+  }
+}
+
+const std::uint8_t*
+SemiGlobalBand::costsOf(int v)
+{
+  const std::size_t count = row_sums_.size();
+  const bool is_first = next_row_ < v + block_radius;
+  for (; next_row_ <= v + block_radius; ++next_row_) {
+    const int from = std::clamp(next_row_, 0, pair_.grey.rows - 1);
+    kernels::CensusRow row{width_, disparities_, {}, {}};
+    for (int b = 0; b < kernels::census_bytes; ++b) {
+      row.left[b] = pair_.left.row(b, from);
+      row.right[b] = pair_.right.row(b, from);
+    }
+    Bytes& removed = rows_[std::size_t((next_row_ + 5) % 5)];
+    loops_.compare(row, added_row_.data());
+    loops_.slide(added_row_.data(), is_first ? nullptr : removed.data(), count,
+                 row_sums_.data(), quarters_.data());
+    std::swap(added_row_, removed);
+  }
+  loops_.blocks(quarters_.data(), width_, disparities_, costs_.data());
+  return costs_.data();
+}
+
+kernels::PathRow
+SemiGlobalBand::pathRow(const std::uint8_t* costs, int v)
+{
+  const std::uint8_t* const here = pair_.grey.ptr<std::uint8_t>(v);
+  const std::uint8_t* const above = pair_.grey.ptr<std::uint8_t>(std::max(v - 1, 0));
+  const auto stepBetween = [&](std::uint8_t a, std::uint8_t b) {
+    return large_step_[std::size_t(std::abs(a - b))];
+  };
+  for (int u = 0; u < width_; ++u)
+    steps_down_[std::size_t(u)] = stepBetween(here[u], above[u]);
+  for (int u = 0; u <= width_; ++u)
+    steps_along_[std::size_t(u)] =
+        stepBetween(here[std::min(u, width_ - 1)], here[std::max(u - 1, 0)]);
+  return {width_,
+          disparities_,
+          costs,
+          std::uint8_t(parameters_.small_step),
+          steps_down_.data(),
+          steps_along_.data(),
+          down_.data() + kernels::slot_padding,
+          smallest_down_.data(),
+          along_.data() + kernels::slot_padding,
+          sums_.data()};
+}
+
+kernels::RowMatches
+SemiGlobalBand::clearMatches()
+{
+  for (Shorts& sums : right_sum_)
+    std::fill(sums.begin(), sums.end(), kernels::no_sum);
+  return {best_.data(),
+          around_.data(),
+          has_rival_.data(),
+          100.0f / float(100 - parameters_.uniqueness),
+          {right_sum_[0].data(), right_sum_[1].data()},
+          {right_disparity_[0].data(), right_disparity_[1].data()}};
+}
+
+void
+SemiGlobalBand::writeRow(std::int16_t* disparity) const
+{
+  for (int u = 0; u < width_; ++u)
+    disparity[u] = matchOf(u);
+}
+
+// The disparity of a pixel, if both images agree about it.
+std::int16_t
+SemiGlobalBand::matchOf(int u) const
+{
+  const int d = best_[std::size_t(u)];
+  if (d > u || has_rival_[std::size_t(u)])
+    return kernels::no_disparity;
+  const int place = width_ - 1 - u + d;
+  const int theirs = right_disparity_[place % 2][std::size_t(place / 2)];
+  if (std::abs(theirs - d) > parameters_.left_right_tolerance)
+    return kernels::no_disparity;
+  const std::uint16_t* const around = around_.data() + 3 * u;
+  if (d == 0 || d == disparities_ - 1)
+    return std::int16_t(d * kernels::disparity_steps);
+  // Two lines of equal and opposite slope through the three sums.
+  const float before = float(around[0]) - float(around[1]);
+  const float behind = float(around[2]) - float(around[1]);
+  const float steepest = std::max({before, behind, 1.0f});
+  const float shift = 0.5f * (before - behind) / steepest;
+  return std::int16_t((float(d) + shift) * kernels::disparity_steps + 0.5f);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,59 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "census_image.h"
+
+#include <pcl_semantic/stereo/semi_global_matcher.h>
+
+namespace pcl_semantic {
+
+/** \brief Matches bands of rows, one after the other; one a thread. */
+class SemiGlobalBand {
+public:
+  /** \brief The images of a pair; they have to stay. */
+  struct Pair {
+    const cv::Mat& grey; ///< the left one
+    const CensusImage &left, &right;
+  };
+
+  SemiGlobalBand(const Pair& pair, const SemiGlobalMatcher::Parameters& parameters,
+                 SimdTier tier = simdTier());
+
+  /** \brief Matches the rows begin <= v < end. Paths from above begin some rows before.
+   * \param[out] disparity CV_16SC1 as of disparity_cleaning.h; below 0 = none */
+  void match(int begin, int end, cv::Mat& disparity);
+
+private:
+  using Bytes = std::vector<std::uint8_t>;
+  using Shorts = std::vector<std::uint16_t>;
+
+  const std::uint8_t* costsOf(int v);
+
+  kernels::PathRow pathRow(const std::uint8_t* costs, int v);
+
+  kernels::RowMatches clearMatches();
+
+  void writeRow(std::int16_t* disparity) const;
+
+  std::int16_t matchOf(int u) const;
+
+  const Pair pair_;
+  const SemiGlobalMatcher::Parameters& parameters_;
+  const kernels::SemiGlobal& loops_;
+  const int width_, disparities_;
+  std::array<std::uint8_t, 256> large_step_; // by difference of grey levels
+  std::array<Bytes, 5> rows_;                // costs of pixels; row v in place v % 5
+  int next_row_ = 0;                         // the first that is not in there
+  Bytes added_row_, row_sums_, quarters_, costs_, steps_down_, steps_along_;
+  Bytes down_, smallest_down_, along_;
+  Shorts sums_;
+  Bytes best_, has_rival_;
+  Shorts around_, right_sum_[2], right_disparity_[2];
+};
+
+} // namespace pcl_semantic

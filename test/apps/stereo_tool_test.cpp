@@ -1,0 +1,229 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/bad_case.h"
+#include "support/thrown_message.h"
+#include "support/tiny_street.h"
+
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/files/pcd_file.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
+#include <pcl_semantic/stereo/disparity_to_cloud.h>
+
+#include <opencv2/core.hpp>
+
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+const std::string one_pair = "stereo STREET/image_2/000000.png "
+                             "STREET/image_3/000000.png STREET/calib.txt ";
+
+void
+swapSides(const std::string& street)
+{
+  std::filesystem::rename(street + "/image_2", street + "/other");
+  std::filesystem::rename(street + "/image_3", street + "/image_2");
+  std::filesystem::rename(street + "/other", street + "/image_3");
+}
+
+std::string
+inStreet(const std::string& command)
+{
+  return replaceAll(command, "STREET", tinyStreet());
+}
+
+} // namespace
+
+TEST(StereoTool, OnePairIsTheCloudOfTheLibrary)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("pair.pcd"), picture = folder.path("d.png");
+  const KittiSequence sequence(tinyStreet());
+  const StereoFrame frame = sequence.frame(0);
+  for (const std::string& engine : disparityEngines()) {
+    const ToolResult result =
+        runTool(inStreet(one_pair) + path + " --disparity " + picture + " --engine " +
+                engine + " --disparities 64 --max-depth 0 --max-deviation 0");
+    ASSERT_EQ(result.code, 0) << result.text;
+    const cv::Mat disparity =
+        makeDisparityEstimator(engine, 64)->estimate(frame.left, frame.right).disparity;
+    const auto expected = disparityToCloud(disparity, frame.left, sequence.camera());
+    const PcdTable table = readPcd(path);
+    ASSERT_EQ(table.width, 208u);
+    ASSERT_EQ(table.height, 64u);
+    const PcdColumn x(table, table.find("x")), z(table, table.find("z"));
+    for (std::size_t i = 0; i < table.points; ++i) {
+      const pcl::PointXYZRGB& point = (*expected)[i];
+      EXPECT_TRUE(std::isnan(point.x) ? std::isnan(x(i)) && std::isnan(z(i))
+                                      : x(i) == point.x && z(i) == point.z);
+    }
+    EXPECT_EQ(readPng(picture, ImageKind::grey_or_colour).size(), disparity.size());
+  }
+}
+
+TEST(StereoTool, WhatIsFarOrUnsureHasNoDepth)
+{
+  const TemporaryFolder folder;
+  const auto depths = [&](const std::string& options) {
+    const std::string path = folder.path("pair.pcd");
+    EXPECT_EQ(runTool(inStreet(one_pair) + path + " " + options).code, 0);
+    const PcdTable table = readPcd(path);
+    const PcdColumn z(table, table.find("z"));
+    std::vector<double> found;
+    for (std::size_t i = 0; i < table.points; ++i)
+      if (std::isfinite(z(i)))
+        found.push_back(z(i));
+    return found;
+  };
+  const std::vector<double> all = depths("--max-depth 0 --max-deviation 0");
+  const std::vector<double> matched = depths("--max-depth 0");
+  const std::vector<double> near = depths("--max-depth 12");
+  EXPECT_GT(all.size(), matched.size());
+  EXPECT_GT(matched.size(), near.size());
+  EXPECT_GT(near.size(), 500u);
+  EXPECT_LE(*std::max_element(near.begin(), near.end()), 12.0);
+}
+
+TEST(StereoTool, AFolderAtATime)
+{
+  const TemporaryFolder folder;
+  const ToolResult result =
+      runTool(inStreet("stereo STREET/image_2 STREET/image_3 STREET/calib.txt ") +
+              folder.path("clouds") + " --disparity " + folder.path("pictures"));
+  ASSERT_EQ(result.code, 0) << result.text;
+  EXPECT_NE(result.text.find("3 clouds of 208 x 64 points"), std::string::npos);
+  for (const std::string name : {"000000", "000001", "000002"}) {
+    EXPECT_EQ(readPcd(folder.path("clouds/" + name + ".pcd")).points, 208u * 64u);
+    EXPECT_TRUE(std::filesystem::exists(folder.path("pictures/" + name + ".png")));
+  }
+}
+
+TEST(StereoTool, BracketsInPathsAreMeantAsTheyAre)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("a [1] b");
+  copyStreet(street);
+  std::filesystem::copy_file(street + "/image_2/000001.png", street + "/q1.png");
+  std::filesystem::copy_file(street + "/image_2/000000.png", street + "/q[1].png");
+  const auto quoted = [&](const std::string& path) {
+    return "'" + street + "/" + path + "' ";
+  };
+  const std::string rest = quoted("image_3/000000.png") + quoted("calib.txt");
+  ToolResult result =
+      runTool("stereo " + quoted("q[1].png") + rest + folder.path("one.pcd"));
+  EXPECT_EQ(result.code, 0) << result.text;
+  ASSERT_EQ(
+      runTool("stereo " + quoted("image_2/000000.png") + rest + folder.path("same.pcd"))
+          .code,
+      0);
+  EXPECT_TRUE(bytesOf(folder.path("one.pcd")) == bytesOf(folder.path("same.pcd")));
+  result = runTool("stereo " + quoted("image_2") + quoted("image_3") +
+                   quoted("calib.txt") + folder.path("all"));
+  EXPECT_EQ(result.code, 0) << result.text;
+}
+
+TEST(MapTool, ARunThatCannotBeTrackedIsNoMap)
+{
+  const TemporaryFolder folder;
+  copyStreet(folder.path("street"));
+  blankImages(folder.path("street"));
+  const ToolResult result = runTool(
+      "map " + folder.path("street") + " --poses odometry --labels " +
+      folder.path("street/labels") + " --crf none --output " + folder.path("map"));
+  EXPECT_EQ(result.code, 3);
+  EXPECT_TRUE(holds(result.text, "street: no frame could be tracked\n"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("map/map.pcd")));
+}
+
+TEST(StereoTool, SwappedPairsAreWarnedOf)
+{
+  const TemporaryFolder folder;
+  copyStreet(folder.path("street"));
+  swapSides(folder.path("street"));
+  const std::string labels = " --labels " + folder.path("street/labels");
+  for (const std::string& command :
+       {"stereo " + folder.path("street/image_2 ") + folder.path("street/image_3 ") +
+            folder.path("street/calib.txt ") + folder.path("clouds"),
+        "map " + folder.path("street") + labels + " --output " + folder.path("map"),
+        "odometry " + folder.path("street ") + folder.path("poses.txt")}) {
+    const ToolResult result = runTool(command);
+    EXPECT_NE(result.text.find("left and right are swapped"), std::string::npos)
+        << result.text;
+    EXPECT_NE(result.text.find("warning: 3 pairs looked swapped"), std::string::npos)
+        << result.text;
+  }
+}
+
+TEST(StereoTool, BadPairs)
+{
+  const std::string folders = "stereo STREET/image_2 STREET/image_3 STREET/calib.txt ";
+  for (
+      const BadCase& bad : std::vector<BadCase>{
+          {"nothing", 2, "expected LEFT RIGHT CALIBRATION OUT", "stereo"},
+          {"kind of output", 2, "ends in .pcd", one_pair + "TEMP/out.ply"},
+          {"kind of picture", 2, "ends in .png",
+           one_pair + "TEMP/out.pcd --disparity TEMP/d.jpg"},
+          {"engine", 2, "expected sgm, elas or sgbm",
+           one_pair + "TEMP/out.pcd --engine orb"},
+          {"range", 2, "disparities is 100",
+           one_pair + "TEMP/out.pcd --disparities 100"},
+          {"depth", 2, "--max-depth", one_pair + "TEMP/out.pcd --max-depth -1"},
+          {"image and folder", 2, "two images, or two folders",
+           "stereo STREET/image_2 STREET/image_3/000000.png STREET/calib.txt OUT"},
+          {"a pattern", 3, "is not there",
+           "stereo 'STREET/image_2/*.png' 'STREET/image_3/*.png' STREET/calib.txt OUT"},
+          {"a folder that cannot be", 5, "cannot be made",
+           "stereo STREET/image_2 STREET/image_3 STREET/calib.txt "
+           "STREET/calib.txt/OUT"},
+          {"not a number", 2, "--max-depth is nan",
+           one_pair + "TEMP/out.pcd --max-depth nan"},
+          {"a map among the images", 2, "holds images of frames",
+           "map STREET --output STREET/image_2 --labels STREET/labels"},
+          {"poses over an image", 2, "is a name for an image",
+           "odometry STREET STREET/image_2/000001.png"},
+          {"a picture over the calibration", 2, "ends in .png",
+           "trajectory compare STREET/poses.txt STREET/poses.txt --lengths 1 --picture "
+           "STREET/calib.txt"},
+          {"times that stand still", 3, "times.txt line 2: is not later",
+           "odometry STREET TEMP/out.txt",
+           [](const std::string& street) {
+             std::ofstream(street + "/times.txt") << "0.5\n0.5\n0.6\n";
+           }},
+          {"no image", 3, "000009.png",
+           "stereo STREET/image_2/000009.png STREET/image_3/000000.png "
+           "STREET/calib.txt TEMP/out.pcd"},
+          {"one image twice", 3, "both the left and the right image",
+           "stereo STREET/image_2/000000.png STREET/image_2/000000.png "
+           "STREET/calib.txt TEMP/out.pcd"},
+          {"no calibration", 3, "none.txt",
+           "stereo STREET/image_2 STREET/image_3 STREET/none.txt OUT"},
+          {"swapped", 3, "left and right are swapped", folders + "OUT --strict",
+           swapSides},
+          {"swapped in a map", 3, "frame 0: left and right are swapped",
+           "--labels STREET/labels --strict", swapSides},
+          {"swapped for odometry", 3, "frame 0: left and right are swapped",
+           "odometry STREET TEMP/poses.txt --strict", swapSides},
+          {"blank", 3, "frame 1: ", "--labels STREET/labels --strict",
+           [](const std::string& street) {
+             writePng(street + "/image_3/000001.png",
+                      cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(3)));
+           }},
+          {"fewer right images", 3, "matches 3 files, but", folders + "OUT",
+           [](const std::string& street) {
+             std::filesystem::remove(street + "/image_3/000002.png");
+           }},
+          {"another size", 3, "has 100 x 64 pixels, expected 208 x 64", folders + "OUT",
+           [](const std::string& street) {
+             writePng(street + "/image_3/000000.png",
+                      cv::Mat(64, 100, CV_8UC3, cv::Scalar::all(90)));
+           }}})
+    expectFails(bad);
+}
+
+} // namespace pcl_semantic

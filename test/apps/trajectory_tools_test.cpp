@@ -1,0 +1,246 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/bad_case.h"
+#include "support/thrown_message.h"
+#include "support/tiny_street.h"
+
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+BadCase::Damage
+trajectory(const std::string& text)
+{
+  return [=](const std::string& street) { std::ofstream(street + "/a.txt") << text; };
+}
+
+} // namespace
+
+TEST(OdometryTool, WritesBothFormats)
+{
+  const TemporaryFolder folder;
+  const std::string kitti = folder.path("kitti.txt"), tum = folder.path("tum.txt");
+  const ToolResult one = runTool("odometry " + tinyStreet() + " " + kitti +
+                                 " --report " + folder.path("report.csv"));
+  ASSERT_EQ(one.code, 0) << one.text;
+  ASSERT_EQ(runTool("odometry " + tinyStreet() + " " + tum + " --format tum").code, 0);
+  const Trajectory rows = readKittiTrajectory(kitti);
+  const TimedTrajectory timed = readTumTrajectory(tum);
+  const Trajectory truth = readKittiTrajectory(tinyStreet() + "/poses.txt");
+  ASSERT_EQ(rows.size(), 3u);
+  ASSERT_EQ(timed.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_TRUE(rows[i].isApprox(timed[i].pose, 1e-9));
+    EXPECT_NEAR(timed[i].time, 0.1 * double(i), 1e-9);
+    EXPECT_LT((rows[i].translation() - truth[i].translation()).norm(), 0.1);
+  }
+  EXPECT_EQ(linesOf(folder.path("report.csv")).size(), 4u);
+}
+
+TEST(OdometryTool, SaysWhatWasLost)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street");
+  copyStreet(street);
+  for (const char* const side : {"/image_2/", "/image_3/"})
+    writePng(street + side + "000002.png",
+             cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(90)));
+  const ToolResult result =
+      runTool("odometry " + street + " " + folder.path("out.txt"));
+  EXPECT_EQ(result.code, 0);
+  EXPECT_NE(
+      result.text.find("warning: 1 of 3 frames could not be tracked, the first is 2"),
+      std::string::npos)
+      << result.text;
+  EXPECT_EQ(readKittiTrajectory(folder.path("out.txt")).size(), 3u);
+}
+
+TEST(OdometryTool, BlankImagesGiveNoTrajectory)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), output = folder.path("out.txt");
+  copyStreet(street);
+  blankImages(street);
+  const ToolResult result = runTool("odometry " + street + " " + output);
+  EXPECT_EQ(result.code, 3);
+  EXPECT_TRUE(holds(result.text, "warning: frame 0: both images are blank"));
+  EXPECT_TRUE(holds(result.text, street + ": no frame could be tracked\n"));
+  EXPECT_FALSE(fs::exists(output));
+}
+
+TEST(TrajectoryTool, ComparesRowsAndTimes)
+{
+  const TemporaryFolder folder;
+  const std::string poses = tinyStreet() + "/poses.txt", tum = folder.path("tum.txt");
+  const Trajectory truth = readKittiTrajectory(poses);
+  writeTumTrajectory(tum, {{0.1, truth[1]}, {0.2, truth[2]}}); // frame 0 is a gap
+  const ToolResult rows = runTool("trajectory compare " + poses + " " + poses +
+                                  " --lengths 0.5 --picture " + folder.path("p.png"));
+  EXPECT_EQ(rows.code, 0);
+  EXPECT_EQ(rows.text.rfind("3 poses, 1.7 m\n", 0), 0u) << rows.text;
+  EXPECT_NE(rows.text.find("0.0000          0.00000"), std::string::npos) << rows.text;
+  EXPECT_EQ(readPng(folder.path("p.png"), ImageKind::grey_or_colour).cols, 800);
+  const ToolResult times = runTool("trajectory compare " + poses + " " + tum +
+                                   " --times " + tinyStreet() + "/times.txt");
+  EXPECT_EQ(times.code, 0);
+  EXPECT_EQ(
+      times.text.rfind("pcl_semantic_trajectory: warning: 3 and 2 poses: the 2 of "
+                       "the same times are compared\n2 poses, 0.9 m\n",
+                       0),
+      0u)
+      << times.text;
+}
+
+TEST(MapTool, FindsItsPosesByOdometryWithoutPosesTxt)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), out = folder.path("out");
+  copyStreet(street);
+  const Trajectory truth = readKittiTrajectory(street + "/poses.txt");
+  fs::remove(street + "/poses.txt");
+  const ToolResult result = runTool("map " + street + " --labels " + street +
+                                    "/labels --crf none --output " + out);
+  ASSERT_EQ(result.code, 0) << result.text;
+  EXPECT_NE(bytesOf(out + "/summary.json").find("\"poses\": \"odometry\""),
+            std::string::npos);
+  const Trajectory driven = readKittiTrajectory(out + "/trajectory.txt");
+  ASSERT_EQ(driven.size(), 3u);
+  EXPECT_LT((driven[2].translation() - truth[2].translation()).norm(), 0.1);
+}
+
+TEST(MapTool, TakesTumTrajectories)
+{
+  const TemporaryFolder folder;
+  const Trajectory truth = readKittiTrajectory(tinyStreet() + "/poses.txt");
+  writeTumTrajectory(folder.path("tum.txt"), {{0.0, truth[0]}, {0.1, truth[1]}});
+  const std::string command = "map " + tinyStreet() + " --labels " + tinyStreet() +
+                              "/labels --crf none --poses " + folder.path("tum.txt") +
+                              " --output " + folder.path("out");
+  const ToolResult result = runTool(command + " --frames 0:2");
+  EXPECT_EQ(result.code, 0) << result.text;
+  const ToolResult gap = runTool(command);
+  EXPECT_EQ(gap.code, 3);
+  EXPECT_NE(gap.text.find("the time of frame 2"), std::string::npos) << gap.text;
+}
+
+// What is wrong with the poses is said before anything is made.
+TEST(BadInput, Trajectories)
+{
+  const std::string rest = "1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"", "a.txt: holds no pose"},
+      {"# only\n", "a.txt: holds no pose"},
+      {rest, "a.txt: has 2 poses, none for frame 2 (row = frame number); 1 of 3"},
+      {"1 0 0 0 0 1 0 0 0 0 1\n" + rest, "a.txt line 1: has 11 numbers, expected 12"},
+      {rest + "1 0 0 0 0 1 0 0 0 0 1\n", "a.txt line 3: has 11 numbers, expected 12"},
+      {rest + "\n" + rest, "a.txt line 3: holds no pose, but a later line does"},
+      {"1 0 0 0 0 1 0 0 0 0 1 inf\n" + rest, "a.txt line 1: 'inf'"},
+      {"1.1 0 0 0 0 1 0 0 0 0 1 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
+      {"-1 0 0 0 0 -1 0 0 0 0 -1 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
+      {"0 0 0 0 0 0 0 0 0 0 0 0\n" + rest, "a.txt line 1: the left 3 x 3 block"},
+      {"0 0 0 0 0 0 0 1\n0.2 0 0 0 0 0 0 1\n",
+       "a.txt: has no pose within 0.01 s of 0.1 s, the time of frame 1; its times are "
+       "from 0 to 0.2 s; 1 of 3 frames lack one"},
+      {"1403636579763555584 0 0 0 0 0 0 1\n",
+       "from 1403636579.76356 to 1403636579.76356 s; 3 of 3 frames lack one"},
+      {"0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: its time is not after"},
+      {"1 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "a.txt line 2: its time is not after"},
+      {"0 0 0 0 0 0 0 0\n", "a.txt line 1: the quaternion has length 0"},
+      {"0 0 0 0 0 0 0 1.1\n", "a.txt line 1: the quaternion has length 1.1"},
+      {"0 0 0 nan 0 0 0 1\n", "a.txt line 1: 'nan'"},
+  };
+  const TemporaryFolder folder;
+  const std::string out = folder.path("out"), archive = folder.path("a.db");
+  for (const auto& [text, says] : cases) {
+    SCOPED_TRACE(text);
+    const ToolResult result = runTool(
+        "map " + tinyStreet() + " --labels " + tinyStreet() + "/labels --poses " +
+        folder.write("a.txt", text) + " --output " + out + " --archive " + archive);
+    EXPECT_EQ(result.code, 3);
+    EXPECT_EQ(result.text.rfind("pcl_semantic_map: " + folder.path("a.txt"), 0), 0u);
+    EXPECT_TRUE(holds(result.text, says));
+    EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1);
+    EXPECT_FALSE(fs::exists(out));
+    EXPECT_FALSE(fs::exists(archive));
+  }
+}
+
+TEST(MapTool, MakesPosesRigidWithOneWarning)
+{
+  const TemporaryFolder folder;
+  std::string text = "# by hand\r\n";
+  for (const char* const z : {"0", "0.85", "1.7"})
+    text += std::string("0.998 0 0 0 0 1 0 0 0 0 1 ") + z + "\r\n";
+  const ToolResult result =
+      runTool("map " + tinyStreet() + " --labels " + tinyStreet() +
+              "/labels --crf none --poses " + folder.write("a.txt", text) +
+              " --output " + folder.path("out"));
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.text.rfind(folder.path("a.txt") +
+                                  ": warning: 3 of 3 poses were not quite rigid and "
+                                  "made so, the first in line 2\nmap: ",
+                              0),
+            0u)
+      << result.text;
+  for (const Eigen::Isometry3d& pose :
+       readKittiTrajectory(folder.path("out/trajectory.txt")))
+    EXPECT_TRUE(pose.linear().isIdentity(1e-12));
+}
+
+TEST(BadUsage, TrajectoryTools)
+{
+  const std::string poses = " STREET/poses.txt ";
+  const std::vector<BadCase> cases = {
+      {"no sequence", 2, "SEQUENCE is missing", "odometry"},
+      {"no output", 2, "OUT.txt is missing", "odometry STREET"},
+      {"format", 2, "--format is 'csv'", "odometry STREET OUT --format csv"},
+      {"features", 2, "features is 1", "odometry STREET OUT --features 1"},
+      {"window", 2, "window is 0", "odometry STREET OUT --window 0"},
+      {"threads", 2, "threads is -1", "odometry STREET OUT --threads -1"},
+      {"its own poses", 2, "poses.txt", "odometry STREET" + poses},
+      {"rows are frames", 2, "use --format tum", "odometry STREET OUT --frames 1:3"},
+      {"no frames", 3, "has no frame in 7:9", "odometry STREET OUT --frames 7:9"},
+      {"no folder", 3, "none: is no folder", "odometry STREET/none OUT"},
+      {"blank", 3, "frame 0: both images are blank", "odometry STREET OUT --strict",
+       blankImages},
+      {"below a file", 5, "calib.txt", "odometry STREET STREET/calib.txt/x"},
+      {"no command", 2, "the command is missing", "trajectory"},
+      {"another command", 2, "unknown command 'show'", "trajectory show"},
+      {"one file", 2, "two trajectories", "trajectory compare" + poses},
+      {"lengths", 2, "--lengths",
+       "trajectory compare" + poses + poses + "--lengths 1,x"},
+      {"length 0", 2, "--lengths",
+       "trajectory compare" + poses + poses + "--lengths 0"},
+      {"step", 2, "step", "trajectory compare" + poses + poses + "--step 0"},
+      {"no file", 3, "none.txt: cannot be read", "trajectory compare none.txt" + poses},
+      {"three numbers", 3, "a.txt line 1: has 3",
+       "trajectory compare STREET/a.txt" + poses, trajectory("1 2 3\n")},
+      {"NaN", 3, "a.txt line 2: 'nan'", "trajectory compare STREET/a.txt" + poses,
+       trajectory("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 nan 0 1 0 0 0 0 1 0\n")},
+      {"no times", 2, "--times", "trajectory compare STREET/a.txt" + poses,
+       trajectory("1 0 0 0 0 0 0 1\n")},
+      {"other times", 3, "has no pose at the times",
+       "trajectory compare" + poses + "STREET/a.txt --times STREET/times.txt",
+       trajectory("900 0 0 0 0 0 0 1\n")},
+      {"commas", 3, "a.txt line 1: '1,0,0", "trajectory compare STREET/a.txt" + poses,
+       trajectory("1,0,0,0,0,1,0,0,0,0,1,0\n")},
+      {"odometry and archive", 2, "--archive needs poses from a file",
+       "--labels STREET/labels --poses odometry --archive TEMP/a.db"},
+      {"no poses and archive", 2, "--archive needs poses from a file",
+       "--labels STREET/labels --archive TEMP/a.db",
+       [](const std::string& street) { fs::remove(street + "/poses.txt"); }},
+  };
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+} // namespace pcl_semantic

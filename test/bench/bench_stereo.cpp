@@ -1,0 +1,324 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// Disparities against lidar, on all frames of five KITTI sequences, two threads; every
+// engine against OpenCV's semi-global matching in three directions. Middlebury's cones
+// as a second opinion.
+//
+// The truth: returns projected into the left image, the nearest of a pixel, without
+// those that projectLidarTruth finds hidden from the camera.
+
+#include "bench/ratio.h"
+
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/evaluation/lidar_truth.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/stereo/elas.h>
+#include <pcl_semantic/stereo/semi_global_matcher.h>
+#include <pcl_semantic/stereo/sgbm.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+
+namespace {
+
+using namespace pcl_semantic;
+
+constexpr double max_depth = 200.0; // beyond what the scanner reaches [m]
+const char* const sequences[] = {"00", "03", "05", "07", "09"};
+
+struct Engine {
+  const char* name;
+  std::function<std::unique_ptr<DisparityEstimator>(int disparities)> make;
+};
+
+std::unique_ptr<DisparityEstimator>
+makeSgbm(Sgbm::Mode mode, int disparities)
+{
+  Sgbm::Parameters parameters;
+  parameters.mode = mode;
+  parameters.disparities = disparities;
+  return std::make_unique<Sgbm>(parameters);
+}
+
+std::unique_ptr<DisparityEstimator>
+makeElas(int disparities)
+{
+  Elas::Parameters parameters;
+  parameters.disparities = disparities;
+  return std::make_unique<Elas>(parameters);
+}
+
+std::unique_ptr<DisparityEstimator>
+makeSemiGlobal(int disparities)
+{
+  SemiGlobalMatcher::Parameters parameters;
+  parameters.disparities = disparities;
+  return std::make_unique<SemiGlobalMatcher>(parameters);
+}
+
+// The first is what the others are measured against.
+const Engine engines[] = {
+    {"sgbm_3way", [](int d) { return makeSgbm(Sgbm::Mode::three_way, d); }},
+    {"sgbm_5way", [](int d) { return makeSgbm(Sgbm::Mode::five_way, d); }},
+    {"elas", makeElas},
+    {"sgm", makeSemiGlobal},
+};
+
+/** \brief What an engine gave at the pixels of the truth. */
+struct Result {
+  std::vector<double> seconds;  ///< a frame
+  std::vector<float> disparity; ///< 0 = none
+  std::vector<float> deviation; ///< the engine's own opinion
+};
+
+struct Score {
+  double share = 0.0;  ///< of all pixels [%]
+  double median = 0.0; ///< error [px]
+  double wrong = 0.0;  ///< of the pixels counted [%]
+};
+
+struct Truth {
+  std::vector<float> disparity;
+  double wrong_above;       ///< an error of more than this is gross [px] ...
+  double wrong_above_share; ///< ... if it is more than this share of the disparity, too
+};
+
+double
+median(std::vector<double> values)
+{
+  if (values.empty())
+    return 0.0;
+  std::nth_element(values.begin(), values.begin() + long(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+template <typename Counted>
+Score
+scoreOf(const Truth& truth, const Result& result, Counted&& counted)
+{
+  std::vector<double> errors;
+  double wrong = 0.0;
+  for (std::size_t i = 0; i < truth.disparity.size(); ++i) {
+    if (!counted(i))
+      continue;
+    const double error = std::abs(double(result.disparity[i] - truth.disparity[i]));
+    errors.push_back(error);
+    wrong += error > truth.wrong_above &&
+             error > truth.wrong_above_share * double(truth.disparity[i]);
+  }
+  const double count = std::max(1.0, double(errors.size()));
+  return {100.0 * double(errors.size()) / double(truth.disparity.size()),
+          median(errors), 100.0 * wrong / count};
+}
+
+Score
+scoreOfValid(const Truth& truth, const Result& result)
+{
+  return scoreOf(truth, result, [&](std::size_t i) { return result.disparity[i] > 0; });
+}
+
+// Pixels without a disparity count as wrong.
+double
+wrongOfAll(const Truth& truth, const Result& result)
+{
+  const Score valid = scoreOfValid(truth, result);
+  return 100.0 - valid.share * (1.0 - valid.wrong / 100.0);
+}
+
+// Share of the right pixels whose error is within the deviation, 68 % if it is one.
+double
+withinDeviation(const Truth& truth, const Result& result)
+{
+  double right = 0.0, within = 0.0;
+  for (std::size_t i = 0; i < truth.disparity.size(); ++i) {
+    const double error = std::abs(double(result.disparity[i] - truth.disparity[i]));
+    if (result.disparity[i] <= 0 || error > truth.wrong_above)
+      continue;
+    ++right;
+    within += error <= double(result.deviation[i]);
+  }
+  return 100.0 * within / std::max(1.0, right);
+}
+
+cv::Mat1f
+lidarDisparities(const KittiSequence& sequence, int number)
+{
+  char name[16];
+  std::snprintf(name, sizeof name, "/%06d.bin", number);
+  const auto scan = readVelodyneScan(sequence.folder() + "/velodyne" + name);
+  const Eigen::Isometry3d T_camera_scanner =
+      sequence.T_camera0_camera().inverse() * sequence.T_camera0_velodyne();
+  const StereoCamera& camera = sequence.camera();
+  LidarTruthParameters parameters;
+  parameters.max_depth = max_depth;
+  const cv::Mat1b kept = projectLidarTruth(*scan, std::vector<Label>(scan->size(), 1),
+                                           camera, T_camera_scanner, parameters);
+  cv::Mat1f disparities(kept.size(), 0.0f);
+  for (const pcl::PointXYZI& point : *scan) {
+    const Eigen::Vector3d p = T_camera_scanner * point.getVector3fMap().cast<double>();
+    if (!(p.z() > 0.1))
+      continue;
+    const Eigen::Vector2d pixel = camera.project(p);
+    const int u = int(std::floor(pixel.x() + 0.5)),
+              v = int(std::floor(pixel.y() + 0.5));
+    if (u < 0 || v < 0 || u >= kept.cols || v >= kept.rows || kept(v, u) == 0)
+      continue;
+    const float disparity = float(camera.fx * camera.baseline / p.z());
+    disparities(v, u) = std::max(disparities(v, u), disparity);
+  }
+  return disparities;
+}
+
+void
+estimate(DisparityEstimator& engine, const StereoFrame& frame, const cv::Mat1f& truth,
+         Result& result)
+{
+  DisparityImage image;
+  result.seconds.push_back(
+      secondsOf([&] { image = engine.estimate(frame.left, frame.right); }));
+  for (int v = 0; v < truth.rows; ++v)
+    for (int u = 0; u < truth.cols; ++u)
+      if (truth(v, u) > 0.0f) {
+        result.disparity.push_back(image.disparity.at<float>(v, u));
+        result.deviation.push_back(image.deviation.at<float>(v, u));
+      }
+}
+
+void
+append(const cv::Mat1f& disparities, Truth& truth)
+{
+  std::copy_if(disparities.begin(), disparities.end(),
+               std::back_inserter(truth.disparity), [](float d) { return d > 0.0f; });
+}
+
+void
+printTable(const Truth& truth, const std::vector<Result>& results)
+{
+  std::printf("%zu pixels with truth; wrong: more than %g px and %g %% off\n",
+              truth.disparity.size(), truth.wrong_above,
+              100.0 * truth.wrong_above_share);
+  std::printf(
+      "  %-12s %8s %8s %11s %8s %8s %8s | valid in both: median, its; D1, its\n",
+      "engine", "time", "valid", "median", "D1", "D1 all", "in sigma");
+  for (std::size_t e = 0; e < results.size(); ++e) {
+    const Score score = scoreOfValid(truth, results[e]);
+    const auto in_both = [&](std::size_t i) {
+      return results[0].disparity[i] > 0 && results[e].disparity[i] > 0;
+    };
+    const Score ours = scoreOf(truth, results[e], in_both);
+    const Score its = scoreOf(truth, results[0], in_both);
+    std::printf("  %-12s %6.1f ms %6.2f %% %8.4f px %6.2f %% %6.2f %% %6.1f %% | %.4f "
+                "px, %.4f px; %.2f %%, %.2f %%\n",
+                engines[e].name, 1e3 * median(results[e].seconds), score.share,
+                score.median, score.wrong, wrongOfAll(truth, results[e]),
+                withinDeviation(truth, results[e]), ours.median, its.median, ours.wrong,
+                its.wrong);
+  }
+}
+
+void
+printRatios(const Truth& truth, const std::vector<Result>& results)
+{
+  for (std::size_t e = 1; e < results.size(); ++e) {
+    const std::string name = std::string("stereo_") + engines[e].name + "_";
+    const auto in_both = [&](std::size_t i) {
+      return results[0].disparity[i] > 0 && results[e].disparity[i] > 0;
+    };
+    const Score ours = scoreOf(truth, results[e], in_both);
+    const Score its = scoreOf(truth, results[0], in_both);
+    printRatio(name + "valid_percent", scoreOfValid(truth, results[e]).share, 90);
+    printRatio(name + "d1_in_both_vs_sgbm_3way", its.wrong / ours.wrong, 1);
+    printRatio(name + "median_in_both_vs_sgbm_3way", its.median / ours.median, 1);
+    printRatio(name + "d1_all_points_below_sgbm_3way",
+               wrongOfAll(truth, results[0]) - wrongOfAll(truth, results[e]), 10);
+    printRatio(name + "time_vs_sgbm_3way",
+               median(results[0].seconds) / median(results[e].seconds), 2);
+  }
+}
+
+void
+benchKitti(const std::string& data)
+{
+  Truth truth{{}, 3.0, 0.05};
+  std::vector<Result> results(std::size(engines));
+  std::vector<std::unique_ptr<DisparityEstimator>> estimators;
+  for (const Engine& engine : engines)
+    estimators.push_back(engine.make(128));
+  for (const char* const name : sequences) {
+    const KittiSequence sequence(data + "/kitti/" + name);
+    Truth part{{}, truth.wrong_above, truth.wrong_above_share};
+    std::vector<Result> part_results(std::size(engines));
+    for (std::size_t i = 0; i < sequence.size(); ++i) {
+      const StereoFrame frame = sequence.frame(i);
+      const cv::Mat1f disparities = lidarDisparities(sequence, frame.number);
+      append(disparities, truth);
+      append(disparities, part);
+      for (std::size_t e = 0; e < estimators.size(); ++e) {
+        if (i == 0) // not counted: memory, and the images, are touched first
+          estimators[e]->estimate(frame.left, frame.right);
+        estimate(*estimators[e], frame, disparities, part_results[e]);
+      }
+    }
+    std::printf("KITTI %s, %zu frames: ", name, sequence.size());
+    printTable(part, part_results);
+    for (std::size_t e = 0; e < results.size(); ++e) {
+      const auto add = [](auto& all, const auto& some) {
+        all.insert(all.end(), some.begin(), some.end());
+      };
+      add(results[e].seconds, part_results[e].seconds);
+      add(results[e].disparity, part_results[e].disparity);
+      add(results[e].deviation, part_results[e].deviation);
+    }
+  }
+  std::printf("KITTI, all: ");
+  printTable(truth, results);
+  printRatios(truth, results);
+}
+
+void
+benchCones(const std::string& data)
+{
+  const std::string folder = data + "/middlebury_cones/";
+  StereoFrame frame;
+  frame.left = readPng(folder + "im2.png", ImageKind::grey_or_colour);
+  frame.right = readPng(folder + "im6.png", ImageKind::grey_or_colour);
+  const cv::Mat stored = readPng(folder + "disp2.png", ImageKind::labels);
+  cv::Mat1f disparities;
+  stored.convertTo(disparities, CV_32F, 0.25);
+  Truth truth{{}, 1.0, 0.0};
+  append(disparities, truth);
+  std::vector<Result> results;
+  for (const Engine& engine : engines) {
+    const auto estimator = engine.make(64);
+    estimator->estimate(frame.left, frame.right);
+    estimate(*estimator, frame, disparities, results.emplace_back());
+  }
+  std::printf("Middlebury cones, hidden pixels included: ");
+  printTable(truth, results);
+}
+
+} // namespace
+
+int
+main()
+{
+  const char* const data = std::getenv("PCL_SEMANTIC_DATA");
+  if (!data) {
+    std::printf("PCL_SEMANTIC_DATA is not set: nothing to compare\n");
+    return 0;
+  }
+  setNumberOfThreads(2);
+  benchKitti(data);
+  benchCones(data);
+  return 0;
+}

@@ -1,0 +1,174 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/stereo_rigs.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/image_pair_sequence.h>
+#include <pcl_semantic/files/image_file.h>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Images of one grey value each, and exampleRig() as their calibration.
+struct Pairs {
+  TemporaryFolder folder;
+  ImagePairFiles files;
+
+  Pairs()
+  {
+    fs::create_directories(folder.path("left"));
+    fs::create_directories(folder.path("right"));
+    files.left = folder.path("left") + "/*.png";
+    files.right = folder.path("right") + "/*.png";
+    files.calibration = folder.path("stereo.yaml");
+    writeRig(files.calibration, exampleRig());
+  }
+
+  void
+  add(const std::string& name, int grey, cv::Size size = {640, 480},
+      int type = CV_8UC3) const
+  {
+    writePng(folder.path(name), cv::Mat(size, type, cv::Scalar::all(grey)));
+  }
+
+  std::string
+  complaint() const
+  {
+    return thrownMessage<BadInputException>([&] { ImagePairSequence{files}; });
+  }
+};
+
+} // namespace
+
+TEST(ImagePairSequence, PairsInNaturalOrder)
+{
+  Pairs pairs;
+  for (const int n : {2, 10, 1}) {
+    pairs.add("left/img" + std::to_string(n) + "_cam0.png", n);
+    pairs.add("right/img" + std::to_string(n) + "_cam1.png", 100 + n);
+  }
+  const ImagePairSequence sequence(pairs.files);
+  ASSERT_EQ(sequence.size(), 3u);
+  const int order[] = {1, 2, 10};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(sequence.frameNumber(i), int(i));
+    const StereoFrame frame = sequence.frame(i);
+    EXPECT_EQ(frame.number, int(i));
+    EXPECT_DOUBLE_EQ(frame.timestamp, 0.1 * double(i));
+    EXPECT_EQ(frame.left.at<cv::Vec3b>(240, 320),
+              cv::Vec3b::all(std::uint8_t(order[i])));
+    EXPECT_EQ(frame.right.at<cv::Vec3b>(240, 320),
+              cv::Vec3b::all(std::uint8_t(100 + order[i])));
+  }
+  EXPECT_EQ(sequence.posesPath(), "");
+}
+
+TEST(ImagePairSequence, RectifiesAndKnowsHowTheCameraWasTurned)
+{
+  Pairs pairs;
+  cv::Mat1b left(480, 640), right(480, 640);
+  cv::randu(left, 0, 256);
+  cv::randu(right, 0, 256);
+  writePng(pairs.folder.path("left/0.png"), left);
+  writePng(pairs.folder.path("right/0.png"), right);
+  const ImagePairSequence sequence(pairs.files);
+  const Rectifier rectifier(exampleRig());
+  EXPECT_DOUBLE_EQ(sequence.camera().fx, rectifier.camera().fx);
+  EXPECT_DOUBLE_EQ(sequence.camera().baseline, rectifier.camera().baseline);
+  EXPECT_TRUE(
+      sequence.T_camera0_camera().isApprox(rectifier.T_left_rectified(), 1e-12));
+  EXPECT_FALSE(sequence.T_camera0_camera().matrix().isIdentity(1e-3));
+  const StereoFrame frame = sequence.frame(0);
+  EXPECT_EQ(
+      cv::norm(frame.left, rectifier.rectify(left, StereoSide::left), cv::NORM_L1),
+      0.0);
+  EXPECT_EQ(
+      cv::norm(frame.right, rectifier.rectify(right, StereoSide::right), cv::NORM_L1),
+      0.0);
+  EXPECT_GT(cv::norm(frame.left, left, cv::NORM_L1), 1e5);
+}
+
+TEST(ImagePairSequence, TimesByRow)
+{
+  Pairs pairs;
+  for (const char* const name :
+       {"left/a.png", "left/b.png", "right/a.png", "right/b.png"})
+    pairs.add(name, 1);
+  pairs.files.times = pairs.folder.write("times.txt", "7.5\n7.75\n8\n");
+  const ImagePairSequence sequence(pairs.files);
+  EXPECT_EQ(sequence.frame(0).timestamp, 7.5);
+  EXPECT_EQ(sequence.frame(1).timestamp, 7.75);
+  pairs.folder.write("times.txt", "7.5\n");
+  EXPECT_TRUE(holds(pairs.complaint(), "times.txt: has 1 times for 2 pairs"));
+}
+
+TEST(ImagePairSequence, RefusesWhatAreNoPairs)
+{
+  Pairs pairs;
+  EXPECT_TRUE(holds(pairs.complaint(), "left/*.png: no file matches"));
+  for (const char* const name : {"left/l1.png", "left/l2.png", "left/l3.png"})
+    pairs.add(name, 1);
+  EXPECT_TRUE(holds(pairs.complaint(), "right/*.png: no file matches"));
+  pairs.add("right/r1.png", 1);
+  pairs.add("right/r2.png", 1);
+  EXPECT_TRUE(holds(pairs.complaint(), "left/*.png: matches 3 files, but "));
+  EXPECT_TRUE(holds(pairs.complaint(), "right/*.png matches 2"));
+  fs::remove(pairs.folder.path("right/r2.png"));
+  pairs.add("right/r3.png", 1);
+  pairs.add("right/r4.png", 1);
+  EXPECT_TRUE(holds(pairs.complaint(), "left/l2.png and "));
+  EXPECT_TRUE(holds(pairs.complaint(), "right/r3.png: have different numbers"));
+  pairs.files.right = pairs.files.left;
+  EXPECT_TRUE(holds(pairs.complaint(), "l1.png: is both the left and the right image"));
+}
+
+TEST(ImagePairSequence, RefusesImagesOfAnotherSize)
+{
+  Pairs pairs;
+  pairs.add("left/1.png", 1, {320, 240});
+  pairs.add("right/1.png", 1, {320, 240});
+  EXPECT_TRUE(holds(pairs.complaint(), "left/1.png: has 320 x 240 pixels, but "));
+  EXPECT_TRUE(holds(pairs.complaint(), "stereo.yaml is the calibration of 640 x 480"));
+  // Without a size in the file the principal point tells.
+  StereoRig rig = exampleRig();
+  rig.width = rig.height = 0;
+  std::string text = bytesOf(pairs.files.calibration);
+  text = text.substr(text.find("K1:"));
+  pairs.folder.write("stereo.yaml", text);
+  EXPECT_TRUE(holds(pairs.complaint(), "stereo.yaml: K1: the principal point"));
+
+  pairs.add("left/1.png", 1);
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(
+                        [&] { ImagePairSequence(pairs.files).frame(0); }),
+                    "right/1.png: has 320 x 240 pixels, expected 640 x 480"));
+  pairs.add("right/1.png", 1, {640, 480}, CV_8UC1);
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(
+                        [&] { ImagePairSequence(pairs.files).frame(0); }),
+                    "right/1.png: has 1 channel(s), the left image has 3"));
+}
+
+TEST(ImagePairSequence, RefusesACalibrationOfNothing)
+{
+  Pairs pairs;
+  pairs.add("left/1.png", 1);
+  pairs.add("right/1.png", 1);
+  StereoRig rig = exampleRig();
+  rig.D2[0] = -40.0;
+  writeRig(pairs.files.calibration, rig);
+  EXPECT_TRUE(holds(pairs.complaint(), "right image can be rectified: K, D"));
+}
+
+} // namespace pcl_semantic

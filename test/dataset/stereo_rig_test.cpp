@@ -1,0 +1,210 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/stereo_rigs.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/stereo_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// What the reader says of a rig that was changed before it was written.
+std::string
+complaint(const std::function<void(StereoRig&)>& change)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("rig.yaml");
+  StereoRig rig = exampleRig();
+  change(rig);
+  writeRig(path, rig);
+  const std::string message =
+      thrownMessage<BadInputException>([&] { readStereoRig(path); });
+  EXPECT_TRUE(holds(message, "rig.yaml"));
+  return message;
+}
+
+// The same of a text.
+std::string
+complaintAbout(const std::string& text)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write("rig.yaml", text);
+  return thrownMessage<BadInputException>([&] { readStereoRig(path); });
+}
+
+const std::string intrinsics = "K1: [500, 0, 320, 0, 501, 240, 0, 0, 1]\n"
+                               "D1: [-0.1, 0.01, 0, 0]\n"
+                               "K2: [502, 0, 321, 0, 503, 241, 0, 0, 1]\n"
+                               "D2: [-0.2, 0.02, 0, 0, 0.001]\n";
+const std::string extrinsics = "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-0.1, 0, 0]\n";
+
+} // namespace
+
+TEST(StereoRig, ReadsWhatOpenCvWrites)
+{
+  const TemporaryFolder folder;
+  const StereoRig rig = exampleRig();
+  for (const char* const name : {"rig.yaml", "rig.yml"}) {
+    writeRig(folder.path(name), rig);
+    const StereoRig read = readStereoRig(folder.path(name));
+    EXPECT_EQ(read.width, 640);
+    EXPECT_EQ(read.height, 480);
+    EXPECT_TRUE(read.K1.isApprox(rig.K1, 1e-14));
+    EXPECT_TRUE(read.K2.isApprox(rig.K2, 1e-14));
+    EXPECT_EQ(read.D1, rig.D1);
+    EXPECT_EQ(read.D2, rig.D2);
+    EXPECT_TRUE(read.R.isApprox(rig.R, 1e-14));
+    EXPECT_TRUE(read.T.isApprox(rig.T, 1e-14));
+  }
+}
+
+TEST(StereoRig, ReadsTheTwoFilesOfOpenCvsSample)
+{
+  const TemporaryFolder folder;
+  const StereoRig rig = exampleRig();
+  cv::Mat K1, K2, R, T;
+  cv::eigen2cv(rig.K1, K1);
+  cv::eigen2cv(rig.K2, K2);
+  cv::eigen2cv(rig.R, R);
+  cv::eigen2cv(rig.T, T);
+  {
+    cv::FileStorage first(folder.path("intrinsics.yml"), cv::FileStorage::WRITE);
+    first << "M1" << K1 << "D1" << cv::Mat(rig.D1).t() << "M2" << K2 << "D2"
+          << cv::Mat(rig.D2).t();
+    cv::FileStorage second(folder.path("extrinsics.yml"), cv::FileStorage::WRITE);
+    second << "R" << R << "T" << T << "R1" << R << "P1" << K1 << "Q" << K2;
+  }
+  const StereoRig read =
+      readStereoRig(folder.path("intrinsics.yml"), folder.path("extrinsics.yml"));
+  EXPECT_EQ(read.width, 0);
+  EXPECT_EQ(read.height, 0);
+  EXPECT_TRUE(read.K2.isApprox(rig.K2, 1e-14));
+  EXPECT_EQ(read.D1, rig.D1);
+  EXPECT_TRUE(read.T.isApprox(rig.T, 1e-14));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(
+                        [&] { readStereoRig(folder.path("intrinsics.yml")); }),
+                    "intrinsics.yml: key 'R' is missing"));
+}
+
+TEST(StereoRig, OtherSpellings)
+{
+  const TemporaryFolder folder;
+  const StereoRig read = readStereoRig(folder.write(
+      "rig.yaml", "cameraMatrix1: [500, 0, 320, 0, 501, 240, 0, 0, 1]\ndist_coeffs_1: "
+                  "[0, 0, 0, 0]\n"
+                  "camera_matrix_2: [500, 0, 320, 0, 501, 240, 0, 0, 1]\n"
+                  "distCoeffs2: !!opencv-matrix\n  rows: 1\n  cols: 4\n  dt: f\n"
+                  "  data: [ 1.e-01, -2., 0., .5 ]\n"
+                  "imageSize: [ 640, 480 ]\nrms: 0.21\n" +
+                      extrinsics));
+  EXPECT_EQ(read.width, 640);
+  EXPECT_EQ(read.height, 480);
+  EXPECT_EQ(read.D2, (std::vector<double>{0.1, -2.0, 0.0, 0.5}));
+  EXPECT_EQ(read.K1(1, 1), 501.0);
+}
+
+TEST(StereoRig, ReadsTheExampleOfTheDocument)
+{
+  const std::string text = bytesOf(PCL_SEMANTIC_SOURCE_DIR "/doc/stereo.md");
+  const std::string begin = "```yaml\n";
+  const std::size_t at = text.find(begin) + begin.size();
+  const TemporaryFolder folder;
+  const StereoRig read = readStereoRig(
+      folder.write("stereo.yaml", text.substr(at, text.find("```", at) - at)));
+  EXPECT_EQ(read.width, 1280);
+  EXPECT_EQ(read.height, 720);
+  EXPECT_NEAR(read.T.norm(), 0.12, 1e-3);
+}
+
+TEST(StereoRig, RefusesValuesThatCannotBe)
+{
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.K1(0, 0) = 0.0; }),
+                    "K1: focal lengths are 0 and 522 px"));
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.K2(0, 1) = 3.0; }),
+                    "K2: is no camera matrix"));
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.K2(2, 2) = 2.0; }),
+                    "K2: is no camera matrix"));
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.K2(1, 2) = nan; }),
+                    "K2: '.Nan' is not a number"));
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.K1(0, 2) = 640.0; }),
+                    "K1: the principal point (640, 237.3) is outside the images"));
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.D1.resize(3); }),
+                    "D1: has 3 numbers, expected 4, 5, 8, 12 or 14"));
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.D2[1] = -1.0 / 0.0; }),
+                    "D2: '-.Inf' is not a number"));
+  EXPECT_TRUE(
+      holds(complaint([](StereoRig& rig) { rig.R *= 1.1; }), "R: is no rotation"));
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.R *= -1.0; }),
+                    "R: is no rotation (determinant -1"));
+  EXPECT_TRUE(holds(complaint([](StereoRig& rig) { rig.R(1, 1) = nan; }),
+                    "R: '.Nan' is not a number"));
+}
+
+TEST(StereoRig, RefusesCamerasThatAreNotSideBySide)
+{
+  const auto moved = [](double x, double y, double z) {
+    return complaint([=](StereoRig& rig) { rig.T << x, y, z; });
+  };
+  EXPECT_TRUE(holds(moved(0, 0, 0), "T: is (0, 0, 0): the baseline is 0 m"));
+  EXPECT_TRUE(holds(moved(nan, 0, 0), "T: '.Nan' is not a number"));
+  EXPECT_TRUE(
+      holds(moved(0.12, 0, 0), "the right camera is on the left, expected T.x"));
+  EXPECT_TRUE(holds(moved(-0.01, 0.1, 0), "one camera is above the other"));
+  EXPECT_TRUE(holds(moved(-0.01, 0, 0.1), "one camera is ahead of the other"));
+  EXPECT_TRUE(holds(moved(-120, 0, 0), "if these are millimetres, expected metres"));
+}
+
+TEST(StereoRig, MakesARotationOfOneWithFewDigits)
+{
+  const TemporaryFolder folder;
+  StereoRig rig = exampleRig();
+  const Eigen::Matrix3d exact = rig.R;
+  rig.R = (1000.0 * rig.R).array().round() / 1000.0;
+  ASSERT_GT((rig.R * rig.R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-4);
+  writeRig(folder.path("rig.yaml"), rig);
+  const StereoRig read = readStereoRig(folder.path("rig.yaml"));
+  EXPECT_NO_THROW(read.validate());
+  EXPECT_THROW(rig.validate(), InvalidParameterException);
+  EXPECT_TRUE(read.R.isApprox(exact, 1e-3));
+}
+
+TEST(StereoRig, RefusesFilesThatHoldNone)
+{
+  EXPECT_NO_THROW(complaintAbout("") + complaintAbout("- 1\n"));
+  EXPECT_TRUE(holds(complaintAbout("<?xml version=\"1.0\"?>\n"), "rig.yaml: is XML"));
+  EXPECT_TRUE(holds(complaintAbout(extrinsics), "'K1' or 'M1' or"));
+  EXPECT_TRUE(holds(complaintAbout(intrinsics + "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"),
+                    "key 'T' is missing"));
+  EXPECT_TRUE(holds(complaintAbout(intrinsics + extrinsics + "M2: [1]\n"),
+                    "rig.yaml line 7: 'M2' is 'K2' once more"));
+  EXPECT_TRUE(holds(complaintAbout(intrinsics + "R: [1, 0, 0]\nT: [-0.1, 0, 0]\n"),
+                    "rig.yaml line 5: R: has 3 numbers, expected 9"));
+  EXPECT_TRUE(holds(complaintAbout(intrinsics + "T: [-0.1, 0, 0]\nR: one\n"),
+                    "rig.yaml line 6: the value of 'R'"));
+  EXPECT_TRUE(
+      holds(complaintAbout(intrinsics + "R: !!opencv-matrix\n  rows: 3\n  cols: 3\n"
+                                        "  dt: d\n  data: [1, 0]\nT: [-0.1, 0, 0]\n"),
+            "rig.yaml line 5: R: has 2 numbers, expected 3 x 3"));
+  EXPECT_TRUE(holds(complaintAbout(intrinsics + extrinsics + "image_width: 640\n"),
+                    "expected both 'image_width' and 'image_height'"));
+  EXPECT_TRUE(holds(complaintAbout(intrinsics + extrinsics + "image_size: [640]\n"),
+                    "image_size: has 1 numbers"));
+  EXPECT_TRUE(holds(complaintAbout(intrinsics + extrinsics + "image_size: [-4, 480]\n"),
+                    "the image size is -4 x 480"));
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,79 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+#include "support/unprivileged.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/file_pattern.h>
+
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+
+namespace pcl_semantic {
+
+TEST(FilePattern, FindsFilesInNaturalOrder)
+{
+  const TemporaryFolder folder;
+  for (const char* const name : {"a10.png", "a2.png", "a1.png", "b3.png", "a3.jpg"})
+    folder.write(name, "");
+  const auto names = [&](const std::string& pattern) {
+    std::vector<std::string> files = findFiles(folder.path(pattern));
+    for (std::string& file : files)
+      file = file.substr(folder.path().size() + 1);
+    return files;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names("*.png"), (Names{"a1.png", "a2.png", "a10.png", "b3.png"}));
+  EXPECT_EQ(names("a?.png"), (Names{"a1.png", "a2.png"}));
+  EXPECT_EQ(names("[ab][23].*"), (Names{"a2.png", "a3.jpg", "b3.png"}));
+  EXPECT_EQ(names("b3.png"), Names{"b3.png"});
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { names("*.bmp"); }),
+                    "*.bmp: no file matches"));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { names("none/*.png"); }),
+                    "none/*.png: no file matches"));
+}
+
+TEST(FilePattern, AFolderThatCannotBeReadIsSaid)
+{
+  const TemporaryFolder folder; // of its owner alone
+  const std::string pattern = folder.path("*.png");
+  const Unprivileged user;
+  if (!user.isEffective() ||
+      ::faccessat(AT_FDCWD, folder.path().c_str(), R_OK, AT_EACCESS) == 0)
+    GTEST_SKIP() << "skipped: this user reads everything";
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { findFiles(pattern); }),
+                    "*.png: a folder cannot be read"));
+}
+
+TEST(FilePattern, NaturalOrderIsAnOrder)
+{
+  const std::vector<std::string> sorted = {
+      "",    "01", "1",     "2",    "010",   "10",  "99999999999999999999",
+      "a",   "a1", "a1b02", "a1b2", "a1b10", "a02", "a2b",
+      "a10", "b",  "ba"};
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    EXPECT_FALSE(naturalLess(sorted[i], sorted[i]));
+    for (std::size_t j = i + 1; j < sorted.size(); ++j) {
+      const std::string &a = sorted[i], &b = sorted[j];
+      EXPECT_TRUE(naturalLess(a, b)) << a << " " << b;
+      EXPECT_FALSE(naturalLess(b, a)) << a << " " << b;
+    }
+  }
+}
+
+TEST(FilePattern, NumbersInAName)
+{
+  using Numbers = std::vector<std::string>;
+  EXPECT_EQ(numbersIn("left/cam0_00120.png"), (Numbers{"0", "120"}));
+  EXPECT_EQ(numbersIn("000"), Numbers{"0"});
+  EXPECT_EQ(numbersIn("1403636579763555584.png"), Numbers{"1403636579763555584"});
+  EXPECT_EQ(numbersIn("a.png"), Numbers{});
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,254 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/synthetic_renderer.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/stereo/pair_check.h>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include <cstdlib>
+
+namespace pcl_semantic {
+
+void
+PrintTo(PairFault fault, std::ostream* stream)
+{
+  const char* const names[] = {"none", "blank", "identical", "swapped", "unrelated"};
+  *stream << names[int(fault)];
+}
+
+namespace {
+
+struct Pair {
+  cv::Mat left, right;
+};
+
+Pair
+street(std::uint32_t seed, int frame, int width = 620, int height = 188)
+{
+  const SyntheticView view =
+      SyntheticRenderer(SyntheticScene(seed), width, height).render(frame);
+  return {view.left, view.right};
+}
+
+cv::Mat
+noise(int width, int height, double mean, double deviation, int seed = 1)
+{
+  cv::Mat image(height, width, CV_8UC1);
+  cv::RNG(std::uint64_t(seed)).fill(image, cv::RNG::NORMAL, mean, deviation);
+  return image;
+}
+
+// Columns d to d + 620 of a texture: the left image sees what the right one sees, d
+// further to the right.
+Pair
+shifted(const cv::Mat& texture, int d)
+{
+  return {texture.colRange(200 - d, 820 - d).clone(),
+          texture.colRange(200, 820).clone()};
+}
+
+cv::Mat
+mirrored(const cv::Mat& image)
+{
+  cv::Mat result;
+  cv::flip(image, result, 1);
+  return result;
+}
+
+cv::Mat
+periodic(int period_u, int period_v, double deviation)
+{
+  cv::Mat image = noise(1020, 188, 128.0, deviation);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      const bool is_light =
+          (u % period_u < period_u / 2) != (v % period_v < period_v / 2);
+      std::uint8_t& pixel = image.at<std::uint8_t>(v, u);
+      pixel = cv::saturate_cast<std::uint8_t>(pixel + (is_light ? 60 : -60));
+    }
+  return image;
+}
+
+} // namespace
+
+TEST(PairCheck, TellsSwappedStreetsFromGoodOnes)
+{
+  for (const std::uint32_t seed : {1u, 2u, 3u})
+    for (const int frame : {0, 39}) {
+      const Pair pair = street(seed, frame, 208, 64);
+      EXPECT_EQ(checkPair(pair.left, pair.right), PairFault::none);
+      EXPECT_EQ(checkPair(pair.right, pair.left), PairFault::swapped);
+      EXPECT_EQ(checkPair(mirrored(pair.left), mirrored(pair.right)),
+                PairFault::swapped);
+    }
+}
+
+TEST(PairCheck, DoesNotDependOnSizeColourOrBrightness)
+{
+  for (const auto& [width, height] : {std::pair(620, 188), {320, 100}, {208, 64}}) {
+    Pair pair = street(5, 3, width, height);
+    cv::cvtColor(pair.left, pair.left, cv::COLOR_BGR2GRAY);
+    cv::cvtColor(pair.right, pair.right, cv::COLOR_BGR2GRAY);
+    pair.left = 0.5 * pair.left + 30;
+    pair.right = 0.5 * pair.right + 70;
+    EXPECT_EQ(checkPair(pair.left, pair.right), PairFault::none) << width;
+    EXPECT_EQ(checkPair(pair.right, pair.left), PairFault::swapped) << width;
+  }
+}
+
+TEST(PairCheck, CountsMatchesOnTheirSide)
+{
+  const cv::Mat texture = noise(1020, 188, 128.0, 50.0);
+  for (const int d : {2, 10, 77}) {
+    const PairEvidence good =
+        gatherPairEvidence(shifted(texture, d).left, shifted(texture, d).right);
+    EXPECT_EQ(good.textured, 200);
+    EXPECT_EQ(good.forward, 200);
+    EXPECT_EQ(good.backward, 0);
+    const PairEvidence bad =
+        gatherPairEvidence(shifted(texture, -d).left, shifted(texture, -d).right);
+    EXPECT_EQ(bad.forward, 0);
+    EXPECT_EQ(bad.backward, 200);
+  }
+}
+
+TEST(PairCheck, FarPointsAreNoEvidence)
+{
+  const cv::Mat texture = noise(1020, 188, 128.0, 50.0);
+  for (const int d : {-1, 1})
+    EXPECT_EQ(checkPair(shifted(texture, d).left, shifted(texture, d).right),
+              PairFault::none);
+}
+
+TEST(PairCheck, RepeatedTextureIsNoEvidence)
+{
+  for (const int period : {6, 12, 20, 40})
+    for (const int period_v : {10, 1000})
+      for (const double deviation : {0.0, 2.0, 6.0})
+        for (const int d : {3, period - 1, period / 2 + 1, 33}) {
+          // Each camera has its own noise.
+          Pair pair = shifted(periodic(period, period_v, 0.0), d);
+          pair.left += noise(620, 188, 10.0, deviation, 2);
+          pair.right += noise(620, 188, 10.0, deviation, 3);
+          for (const PairFault fault :
+               {checkPair(pair.left, pair.right), checkPair(pair.right, pair.left)})
+            EXPECT_TRUE(fault == PairFault::none ||
+                        (fault == PairFault::identical && d % period == 0))
+                << period << " " << period_v << " " << deviation << " " << d << " "
+                << testing::PrintToString(fault);
+        }
+}
+
+TEST(PairCheck, NamesTheBlankSide)
+{
+  const Pair pair = street(1, 0, 208, 64);
+  const auto grey = [](const cv::Mat& image) {
+    cv::Mat result;
+    cv::cvtColor(image, result, cv::COLOR_BGR2GRAY);
+    return result;
+  };
+  for (const double mean : {0.0, 5.0, 128.0, 255.0}) {
+    const cv::Mat covered = noise(208, 64, mean, 6.0);
+    const PairEvidence left = gatherPairEvidence(covered, grey(pair.right));
+    EXPECT_EQ(left.fault(), PairFault::blank);
+    EXPECT_TRUE(holds(left.reason(), "the left image is blank"));
+    const PairEvidence right = gatherPairEvidence(grey(pair.left), covered);
+    EXPECT_EQ(right.fault(), PairFault::blank);
+    EXPECT_TRUE(holds(right.reason(), "the right image is blank"));
+    const PairEvidence both = gatherPairEvidence(covered, noise(208, 64, mean, 6.0, 2));
+    EXPECT_EQ(both.fault(), PairFault::blank);
+    EXPECT_TRUE(holds(both.reason(), "both images are blank"));
+  }
+}
+
+TEST(PairCheck, FindsOneImageGivenTwiceAndPairsThatDoNotBelongTogether)
+{
+  const Pair pair = street(1, 0), other = street(2, 20);
+  EXPECT_EQ(checkPair(pair.left, pair.left.clone()), PairFault::identical);
+  EXPECT_EQ(checkPair(pair.left, other.right), PairFault::unrelated);
+  EXPECT_EQ(checkPair(pair.left, mirrored(pair.right)), PairFault::unrelated);
+  EXPECT_EQ(checkPair(pair.left.rowRange(20, 188), pair.right.rowRange(0, 168)),
+            PairFault::unrelated);
+  EXPECT_EQ(checkPair(pair.left.rowRange(1, 188), pair.right.rowRange(0, 187)),
+            PairFault::none); // badly rectified, but a pair
+}
+
+TEST(PairCheck, GathersWhatSinglePairsDoNotTell)
+{
+  // A wall with a little texture.
+  const cv::Mat texture = noise(1020, 188, 128.0, 50.0);
+  cv::Mat wall(188, 1020, CV_8UC1, cv::Scalar(90));
+  wall.colRange(0, 500).setTo(110);
+  const cv::Rect spot(440, 0, 60, 60);
+  texture(spot).copyTo(wall(spot));
+  const Pair pair = shifted(wall, 10);
+  const PairEvidence evidence = gatherPairEvidence(pair.right, pair.left);
+  ASSERT_GT(evidence.backward, 0);
+  ASSERT_EQ(evidence.fault(), PairFault::none);
+  PairCheck swapped, good;
+  EXPECT_EQ(swapped.add(pair.right, pair.left), PairFault::none);
+  EXPECT_EQ(swapped.reason(), "");
+  PairFault fault = PairFault::none;
+  for (int i = 0; i < 12; ++i) {
+    fault = swapped.add(pair.right, pair.left);
+    EXPECT_EQ(good.add(pair.left, pair.right), PairFault::none);
+  }
+  EXPECT_EQ(fault, PairFault::swapped);
+  EXPECT_TRUE(holds(swapped.reason(), "left and right are swapped"));
+  // What a pair says clearly by itself counts more than those before it.
+  const Pair clear = shifted(texture, 10);
+  EXPECT_EQ(swapped.add(clear.left, clear.right), PairFault::none);
+  EXPECT_EQ(good.add(clear.right, clear.left), PairFault::swapped);
+}
+
+TEST(PairCheck, TakesImagesOfAnySize)
+{
+  for (const auto& [width, height] : {std::pair(1, 1),
+                                      {1, 300},
+                                      {15, 8},
+                                      {20, 8},
+                                      {33, 9},
+                                      {959, 8},
+                                      {960, 15},
+                                      {5000, 7}}) {
+    const cv::Mat texture = noise(width + 1, height, 128.0, 50.0);
+    gatherPairEvidence(texture.colRange(0, width), texture.colRange(1, width + 1));
+  }
+  thrownMessage<BadInputException>(
+      [] { checkPair(noise(20, 20, 9, 9), noise(20, 19, 9, 9)); });
+  thrownMessage<BadInputException>([] { checkPair(cv::Mat(), cv::Mat()); });
+}
+
+TEST(PairCheck, NeverErrsOnRealStreets)
+{
+  const char* const data = std::getenv("PCL_SEMANTIC_DATA");
+  if (!data)
+    GTEST_SKIP() << "PCL_SEMANTIC_DATA is not set";
+  const auto check = [](const cv::Mat& left, const cv::Mat& right) {
+    EXPECT_EQ(checkPair(left, right), PairFault::none);
+    EXPECT_EQ(checkPair(right, left), PairFault::swapped);
+  };
+  for (const char* const name : {"/kitti/00", "/kitti/03", "/kitti/05", "/kitti/07",
+                                 "/kitti/09", "/kitti/15", "/kitti_gray/06"}) {
+    const KittiSequence sequence(std::string(data) + name);
+    for (std::size_t i = 0; i < sequence.size(); ++i) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(i));
+      check(sequence.frame(i).left, sequence.frame(i).right);
+    }
+  }
+  const std::string cones = std::string(data) + "/middlebury_cones/";
+  check(readPng(cones + "im2.png", ImageKind::grey_or_colour),
+        readPng(cones + "im6.png", ImageKind::grey_or_colour));
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,63 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <odometry/stereo_projection.h>
+
+#include <random>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief KITTI's grey cameras, about. */
+inline StereoCamera
+gridCamera()
+{
+  StereoCamera camera;
+  camera.fx = camera.fy = 700.0;
+  camera.cx = 600.0;
+  camera.cy = 180.0;
+  camera.baseline = 0.54;
+  camera.width = 1200;
+  camera.height = 360;
+  return camera;
+}
+
+/** \brief Points in front of a camera, from 5 to 80 m away. */
+inline std::vector<Eigen::Vector3d>
+randomPoints(const StereoCamera& camera, int count, std::mt19937& random)
+{
+  std::uniform_real_distribution<double> u(50.0, 1150.0), v(20.0, 340.0), z(5.0, 80.0);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i) {
+    const double column = u(random), row = v(random);
+    points.push_back(camera.unproject(column, row, z(random)));
+  }
+  return points;
+}
+
+/** \brief Column, row and disparity by the pinhole equations, for whoever does not
+ * trust projectStereo(). */
+inline Eigen::Vector3d
+seenAt(const StereoCamera& camera, const Eigen::Vector3d& point)
+{
+  const Eigen::Vector2d left = camera.project(point);
+  const Eigen::Vector2d right =
+      camera.project(point - Eigen::Vector3d(camera.baseline, 0.0, 0.0));
+  return {left.x(), left.y(), left.x() - right.x()};
+}
+
+/** \brief Normal noise of the three measurements. */
+inline Eigen::Vector3d
+randomError(const odometry::MeasurementNoise& noise, std::mt19937& random)
+{
+  std::normal_distribution<double> normal;
+  const double u = normal(random), v = normal(random), d = normal(random);
+  return {noise.pixel * u, noise.pixel * v, noise.disparity * d};
+}
+
+} // namespace pcl_semantic
