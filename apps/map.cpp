@@ -59,7 +59,8 @@ makeLabelling(const MapArguments& arguments)
 // Everything that the map depends on.
 MappingRun
 makeRun(const MapArguments& arguments, const FrameSequence& sequence,
-        const std::string& poses, const Labelling& labelling)
+        const std::vector<std::size_t>& frames, const std::string& poses,
+        const Labelling& labelling)
 {
   MappingRun run;
   run.inputs = tool::inputsOf(arguments.sequence);
@@ -67,8 +68,7 @@ makeRun(const MapArguments& arguments, const FrameSequence& sequence,
                                        {"labels", arguments.labels},
                                        {"network", arguments.network},
                                        {"model", labelling.model}});
-  for (const std::size_t i :
-       tool::chooseFrames(arguments.sequence, sequence, arguments.frames))
+  for (const std::size_t i : frames)
     run.frames.push_back(sequence.frameNumber(i));
   run.camera = sequence.camera();
   run.T_camera0_camera = sequence.T_camera0_camera();
@@ -150,11 +150,12 @@ mapSequence(const MapArguments& arguments)
   const FrameSequence& sequence = *opened;
   const std::string chosen = tool::choosePoses(arguments, sequence);
   Labelling labelling = makeLabelling(arguments);
-  const MappingRun run = makeRun(arguments, sequence, chosen, labelling);
+  const std::vector<std::size_t> frames =
+      tool::chooseFrames(arguments.sequence, sequence, arguments.frames);
+  const MappingRun run = makeRun(arguments, sequence, frames, chosen, labelling);
   std::unique_ptr<PoseSource> owned_poses = tool::makePoses(chosen, sequence);
   const PoseSource& poses = *owned_poses;
-  poses.requirePoses(frameTimes(
-      sequence, tool::chooseFrames(arguments.sequence, sequence, arguments.frames)));
+  poses.requirePoses(frameTimes(sequence, frames));
   MappingArchive archive(arguments.archive, run);
   SemanticMapper mapper(run.camera, run.label_set, run.config,
                         std::move(labelling.predictor), std::move(owned_poses),

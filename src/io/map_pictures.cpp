@@ -5,6 +5,7 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/io/map_pictures.h>
 
 #include <opencv2/imgproc.hpp>
@@ -179,10 +180,8 @@ drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_s
   if (image.size() != labels.size() || labels.type() != CV_8UC1)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "an overlay needs an image and labels of the same size");
-  cv::Mat grey = image, picture;
-  if (image.channels() == 3)
-    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
+  cv::Mat picture;
+  cv::cvtColor(greyImage(image), picture, cv::COLOR_GRAY2BGR);
   cv::Mat blended;
   cv::addWeighted(picture, 0.45, colourLabels(labels, label_set), 0.65, 0.0, blended);
   blended.copyTo(picture, labels != kUnlabelled);

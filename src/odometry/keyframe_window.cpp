@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace pcl_semantic::odometry {
 
@@ -16,6 +17,15 @@ namespace {
 constexpr double kOutlier = 16.0; // squared whitened length
 constexpr double kFewLeft = 0.7;  // of the last keyframe's tracks
 constexpr double kMedian = 2.366; // of the chi-squared distribution of three
+
+// The upper one of an even number, which is not 0.
+double
+median(std::vector<double> values)
+{
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 } // namespace
 
@@ -74,9 +84,7 @@ KeyframeWindow::rejectOutliers(const WindowAdjustment& adjustment,
   }
   if (errors.empty())
     return kMedian;
-  const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+  return median(std::move(errors));
 }
 
 Matrix6d
@@ -122,9 +130,7 @@ KeyframeWindow::newestBringsMuch(double flow) const
   }
   if (ways.empty() || double(ways.size()) < kFewLeft * double(before))
     return true;
-  const auto middle = ways.begin() + std::ptrdiff_t(ways.size() / 2);
-  std::nth_element(ways.begin(), middle, ways.end());
-  return *middle > flow;
+  return median(std::move(ways)) > flow;
 }
 
 void

@@ -11,8 +11,7 @@
 #include "pose_ransac.h"
 
 #include <pcl_semantic/core/exceptions.h>
-
-#include <opencv2/imgproc.hpp>
+#include <pcl_semantic/core/grey_image.h>
 
 #include <algorithm>
 
@@ -30,16 +29,6 @@ Eigen::Vector3d
 measurementOf(const StereoFeature& feature)
 {
   return {feature.left.x, feature.left.y, double(feature.left.x) - feature.right.x};
-}
-
-cv::Mat
-toGrey(const cv::Mat& image)
-{
-  if (image.channels() == 1)
-    return image;
-  cv::Mat grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
 }
 
 // How wrong a predicted motion may be: half of it, and a little more.
@@ -117,7 +106,7 @@ StereoOdometry::Engine::takeImages(const StereoFrame& frame)
                                  << camera_.width << " x " << camera_.height);
   camera_.width = left.cols; // the next frames' size, where it was not known
   camera_.height = left.rows;
-  tracker_.push(toGrey(left), toGrey(right));
+  tracker_.push(greyImage(left), greyImage(right));
 }
 
 void

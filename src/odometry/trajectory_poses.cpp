@@ -4,10 +4,10 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "missing_poses.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
-
-#include <algorithm>
 
 namespace pcl_semantic {
 
@@ -45,13 +45,9 @@ TrajectoryPoses::pose(const StereoFrame& frame)
 void
 TrajectoryPoses::requirePoses(const std::vector<FrameTime>& frames) const
 {
-  const auto lacks = [&](const FrameTime& frame) { return !has(frame); };
-  const auto first = std::find_if(frames.begin(), frames.end(), lacks);
-  if (first != frames.end())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        lackOf(*first)
-                            << "; " << std::count_if(first, frames.end(), lacks)
-                            << " of " << frames.size() << " frames lack one");
+  requireNoneLacks(
+      frames, [&](const FrameTime& frame) { return !has(frame); },
+      [&](const FrameTime& frame) { return lackOf(frame); });
 }
 
 } // namespace pcl_semantic

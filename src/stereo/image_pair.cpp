@@ -8,8 +8,6 @@
 
 #include <pcl_semantic/core/exceptions.h>
 
-#include <opencv2/imgproc.hpp>
-
 namespace pcl_semantic {
 
 void
@@ -28,16 +26,6 @@ requireImagePair(const cv::Mat& left, const cv::Mat& right)
                                                << right.channels()
                                                << " channel(s), the left one "
                                                << left.channels());
-}
-
-cv::Mat
-greyImage(const cv::Mat& image)
-{
-  if (image.channels() == 1)
-    return image;
-  cv::Mat grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
 }
 
 } // namespace pcl_semantic

@@ -15,7 +15,4 @@ namespace pcl_semantic {
  */
 void requireImagePair(const cv::Mat& left, const cv::Mat& right);
 
-/** \brief A grey image as it is, a colour one (BGR) as grey. */
-cv::Mat greyImage(const cv::Mat& image);
-
 } // namespace pcl_semantic

@@ -6,6 +6,7 @@
 
 #include "image_pair.h"
 
+#include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/stereo/pair_check.h>
 
 #include <opencv2/imgproc.hpp>

@@ -10,6 +10,7 @@
 #include "semi_global_band.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/stereo/semi_global_matcher.h>
 

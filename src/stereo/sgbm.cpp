@@ -7,6 +7,7 @@
 #include "image_pair.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/stereo/sgbm.h>
 
 #include <opencv2/calib3d.hpp>

@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "support/same_image.h"
+
 #include "stereo/disparity_cleaning.h"
 #include "stereo/kernels/map_disparity.h"
 
@@ -83,13 +85,6 @@ makeSquare()
   return pair;
 }
 
-bool
-equal(const cv::Mat& a, const cv::Mat& b)
-{
-  return a.size() == b.size() && a.type() == b.type() &&
-         cv::norm(a, b, cv::NORM_INF) == 0.0;
-}
-
 TEST(Elas, FractionsOfSlantedPlanes)
 {
   const std::function<double(double, int)> surfaces[] = {
@@ -145,7 +140,7 @@ TEST(Elas, NothingIsLeftOutUnlessGapsStay)
       hidden += found.disparity.at<float>(v, u) > 0.0f;
   EXPECT_LT(hidden, 0.1 * 48 * 18);
   EXPECT_GT(cv::countNonZero(found.disparity), 0.75 * width * height);
-  EXPECT_TRUE(equal(found.disparity > 0.0f, found.deviation > 0.0f));
+  EXPECT_TRUE(isSameImage(found.disparity > 0.0f, found.deviation > 0.0f));
 }
 
 TEST(Elas, WhatWasFilledIsLessSure)
@@ -172,8 +167,8 @@ TEST(Elas, ColourIsMatchedAsGrey)
   cv::cvtColor(pair.left, left, cv::COLOR_GRAY2BGR);
   cv::cvtColor(pair.right, right, cv::COLOR_GRAY2BGR);
   Elas elas;
-  EXPECT_TRUE(equal(elas.estimate(pair.left, pair.right).disparity,
-                    elas.estimate(left, right).disparity));
+  EXPECT_TRUE(isSameImage(elas.estimate(pair.left, pair.right).disparity,
+                          elas.estimate(left, right).disparity));
 }
 
 TEST(Elas, SameForAnyNumberOfThreads)
@@ -185,8 +180,8 @@ TEST(Elas, SameForAnyNumberOfThreads)
   for (const int number : {2, 3, 8}) {
     omp_set_num_threads(number);
     const DisparityImage found = Elas().estimate(pair.left, pair.right);
-    EXPECT_TRUE(equal(single.disparity, found.disparity)) << number << " threads";
-    EXPECT_TRUE(equal(single.deviation, found.deviation)) << number << " threads";
+    EXPECT_TRUE(isSameImage(single.disparity, found.disparity)) << number << " threads";
+    EXPECT_TRUE(isSameImage(single.deviation, found.deviation)) << number << " threads";
   }
   omp_set_num_threads(threads);
 }

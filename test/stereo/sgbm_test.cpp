@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "support/same_image.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/stereo/sgbm.h>
@@ -62,13 +64,6 @@ smallParameters()
   return parameters;
 }
 
-bool
-equal(const cv::Mat& a, const cv::Mat& b)
-{
-  return a.size() == b.size() && a.type() == b.type() &&
-         cv::norm(a, b, cv::NORM_INF) == 0.0;
-}
-
 TEST(Sgbm, FindsTheDisparitiesOfTwoPlanes)
 {
   const Pair pair = makePair();
@@ -114,8 +109,8 @@ TEST(Sgbm, ColourIsMatchedAsGrey)
   cv::cvtColor(pair.left, left, cv::COLOR_GRAY2BGR);
   cv::cvtColor(pair.right, right, cv::COLOR_GRAY2BGR);
   Sgbm sgbm(smallParameters());
-  EXPECT_TRUE(equal(sgbm.estimate(pair.left, pair.right).disparity,
-                    sgbm.estimate(left, right).disparity));
+  EXPECT_TRUE(isSameImage(sgbm.estimate(pair.left, pair.right).disparity,
+                          sgbm.estimate(left, right).disparity));
 }
 
 TEST(Sgbm, SameForAnyNumberOfThreads)
@@ -127,7 +122,7 @@ TEST(Sgbm, SameForAnyNumberOfThreads)
       Sgbm(smallParameters()).estimate(pair.left, pair.right).disparity;
   for (const int number : {2, 3, 8}) {
     cv::setNumThreads(number);
-    EXPECT_TRUE(equal(
+    EXPECT_TRUE(isSameImage(
         single, Sgbm(smallParameters()).estimate(pair.left, pair.right).disparity))
         << number << " threads";
   }

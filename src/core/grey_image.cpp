@@ -1,0 +1,23 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/grey_image.h>
+
+#include <opencv2/imgproc.hpp>
+
+namespace pcl_semantic {
+
+cv::Mat
+greyImage(const cv::Mat& image)
+{
+  if (image.channels() == 1)
+    return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+} // namespace pcl_semantic

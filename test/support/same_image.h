@@ -1,0 +1,21 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace pcl_semantic {
+
+/** \brief Whether two images have the same size, type and values. */
+inline bool
+isSameImage(const cv::Mat& a, const cv::Mat& b)
+{
+  return a.size() == b.size() && a.type() == b.type() &&
+         cv::norm(a, b, cv::NORM_INF) == 0.0;
+}
+
+} // namespace pcl_semantic
