@@ -1,0 +1,73 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/core/point_geometry.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief A curve for each class, linear between knots and level beyond them. */
+struct ClassCurves {
+  std::vector<float> knots; ///< rising, two or more; none = no curves
+  Eigen::MatrixXf values;   ///< L x knots
+};
+
+/** \brief What a network's probabilities p are worth in a place: multinomial logistic
+ * regression,
+ *
+ *   p'(l) ~ p(l)^s exp(b_l + f_l(height) + g_l(distance) + h_l(level)),
+ *
+ * temperature and bias as in vector scaling (Guo et al. 2017, "On calibration of modern
+ * neural networks") and curves over what geometry says. Classes that it was not fitted
+ * for keep their probability, and the others share what is left. fitCalibration() makes
+ * one from truth. */
+struct LabelCalibration {
+  std::vector<bool> fitted;  ///< of each class
+  std::vector<Label> ground; ///< classes that the ground is made of
+  float sharpness = 1.0f;    ///< s
+  Eigen::VectorXf bias;      ///< b, L
+  ClassCurves height;        ///< f [m]
+  ClassCurves distance;      ///< g [m]
+  ClassCurves level;         ///< h
+
+  int
+  classes() const
+  {
+    return static_cast<int>(fitted.size());
+  }
+
+  /** \brief One for L classes that changes nothing. */
+  static LabelCalibration identity(int classes);
+
+  /** \throws InvalidParameterException if sizes do not fit or a value is not finite */
+  void validate() const;
+};
+
+/** \brief Calibrates distributions; the same for any number of threads. Unlabelled
+ * columns stay so; where something of the geometry is not known its curves are left
+ * out.
+ * \param[in] geometry one a column, or empty: nothing is known
+ * \throws InvalidParameterException if sizes do not fit */
+LabelDistributions calibrate(const LabelCalibration& calibration,
+                             const LabelDistributions& distributions,
+                             const std::vector<PointGeometry>& geometry);
+
+/** \brief Reads a calibration: YAML with classes by name (doc/formats.md).
+ * \throws BadInputException with file and line */
+LabelCalibration readCalibration(const std::string& path, const LabelSet& label_set);
+
+/** \brief A calibration as YAML that readCalibration() takes, without loss. */
+std::string printCalibration(const LabelCalibration& calibration,
+                             const LabelSet& label_set);
+
+} // namespace pcl_semantic

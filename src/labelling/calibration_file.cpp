@@ -1,0 +1,136 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/yaml_config.h>
+#include <pcl_semantic/labelling/label_calibration.h>
+
+#include <limits>
+#include <sstream>
+
+namespace pcl_semantic {
+
+namespace {
+
+// What a calibration has curves over, by name.
+template <typename Calibration>
+auto
+curvesOf(Calibration& calibration)
+{
+  return std::array{std::pair("height", &calibration.height),
+                    std::pair("distance", &calibration.distance),
+                    std::pair("level", &calibration.level)};
+}
+
+Label
+labelOf(const YamlMap& map, const std::string& key, const std::string& name,
+        const LabelSet& label_set)
+{
+  const Label label = label_set.find(name);
+  if (label == kUnlabelled)
+    PCL_THROW_EXCEPTION(BadInputException, map.where(key)
+                                               << ": class '" << name
+                                               << "' is not in the label set");
+  return label;
+}
+
+void
+readClass(const YamlMap& entry, Label label, LabelCalibration& calibration)
+{
+  double bias = 0.0;
+  entry.get("bias", bias);
+  calibration.bias[label - 1] = static_cast<float>(bias);
+  calibration.fitted[label - 1u] = true;
+  for (const auto& [name, curves] : curvesOf(calibration)) {
+    std::vector<double> values;
+    if (!entry.get(name, values))
+      continue;
+    if (values.size() != curves->knots.size())
+      PCL_THROW_EXCEPTION(BadInputException, entry.where(name)
+                                                 << ": " << name << " has "
+                                                 << values.size() << " values for "
+                                                 << curves->knots.size() << " knots");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      curves->values(label - 1, Eigen::Index(i)) = static_cast<float>(values[i]);
+  }
+  entry.refuseUnknownKeys();
+}
+
+std::string
+listOf(const float* values, std::size_t count, std::ptrdiff_t stride)
+{
+  std::ostringstream text;
+  text.precision(std::numeric_limits<float>::max_digits10);
+  for (std::size_t i = 0; i < count; ++i)
+    text << (i ? ", " : "[") << values[std::ptrdiff_t(i) * stride];
+  text << "]";
+  return text.str();
+}
+
+} // namespace
+
+LabelCalibration
+readCalibration(const std::string& path, const LabelSet& label_set)
+{
+  const YamlMap file = YamlMap::load(path);
+  LabelCalibration calibration = LabelCalibration::identity(label_set.size());
+  calibration.fitted.assign(calibration.fitted.size(), false);
+  calibration.sharpness = static_cast<float>(file.require<double>("sharpness"));
+  for (const std::string& name : file.require<std::vector<std::string>>("ground"))
+    calibration.ground.push_back(labelOf(file, "ground", name, label_set));
+  const YamlMap knots = file.requireMap("knots");
+  for (const auto& [name, curves] : curvesOf(calibration)) {
+    std::vector<double> values;
+    if (knots.get(name, values))
+      curves->knots.assign(values.begin(), values.end());
+    curves->values =
+        Eigen::MatrixXf::Zero(label_set.size(), Eigen::Index(curves->knots.size()));
+  }
+  knots.refuseUnknownKeys();
+  const YamlMap classes = file.requireMap("classes");
+  for (const std::string& name : classes.keys())
+    readClass(classes.requireMap(name), labelOf(classes, name, name, label_set),
+              calibration);
+  file.refuseUnknownKeys();
+  try {
+    calibration.validate();
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
+  }
+  return calibration;
+}
+
+std::string
+printCalibration(const LabelCalibration& calibration, const LabelSet& label_set)
+{
+  std::ostringstream text;
+  text.precision(std::numeric_limits<float>::max_digits10);
+  text << "sharpness: " << calibration.sharpness << "\nground: [";
+  for (std::size_t i = 0; i < calibration.ground.size(); ++i)
+    text << (i ? ", " : "") << label_set[calibration.ground[i]].name;
+  text << "]\nknots:\n";
+  for (const auto& [name, curves] : curvesOf(calibration))
+    if (!curves->knots.empty())
+      text << "  " << name << ": "
+           << listOf(curves->knots.data(), curves->knots.size(), 1) << "\n";
+  text << "classes:\n";
+  for (int l = 0; l < calibration.classes(); ++l) {
+    if (!calibration.fitted[std::size_t(l)])
+      continue;
+    text << "  " << label_set[Label(l + 1)].name
+         << ":\n    bias: " << calibration.bias[l] << "\n";
+    for (const auto& [name, curves] : curvesOf(calibration))
+      if (!curves->knots.empty())
+        text << "    " << name << ": "
+             << listOf(curves->values.data() + l, curves->knots.size(),
+                       calibration.classes())
+             << "\n";
+  }
+  return text.str();
+}
+
+} // namespace pcl_semantic

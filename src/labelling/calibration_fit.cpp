@@ -1,0 +1,282 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "calibration_term.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/labelling/calibration_fit.h>
+
+#include <opencv2/core/optim.hpp>
+
+namespace pcl_semantic {
+
+namespace {
+
+// What a sample's class scores are linear in, but for the sharpness: a constant, and
+// its two places on each of the curves.
+struct SparseRow {
+  std::array<int, 7> columns{};
+  std::array<double, 7> values{};
+  int count = 0;
+
+  void
+  add(int column, double value)
+  {
+    columns[std::size_t(count)] = column;
+    values[std::size_t(count++)] = value;
+  }
+};
+
+// The negative penalised likelihood of a parameter vector: the sharpness, then K values
+// for each column, K the number of fitted classes.
+class Likelihood : public cv::MinProblemSolver::Function {
+public:
+  Likelihood(const CalibrationSamples& samples, const CalibrationOptions& options);
+
+  int
+  getDims() const override
+  {
+    return 1 + columns_ * classes();
+  }
+
+  double calc(const double* x) const override;
+  void getGradient(const double* x, double* gradient) override;
+
+  LabelCalibration calibration(const double* x, int all_classes,
+                               const CalibrationOptions& options) const;
+
+private:
+  // Samples go in chunks of one size whatever the number of threads, and their sums are
+  // added in order.
+  static constexpr std::size_t chunk = 4096;
+
+  int
+  classes() const
+  {
+    return int(labels_.size());
+  }
+
+  double evaluate(const double* x, double* gradient) const;
+
+  double chunkOf(std::size_t begin, std::size_t end, const double* x,
+                 double* gradient) const;
+
+  double addPenalty(const double* x, double* gradient) const;
+
+  std::vector<Label> labels_; // the fitted classes
+  Eigen::MatrixXd logs_;      // K x N
+  std::vector<SparseRow> rows_;
+  std::vector<int> truth_; // 0..K-1
+  std::vector<double> weights_;
+  int columns_ = 1;
+  double bias_penalty_, curve_penalty_;
+};
+
+std::vector<Label>
+classesOf(const std::vector<Label>& truth)
+{
+  std::array<bool, 256> is_there{};
+  for (const Label label : truth)
+    is_there[label] = true;
+  std::vector<Label> labels;
+  for (int label = 1; label < 256; ++label)
+    if (is_there[std::size_t(label)])
+      labels.push_back(Label(label));
+  return labels;
+}
+
+Likelihood::Likelihood(const CalibrationSamples& samples,
+                       const CalibrationOptions& options)
+    : labels_(classesOf(samples.truth)), bias_penalty_(options.bias_penalty),
+      curve_penalty_(options.curve_penalty)
+{
+  std::array<int, 256> number{};
+  for (std::size_t k = 0; k < labels_.size(); ++k)
+    number[labels_[k]] = int(k);
+  std::vector<std::size_t> chosen;
+  std::vector<double> counts(labels_.size());
+  for (std::size_t i = 0; i < samples.truth.size(); ++i)
+    if (samples.truth[i] != kUnlabelled &&
+        samples.network.mapLabel(Eigen::Index(i)) != kUnlabelled) {
+      chosen.push_back(i);
+      counts[std::size_t(number[samples.truth[i]])] += 1.0;
+    }
+  logs_.resize(classes(), Eigen::Index(chosen.size()));
+  std::vector<float> logs(std::size_t(samples.network.classes()));
+  double total = 0.0;
+  for (const std::size_t i : chosen) {
+    const auto column = Eigen::Index(rows_.size());
+    clampedLog(samples.network.column(Eigen::Index(i)), samples.network.classes(),
+               logs.data());
+    for (int k = 0; k < classes(); ++k)
+      logs_(k, column) = logs[labels_[std::size_t(k)] - 1u];
+    truth_.push_back(number[samples.truth[i]]);
+    weights_.push_back(std::pow(counts[std::size_t(truth_.back())], -options.balance));
+    total += weights_.back();
+    SparseRow row;
+    row.add(0, 1.0);
+    int first = 1;
+    const PointGeometry& geometry = samples.geometry[i];
+    for (const auto& [knots, value] : {std::pair(&options.height, geometry.height),
+                                       std::pair(&options.distance, geometry.distance),
+                                       std::pair(&options.level, geometry.level)}) {
+      const CurvePlace place = placeOn(*knots, value);
+      if (place.first >= 0) {
+        row.add(first + place.first, 1.0 - place.share);
+        row.add(first + place.first + 1, place.share);
+      }
+      first += int(knots->size());
+    }
+    columns_ = first;
+    rows_.push_back(row);
+  }
+  for (double& weight : weights_)
+    weight /= total;
+}
+
+double
+Likelihood::chunkOf(std::size_t begin, std::size_t end, const double* x,
+                    double* gradient) const
+{
+  const Eigen::Map<const Eigen::MatrixXd> values(x + 1, classes(), columns_);
+  Eigen::Map<Eigen::MatrixXd> slope(gradient + 1, classes(), columns_);
+  Eigen::VectorXd scores(classes());
+  double loss = 0.0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const SparseRow& row = rows_[i];
+    const auto logs = logs_.col(Eigen::Index(i));
+    scores = x[0] * logs;
+    for (int j = 0; j < row.count; ++j)
+      scores += row.values[std::size_t(j)] * values.col(row.columns[std::size_t(j)]);
+    const double largest = scores.maxCoeff();
+    const double of_truth = scores[truth_[i]] - largest;
+    scores = (scores.array() - largest).exp();
+    const double sum = scores.sum();
+    loss += weights_[i] * (std::log(sum) - of_truth);
+    scores *= weights_[i] / sum;
+    scores[truth_[i]] -= weights_[i];
+    gradient[0] += scores.dot(logs);
+    for (int j = 0; j < row.count; ++j)
+      slope.col(row.columns[std::size_t(j)]) += row.values[std::size_t(j)] * scores;
+  }
+  return loss;
+}
+
+double
+Likelihood::addPenalty(const double* x, double* gradient) const
+{
+  double penalty = 0.0;
+  for (int i = 1; i < getDims(); ++i) {
+    const double weight = i <= classes() ? bias_penalty_ : curve_penalty_;
+    penalty += weight * x[i] * x[i];
+    gradient[i] += 2.0 * weight * x[i];
+  }
+  return penalty;
+}
+
+double
+Likelihood::evaluate(const double* x, double* gradient) const
+{
+  const std::size_t chunks = (rows_.size() + chunk - 1) / chunk;
+  const auto dims = static_cast<Eigen::Index>(getDims());
+  Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(dims, Eigen::Index(chunks));
+  std::vector<double> losses(chunks);
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t c = 0; c < chunks; ++c)
+    losses[c] = chunkOf(c * chunk, std::min((c + 1) * chunk, rows_.size()), x,
+                        slopes.col(Eigen::Index(c)).data());
+  Eigen::Map<Eigen::VectorXd>(gradient, dims).setZero();
+  double loss = 0.0;
+  for (std::size_t c = 0; c < chunks; ++c) {
+    loss += losses[c];
+    Eigen::Map<Eigen::VectorXd>(gradient, dims) += slopes.col(Eigen::Index(c));
+  }
+  return loss + addPenalty(x, gradient);
+}
+
+double
+Likelihood::calc(const double* x) const
+{
+  Eigen::VectorXd unused(getDims());
+  return evaluate(x, unused.data());
+}
+
+void
+Likelihood::getGradient(const double* x, double* gradient)
+{
+  evaluate(x, gradient);
+}
+
+LabelCalibration
+Likelihood::calibration(const double* x, int all_classes,
+                        const CalibrationOptions& options) const
+{
+  LabelCalibration result = LabelCalibration::identity(all_classes);
+  result.fitted.assign(result.fitted.size(), false);
+  result.sharpness = static_cast<float>(x[0]);
+  result.height.knots = options.height;
+  result.distance.knots = options.distance;
+  result.level.knots = options.level;
+  const Eigen::Map<const Eigen::MatrixXd> values(x + 1, classes(), columns_);
+  int first = 1;
+  for (ClassCurves* curves : {&result.height, &result.distance, &result.level}) {
+    const auto count = static_cast<Eigen::Index>(curves->knots.size());
+    curves->values = Eigen::MatrixXf::Zero(all_classes, count);
+    for (int k = 0; k < classes(); ++k)
+      curves->values.row(labels_[std::size_t(k)] - 1) =
+          values.block(k, first, 1, count).cast<float>();
+    first += int(count);
+  }
+  for (int k = 0; k < classes(); ++k) {
+    result.fitted[labels_[std::size_t(k)] - 1u] = true;
+    result.bias[labels_[std::size_t(k)] - 1] = static_cast<float>(values(k, 0));
+  }
+  return result;
+}
+
+} // namespace
+
+void
+CalibrationOptions::validate() const
+{
+  for (const auto& [name, value, most] :
+       {std::tuple("balance", balance, 1.0),
+        std::tuple("bias_penalty", bias_penalty, 1e6),
+        std::tuple("curve_penalty", curve_penalty, 1e6)})
+    if (!(value >= 0.0 && value <= most))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          name << " is " << value << ", expected 0 to " << most);
+  if (iterations < 1)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "iterations is " << iterations << ", expected 1 or more");
+}
+
+LabelCalibration
+fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& options)
+{
+  options.validate();
+  const std::size_t count = samples.truth.size();
+  if (samples.geometry.size() != count || std::size_t(samples.network.size()) != count)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "calibration: " << count << " labels for "
+                                        << samples.network.size()
+                                        << " distributions and "
+                                        << samples.geometry.size() << " places");
+  const auto likelihood = cv::makePtr<Likelihood>(samples, options);
+  if (classesOf(samples.truth).size() < 2)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "calibration: expected truth of two classes or more");
+  cv::Mat parameters = cv::Mat::zeros(1, likelihood->getDims(), CV_64F);
+  parameters.at<double>(0) = 1.0;
+  const cv::Ptr<cv::ConjGradSolver> solver = cv::ConjGradSolver::create(
+      likelihood,
+      {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, options.iterations, 1e-7});
+  solver->minimize(parameters);
+  return likelihood->calibration(parameters.ptr<double>(), samples.network.classes(),
+                                 options);
+}
+
+} // namespace pcl_semantic

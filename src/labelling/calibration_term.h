@@ -1,0 +1,54 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/labelling/label_calibration.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace pcl_semantic {
+
+constexpr float least_probability = 1e-4f; // below it a network's zeros mean nothing
+
+/** \brief The two knots a value lies between, and how near it is to the second. */
+struct CurvePlace {
+  int first = -1; ///< -1: not known, no curve
+  float share = 0.0f;
+};
+
+inline CurvePlace
+placeOn(const std::vector<float>& knots, float value)
+{
+  if (knots.empty() || !std::isfinite(value))
+    return {};
+  const float inside = std::clamp(value, knots.front(), knots.back());
+  const auto next = std::upper_bound(knots.begin() + 1, knots.end() - 1, inside);
+  const int first = int(next - knots.begin()) - 1;
+  return {first,
+          (inside - knots[std::size_t(first)]) / (*next - knots[std::size_t(first)])};
+}
+
+/** \brief Log of a distribution, clamped from below. */
+inline void
+clampedLog(const float* distribution, int classes, float* logs)
+{
+  for (int l = 0; l < classes; ++l)
+    logs[l] = std::log(std::max(distribution[l], least_probability));
+}
+
+/** \brief The curves of a calibration and of what they are over. */
+inline std::array<std::pair<const ClassCurves*, float>, 3>
+curvesAt(const LabelCalibration& calibration, const PointGeometry& geometry)
+{
+  return {{{&calibration.height, geometry.height},
+           {&calibration.distance, geometry.distance},
+           {&calibration.level, geometry.level}}};
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,34 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/pipeline/frame_calibration.h>
+#include <pcl_semantic/stereo/cloud_geometry.h>
+#include <pcl_semantic/stereo/ground_plane.h>
+
+namespace pcl_semantic {
+
+std::vector<PointGeometry>
+frameGeometry(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+              const LabelDistributions& distributions, const std::vector<Label>& ground)
+{
+  if (Eigen::Index(cloud.size()) != distributions.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "frame geometry: " << distributions.size()
+                                           << " distributions for " << cloud.size()
+                                           << " points");
+  constexpr float sure = 0.5f;
+  std::vector<std::uint8_t> is_ground(cloud.size());
+#pragma omp parallel for
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    for (const Label label : ground)
+      is_ground[i] |= distributions.column(Eigen::Index(i))[label - 1] > sure;
+  const auto plane = fitGroundPlane(cloud, is_ground);
+  return plane ? cloudGeometry(cloud, *plane)
+               : std::vector<PointGeometry>(cloud.size());
+}
+
+} // namespace pcl_semantic
