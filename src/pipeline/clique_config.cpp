@@ -51,12 +51,14 @@ void
 CliqueParameters::validate() const
 {
   superpixel.validate();
+  supervoxel.validate();
 }
 
 ConfigParameters
 parametersOf(CliqueParameters& parameters)
 {
   SuperpixelParameters& superpixel = parameters.superpixel;
+  SupervoxelParameters& supervoxel = parameters.supervoxel;
   return {{"superpixel_keep",
            "voxels out of view stay in the superpixel that last held them",
            &superpixel.keep},
@@ -66,7 +68,15 @@ parametersOf(CliqueParameters& parameters)
            &superpixel.passing_distance},
           {"superpixel_compactness",
            "of superpixels: more makes them squarer, less has them follow colours",
-           &superpixel.slic.compactness}};
+           &superpixel.slic.compactness},
+          {"supervoxel_resolution", "points this near are one voxel to supervoxels [m]",
+           &supervoxel.voxel_resolution},
+          {"supervoxel_colour_weight", "of colours, when supervoxels grow",
+           &supervoxel.colour_weight},
+          {"supervoxel_spatial_weight", "of distances, when supervoxels grow",
+           &supervoxel.spatial_weight},
+          {"supervoxel_normal_weight", "of normals, when supervoxels grow",
+           &supervoxel.normal_weight}};
 }
 
 bool
@@ -85,9 +95,16 @@ makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
     return std::make_shared<SlicCliques>(superpixel.slic);
   if (parseSuperpixels(text, "superpixel", superpixel.slic))
     return std::make_shared<SuperpixelCliques>(superpixel);
+  if (text == "supervoxel" || text.rfind("supervoxel:", 0) == 0) {
+    SupervoxelParameters supervoxel = parameters.supervoxel;
+    if (text != "supervoxel")
+      supervoxel.seed_resolution = numberAfterColon(text);
+    return std::make_shared<SupervoxelCliques>(supervoxel);
+  }
   PCL_THROW_EXCEPTION(InvalidParameterException,
                       "cliques are '" << text
-                                      << "', expected cubes:SIZE, slic or superpixel");
+                                      << "', expected cubes:SIZE, slic, superpixel or "
+                                         "supervoxel");
 }
 
 } // namespace pcl_semantic

@@ -37,8 +37,9 @@ MapperConfig::validate()
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // is for organized clouds
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques are '" << cliques
-                                        << "', expected cubes:SIZE or superpixel");
+                        "cliques are '"
+                            << cliques
+                            << "', expected cubes:SIZE, superpixel or supervoxel");
   makeCliqueGenerator(cliques, clique_parameters);
   map.fusion.pixel_fusion =
       pixel_fusion == "mean" ? PixelFusion::mean : PixelFusion::product;
@@ -103,7 +104,8 @@ parametersOf(MapperConfig& config)
       {"crf_every", "the CRF runs at the first and every N-th frame after it",
        &config.crf_every},
       {"cliques",
-       "of pn-potts and hierarchical: cubes:SIZE [m] or superpixel:NUMBER (of a frame)",
+       "of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] (of a frame) "
+       "or supervoxel[:SEEDS' DISTANCE [m]]",
        &config.cliques}};
   for (ConfigParameter& parameter : parametersOf(config.clique_parameters))
     parameters.push_back(std::move(parameter));

@@ -279,7 +279,7 @@ TEST(SlicCliques, EveryFinitePointIsInTheCliqueOfItsSuperpixel)
       expected[segments.at<int>(int(i) / 160, int(i) % 160)].push_back(int(i));
   ASSERT_EQ(cliques.size(), expected.size());
   EXPECT_LT(int(expected.size()), largest(segments) + 1); // some had no point
-  for (const pcl::PointIndices& clique : cliques) { // one plane is not split
+  for (const pcl::PointIndices& clique : cliques) {       // one plane is not split
     ASSERT_FALSE(clique.indices.empty());
     const int first = clique.indices[0];
     EXPECT_EQ(std::vector<int>(clique.indices.begin(), clique.indices.end()),

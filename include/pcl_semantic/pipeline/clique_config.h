@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
+#include <pcl_semantic/cliques/supervoxel_cliques.h>
 #include <pcl_semantic/pipeline/config_parameter.h>
 
 #include <string>
@@ -16,6 +17,7 @@ namespace pcl_semantic {
 /** \brief What can be set of cliques besides the number that their word has. */
 struct CliqueParameters {
   SuperpixelParameters superpixel;
+  SupervoxelParameters supervoxel;
 
   /** \throws InvalidParameterException */
   void validate() const;
