@@ -85,10 +85,19 @@ parseSlic(const std::string& text, SlicParameters& parameters)
   return parseSuperpixels(text, "slic", parameters);
 }
 
+bool
+namesCloudCliques(const std::string& text)
+{
+  const std::string word = text.substr(0, text.find(':'));
+  return word == "cubes" || word == "slic" || word == "supervoxel";
+}
+
 CliqueGenerator::Ptr
 makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
 {
   SuperpixelParameters superpixel = parameters.superpixel;
+  if (text == "cubes")
+    return std::make_shared<CubeCliques>();
   if (text.rfind("cubes:", 0) == 0)
     return std::make_shared<CubeCliques>(numberAfterColon(text));
   if (parseSlic(text, superpixel.slic))
@@ -102,9 +111,10 @@ makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
     return std::make_shared<SupervoxelCliques>(supervoxel);
   }
   PCL_THROW_EXCEPTION(InvalidParameterException,
-                      "cliques are '" << text
-                                      << "', expected cubes:SIZE, slic, superpixel or "
-                                         "supervoxel");
+                      "cliques are '"
+                          << text
+                          << "', expected cubes[:SIZE], slic, superpixel or "
+                             "supervoxel");
 }
 
 } // namespace pcl_semantic

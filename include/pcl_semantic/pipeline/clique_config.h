@@ -31,6 +31,10 @@ ConfigParameters parametersOf(CliqueParameters& parameters);
  * \throws InvalidParameterException at a number that cannot be */
 bool parseSlic(const std::string& text, SlicParameters& parameters);
 
+/** \brief Whether a text names a generator that needs the cloud alone: `cubes`, `slic`
+ * or `supervoxel`, also with a number. */
+bool namesCloudCliques(const std::string& text);
+
 /** \brief The generator a text names: `cubes:SIZE`, the edge in metres;
  * `slic[:NUMBER]`, superpixels of an organized cloud; `superpixel[:NUMBER]`, those of a
  * frame in a map. \throws InvalidParameterException if there is none such */
