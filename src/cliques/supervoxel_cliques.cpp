@@ -22,6 +22,10 @@ namespace {
 
 constexpr int kSeedsACube = 8;
 
+// Places are rounded, so that supervoxels of a regular grid, in which many distances
+// are equal, do not change with the last bits of its coordinates: where the cloud lies.
+constexpr int kStepsAVoxel = 256;
+
 // Even, so that the middle of a cube is a border of voxels.
 int
 voxelsACube(const SupervoxelParameters& parameters)
@@ -106,6 +110,7 @@ std::vector<SupervoxelCliques::Members>
 SupervoxelCliques::groupByCube(const Cloud& cloud) const
 {
   const double edge = cubeEdge();
+  const double step = parameters_.voxel_resolution / kStepsAVoxel;
   std::vector<Members> groups;
   std::unordered_map<VoxelIndex, std::size_t, VoxelIndexHash> numbers;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -122,13 +127,13 @@ SupervoxelCliques::groupByCube(const Cloud& cloud) const
     const auto [entry, is_new] = numbers.try_emplace(cube, groups.size());
     if (is_new)
       groups.push_back({cube, {}});
-    const Eigen::Vector3f place =
-        (point.getVector3fMap().cast<double>() - edge * cube.cast<double>())
-            .cast<float>();
+    const Eigen::Array3d place = point.getVector3fMap().cast<double>().array() -
+                                 edge * cube.cast<double>().array();
+    const Eigen::Array3f rounded = ((place / step).round() * step).cast<float>();
     const std::uint32_t rgb =
         parameters_.colour_weight > 0.0 ? point.rgba & 0xFFFFFF : 0;
     groups[entry->second].points.push_back(
-        {{place.x(), place.y(), place.z(), rgb}, pcl::index_t(i)});
+        {{rounded.x(), rounded.y(), rounded.z(), rgb}, pcl::index_t(i)});
   }
   return groups;
 }
