@@ -33,8 +33,9 @@ struct Arguments {
 
   Arguments()
   {
-    parameters.clique_words = "none, field (its field clique), cubes:SIZE [m], slic "
-                              "(organized clouds), or a file of lists of indices";
+    parameters.clique_words = "none, field (its field clique), cubes[:SIZE] [m], slic "
+                              "(organized clouds), supervoxel[:DISTANCE] [m], or a "
+                              "file of lists of indices";
   }
 };
 
@@ -88,8 +89,7 @@ setCliques(const std::string& cliques, const Arguments& arguments,
                         arguments.input << ": has no field 'clique'");
   if (cliques == "field")
     crf.setCliques(input.cliques);
-  else if (cliques == "slic" || cliques.rfind("slic:", 0) == 0 ||
-           cliques.rfind("cubes:", 0) == 0)
+  else if (namesCloudCliques(cliques))
     crf.setCliqueGenerator(makeCliqueGenerator(cliques));
   else
     crf.setCliques(readCliques(cliques, input.cloud->size()));

@@ -7,12 +7,15 @@ find_package(OpenMP REQUIRED COMPONENTS CXX)
 
 set(PCL_SEMANTIC_PUBLIC_LIBRARIES Eigen3::Eigen pcl_common pcl_filters opencv_core)
 if(NOT PCL_SEMANTIC_CONSUMER)
+  # Its component would want VTK, MPI and a C compiler.
+  find_library(PCL_SEGMENTATION_LIBRARY pcl_segmentation REQUIRED)
   find_package(yaml-cpp REQUIRED)
   find_package(nlohmann_json REQUIRED)
   find_package(Boost REQUIRED COMPONENTS program_options)
   find_package(SQLite3 REQUIRED)
   find_package(zstd REQUIRED)
   set(PCL_SEMANTIC_PRIVATE_LIBRARIES
+    pcl_kdtree pcl_octree pcl_search ${PCL_SEGMENTATION_LIBRARY}
     opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
     opencv_features2d opencv_video
     OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json

@@ -248,4 +248,16 @@ writeLabelledCloud(const std::string& path, const LabelledCloud& labelled)
   writePcd(path, table);
 }
 
+void
+writeCliques(const std::string& path, const LabelledCloud& labelled)
+{
+  PcdTable table = labelled.table;
+  if (table.points != labelled.cloud->size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        path << ": the cloud has " << labelled.cloud->size()
+                             << " points, its table " << table.points);
+  setCliqueColumn(path, labelled.cliques, table);
+  writePcd(path, table);
+}
+
 } // namespace pcl_semantic

@@ -4,13 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include <pcl_semantic/cliques/cube_cliques.h>
-#include <pcl_semantic/cliques/slic_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/crf_config.h>
-
-#include <cmath>
 
 namespace pcl_semantic {
 
@@ -46,17 +41,6 @@ cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
            &crf.clique_colour_deviation}};
 }
 
-double
-numberAfterColon(const std::string& text)
-{
-  try {
-    return parseNumber(text.substr(text.find(':') + 1), "cliques '" + text + "'");
-  }
-  catch (const BadInputException& error) {
-    PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
-  }
-}
-
 } // namespace
 
 ConfigParameters
@@ -85,34 +69,6 @@ parametersOf(SemanticCRFParameters& crf, const std::string& prefix,
        &crf.colour_deviation}};
   append(parameters, cliqueParametersOf(crf, unit));
   return parameters;
-}
-
-bool
-parseSlic(const std::string& text, SlicParameters& parameters)
-{
-  if (text == "slic")
-    return true;
-  if (text.rfind("slic:", 0) != 0)
-    return false;
-  const double number = numberAfterColon(text);
-  if (!(number >= 1.0 && number <= 65536.0) || number != std::floor(number))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques are '" << text
-                                        << "', expected slic:N with N 1 to 65536");
-  parameters.superpixels = int(number);
-  return true;
-}
-
-CliqueGenerator::Ptr
-makeCliqueGenerator(const std::string& text)
-{
-  SlicParameters slic;
-  if (text.rfind("cubes:", 0) == 0)
-    return std::make_shared<CubeCliques>(numberAfterColon(text));
-  if (parseSlic(text, slic))
-    return std::make_shared<SlicCliques>(slic);
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      "cliques are '" << text << "', expected cubes:SIZE or slic");
 }
 
 void

@@ -34,10 +34,13 @@ MapperConfig::validate()
 {
   requireChoice(pixel_fusion, {"mean", "product"}, "pixel_fusion");
   requireChoice(crf, crf_models, "crf");
-  if (cliques.rfind("cubes:", 0) != 0) // superpixels are of images, not of maps
+  SlicParameters slic;
+  if (parseSlic(cliques, slic)) // is for organized clouds
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques are '" << cliques << "', expected cubes:SIZE");
-  makeCliqueGenerator(cliques);
+                        "cliques are '"
+                            << cliques
+                            << "', expected cubes:SIZE, superpixel or supervoxel");
+  makeCliqueGenerator(cliques, clique_parameters);
   map.fusion.pixel_fusion =
       pixel_fusion == "mean" ? PixelFusion::mean : PixelFusion::product;
   if (!(map.max_range > 0.0))
@@ -100,8 +103,12 @@ parametersOf(MapperConfig& config)
       {"crf", "model: " + joinWords(crf_models), &config.crf},
       {"crf_every", "the CRF runs at the first and every N-th frame after it",
        &config.crf_every},
-      {"cliques", "of pn-potts and hierarchical: cubes:SIZE, edge in m",
+      {"cliques",
+       "of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] (of a frame) "
+       "or supervoxel[:SEEDS' DISTANCE [m]]",
        &config.cliques}};
+  for (ConfigParameter& parameter : parametersOf(config.clique_parameters))
+    parameters.push_back(std::move(parameter));
   for (ConfigParameter& parameter : parametersOf(config.crf_parameters, "crf_", "m"))
     parameters.push_back(std::move(parameter));
   parameters.push_back({"threads", "0 = all processors", &config.threads});

@@ -21,6 +21,11 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
                                                        << ", expected 1 or more");
   if (options_.path.empty() && options_.resume)
     PCL_THROW_EXCEPTION(InvalidParameterException, "--resume needs --archive");
+  if (!options_.path.empty() && run.config.cliques.rfind("superpixel", 0) == 0 &&
+      run.config.clique_parameters.superpixel.keep)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "--archive does not go with --superpixel-keep: what frames "
+                        "before a kill saw of the superpixels would be lost");
   if (!run.frames.empty())
     last_frame_ = run.frames.back();
   if (options_.path.empty())

@@ -32,7 +32,9 @@ SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label
     : camera_(camera), config_(validated(std::move(config))),
       stereo_(makeDisparityEstimator(config_.stereo, config_.disparities)),
       predictor_(std::move(predictor)), poses_(std::move(poses)),
-      map_(label_set, config_.map, std::move(store))
+      map_(label_set, config_.map, std::move(store)),
+      cliques_(makeCliqueGenerator(config_.cliques, config_.clique_parameters)),
+      superpixels_(std::dynamic_pointer_cast<SuperpixelCliques>(cliques_))
 {
   camera_.validate();
   setNumberOfThreads(config_.threads);
@@ -73,6 +75,8 @@ SemanticMapper::process(const StereoFrame& frame)
   result.counts = times.measure("map", [&] { return integrate(result); });
   result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
   refined_ = isRefinedAt(frames_);
+  if (superpixels_) // also for finish()
+    superpixels_->setFrame(result.cloud, result.T_world_camera);
   if (config_.crf != "none" && refined_)
     times.measure("crf", [&] { refine(result.voxels); });
   ++frames_;
@@ -113,7 +117,9 @@ SemanticMapper::refine(VoxelCloud& voxels)
 {
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config_.crfModel());
-  crf.setCliqueGenerator(makeCliqueGenerator(config_.cliques));
+  if (superpixels_)
+    superpixels_->setVoxels(voxels.indices, voxels.voxel_size);
+  crf.setCliqueGenerator(cliques_);
   crf.setParameters(config_.crf_parameters);
   crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);

@@ -7,18 +7,21 @@
 #pragma once
 
 #include <pcl_semantic/cliques/clique_generator.h>
+#include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/cliques/slic.h>
 
 namespace pcl_semantic {
 
-/** \brief Superpixels of an organized cloud's colours as cliques: every finite point is
- * in exactly one. Points without depth take part in the clustering by their colour. */
+/** \brief Superpixels of an organized cloud's colours as cliques, split where they jump
+ * in depth: every finite point is in exactly one. Points without depth take part in the
+ * clustering by their colour. */
 class SlicCliques : public CliqueGenerator {
 public:
   SlicCliques() = default;
 
-  /** \throws InvalidParameterException as SlicParameters::validate() */
-  explicit SlicCliques(const SlicParameters& parameters);
+  /** \throws InvalidParameterException as the parameters' validate() */
+  explicit SlicCliques(const SlicParameters& parameters,
+                       const DepthJumps& jumps = DepthJumps());
 
   const SlicParameters&
   parameters() const
@@ -37,6 +40,7 @@ public:
 
 private:
   SlicParameters parameters_;
+  DepthJumps jumps_;
 };
 
 } // namespace pcl_semantic

@@ -51,4 +51,10 @@ LabelledCloud readLabelledCloud(const std::string& path);
  * \throws OutputException */
 void writeLabelledCloud(const std::string& path, const LabelledCloud& labelled);
 
+/** \brief Writes a cloud as the file it was read from, but for the field `clique`:
+ * clique c has the number c + 1, points in none have 0.
+ * \throws InvalidParameterException as writeLabelledCloud(), or if the cloud was not
+ * read from a file \throws OutputException */
+void writeCliques(const std::string& path, const LabelledCloud& labelled);
+
 } // namespace pcl_semantic

@@ -6,9 +6,8 @@
 
 #pragma once
 
-#include <pcl_semantic/cliques/clique_generator.h>
-#include <pcl_semantic/cliques/slic.h>
 #include <pcl_semantic/filters/crf_parameters.h>
+#include <pcl_semantic/pipeline/clique_config.h>
 #include <pcl_semantic/pipeline/config_parameter.h>
 
 #include <string>
@@ -21,16 +20,6 @@ namespace pcl_semantic {
  * \param[in] unit of positions, for the help: "m" or "px" */
 ConfigParameters parametersOf(SemanticCRFParameters& parameters,
                               const std::string& prefix, const std::string& unit);
-
-/** \brief Superpixels by name: `slic`, or `slic:NUMBER` for about so many.
- * \return false if \a text does not begin so
- * \throws InvalidParameterException at a number that cannot be */
-bool parseSlic(const std::string& text, SlicParameters& parameters);
-
-/** \brief The generator a text names: `cubes:SIZE`, the edge in metres, or superpixels
- * as parseSlic() takes them.
- * \throws InvalidParameterException if there is none such */
-CliqueGenerator::Ptr makeCliqueGenerator(const std::string& text);
 
 /** \brief What can be set of the tools that refine a cloud or an image. */
 struct CRFConfig {

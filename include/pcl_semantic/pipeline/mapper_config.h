@@ -26,6 +26,7 @@ struct MapperConfig {
   std::string crf = "dense";         ///< none, dense, pn-potts or hierarchical
   int crf_every = 1; ///< 1 = the CRF runs at each frame, 2 = at every other
   std::string cliques = "cubes:1"; ///< of the last two, as makeCliqueGenerator takes
+  CliqueParameters clique_parameters;
   SemanticCRFParameters crf_parameters;
   int threads = 0; ///< 0 = all processors
 

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/labelling/label_predictor.h>
@@ -95,6 +96,8 @@ private:
   std::unique_ptr<LabelPredictor> predictor_;
   std::unique_ptr<PoseSource> poses_;
   SemanticVoxelMap map_;
+  CliqueGenerator::Ptr cliques_;
+  std::shared_ptr<SuperpixelCliques> superpixels_; // cliques_, if it is some
   Callback callback_;
   int frames_ = 0;
   bool refined_ = true; // the CRF has seen the last frame

@@ -1,0 +1,203 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "supervoxel_clustering.h"
+
+#include <pcl_semantic/cliques/supervoxel_cliques.h>
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/parallel_guard.h>
+
+#include <pcl/common/point_tests.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int kSeedsACube = 8;
+
+// Places are rounded, so that supervoxels of a regular grid, in which many distances
+// are equal, do not change with the last bits of its coordinates: where the cloud lies.
+constexpr int kStepsAVoxel = 256;
+
+// Even, so that the middle of a cube is a border of voxels.
+int
+voxelsACube(const SupervoxelParameters& parameters)
+{
+  return 2 * int(std::ceil(0.5 * kSeedsACube * parameters.seed_resolution /
+                               parameters.voxel_resolution -
+                           1e-6));
+}
+
+void
+require(bool holds, const char* name, double value, const char* expected)
+{
+  if (!holds)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "supervoxels: " << name << " is " << value << ", expected "
+                                        << expected);
+}
+
+template <typename Point>
+auto
+keyOf(const Point& point)
+{
+  return std::tie(point.z, point.y, point.x, point.rgb);
+}
+
+// A supervoxel: its cube's number and its label there, 0 = none.
+struct Name {
+  std::size_t cube = 0;
+  std::uint32_t label = 0;
+};
+
+std::vector<pcl::PointIndices>
+cliquesOf(const std::vector<Name>& names, std::size_t cubes)
+{
+  std::vector<std::vector<std::size_t>> numbers(cubes); // by label, from 1; 0 = not met
+  std::vector<pcl::PointIndices> cliques;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto& [cube, label] = names[i];
+    if (label == 0)
+      continue;
+    if (numbers[cube].size() <= label)
+      numbers[cube].resize(label + 1, 0);
+    std::size_t& number = numbers[cube][label];
+    if (number == 0) {
+      cliques.emplace_back();
+      number = cliques.size();
+    }
+    cliques[number - 1].indices.push_back(pcl::index_t(i));
+  }
+  return cliques;
+}
+
+} // namespace
+
+void
+SupervoxelParameters::validate() const
+{
+  require(voxel_resolution >= 1e-3 && voxel_resolution <= 1e3, "voxel resolution",
+          voxel_resolution, "0.001 to 1000 m");
+  require(seed_resolution >= 2.0 * voxel_resolution &&
+              seed_resolution <= 100.0 * voxel_resolution,
+          "seed resolution", seed_resolution, "2 to 100 voxel resolutions");
+  for (const auto& [name, weight] : {std::pair("colour weight", colour_weight),
+                                     std::pair("spatial weight", spatial_weight),
+                                     std::pair("normal weight", normal_weight)})
+    require(weight >= 0.0 && weight <= 1e6, name, weight, "0 to 1e6");
+}
+
+SupervoxelCliques::SupervoxelCliques(const SupervoxelParameters& parameters)
+    : parameters_(parameters)
+{
+  parameters_.validate();
+}
+
+double
+SupervoxelCliques::cubeEdge() const
+{
+  return voxelsACube(parameters_) * parameters_.voxel_resolution;
+}
+
+std::vector<SupervoxelCliques::Members>
+SupervoxelCliques::groupByCube(const Cloud& cloud) const
+{
+  const double edge = cubeEdge();
+  const double step = parameters_.voxel_resolution / kStepsAVoxel;
+  std::vector<Members> groups;
+  std::unordered_map<VoxelIndex, std::size_t, VoxelIndexHash> numbers;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const pcl::PointXYZRGB& point = cloud[i];
+    if (!pcl::isXYZFinite(point))
+      continue;
+    const Eigen::Array3d cells = point.getVector3fMap().cast<double>() / edge;
+    if (!(cells.abs() <= kMaxVoxelIndex).all())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          "point " << i << " lies at "
+                                   << point.getVector3fMap().transpose()
+                                   << " m, too far from the origin for supervoxels");
+    const VoxelIndex cube = cells.floor().cast<int>();
+    const auto [entry, is_new] = numbers.try_emplace(cube, groups.size());
+    if (is_new)
+      groups.push_back({cube, {}});
+    const Eigen::Array3d place = point.getVector3fMap().cast<double>().array() -
+                                 edge * cube.cast<double>().array();
+    const Eigen::Array3f rounded = ((place / step).round() * step).cast<float>();
+    const std::uint32_t rgb =
+        parameters_.colour_weight > 0.0 ? point.rgba & 0xFFFFFF : 0;
+    groups[entry->second].points.push_back(
+        {{rounded.x(), rounded.y(), rounded.z(), rgb}, pcl::index_t(i)});
+  }
+  return groups;
+}
+
+std::vector<std::uint32_t>
+SupervoxelCliques::cluster(const std::vector<Point>& points) const
+{
+  Cloud cloud;
+  cloud.reserve(points.size() + 2);
+  for (const Point& point : points) {
+    pcl::PointXYZRGB copy;
+    copy.getVector3fMap() = Eigen::Vector3f(point.x, point.y, point.z);
+    copy.rgba = point.rgb;
+    cloud.push_back(copy);
+  }
+  std::vector<std::uint32_t> labels =
+      clusterSupervoxels(cloud, parameters_, voxelsACube(parameters_));
+  labelTheRest(cloud, parameters_.seed_resolution, labels);
+  return labels;
+}
+
+// Puts the points in an order of their own, and takes over what the last call found if
+// they are the same.
+SupervoxelCliques::Cube
+SupervoxelCliques::cubeOf(Members& members, char& changed) const
+{
+  const auto is_before = [](const auto& a, const auto& b) {
+    return keyOf(a.first) < keyOf(b.first);
+  };
+  std::sort(members.points.begin(), members.points.end(), is_before);
+  Cube cube;
+  cube.points.reserve(members.points.size());
+  for (const auto& [point, index] : members.points)
+    cube.points.push_back(point);
+  const auto last = cubes_.find(members.cube);
+  changed =
+      last == cubes_.end() ||
+      !std::equal(cube.points.begin(), cube.points.end(), last->second.points.begin(),
+                  last->second.points.end(),
+                  [](const Point& a, const Point& b) { return keyOf(a) == keyOf(b); });
+  cube.labels = changed ? cluster(cube.points) : last->second.labels;
+  return cube;
+}
+
+std::vector<pcl::PointIndices>
+SupervoxelCliques::generate(const Cloud& cloud)
+{
+  std::vector<Members> groups = groupByCube(cloud);
+  std::vector<Cube> cubes(groups.size());
+  std::vector<char> changed(groups.size(), 0);
+  ParallelGuard guard;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    guard.run([&] { cubes[g] = cubeOf(groups[g], changed[g]); });
+  guard.rethrow();
+  std::vector<Name> names(cloud.size());
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t m = 0; m < groups[g].points.size(); ++m)
+      names[std::size_t(groups[g].points[m].second)] = {g, cubes[g].labels[m]};
+  changed_cubes_ = std::size_t(std::count(changed.begin(), changed.end(), 1));
+  cubes_.clear();
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    cubes_.emplace(groups[g].cube, std::move(cubes[g]));
+  return cliquesOf(names, groups.size());
+}
+
+} // namespace pcl_semantic

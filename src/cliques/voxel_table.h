@@ -1,0 +1,59 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/voxel_index.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Finds the place of a voxel in a list; of one that is there several times, the
+ * first. Open addressing: many times faster to make than a std::unordered_map. */
+class VoxelTable {
+public:
+  /** \param[in] voxels fewer than 2^31; they have to live as long as the table */
+  explicit VoxelTable(const std::vector<VoxelIndex>& voxels) : voxels_(voxels)
+  {
+    std::size_t slots = 16;
+    while (slots < 2 * voxels.size())
+      slots *= 2;
+    mask_ = slots - 1;
+    slots_.resize(slots, kNone);
+    for (std::size_t i = 0; i < voxels.size(); ++i)
+      if (std::int32_t& slot = slots_[slotOf(voxels[i])]; slot == kNone)
+        slot = std::int32_t(i);
+  }
+
+  /** \return kNone if it is not there */
+  std::int32_t
+  find(const VoxelIndex& voxel) const
+  {
+    return slots_[slotOf(voxel)];
+  }
+
+  static constexpr std::int32_t kNone = -1;
+
+private:
+  // Where it is, or would be.
+  std::size_t
+  slotOf(const VoxelIndex& voxel) const
+  {
+    std::size_t slot = VoxelIndexHash()(voxel) & mask_;
+    while (slots_[slot] != kNone && voxels_[std::size_t(slots_[slot])] != voxel)
+      slot = (slot + 1) & mask_;
+    return slot;
+  }
+
+  const std::vector<VoxelIndex>& voxels_;
+  std::vector<std::int32_t> slots_;
+  std::size_t mask_ = 0;
+};
+
+} // namespace pcl_semantic
