@@ -107,7 +107,7 @@ TEST_F(EvaluateTool, RefusesBadInput)
   expectFails(one + " --misspelt", 2, "misspelt");
   expectFails(one + " --ignore 12", 2, "'12'");
   expectFails(one + " --ignore skye", 2, "'skye'");
-  expectFails(one + " --truth " + (folder_.path("t2")), 2, "1, 2 and 0 times");
+  expectFails(one + " --truth " + (folder_.path("t2")), 2, "given 2 and 1 times");
   expectFails("evaluate --prediction " + (folder_.path("p1")) + " --truth " +
                   (folder_.path("t2")) + label_set,
               3, "p1/000004.png: is missing");
@@ -145,7 +145,7 @@ TEST(LidarTruthTool, ProjectsAGeneratedScan)
   EXPECT_EQ(cv::countNonZero(truth), 1);
   EXPECT_EQ(truth(15, 20), 3);
 
-  expectFails(command + "/../image_0", 2, "holds the images of the sequence");
+  expectFails(command + "/../image_0", 2, "holds files of the sequence");
   expectFails(command + " --frames 10:5", 2, "10:5");
   expectFails(command + " --frames 3:5", 3, "3:5");
   expectFails(command + " --max-depth nan", 2, "max-depth");

@@ -100,12 +100,12 @@ TEST(LidarTruth, EqualsBruteForce)
   parameters.window_rows = 4;
   parameters.window_columns = 2;
   const cv::Mat1b truth =
-      projectLidarTruth(scan, labels, smallCamera(), pose, parameters);
+      projectLidarTruth(scan, labels, smallCamera(), pose, parameters).labels;
   const cv::Mat1b expected = bruteForce(scan, labels, smallCamera(), pose, parameters);
   EXPECT_EQ(cv::countNonZero(truth != expected), 0);
   parameters.absolute_margin = 1e9; // no occlusion rule
   const int all = cv::countNonZero(
-      projectLidarTruth(scan, labels, smallCamera(), pose, parameters));
+      projectLidarTruth(scan, labels, smallCamera(), pose, parameters).labels);
   EXPECT_GT(cv::countNonZero(truth), 100);
   EXPECT_GT(all, cv::countNonZero(truth) + 50);
 }
@@ -136,7 +136,7 @@ TEST(LidarTruth, BackgroundShinesThroughOnlyBesideTheObject)
     for (int u = 50; u < 80; ++u)
       add(u, v, 50.0 * 1.65 / (v - 25.3), 3);
   const cv::Mat1b truth =
-      projectLidarTruth(scan, labels, camera, Eigen::Isometry3d::Identity());
+      projectLidarTruth(scan, labels, camera, Eigen::Isometry3d::Identity()).labels;
   EXPECT_EQ(truth(20, 20), 6);
   EXPECT_EQ(truth(22, 31), 0);
   EXPECT_EQ(truth(7, 31), 1);
