@@ -110,8 +110,7 @@ MapGeometry::addScan(const pcl::PointCloud<pcl::PointXYZI>& scan,
       seenDepths(scan, camera, T_camera_scanner, seen_parameters);
   std::vector<Eigen::Vector3d> camera_points;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    camera_points.push_back(T_camera_scanner *
-                            scan[i].getVector3fMap().cast<double>());
+    camera_points.push_back(T_camera_scanner * scan[i].getVector3fMap().cast<double>());
     const Eigen::Vector3d point = T_world_camera * camera_points.back();
     const Eigen::Vector3f near = (point - origin_).cast<float>();
     returns_->push_back(pcl::PointXYZ(near.x(), near.y(), near.z()));

@@ -114,8 +114,7 @@ isJudged(const World& world, std::size_t voxel, const GeometryParameters& parame
     bool above = false, below = false;
     double farthest = 0.0;
     for (const pcl::PointXYZI& point : world.scans[frame]) {
-      const Eigen::Vector3d q =
-          scannerPose() * point.getVector3fMap().cast<double>();
+      const Eigen::Vector3d q = scannerPose() * point.getVector3fMap().cast<double>();
       if (!isInside(q))
         continue;
       const Eigen::Vector2d offset = pixelIn(q) - pixelIn(p);
@@ -138,11 +137,11 @@ nearestReturn(const World& world, std::size_t voxel)
   double least = 1e9;
   for (std::size_t frame = 0; frame < world.scans.size(); ++frame)
     for (const pcl::PointXYZI& point : world.scans[frame])
-      least = std::min(least,
-                       (poseOf(int(frame)) *
-                            (scannerPose() * point.getVector3fMap().cast<double>()) -
-                        world.centre(voxel))
-                           .norm());
+      least =
+          std::min(least, (poseOf(int(frame)) *
+                               (scannerPose() * point.getVector3fMap().cast<double>()) -
+                           world.centre(voxel))
+                              .norm());
   return least;
 }
 
@@ -163,8 +162,7 @@ isNear(const World& world, const Eigen::Vector3d& point, double distance)
 bool
 hasVoxel(const World& world, const Eigen::Vector3d& point, int around)
 {
-  const VoxelIndex at =
-      (point / world.voxels.voxel_size).array().floor().cast<int>();
+  const VoxelIndex at = (point / world.voxels.voxel_size).array().floor().cast<int>();
   for (const VoxelIndex& index : world.voxels.indices)
     if ((index - at).cwiseAbs().maxCoeff() <= around)
       return true;
@@ -209,8 +207,8 @@ TEST(MapGeometry, SurfaceIsCountedByBand)
   std::vector<SurfaceCounts> expected(3);
   LidarTruthParameters seen_parameters;
   for (std::size_t frame = 0; frame < world.scans.size(); ++frame) {
-    const std::vector<float> seen = seenDepths(world.scans[frame], smallCamera(),
-                                               scannerPose(), seen_parameters);
+    const std::vector<float> seen =
+        seenDepths(world.scans[frame], smallCamera(), scannerPose(), seen_parameters);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (seen[i] == 0.0f)
         continue;

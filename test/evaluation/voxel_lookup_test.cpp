@@ -104,7 +104,8 @@ TEST(VoxelLookup, FindsTheNearestCubeWithin)
 TEST(VoxelLookup, LabelsOfPlaces)
 {
   const std::vector<Label> labels = {4, 0, 7};
-  EXPECT_EQ(labelsAt({2, -1, 0, 1}, labels), (std::vector<Label>{7, 0, 4, 0}));
+  const std::vector<std::int32_t> list = {2, -1, 0, 1};
+  EXPECT_EQ(labelsAt(list, labels), (std::vector<Label>{7, 0, 4, 0}));
   const cv::Mat1i places = (cv::Mat1i(2, 2) << 2, -1, 0, 1);
   const cv::Mat1b image = labelsAt(cv::Mat(places), labels);
   EXPECT_EQ(image(0, 0), 7);

@@ -86,7 +86,7 @@ private:
   GeometryParameters parameters_;
   VoxelLookup lookup_;
   std::vector<VoxelIndex> indices_;
-  std::vector<std::uint8_t> judged_;                ///< by voxel
+  std::vector<std::uint8_t> judged_;                 ///< by voxel
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< of returns_, world frame [m]
   pcl::PointCloud<pcl::PointXYZ>::Ptr returns_{new pcl::PointCloud<pcl::PointXYZ>};
   std::vector<SurfaceCounts> surface_;
