@@ -44,7 +44,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
   // In this order: a map is made of the street, and evaluated.
   for (const char* verb :
        {"synthesize", "map", "evaluate", "lidar_truth", "crf", "image_crf", "archive",
-        "odometry", "trajectory", "stereo", "label"}) {
+        "odometry", "trajectory", "stereo", "label", "evaluate_map"}) {
     std::string example = replaceAll(exampleOf(verb), "/tmp/", folder.path() + "/");
     example = replaceAll(example, "pcl_semantic_synthesize ",
                          "pcl_semantic_synthesize --frames 2 --size 208x64 ");
@@ -61,7 +61,7 @@ TEST(Help, VersionOfEveryTool)
 {
   for (const std::string verb :
        {"synthesize", "map", "evaluate", "lidar_truth", "crf", "image_crf", "archive",
-        "odometry", "trajectory", "stereo", "label"}) {
+        "odometry", "trajectory", "stereo", "label", "evaluate_map"}) {
     const ToolResult result = runTool(verb + " --version");
     EXPECT_EQ(result.code, 0);
     EXPECT_EQ(result.text.rfind("pcl_semantic_" + verb + " ", 0), 0u) << result.text;
