@@ -43,9 +43,10 @@ describeOptions(MapArguments& arguments)
       "sequence's laser scans)")(
       "scan-within",
       po::value(&arguments.scan_within)->default_value(arguments.scan_within),
-      "a point of a scan takes the nearest voxel so far away [m]; 0 = the one that "
-      "holds it")("archive", po::value(&arguments.archive.path),
-                  "file that keeps the map: the run can be killed and go on")(
+      "of scans also the class of the nearest voxel so far away [m]; 0 = only that of "
+      "the one that holds the point")(
+      "archive", po::value(&arguments.archive.path),
+      "file that keeps the map: the run can be killed and go on")(
       "archive-every", po::value(&arguments.archive.every)->default_value(10),
       "frames from one commit to the archive to the next")(
       "resume", po::bool_switch(&arguments.archive.resume),

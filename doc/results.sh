@@ -42,7 +42,7 @@ map_sequence() { # SEQUENCE MODEL
   say "sequence $1: $2"
   # shellcheck disable=SC2086 # the options of a model are words
   build/bin/pcl_semantic_map "$kitti/$1" --labels "$out/$1/network_distributions" \
-    --also $also ${options[$2]} --output "$out/$1/$2" >/dev/null
+    --also $also --scan-within 0.3 ${options[$2]} --output "$out/$1/$2" >/dev/null
 }
 
 # truth, truth_scan (point by point), and the depth of both; or the hand-made images.
@@ -101,14 +101,19 @@ scan_table() { # SEQUENCES...
   sequences=("$@") bands=()
   header truth_scan
   rows "causal" scan_labels measured_scan_labels network_scan_labels truth_scan
+  rows "causal, to 0.3 m" near_scan_labels measured_near_scan_labels network_scan_labels \
+    truth_scan
   rows "final" final_scan_labels final_measured_scan_labels network_scan_labels truth_scan
+  rows "final, to 0.3 m" final_near_scan_labels final_measured_near_scan_labels \
+    network_scan_labels truth_scan
 }
 
 band_table() { # SEQUENCES...
   sequences=("$@") bands=(--range 0:10 --range 10:20 --range 20:40)
   header truth
   rows "rendered" labels measured_labels network_labels truth
-  rows "in 3D, causal" scan_labels measured_scan_labels network_scan_labels truth_scan
+  rows "in 3D to 0.3 m" near_scan_labels measured_near_scan_labels network_scan_labels \
+    truth_scan
 }
 
 geometry_table() { # SEQUENCES...
@@ -129,6 +134,7 @@ times() { # MAP: median seconds of each stage
     /"median"/ { gsub(/[",]/, ""); if (stage != "seconds") printf "| %s | %.3f |\n", stage, $2 }'
 }
 
+load=$(cut -d' ' -f1 /proc/loadavg) # of other programs: the times suffer from it
 for sequence in 15 "${streets[@]}"; do
   mkdir -p "$out/$sequence"
   label_sequence "$sequence"
@@ -144,8 +150,9 @@ build/bin/pcl_semantic_map "$kitti/07" --network "$network" --model "$model_file
 say "tables"
 {
   cat doc/results_head.md
-  printf '\nMade on %s, %s x %s, with the defaults of that day.\n' "$(date +%Y-%m-%d)" \
-    "$(nproc)" "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)"
+  printf '\nMade on %s, %s x %s (load at the beginning %s), with the defaults of that day.\n' \
+    "$(date +%Y-%m-%d)" "$(nproc)" \
+    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$load"
   printf '\n## Sequences 00, 03, 05, 07, 09 pooled: lidar truth to 40 m\n\n'
   image_table "${streets[@]}"
   printf '\n## The same by distance\n\n'

@@ -7,11 +7,33 @@
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/map/ray_traversal.h>
 
+#include <cmath>
 #include <limits>
 
 namespace pcl_semantic {
 
 namespace {
+
+constexpr std::int32_t block_edge = 8; // voxels
+
+VoxelIndex
+blockOf(const VoxelIndex& index)
+{
+  return {floorDivide(index.x(), block_edge), floorDivide(index.y(), block_edge),
+          floorDivide(index.z(), block_edge)};
+}
+
+// Visits the indices of a box, both corners included, by z, y, x.
+template <typename Visit>
+void
+visitBox(const VoxelIndex& first, const VoxelIndex& last, const Visit& visit)
+{
+  VoxelIndex index;
+  for (index.z() = first.z(); index.z() <= last.z(); ++index.z())
+    for (index.y() = first.y(); index.y() <= last.y(); ++index.y())
+      for (index.x() = first.x(); index.x() <= last.x(); ++index.x())
+        visit(index);
+}
 
 bool
 isNear(const Eigen::Vector3d& point, double voxel_size)
@@ -46,8 +68,10 @@ labelAt(std::int32_t place, const std::vector<Label>& labels)
 VoxelLookup::VoxelLookup(const VoxelCloud& voxels) : voxel_size_(voxels.voxel_size)
 {
   places_.reserve(voxels.size());
-  for (std::size_t i = 0; i < voxels.size(); ++i)
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
     places_.emplace(voxels.indices[i], static_cast<std::int32_t>(i));
+    blocks_.insert(blockOf(voxels.indices[i]));
+  }
 }
 
 std::int32_t
@@ -66,26 +90,36 @@ VoxelLookup::at(const Eigen::Vector3d& point) const
 std::int32_t
 VoxelLookup::nearest(const Eigen::Vector3d& point, double within) const
 {
-  std::int32_t best = at(point);
-  if (best != none || !(within > 0.0) || !isNear(point, voxel_size_))
-    return best;
+  const std::int32_t place = at(point);
+  if (place != none || !(within > 0.0) || !isNear(point, voxel_size_))
+    return place;
   const VoxelIndex first = indexOf(point.array() - within, voxel_size_);
   const VoxelIndex last = indexOf(point.array() + within, voxel_size_);
-  double least = std::numeric_limits<double>::infinity();
-  VoxelIndex index;
-  for (index.z() = first.z(); index.z() <= last.z(); ++index.z())
-    for (index.y() = first.y(); index.y() <= last.y(); ++index.y())
-      for (index.x() = first.x(); index.x() <= last.x(); ++index.x()) {
-        const double squared = squaredDistance(point, index, voxel_size_);
-        if (squared > within * within || squared >= least)
-          continue;
-        const std::int32_t place = find(index);
-        if (place == none)
-          continue;
-        least = squared;
-        best = place;
-      }
-  return best;
+  double least = std::nextafter(within * within, 1e300);
+  VoxelIndex best = VoxelIndex::Constant(std::numeric_limits<int>::max());
+  visitBox(blockOf(first), blockOf(last), [&](const VoxelIndex& block) {
+    if (blocks_.count(block)) // most are empty
+      nearestInBlock(
+          point, first.cwiseMax(block * block_edge),
+          last.cwiseMin(block * block_edge + VoxelIndex::Constant(block_edge - 1)),
+          least, best);
+  });
+  return find(best);
+}
+
+void
+VoxelLookup::nearestInBlock(const Eigen::Vector3d& point, const VoxelIndex& first,
+                            const VoxelIndex& last, double& least,
+                            VoxelIndex& best) const
+{
+  visitBox(first, last, [&](const VoxelIndex& index) {
+    const double squared = squaredDistance(point, index, voxel_size_);
+    if (squared > least || (squared == least && !VoxelIndexLess()(index, best)) ||
+        find(index) == none)
+      return;
+    least = squared;
+    best = index;
+  });
 }
 
 std::vector<std::int32_t>

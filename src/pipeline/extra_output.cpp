@@ -25,11 +25,13 @@ namespace {
 
 // Written at each frame, and when the map is finished.
 constexpr const char* frame_folders[] = {
-    "measured_labels", "measured_labels_at_depth", "depth",
-    "scan_labels",     "measured_scan_labels",     "network_scan_labels"};
+    "measured_labels",  "measured_labels_at_depth", "depth",
+    "scan_labels",      "measured_scan_labels",     "network_scan_labels",
+    "near_scan_labels", "measured_near_scan_labels"};
 
-constexpr const char* final_folders[] = {"final_measured_labels", "final_scan_labels",
-                                         "final_measured_scan_labels"};
+constexpr const char* final_folders[] = {
+    "final_measured_labels", "final_scan_labels", "final_measured_scan_labels",
+    "final_near_scan_labels", "final_measured_near_scan_labels"};
 
 std::vector<std::string>
 foldersOf(const ExtraOptions& options)
@@ -45,6 +47,12 @@ foldersOf(const ExtraOptions& options)
   if (!options.scans.empty() && options.measured)
     folders.insert(folders.end(),
                    {"measured_scan_labels", "final_measured_scan_labels"});
+  if (!options.scans.empty() && options.within > 0.0) {
+    folders.insert(folders.end(), {"near_scan_labels", "final_near_scan_labels"});
+    if (options.measured)
+      folders.insert(folders.end(),
+                     {"measured_near_scan_labels", "final_measured_near_scan_labels"});
+  }
   return folders;
 }
 
@@ -146,12 +154,21 @@ ExtraOutput::writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
   points.reserve(scan->size());
   for (const pcl::PointXYZI& point : *scan)
     points.push_back(T_world_scanner * point.getVector3fMap().cast<double>());
-  const std::vector<std::int32_t> places =
-      labels.lookup.places(points, options_.within);
-  writeScanLabels(path(prefix + "scan_labels", frame, ".label"),
+  writePoints(frame, labels.lookup.places(points), labels, prefix, "scan_labels");
+  if (options_.within > 0.0)
+    writePoints(frame, labels.lookup.places(points, options_.within), labels, prefix,
+                "near_scan_labels");
+}
+
+void
+ExtraOutput::writePoints(int frame, const std::vector<std::int32_t>& places,
+                         const MapLabels& labels, const std::string& prefix,
+                         const std::string& name) const
+{
+  writeScanLabels(path(prefix + name, frame, ".label"),
                   labelsAt(places, labels.refined));
   if (options_.measured)
-    writeScanLabels(path(prefix + "measured_scan_labels", frame, ".label"),
+    writeScanLabels(path(prefix + "measured_" + name, frame, ".label"),
                     labelsAt(places, labels.measured));
 }
 

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace pcl_semantic {
@@ -50,7 +51,11 @@ public:
   }
 
 private:
+  void nearestInBlock(const Eigen::Vector3d& point, const VoxelIndex& first,
+                      const VoxelIndex& last, double& least, VoxelIndex& best) const;
+
   std::unordered_map<VoxelIndex, std::int32_t, VoxelIndexHash> places_;
+  std::unordered_set<VoxelIndex, VoxelIndexHash> blocks_; // that hold a voxel
   double voxel_size_;
 };
 

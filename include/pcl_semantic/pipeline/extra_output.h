@@ -21,7 +21,7 @@ struct ExtraOptions {
   bool depth = false;    ///< measured depth of the pixels
   std::string scans;     ///< folder of laser scans to label; empty = none
   Eigen::Isometry3d T_camera_scanner = Eigen::Isometry3d::Identity();
-  double within = 0.0; ///< a point takes the nearest voxel so far away [m]
+  double within = 0.0; ///< also: a point takes the nearest voxel so far away [m]
 };
 
 /** \brief Writes it, into folders of its own beside those of MappingOutput:
@@ -31,7 +31,8 @@ struct ExtraOptions {
  * point of a scan has the label of its voxel in `scan_labels`, as the map stood at that
  * frame, and in `final_scan_labels` (`.label`, 0 = no occupied voxel), without CRF in
  * `measured_scan_labels` and `final_measured_scan_labels`; that of the pixel it falls
- * on, hidden or not, in `network_scan_labels`. */
+ * on, hidden or not, in `network_scan_labels`. With \a within there are four more,
+ * `near_scan_labels` and so on, of the nearest voxels, see VoxelLookup::nearest(). */
 class ExtraOutput {
 public:
   /** \throws OutputException if a folder cannot be made */
@@ -66,6 +67,10 @@ private:
 
   void writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
                  const MapLabels& labels, const std::string& prefix) const;
+
+  void writePoints(int frame, const std::vector<std::int32_t>& places,
+                   const MapLabels& labels, const std::string& prefix,
+                   const std::string& name) const;
 
   void writeAtDepth(const MappedFrame& mapped, const MapLabels& labels) const;
 
