@@ -4,20 +4,18 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "evaluated_classes.h"
+#include "evaluated_folders.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/evaluation_report.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 
-#include <algorithm>
-#include <charconv>
-#include <filesystem>
 #include <iostream>
-#include <sstream>
+#include <optional>
 
 namespace {
 
@@ -27,9 +25,11 @@ struct Options {
   std::vector<std::string> predictions;
   std::vector<std::string> truths;
   std::vector<std::string> covered_by;
+  std::vector<std::string> truth_depths;
+  std::vector<std::string> ranges;
   std::string label_set;
-  std::string ignore;
-  bool ignore_given = false;
+  std::string label_mapping;
+  std::optional<std::string> ignore;
   std::string output;
   std::string row;
   bool header = false;
@@ -37,8 +37,9 @@ struct Options {
 
 const tool::Usage usage{
     "pcl_semantic_evaluate", "--prediction DIR --truth DIR --label-set FILE [options]",
-    "Compares label images with truth images of the same names and prints IoU, recall\n"
-    "and precision in percent. Exclusive figures count the pixels that the prediction\n"
+    "Compares label images, or labels of scans (.label), with truth of the same names\n"
+    "and prints IoU, recall and precision in percent. Exclusive figures count the "
+    "pixels that the prediction\n"
     "covers (is not 0); inclusive ones take uncovered pixels for misses. Folders may "
     "be\n"
     "given several times, in the same order: they are evaluated as one.",
@@ -51,116 +52,65 @@ parse(int argc, char** argv, Options& options)
   namespace po = tool::po;
   po::options_description description("Options");
   description.add_options()("prediction", po::value(&options.predictions)->required(),
-                            "folder of label images")(
+                            "folder of label images, or of labels of scans")(
       "truth", po::value(&options.truths)->required(),
-      "folder of truth images, 0 = no truth; each needs a prediction")(
+      "folder of truth, 0 = no truth; each file needs a prediction")(
       "covered-by", po::value(&options.covered_by),
-      "folder of images: count only pixels where the one of the same name is not 0")(
-      "label-set", po::value(&options.label_set)->required(), "classes (YAML)")(
-      "ignore", po::value(&options.ignore),
+      "folder likewise: count only pixels where the file of the same name is not 0")(
+      "truth-depth", po::value(&options.truth_depths),
+      "folder of the depths of the truth, as pcl_semantic_lidar_truth writes them")(
+      "range", po::value(&options.ranges),
+      "A:B, count only truth of depths A <= z < B [m]; given several times: each by "
+      "itself")("label-set", po::value(&options.label_set)->required(),
+                "classes (YAML)")(
+      "label-mapping", po::value(&options.label_mapping),
+      "ids of .label truth to the classes (YAML), for that of SemanticKITTI")(
+      "ignore", po::value<std::string>()->notifier([&](const std::string& words) {
+        options.ignore = words;
+      }),
       "classes whose truth does not count, numbers or names with commas between them, "
-      "or "
-      "none; default: sky,pedestrian,cyclist, as far as the label set has them")(
+      "or none; default: sky,pedestrian,cyclist, as far as the label set has them")(
       "output,o", po::value(&options.output),
       "folder for metrics.json, confusion.csv and confusion.png")(
       "row", po::value(&options.row), "print one row of a Markdown table of this name")(
       "header", po::bool_switch(&options.header), "print the header of such a table");
   po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, description, {}, values))
-    return false;
-  options.ignore_given = values.count("ignore") > 0;
-  return true;
+  return tool::parseCommandLine(argc, argv, usage, description, {}, values);
 }
 
-/** \brief The class that a number or a name of --ignore means. */
-Label
-ignoredLabel(const std::string& word, const LabelSet& label_set)
-{
-  int number = 0;
-  const auto [rest, error] =
-      std::from_chars(word.data(), word.data() + word.size(), number);
-  if (error == std::errc() && rest == word.data() + word.size()) {
-    if (number >= 1 && number <= label_set.size())
-      return static_cast<Label>(number);
-  }
-  else if (const Label label = label_set.find(word))
-    return label;
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      "--ignore: '" << word << "' is no class of the label set");
-}
-
-std::vector<Label>
-evaluatedClasses(const Options& options, const LabelSet& label_set)
-{
-  std::vector<Label> ignored;
-  if (!options.ignore_given)
-    ignored = {label_set.find("sky"), label_set.find("pedestrian"),
-               label_set.find("cyclist")};
-  else if (options.ignore != "none") {
-    std::istringstream words(options.ignore);
-    for (std::string word; std::getline(words, word, ',');)
-      ignored.push_back(ignoredLabel(word, label_set));
-  }
-  std::vector<Label> evaluated;
-  for (int label = 1; label <= label_set.size(); ++label)
-    if (std::find(ignored.begin(), ignored.end(), label) == ignored.end())
-      evaluated.push_back(static_cast<Label>(label));
-  if (evaluated.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "--ignore leaves no class");
-  return evaluated;
-}
-
-ConfusionMatrix
-compareFolders(const std::string& prediction, const std::string& truth,
-               const std::string& covered_by, const LabelSet& label_set)
-{
-  const std::vector<FrameFile> files = listFrameFiles(truth, {".png"});
-  if (files.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        truth << ": holds no truth images, expected 000000.png ...");
-  ConfusionMatrix confusion(label_set.size());
-  for (const FrameFile& file : files) {
-    const std::string name = "/" + std::filesystem::path(file.path).filename().string();
-    if (!std::filesystem::exists(prediction + name))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          prediction << name << ": is missing, expected as the "
-                                     << "prediction for " << file.path);
-    const cv::Mat truth_image = readPng(file.path, ImageKind::labels);
-    const cv::Mat prediction_image = readPng(prediction + name, ImageKind::labels);
-    const cv::Mat covered_image =
-        covered_by.empty() ? cv::Mat() : readPng(covered_by + name, ImageKind::labels);
-    try {
-      confusion.add(truth_image, prediction_image, covered_image);
-    }
-    catch (const BadInputException& error) {
-      PCL_THROW_EXCEPTION(BadInputException, prediction << name << " against "
-                                                        << file.path << ": "
-                                                        << error.what());
-    }
-  }
-  return confusion;
-}
-
-int
-evaluate(const Options& options)
+std::vector<tool::EvaluatedFolders>
+foldersOf(const Options& options)
 {
   const std::size_t count = options.truths.size();
-  if (options.predictions.size() != count ||
-      (!options.covered_by.empty() && options.covered_by.size() != count))
+  for (const auto& [name, folders] :
+       {std::pair("--prediction", &options.predictions),
+        std::pair("--covered-by", &options.covered_by),
+        std::pair("--truth-depth", &options.truth_depths)})
+    if (folders->size() != count && !folders->empty())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--truth and " << name << " are given " << count << " and "
+                                         << folders->size()
+                                         << " times, expected as many of each");
+  if (options.ranges.empty() != options.truth_depths.empty())
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--prediction, --truth and --covered-by are given "
-                            << options.predictions.size() << ", " << count << " and "
-                            << options.covered_by.size()
-                            << " times, expected as many of each");
-  const LabelSet label_set = readLabelSet(options.label_set);
-  const std::vector<Label> evaluated = evaluatedClasses(options, label_set);
-  if (!options.output.empty())
-    makeOutputFolder(options.output);
-  ConfusionMatrix confusion(label_set.size());
+                        "--range and --truth-depth belong together");
+  if (options.ranges.size() > 1 && !options.output.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "--output takes the figures of one --range, not of "
+                            << options.ranges.size());
+  std::vector<tool::EvaluatedFolders> all(count);
   for (std::size_t i = 0; i < count; ++i)
-    confusion += compareFolders(options.predictions[i], options.truths[i],
-                                options.covered_by.empty() ? "" : options.covered_by[i],
-                                label_set);
+    all[i] = {options.predictions[i], options.truths[i],
+              options.covered_by.empty() ? "" : options.covered_by[i],
+              options.truth_depths.empty() ? "" : options.truth_depths[i]};
+  return all;
+}
+
+void
+report(const Options& options, const ConfusionMatrix& confusion,
+       const LabelSet& label_set, const std::vector<Label>& evaluated,
+       const std::string& range)
+{
   const Scores scores = computeScores(confusion, evaluated);
   if (!options.output.empty()) {
     writeTextFile(options.output + "/metrics.json", scoresJson(scores, label_set));
@@ -169,12 +119,42 @@ evaluate(const Options& options)
     writePng(options.output + "/confusion.png",
              drawConfusion(confusion, label_set, evaluated));
   }
-  if (options.header)
-    std::cout << scoresMarkdownHeader(scores, label_set);
   if (!options.row.empty())
-    std::cout << scoresMarkdownRow(scores, options.row);
+    std::cout << scoresMarkdownRow(scores, range.empty() ? options.row
+                                                         : options.row + ", " + range);
   if (!options.header && options.row.empty())
-    std::cout << scoresTable(scores, label_set);
+    std::cout << (range.empty() ? "" : "\n" + range + "\n")
+              << scoresTable(scores, label_set);
+}
+
+int
+evaluate(const Options& options)
+{
+  const std::vector<tool::EvaluatedFolders> folders = foldersOf(options);
+  std::vector<tool::DepthRange> ranges;
+  for (const std::string& range : options.ranges)
+    ranges.push_back(tool::parseDepthRange(range));
+  const LabelSet label_set = readLabelSet(options.label_set);
+  std::optional<LabelMapping> mapping;
+  if (!options.label_mapping.empty())
+    mapping = readLabelMapping(options.label_mapping, label_set);
+  const std::vector<Label> evaluated =
+      tool::evaluatedClasses(options.ignore, label_set);
+  if (!options.output.empty())
+    makeOutputFolder(options.output);
+  std::vector<ConfusionMatrix> total(std::max<std::size_t>(ranges.size(), 1),
+                                     ConfusionMatrix(label_set.size()));
+  for (const tool::EvaluatedFolders& each : folders) {
+    const auto confusions =
+        compareFolders(each, ranges, label_set, mapping ? &*mapping : nullptr);
+    for (std::size_t i = 0; i < total.size(); ++i)
+      total[i] += confusions[i];
+  }
+  if (options.header)
+    std::cout << scoresMarkdownHeader(computeScores(total[0], evaluated), label_set);
+  for (std::size_t i = 0; i < total.size(); ++i)
+    report(options, total[i], label_set, evaluated,
+           ranges.empty() ? "" : ranges[i].text);
   return tool::exit_done;
 }
 

@@ -12,6 +12,7 @@
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/semantic_kitti_labels.h>
 #include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -28,6 +29,7 @@ using namespace pcl_semantic;
 struct Options {
   std::string sequence;
   std::string output;
+  std::string depth, scan_labels, scan_depth; // folders, empty = not written
   std::string label_set;
   std::string label_mapping;
   std::string frames = ":";
@@ -38,7 +40,8 @@ const tool::Usage usage{
     "pcl_semantic_lidar_truth",
     "SEQUENCE --output DIR --label-set FILE --label-mapping FILE [options]",
     "Projects the labelled laser scans of a KITTI sequence (velodyne/*.bin, "
-    "labels/*.label)\ninto its left images: sparse 8-bit truth images, 0 = no truth.",
+    "labels/*.label)\ninto its left images: sparse 8-bit truth images, 0 = no truth. "
+    "Also writes how far\nthe truth is, and the truth point by point for maps in 3D.",
     "pcl_semantic_lidar_truth sequences/05 --output /tmp/truth \\\n"
     "    --label-set data/label_sets/kitti11.yaml \\\n"
     "    --label-mapping data/label_mappings/semantic_kitti_to_kitti11.yaml"};
@@ -52,6 +55,12 @@ parse(int argc, char** argv, Options& options)
   description.add_options()("sequence", po::value(&options.sequence)->required(),
                             "folder of the sequence")(
       "output,o", po::value(&options.output)->required(), "folder of the truth images")(
+      "depth", po::value(&options.depth),
+      "folder for the depth of their pixels (16-bit PNG, 256 x metres)")(
+      "scan-labels", po::value(&options.scan_labels),
+      "folder for the class of each point that the camera sees, 0 of others (.label)")(
+      "scan-depth", po::value(&options.scan_depth),
+      "folder for the depth of these points (.bin, float32)")(
       "label-set", po::value(&options.label_set)->required(),
       "classes (YAML)")("label-mapping", po::value(&options.label_mapping)->required(),
                         "SemanticKITTI ids to the classes (YAML)")(
@@ -66,22 +75,55 @@ parse(int argc, char** argv, Options& options)
   return tool::parseCommandLine(argc, argv, usage, description, positional, values);
 }
 
-/** \brief Truth images bear the names of the images: they must not replace them. */
+// Truth bears the names of images and scans: it must not replace them.
 void
-refuseImageFolders(const Options& options)
+refuseInputFolders(const Options& options)
 {
   std::error_code error;
-  for (const char* images : {"/image_0", "/image_1", "/image_2", "/image_3"})
-    if (std::filesystem::equivalent(options.sequence + images, options.output, error))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--output " << options.output
-                                      << ": holds the images of the sequence");
+  for (const char* name :
+       {"/image_0", "/image_1", "/image_2", "/image_3", "/labels", "/velodyne"})
+    for (const auto& [option, folder] :
+         {std::pair("--output ", options.output), std::pair("--depth ", options.depth),
+          std::pair("--scan-labels ", options.scan_labels),
+          std::pair("--scan-depth ", options.scan_depth)})
+      if (std::filesystem::equivalent(options.sequence + name, folder, error))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            option << folder << ": holds files of the sequence");
+  if (!options.depth.empty() &&
+      std::filesystem::weakly_canonical(options.depth, error) ==
+          std::filesystem::weakly_canonical(options.output, error))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "--depth and --output are one folder");
+}
+
+// Writes what is asked for of one scan.
+void
+writeTruth(const Options& options, int frame,
+           const pcl::PointCloud<pcl::PointXYZI>& scan, std::vector<Label> labels,
+           const StereoCamera& camera, const Eigen::Isometry3d& T_camera_velodyne)
+{
+  const LidarTruth truth =
+      projectLidarTruth(scan, labels, camera, T_camera_velodyne, options.parameters);
+  writePng(options.output + "/" + frameFileName(frame, ".png"), truth.labels);
+  if (!options.depth.empty())
+    writeDepthImage(options.depth + "/" + frameFileName(frame, ".png"), truth.depth);
+  if (options.scan_labels.empty() && options.scan_depth.empty())
+    return;
+  const std::vector<float> seen =
+      seenDepths(scan, camera, T_camera_velodyne, options.parameters);
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen[i] == 0.0f)
+      labels[i] = kUnlabelled;
+  if (!options.scan_labels.empty())
+    writeScanLabels(options.scan_labels + "/" + frameFileName(frame, ".label"), labels);
+  if (!options.scan_depth.empty())
+    writePointDepths(options.scan_depth + "/" + frameFileName(frame, ".bin"), seen);
 }
 
 int
 project(const Options& options)
 {
-  refuseImageFolders(options);
+  refuseInputFolders(options);
   const FrameRange range = parseFrameRange(options.frames);
   if (!(options.parameters.max_depth > 0.0))
     PCL_THROW_EXCEPTION(InvalidParameterException, "--max-depth is "
@@ -101,16 +143,18 @@ project(const Options& options)
                         options.sequence << "/velodyne: holds no scan of the frames "
                                          << options.frames);
 
-  makeOutputFolder(options.output);
+  for (const std::string& folder :
+       {options.output, options.depth, options.scan_labels, options.scan_depth})
+    if (!folder.empty())
+      makeOutputFolder(folder);
   tool::ProgressBar progress("projecting", scans.size());
   for (const FrameFile& file : scans) {
     const auto scan = readVelodyneScan(file.path);
-    const std::vector<Label> labels = readSemanticKittiLabels(
-        options.sequence + "/labels/" + frameFileName(file.frame, ".label"), mapping,
-        scan->size());
-    writePng(options.output + "/" + frameFileName(file.frame, ".png"),
-             projectLidarTruth(*scan, labels, sequence.camera(), T_camera_velodyne,
-                               options.parameters));
+    writeTruth(options, file.frame, *scan,
+               readSemanticKittiLabels(options.sequence + "/labels/" +
+                                           frameFileName(file.frame, ".label"),
+                                       mapping, scan->size()),
+               sequence.camera(), T_camera_velodyne);
     progress.step();
   }
   std::cout << "wrote " << scans.size() << " truth images to " << options.output

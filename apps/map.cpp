@@ -5,6 +5,7 @@
  */
 
 #include "map_arguments.h"
+#include "map_extras.h"
 #include "map_poses.h"
 #include "pair_watch.h"
 #include "progress_bar.h"
@@ -79,7 +80,7 @@ makeRun(const MapArguments& arguments, const FrameSequence& sequence,
 
 MappingOutput
 makeOutput(const MapArguments& arguments, const MappingRun& run,
-           const std::string& poses, const MappingArchive& archive)
+           const std::string& poses, const MappingArchive& archive, ExtraOptions extra)
 {
   auto inputs = tool::inputsOf(arguments.sequence);
   inputs.insert(inputs.end(), {{"frames", arguments.frames},
@@ -89,8 +90,8 @@ makeOutput(const MapArguments& arguments, const MappingRun& run,
                                {"network", arguments.network},
                                {"model", arguments.model},
                                {"archive", arguments.archive.path}});
-  return {arguments.output,     run.camera,        run.label_set,    run.config,
-          run.T_camera0_camera, std::move(inputs), archive.records()};
+  return {arguments.output,     run.camera,        run.label_set,     run.config,
+          run.T_camera0_camera, std::move(inputs), archive.records(), std::move(extra)};
 }
 
 void
@@ -153,6 +154,7 @@ mapSequence(const MapArguments& arguments)
   const std::vector<std::size_t> frames =
       tool::chooseFrames(arguments.sequence, sequence, arguments.frames);
   const MappingRun run = makeRun(arguments, sequence, frames, chosen, labelling);
+  ExtraOptions extra = tool::makeExtras(arguments, sequence, frames);
   std::unique_ptr<PoseSource> owned_poses = tool::makePoses(chosen, sequence);
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(frameTimes(sequence, frames));
@@ -160,7 +162,7 @@ mapSequence(const MapArguments& arguments)
   SemanticMapper mapper(run.camera, run.label_set, run.config,
                         std::move(labelling.predictor), std::move(owned_poses),
                         archive.store());
-  MappingOutput output = makeOutput(arguments, run, chosen, archive);
+  MappingOutput output = makeOutput(arguments, run, chosen, archive, std::move(extra));
   archive.resume(mapper);
   mapFrames(sequence, run, arguments.sequence.strict, mapper, archive, output);
   judgeTracking(arguments, poses, int(run.frames.size()));

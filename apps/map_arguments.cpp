@@ -37,6 +37,14 @@ describeOptions(MapArguments& arguments)
       "KITTI or TUM trajectory file, 'sequence' for its own poses.txt, 'odometry' to "
       "find them in the images, 'auto': its own or else odometry")(
       "frames", po::value(&arguments.frames), "A:B, frames numbered A <= n < B")(
+      "also", po::value(&arguments.also),
+      "writes more, for evaluation, words with commas between them: measured (labels "
+      "before the CRF), depth (of the pixels), scans (the class of each point of the "
+      "sequence's laser scans)")(
+      "scan-within",
+      po::value(&arguments.scan_within)->default_value(arguments.scan_within),
+      "of scans also the class of the nearest voxel so far away [m]; 0 = only that of "
+      "the one that holds the point")(
       "archive", po::value(&arguments.archive.path),
       "file that keeps the map: the run can be killed and go on")(
       "archive-every", po::value(&arguments.archive.every)->default_value(10),

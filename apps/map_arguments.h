@@ -20,6 +20,8 @@ struct MapArguments {
   SequenceOptions sequence;
   std::string output, labels, label_set, network, model, poses, config;
   std::string frames = ":";
+  std::string also; ///< measured, depth, scans: see makeExtras()
+  double scan_within = 0.0;
   bool print_config = false;
   MappingArchive::Options archive;
   MapperConfig parameters;

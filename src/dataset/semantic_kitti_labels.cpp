@@ -6,11 +6,26 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/semantic_kitti_labels.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <cstring>
 
 namespace pcl_semantic {
+
+namespace {
+
+// The class of a point; the upper bits of the file's value are an instance.
+std::uint32_t
+classOf(const std::vector<std::uint8_t>& bytes, std::size_t i)
+{
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + i * sizeof(value), sizeof(value));
+  return value & 0xFFFFu;
+}
+
+} // namespace
 
 std::vector<Label>
 readSemanticKittiLabels(const std::string& path, const LabelMapping& mapping,
@@ -23,12 +38,40 @@ readSemanticKittiLabels(const std::string& path, const LabelMapping& mapping,
                              << count * sizeof(std::uint32_t) << " (uint32 for each of "
                              << count << " points of the scan)");
   std::vector<Label> labels(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint32_t value = 0;
-    std::memcpy(&value, bytes.data() + i * sizeof(value), sizeof(value));
-    labels[i] = mapping(value & 0xFFFFu);
+  for (std::size_t i = 0; i < count; ++i)
+    labels[i] = mapping(classOf(bytes, i));
+  return labels;
+}
+
+std::vector<Label>
+readScanLabels(const std::string& path, int classes)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  if (bytes.size() % sizeof(std::uint32_t) != 0)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has " << bytes.size()
+                             << " bytes, expected uint32 for each point of a scan");
+  std::vector<Label> labels(bytes.size() / sizeof(std::uint32_t));
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::uint32_t value = classOf(bytes, i);
+    if (value > std::uint32_t(classes))
+      PCL_THROW_EXCEPTION(BadInputException, path << ": point " << i << " has class "
+                                                  << value << ", expected 0 to "
+                                                  << classes);
+    labels[i] = static_cast<Label>(value);
   }
   return labels;
+}
+
+void
+writeScanLabels(const std::string& path, const std::vector<Label>& labels)
+{
+  ByteWriter bytes;
+  bytes.putColumn(std::vector<std::uint32_t>(labels.begin(), labels.end()));
+  AtomicFile file(path);
+  file.stream().write(reinterpret_cast<const char*>(bytes.bytes().data()),
+                      std::streamsize(bytes.bytes().size()));
+  file.commit();
 }
 
 } // namespace pcl_semantic

@@ -87,6 +87,16 @@ checkSums(const LabelDistributions::Matrix& values, const std::string& path, int
   }
 }
 
+// Rows of the image whose pixels these are.
+int
+rowsOf(const LabelDistributions& distributions, int width)
+{
+  if (width < 1 || distributions.size() % width != 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        distributions.size() << " pixels are no rows of " << width);
+  return int(distributions.size() / width);
+}
+
 } // namespace
 
 LabelDistributions
@@ -113,6 +123,24 @@ writeDistributions(const std::string& path, const LabelDistributions& distributi
   file.stream().write(reinterpret_cast<const char*>(distributions.matrix().data()),
                       std::streamsize(distributions.matrix().size() * sizeof(float)));
   file.commit();
+}
+
+void
+writeDistributions(const std::string& path, const LabelDistributions& distributions,
+                   int width, NpyType type)
+{
+  writeNpy(path, rowsOf(distributions, width), width, distributions.classes(),
+           distributions.matrix().data(), type);
+}
+
+void
+writeLabelIds(const std::string& path, const LabelDistributions& distributions,
+              int width)
+{
+  cv::Mat ids(rowsOf(distributions, width), width, CV_8UC1);
+  for (Eigen::Index j = 0; j < distributions.size(); ++j)
+    ids.data[j] = distributions.mapLabel(j);
+  writePng(path, ids);
 }
 
 } // namespace pcl_semantic

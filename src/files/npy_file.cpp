@@ -5,6 +5,8 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/npy_file.h>
 
@@ -51,6 +53,22 @@ readHeader(const std::string& path, const std::vector<std::uint8_t>& bytes)
   return {
       std::string(bytes.begin() + long(offset), bytes.begin() + long(offset + length)),
       offset + length};
+}
+
+// A header of format version 1 that ends at byte 128, as NumPy aligns it.
+void
+putHeader(ByteWriter& bytes, const std::string& type, const std::string& shape)
+{
+  constexpr std::size_t before = 10; // magic, version, length
+  std::string header =
+      "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }";
+  header.resize(128 - before - 1, ' ');
+  header += '\n';
+  for (const char c : {'\x93', 'N', 'U', 'M', 'P', 'Y', '\x01', '\x00'})
+    bytes.put(static_cast<std::uint8_t>(c));
+  bytes.put(static_cast<std::uint16_t>(header.size()));
+  for (const char c : header)
+    bytes.put(static_cast<std::uint8_t>(c));
 }
 
 } // namespace
@@ -101,6 +119,33 @@ readNpy(const std::string& path)
       array.values[i] = float(value);
     }
   return array;
+}
+
+void
+writeNpy(const std::string& path, int height, int width, int depth, const float* values,
+         NpyType type)
+{
+  const bool half = type == NpyType::float16;
+  const std::size_t count =
+      std::size_t(height) * std::size_t(width) * std::size_t(depth);
+  ByteWriter bytes(128 + count * (half ? 2 : 4));
+  putHeader(bytes, half ? "<f2" : "<f4",
+            std::to_string(height) + ", " + std::to_string(width) + ", " +
+                std::to_string(depth));
+  if (half) {
+    std::vector<std::uint16_t> halves(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const cv::float16_t value(values[i]);
+      std::memcpy(&halves[i], &value, 2);
+    }
+    bytes.putColumn(halves);
+  }
+  else
+    bytes.putColumn(std::vector<float>(values, values + count));
+  AtomicFile file(path);
+  file.stream().write(reinterpret_cast<const char*>(bytes.bytes().data()),
+                      std::streamsize(bytes.bytes().size()));
+  file.commit();
 }
 
 } // namespace pcl_semantic

@@ -88,10 +88,11 @@ isSummary(const std::string& path)
 MappingOutput::MappingOutput(const std::string& folder, const StereoCamera& camera,
                              const LabelSet& label_set, const MapperConfig& config,
                              const Eigen::Isometry3d& T_camera0_camera, Inputs inputs,
-                             std::vector<FrameRecord> records)
+                             std::vector<FrameRecord> records, ExtraOptions extra)
     : folder_(folder), camera_(camera), label_set_(label_set), config_(config),
       T_camera0_camera_(T_camera0_camera), inputs_(std::move(inputs)),
-      frames_(std::move(records))
+      frames_(std::move(records)),
+      extra_(folder, camera, config.map.max_range, std::move(extra))
 {
   requireImages();
   refuseForeignImages();
@@ -106,6 +107,7 @@ MappingOutput::names()
     std::vector<std::string> all = {"summary.json"};
     all.insert(all.end(), std::begin(map_files), std::end(map_files));
     all.insert(all.end(), std::begin(image_folders), std::end(image_folders));
+    all.insert(all.end(), ExtraOutput::names().begin(), ExtraOutput::names().end());
     return all;
   }();
   return names;
@@ -118,9 +120,9 @@ MappingOutput::refuseForeignImages() const
   if (isSummary(path("summary.json")))
     return;
   std::error_code error;
-  for (const char* name : image_folders)
+  for (const std::string& name : names())
     if (std::filesystem::is_directory(path(name), error) &&
-        !listFrameFiles(path(name), {".png"}).empty())
+        !listFrameFiles(path(name), {".png", ".label"}).empty())
       PCL_THROW_EXCEPTION(OutputException,
                           path(name)
                               << ": holds images, but no summary.json lies beside "
@@ -139,6 +141,7 @@ MappingOutput::replaceEarlierRun() const
     removeFrameFiles(path(name), ".png",
                      [&](int frame) { return kept.count(frame) == 0; });
   removeFrameFiles(path("final_labels"), ".png");
+  extra_.removeEarlier({kept.begin(), kept.end()});
   std::error_code error;
   for (const char* name : map_files)
     std::filesystem::remove(path(name), error);
@@ -173,14 +176,15 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   replaced_ = true;
   const std::string name = "/" + frameFileName(mapped.frame.number, ".png");
   const double max_depth = config_.map.max_range;
-  const cv::Mat labels =
-      renderLabels(mapped.voxels, camera_, mapped.T_world_camera, max_depth).labels;
-  writePng(path("labels" + name), labels);
+  const RenderedLabels rendered =
+      renderLabels(mapped.voxels, camera_, mapped.T_world_camera, max_depth);
+  writePng(path("labels" + name), rendered.labels);
   writePng(path("labels_at_depth" + name),
            labelsAtDepth(map, *mapped.cloud, mapped.T_world_camera, max_depth));
   writePng(path("network_labels" + name), networkLabels(mapped));
-  writePng(path("overlay" + name), drawOverlay(mapped.frame.left, labels, label_set_));
-
+  writePng(path("overlay" + name),
+           drawOverlay(mapped.frame.left, rendered.labels, label_set_));
+  extra_.writeFrame(mapped, rendered);
   frames_.push_back(recordOf(mapped));
 }
 
@@ -191,12 +195,16 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   writeVoxelCloud(path("map.pcd"), voxels, label_set_, VoxelColour::measured);
   writeVoxelCloud(path("map_classes.pcd"), voxels, label_set_, VoxelColour::classes);
 
+  const VoxelCloud no_voxels;
+  const MapLabels labels(extra_.needsLabels() ? voxels : no_voxels);
   std::vector<Eigen::Vector3d> positions;
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
-    writePng(
-        path("final_labels/" + frameFileName(frame.number, ".png")),
-        renderLabels(voxels, camera_, T_world_camera, config_.map.max_range).labels);
+    const RenderedLabels rendered =
+        renderLabels(voxels, camera_, T_world_camera, config_.map.max_range);
+    writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
+             rendered.labels);
+    extra_.writeFinal(frame.number, T_world_camera, labels, rendered);
     positions.push_back(T_world_camera.translation());
   }
   writeKittiTrajectory(path("trajectory.txt"), trajectory());

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 #include "support/bad_case.h"
+#include "support/onnx_writer.h"
 #include "support/tiny_street.h"
 
 #include <gtest/gtest.h>
@@ -36,13 +37,14 @@ TEST(Help, ItsExamplesRunWhenPasted)
   fs::create_directories(folder.path("sequences"));
   copyStreet(folder.path("sequences/05"));
   addScan(folder.path("sequences/05"));
+  folder.write("city.onnx", cityNetwork());
   fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/data", folder.path("data"));
   const std::string begin = "cd " + folder.path() +
                             " && export PATH=" PCL_SEMANTIC_BINARY_DIR "/bin:$PATH && ";
   // In this order: a map is made of the street, and evaluated.
   for (const char* verb :
        {"synthesize", "map", "evaluate", "lidar_truth", "crf", "image_crf", "archive",
-        "odometry", "trajectory", "stereo"}) {
+        "odometry", "trajectory", "stereo", "label", "evaluate_map"}) {
     std::string example = replaceAll(exampleOf(verb), "/tmp/", folder.path() + "/");
     example = replaceAll(example, "pcl_semantic_synthesize ",
                          "pcl_semantic_synthesize --frames 2 --size 208x64 ");
@@ -51,7 +53,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
   }
   for (const char* file : {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
                            "truth/000000.png", "refined.pcd", "refined.png", "road.pcd",
-                           "pair.pcd", "disparity.png"})
+                           "pair.pcd", "disparity.png", "street_labels/000001.npy"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
 }
 
@@ -59,7 +61,7 @@ TEST(Help, VersionOfEveryTool)
 {
   for (const std::string verb :
        {"synthesize", "map", "evaluate", "lidar_truth", "crf", "image_crf", "archive",
-        "odometry", "trajectory", "stereo"}) {
+        "odometry", "trajectory", "stereo", "label", "evaluate_map"}) {
     const ToolResult result = runTool(verb + " --version");
     EXPECT_EQ(result.code, 0);
     EXPECT_EQ(result.text.rfind("pcl_semantic_" + verb + " ", 0), 0u) << result.text;

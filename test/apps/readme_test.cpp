@@ -45,20 +45,6 @@ readmeCommands()
   return commands;
 }
 
-// A network of the size and the channels that data/networks describes.
-std::string
-cityNetwork()
-{
-  PointwiseNetwork network;
-  network.width = 1280;
-  network.height = 480;
-  network.channels = 20;
-  network.weights.assign(60, 0.1f);
-  network.bias.assign(20, 0.0f);
-  network.bias[2] = 1.0f;
-  return network.file();
-}
-
 TEST(Readme, ItsCommandsRun)
 {
   const TemporaryFolder folder;

@@ -162,7 +162,8 @@ lidarDisparities(const KittiSequence& sequence, int number)
   LidarTruthParameters parameters;
   parameters.max_depth = max_depth;
   const cv::Mat1b kept = projectLidarTruth(*scan, std::vector<Label>(scan->size(), 1),
-                                           camera, T_camera_scanner, parameters);
+                                           camera, T_camera_scanner, parameters)
+                             .labels;
   cv::Mat1f disparities(kept.size(), 0.0f);
   for (const pcl::PointXYZI& point : *scan) {
     const Eigen::Vector3d p = T_camera_scanner * point.getVector3fMap().cast<double>();

@@ -78,6 +78,22 @@ TEST(SemanticKittiLabels, MapsTheLower16Bits)
                     "has 7 bytes, expected 8"));
 }
 
+TEST(ScanLabels, ComeBackAsWritten)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.label");
+  writeScanLabels(path, {0, 3, 11, 1});
+  EXPECT_EQ(bytesOf(path), std::string("\0\0\0\0\3\0\0\0\13\0\0\0\1\0\0\0", 16));
+  EXPECT_EQ(readScanLabels(path, 11), (std::vector<Label>{0, 3, 11, 1}));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readScanLabels(path, 10); }),
+                    "point 2 has class 11, expected 0 to 10"));
+  writeArray<std::uint32_t>(path, {7 | 5u << 16, 2}, 8); // an instance above the class
+  EXPECT_EQ(readScanLabels(path, 11), (std::vector<Label>{7, 2}));
+  writeArray<std::uint32_t>(path, {1, 2}, 7);
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readScanLabels(path, 11); }),
+                    "has 7 bytes"));
+}
+
 TEST(FrameRange, HalfOpen)
 {
   const FrameRange range = parseFrameRange("3:7");

@@ -8,6 +8,8 @@
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/dataset/semantic_kitti_labels.h>
+#include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 
@@ -100,6 +102,74 @@ TEST_F(EvaluateTool, PoolsAndWrites)
   EXPECT_NE(table.text.find("coverage"), std::string::npos) << table.text;
 }
 
+TEST_F(EvaluateTool, CountsEachRangeByItself)
+{
+  // Road at 5 m (two pixels), 10 m (three) and at no depth (one); building beyond 20 m.
+  fs::create_directories(folder_.path("d1"));
+  fs::create_directories(folder_.path("d2"));
+  writeDepthImage(folder_.path("d1/000000.png"),
+                  (cv::Mat1f(2, 3) << 5, 5, 10, 10, 10, 0));
+  writeDepthImage(folder_.path("d2/000004.png"), cv::Mat1f(2, 2, 39.0f));
+  const std::string depths =
+      " --truth-depth " + folder_.path("d1") + " --truth-depth " + folder_.path("d2");
+  const ToolResult rows =
+      runTool("evaluate" + pair("1") + pair("2") + label_set + depths +
+              " --range 0:10 --range 10:20 --range 20: --row map");
+  EXPECT_EQ(rows.code, 0) << rows.text;
+  EXPECT_EQ(
+      rows.text,
+      "| map, 0-10 m | - | 100.0 | - | - | - | - | - | - | 100.0 | 100.0 | 100.0 "
+      "| 100.0 |\n"
+      "| map, 10-20 m | - | 100.0 | - | - | - | - | - | - | 100.0 | 100.0 | 100.0 "
+      "| 100.0 |\n"
+      "| map, from 20 m | 33.3 | - | - | - | - | - | - | - | 33.3 | 33.3 | 25.0 | "
+      "75.0 |\n");
+  const ToolResult table = runTool("evaluate" + pair("1") + pair("2") + label_set +
+                                   depths + " --range 0:10 --range 10:20");
+  EXPECT_NE(table.text.find("\n10-20 m\nclass"), std::string::npos) << table.text;
+
+  const std::string one = "evaluate" + pair("1") + label_set;
+  expectFails(one + " --range 0:10", 2, "belong together");
+  expectFails(one + " --truth-depth " + folder_.path("d1"), 2, "belong together");
+  const std::string with_depth = one + " --truth-depth " + folder_.path("d1");
+  for (const char* range : {"10:5", "5", "a:b", "-1:5", "3:3", "nan:9", "1:2:3"})
+    expectFails(with_depth + " --range " + range, 2, "--range is '");
+  expectFails(with_depth + " --range 0:1 --range 1:2 --output " + folder_.path("o"), 2,
+              "one --range");
+  expectFails(one + " --range 0:10 --truth-depth " + folder_.path("d2"), 3,
+              "d2/000000.png");
+  writeDepthImage(folder_.path("d1/000000.png"), cv::Mat1f(2, 2, 5.0f));
+  expectFails(with_depth + " --range 0:10", 3, "has 2 x 2 depths, the truth 3 x 2");
+}
+
+TEST_F(EvaluateTool, TakesLabelsOfScans)
+{
+  for (const char* name : {"p", "t", "raw", "d"})
+    fs::create_directories(folder_.path(name));
+  writeScanLabels(folder_.path("p/000003.label"), {3, 3, 1, 0, 1});
+  writeScanLabels(folder_.path("t/000003.label"), {3, 1, 1, 1, 0});
+  writePointDepths(folder_.path("d/000003.bin"), {4.0f, 4.0f, 30.0f, 30.0f, 4.0f});
+  // The same truth in SemanticKITTI's numbers: 40 is road, 50 building, 0 nothing.
+  writeScanLabels(folder_.path("raw/000003.label"), {40, 50, 50, 50, 0});
+  const std::string begin =
+      "evaluate --prediction " + folder_.path("p") + label_set + " --row x ";
+  const std::string ours = begin + " --truth " + folder_.path("t");
+  const std::string raw = begin + " --truth " + folder_.path("raw");
+  const std::string expected = "| x | 50.0 | 50.0 | - |";
+  EXPECT_EQ(runTool(ours).text.rfind(expected, 0), 0u) << runTool(ours).text;
+  EXPECT_EQ(runTool(raw + label_mapping).text, runTool(ours).text);
+  const ToolResult near =
+      runTool(ours + " --range 0:10 --truth-depth " + folder_.path("d"));
+  EXPECT_EQ(near.text.rfind("| x, 0-10 m | 0.0 | 50.0 | - |", 0), 0u) << near.text;
+  const ToolResult covered = runTool(ours + " --covered-by " + folder_.path("t"));
+  EXPECT_EQ(covered.text.rfind(expected, 0), 0u) << covered.text;
+
+  expectFails(raw, 3, "point 0 has class 40");
+  writeScanLabels(folder_.path("p/000003.label"), {3, 3, 1});
+  expectFails(raw + label_mapping, 3, "000003.label: has 20 bytes, expected 12");
+  expectFails(ours, 3, "has 3 x 1 pixels, the truth 5 x 1");
+}
+
 TEST_F(EvaluateTool, RefusesBadInput)
 {
   const std::string one = "evaluate" + pair("1") + label_set;
@@ -107,7 +177,7 @@ TEST_F(EvaluateTool, RefusesBadInput)
   expectFails(one + " --misspelt", 2, "misspelt");
   expectFails(one + " --ignore 12", 2, "'12'");
   expectFails(one + " --ignore skye", 2, "'skye'");
-  expectFails(one + " --truth " + (folder_.path("t2")), 2, "1, 2 and 0 times");
+  expectFails(one + " --truth " + (folder_.path("t2")), 2, "given 2 and 1 times");
   expectFails("evaluate --prediction " + (folder_.path("p1")) + " --truth " +
                   (folder_.path("t2")) + label_set,
               3, "p1/000004.png: is missing");
@@ -145,7 +215,22 @@ TEST(LidarTruthTool, ProjectsAGeneratedScan)
   EXPECT_EQ(cv::countNonZero(truth), 1);
   EXPECT_EQ(truth(15, 20), 3);
 
-  expectFails(command + "/../image_0", 2, "holds the images of the sequence");
+  const ToolResult all =
+      runTool(command + " --depth " + folder.path("depth") + " --scan-labels " +
+              folder.path("points") + " --scan-depth " + folder.path("point_depth"));
+  EXPECT_EQ(all.code, 0) << all.text;
+  const cv::Mat1f depth = readDepths(folder.path("depth/000002.png"));
+  EXPECT_EQ(cv::countNonZero(depth), 1);
+  EXPECT_EQ(depth(15, 20), 10.0f);
+  EXPECT_EQ(readScanLabels(folder.path("points/000002.label"), 11),
+            (std::vector<Label>{3, 0}));
+  const cv::Mat1f point_depth = readDepths(folder.path("point_depth/000002.bin"));
+  EXPECT_EQ(point_depth(0, 0), 10.0f);
+  EXPECT_EQ(point_depth(0, 1), 0.0f);
+  expectFails(command + " --depth " + folder.path("truth"), 2, "are one folder");
+  expectFails(command + " --scan-labels " + folder.path("labels"), 2,
+              "holds files of the sequence");
+  expectFails(command + "/../image_0", 2, "holds files of the sequence");
   expectFails(command + " --frames 10:5", 2, "10:5");
   expectFails(command + " --frames 3:5", 3, "3:5");
   expectFails(command + " --max-depth nan", 2, "max-depth");

@@ -36,7 +36,7 @@ struct Projected {
 };
 
 /** \brief The rule of projectLidarTruth spelt out over pairs of returns. */
-cv::Mat1b
+LidarTruth
 bruteForce(const pcl::PointCloud<pcl::PointXYZI>& scan,
            const std::vector<Label>& labels, const StereoCamera& camera,
            const Eigen::Isometry3d& pose, const LidarTruthParameters& parameters)
@@ -54,6 +54,7 @@ bruteForce(const pcl::PointCloud<pcl::PointXYZI>& scan,
         {int(std::floor(u + 0.5)), int(std::floor(v + 0.5)), float(p.z()), labels[i]});
   }
   cv::Mat1b truth(camera.height, camera.width, Label(0));
+  cv::Mat1f depth(camera.height, camera.width, 0.0f);
   for (const Projected& p : points) {
     bool visible = p.z <= parameters.max_depth, above = false, below = false;
     for (const Projected& q : points) {
@@ -67,10 +68,46 @@ bruteForce(const pcl::PointCloud<pcl::PointXYZI>& scan,
         below = below || q.v >= p.v;
       }
     }
-    if (visible && !(above && below))
+    if (visible && !(above && below)) {
       truth(p.v, p.u) = p.label;
+      depth(p.v, p.u) = p.label ? p.z : 0.0f;
+    }
   }
-  return truth;
+  return {truth, depth};
+}
+
+/** \brief The rule of seenDepths spelt out over pairs of returns. */
+void
+expectSeen(const pcl::PointCloud<pcl::PointXYZI>& scan, const Eigen::Isometry3d& pose,
+           const LidarTruthParameters& parameters)
+{
+  const StereoCamera camera = smallCamera();
+  const std::vector<float> seen = seenDepths(scan, camera, pose, parameters);
+  ASSERT_EQ(seen.size(), scan.size());
+  int hidden = 0, visible = 0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Eigen::Vector3d p = pose * Eigen::Vector3d(scan[i].x, scan[i].y, scan[i].z);
+    const auto pixel = pixelOf(p, camera);
+    bool expected = pixel && p.z() <= parameters.max_depth, above = false,
+         below = false;
+    for (std::size_t j = 0; j < scan.size() && expected; ++j) {
+      const Eigen::Vector3d q = pose * Eigen::Vector3d(scan[j].x, scan[j].y, scan[j].z);
+      const auto other = pixelOf(q, camera);
+      if (!other || std::abs(other->x() - pixel->x()) > parameters.window_columns ||
+          std::abs(other->y() - pixel->y()) > parameters.window_rows ||
+          q.z() >= p.z() - parameters.absolute_margin ||
+          q.z() >= p.z() - parameters.relative_margin * p.z())
+        continue;
+      above = above || other->y() <= pixel->y();
+      below = below || other->y() >= pixel->y();
+    }
+    hidden += expected && above && below;
+    expected = expected && !(above && below);
+    visible += expected;
+    ASSERT_NEAR(seen[i], expected ? p.z() : 0.0, 1e-5) << i;
+  }
+  EXPECT_GT(hidden, 20);
+  EXPECT_GT(visible, 100);
 }
 
 } // namespace
@@ -99,13 +136,16 @@ TEST(LidarTruth, EqualsBruteForce)
   LidarTruthParameters parameters;
   parameters.window_rows = 4;
   parameters.window_columns = 2;
-  const cv::Mat1b truth =
+  const LidarTruth result =
       projectLidarTruth(scan, labels, smallCamera(), pose, parameters);
-  const cv::Mat1b expected = bruteForce(scan, labels, smallCamera(), pose, parameters);
-  EXPECT_EQ(cv::countNonZero(truth != expected), 0);
+  const LidarTruth expected = bruteForce(scan, labels, smallCamera(), pose, parameters);
+  const cv::Mat1b truth = result.labels;
+  EXPECT_EQ(cv::countNonZero(truth != expected.labels), 0);
+  EXPECT_LT(cv::norm(result.depth, expected.depth, cv::NORM_INF), 1e-5);
+  expectSeen(scan, pose, parameters);
   parameters.absolute_margin = 1e9; // no occlusion rule
   const int all = cv::countNonZero(
-      projectLidarTruth(scan, labels, smallCamera(), pose, parameters));
+      projectLidarTruth(scan, labels, smallCamera(), pose, parameters).labels);
   EXPECT_GT(cv::countNonZero(truth), 100);
   EXPECT_GT(all, cv::countNonZero(truth) + 50);
 }
@@ -136,7 +176,7 @@ TEST(LidarTruth, BackgroundShinesThroughOnlyBesideTheObject)
     for (int u = 50; u < 80; ++u)
       add(u, v, 50.0 * 1.65 / (v - 25.3), 3);
   const cv::Mat1b truth =
-      projectLidarTruth(scan, labels, camera, Eigen::Isometry3d::Identity());
+      projectLidarTruth(scan, labels, camera, Eigen::Isometry3d::Identity()).labels;
   EXPECT_EQ(truth(20, 20), 6);
   EXPECT_EQ(truth(22, 31), 0);
   EXPECT_EQ(truth(7, 31), 1);

@@ -94,6 +94,25 @@ TEST(ReadDistributions, ReadsWhatWriteDistributionsWrote)
   EXPECT_EQ(bytesOf(folder.path("b.bin")), bytesOf(folder.path("a.bin")));
 }
 
+TEST(ReadDistributions, ReadsWhatWasWrittenAsNpyAndAsIds)
+{
+  const TemporaryFolder folder;
+  const LabelDistributions written =
+      read(folder.write("a.bin", bytesOfFloats(someValues())));
+  writeDistributions(folder.path("full.npy"), written, width, NpyType::float32);
+  writeDistributions(folder.path("half.npy"), written, width, NpyType::float16);
+  writeLabelIds(folder.path("ids.png"), written, width);
+  // Powers of two are exact in both formats.
+  EXPECT_EQ(read(folder.path("full.npy")).matrix(), written.matrix());
+  EXPECT_EQ(read(folder.path("half.npy")).matrix(), written.matrix());
+  const LabelDistributions ids = read(folder.path("ids.png"));
+  ASSERT_EQ(ids.size(), written.size());
+  for (Eigen::Index j = 0; j < ids.size(); ++j)
+    EXPECT_EQ(ids.mapLabel(j), written.mapLabel(j));
+  thrownMessage<InvalidParameterException>(
+      [&] { writeLabelIds(folder.path("b.png"), written, width + 1); });
+}
+
 TEST(ReadDistributions, RefusesOtherSizes)
 {
   const TemporaryFolder folder;

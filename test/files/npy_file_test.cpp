@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
 #include <random>
 
 using namespace pcl_semantic;
@@ -141,4 +142,43 @@ TEST(ReadNpy, RandomDamageIsRefusedOrHarmless)
     catch (const BadInputException&) {
     }
   }
+}
+
+TEST(WriteNpy, IsTheFileThatNumPyWrites)
+{
+  const TemporaryFolder folder;
+  const std::string data = floats(24);
+  std::vector<float> values(24);
+  std::memcpy(values.data(), data.data(), data.size());
+  writeNpy(folder.path("a.npy"), 2, 3, 4, values.data(), NpyType::float32);
+  const std::string bytes = bytesOf(folder.path("a.npy"));
+  EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\x01\x00\x76\x00", 10));
+  const std::string header =
+      "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4), }";
+  EXPECT_EQ(bytes.substr(10, header.size()), header);
+  EXPECT_EQ(bytes[127], '\n');
+  EXPECT_EQ(bytes.substr(128), data);
+  EXPECT_EQ(readNpy(folder.path("a.npy")).values, values);
+}
+
+TEST(WriteNpy, HalfFloatsAreRoundedTo11Bits)
+{
+  const TemporaryFolder folder;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(1e-4f, 1.0f);
+  std::vector<float> values(60);
+  for (float& value : values)
+    value = uniform(random);
+  writeNpy(folder.path("a.npy"), 3, 4, 5, values.data(), NpyType::float16);
+  EXPECT_EQ(std::filesystem::file_size(folder.path("a.npy")), 128u + 2 * 60);
+  const NpyArray array = readNpy(folder.path("a.npy"));
+  ASSERT_EQ(array.values.size(), values.size());
+  EXPECT_EQ(array.height, 3);
+  EXPECT_EQ(array.width, 4);
+  bool rounded = false;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_NEAR(array.values[i], values[i], values[i] / 2048.0f);
+    rounded = rounded || array.values[i] != values[i];
+  }
+  EXPECT_TRUE(rounded);
 }

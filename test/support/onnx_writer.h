@@ -135,4 +135,19 @@ struct PointwiseNetwork {
   }
 };
 
+/** \brief The file of a network of the size and channels that data/networks describes.
+ */
+inline std::string
+cityNetwork()
+{
+  PointwiseNetwork network;
+  network.width = 1280;
+  network.height = 480;
+  network.channels = 20;
+  network.weights.assign(60, 0.1f);
+  network.bias.assign(20, 0.0f);
+  network.bias[2] = 1.0f;
+  return network.file();
+}
+
 } // namespace pcl_semantic

@@ -25,4 +25,12 @@ std::vector<Label> readSemanticKittiLabels(const std::string& path,
                                            const LabelMapping& mapping,
                                            std::size_t count);
 
+/** \brief Reads such a file whose classes are ours already, of any number of points.
+ * \param[in] classes L
+ * \throws BadInputException if it holds half a label or a class beyond L */
+std::vector<Label> readScanLabels(const std::string& path, int classes);
+
+/** \brief Writes labels in the same format. \throws OutputException */
+void writeScanLabels(const std::string& path, const std::vector<Label>& labels);
+
 } // namespace pcl_semantic

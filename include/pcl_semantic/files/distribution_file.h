@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/files/npy_file.h>
 
 #include <string>
 
@@ -27,5 +28,19 @@ LabelDistributions readDistributions(const std::string& path, int width, int hei
 /** \brief Writes the `.bin` format of readDistributions. \throws OutputException */
 void writeDistributions(const std::string& path,
                         const LabelDistributions& distributions);
+
+/** \brief Writes the `.npy` format of readDistributions.
+ * \param[in] distributions L x (width * height), pixels row by row
+ * \param[in] width columns of the image [px]
+ * \throws InvalidParameterException if they are no whole rows
+ * \throws OutputException */
+void writeDistributions(const std::string& path,
+                        const LabelDistributions& distributions, int width,
+                        NpyType type);
+
+/** \brief Writes the most probable classes as the `.png` format of readDistributions.
+ * \throws as writeDistributions() */
+void writeLabelIds(const std::string& path, const LabelDistributions& distributions,
+                   int width);
 
 } // namespace pcl_semantic

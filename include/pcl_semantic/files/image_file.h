@@ -17,7 +17,7 @@ enum class ImageKind {
   grey_or_colour, ///< CV_8UC1 or CV_8UC3 (BGR)
   labels,         ///< CV_8UC1
   segments,       ///< CV_8UC1 or CV_16UC1
-  disparity       ///< CV_16UC1
+  disparity       ///< CV_16UC1, also for depths
 };
 
 /** \brief Reads a PNG file strictly: OpenCV alone would decode a JPEG named .png, and

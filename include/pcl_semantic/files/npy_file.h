@@ -23,4 +23,16 @@ struct NpyArray {
  * \throws BadInputException that says what differs */
 NpyArray readNpy(const std::string& path);
 
+/** \brief How the values of an `.npy` file are stored. */
+enum class NpyType {
+  float32,
+  float16 ///< half the size; values rounded to 11 bits
+};
+
+/** \brief Writes a little-endian `.npy` file in C order, three axes.
+ * \param[in] values height x width x depth, the last axis fastest
+ * \throws OutputException */
+void writeNpy(const std::string& path, int height, int width, int depth,
+              const float* values, NpyType type);
+
 } // namespace pcl_semantic

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/pipeline/extra_output.h>
 #include <pcl_semantic/pipeline/frame_record.h>
 
 #include <string>
@@ -28,12 +29,13 @@ public:
    * \param[in] T_camera0_camera the camera that takes the images, in KITTI's camera 0
    * \param[in] records of the frames that are in the map already, of a run that goes
    * on: images of others are removed with the first frame that is written
+   * \param[in] extra what is written beyond the map and its images
    * \throws BadInputException if images of those frames are missing
    * \throws OutputException also if images lie there that no run of ours has left */
   MappingOutput(const std::string& folder, const StereoCamera& camera,
                 const LabelSet& label_set, const MapperConfig& config,
                 const Eigen::Isometry3d& T_camera0_camera, Inputs inputs = {},
-                std::vector<FrameRecord> records = {});
+                std::vector<FrameRecord> records = {}, ExtraOptions extra = {});
 
   /** \brief What is put into the folder: names of files and of folders. */
   static const std::vector<std::string>& names();
@@ -66,6 +68,7 @@ private:
   Eigen::Isometry3d T_camera0_camera_;
   Inputs inputs_;
   std::vector<FrameRecord> frames_;
+  ExtraOutput extra_;
   bool replaced_ = false; // an earlier run's files are gone
 };
 

@@ -1,0 +1,144 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "progress_bar.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/evaluation/geometry_report.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/pipeline/map_folder.h>
+
+#include <iostream>
+#include <sstream>
+
+using namespace pcl_semantic;
+
+namespace {
+
+const tool::Usage usage{
+    "pcl_semantic_evaluate_map", "MAP SEQUENCE [options]",
+    "Compares the geometry of a finished map (folder of pcl_semantic_map) with the "
+    "laser scans\nof its frames (velodyne/*.bin of the SEQUENCE): how far voxels lie "
+    "off the surface, and how\nmuch of the surface is mapped.",
+    "pcl_semantic_map sequences/05 --frames 0:1 --labels sequences/05/labels \\\n"
+    "    --output /tmp/map_05 && pcl_semantic_evaluate_map /tmp/map_05 sequences/05"};
+
+struct Options {
+  std::vector<std::string> maps, sequences;
+  std::string bands = "0,10,20,40";
+  std::string output, row;
+  bool header = false;
+  GeometryParameters parameters;
+};
+
+// Numbers with commas between them.
+std::vector<double>
+parseBands(const std::string& text)
+{
+  std::vector<double> borders;
+  std::istringstream words(text);
+  try {
+    for (std::string word; std::getline(words, word, ',');)
+      borders.push_back(parseNumber(word, "--bands"));
+  }
+  catch (const BadInputException& error) {
+    tool::failUsage(usage, error.what());
+  }
+  return borders;
+}
+
+bool
+parseOptions(int argc, char** argv, Options& options)
+{
+  namespace po = tool::po;
+  po::options_description visible("Options");
+  visible.add_options()("map", po::value(&options.maps),
+                        "MAP; may be given several times, with as many sequences: they "
+                        "are evaluated as one")(
+      "sequence", po::value(&options.sequences),
+      "SEQUENCE of the map")("output,o", po::value(&options.output), "figures as JSON")(
+      "row", po::value(&options.row), "print one row of a Markdown table of this name")(
+      "header", po::bool_switch(&options.header), "print the header of such a table");
+  tool::addOption(visible, "bands", options.bands,
+                  "borders of the bands of depth, commas between them; what is farther "
+                  "than the last does not count [m]");
+  tool::addOption(visible, "within", options.parameters.within,
+                  "distance of the widest of the shares of the surface [m]");
+  tool::addOption(visible, "behind", options.parameters.behind,
+                  "voxels farther behind the surface are hidden from the laser: not "
+                  "judged [m]");
+  po::positional_options_description positional;
+  positional.add("map", 1).add("sequence", 1);
+  po::variables_map values;
+  if (!tool::parseCommandLine(argc, argv, usage, visible, positional, values))
+    return false;
+  if (options.maps.empty() || options.maps.size() != options.sequences.size())
+    tool::failUsage(usage, "expected MAP SEQUENCE, as many of both");
+  if (!(options.parameters.within >= 0.0 && options.parameters.within <= 2.0))
+    tool::failUsage(usage, "--within is " + tool::shown(options.parameters.within) +
+                               ", expected 0 to 2");
+  if (!(options.parameters.behind >= 0.0))
+    tool::failUsage(usage, "--behind is " + tool::shown(options.parameters.behind) +
+                               ", expected 0 or more");
+  options.parameters.bands = parseBands(options.bands);
+  tool::requireExtension(options.output, ".json");
+  return true;
+}
+
+GeometrySamples
+measure(const std::string& map_folder, const std::string& sequence_folder,
+        const GeometryParameters& parameters)
+{
+  const MapFolder map = readMapFolder(map_folder);
+  const KittiSequence sequence(sequence_folder);
+  const Eigen::Isometry3d T_camera_velodyne =
+      sequence.T_camera0_camera().inverse() * sequence.T_camera0_velodyne();
+  MapGeometry geometry(map.voxels, parameters);
+  tool::ProgressBar progress("measuring", map.frames.size());
+  for (const int frame : map.frames) {
+    const auto scan =
+        readVelodyneScan(sequence_folder + "/velodyne/" + frameFileName(frame, ".bin"));
+    geometry.addScan(*scan, sequence.camera(),
+                     map.T_world_camera0[std::size_t(frame)] *
+                         sequence.T_camera0_camera(),
+                     T_camera_velodyne);
+    progress.step();
+  }
+  return geometry.samples();
+}
+
+int
+evaluate(const Options& options)
+{
+  MapGeometry(VoxelCloud(), options.parameters); // bands that make no sense, at once
+  GeometrySamples samples;
+  for (std::size_t i = 0; i < options.maps.size(); ++i)
+    samples += measure(options.maps[i], options.sequences[i], options.parameters);
+  if (!options.output.empty())
+    writeTextFile(options.output, geometryJson(samples, options.parameters));
+  if (options.header)
+    std::cout << geometryMarkdownHeader(options.parameters);
+  if (!options.row.empty())
+    std::cout << geometryMarkdownRow(samples, options.parameters, options.row);
+  if (!options.header && options.row.empty())
+    std::cout << geometryTable(samples, options.parameters);
+  return tool::exit_done;
+}
+
+} // namespace
+
+int
+main(int argc, char** argv)
+{
+  return tool::run(usage.name, [&] {
+    Options options;
+    return parseOptions(argc, argv, options) ? evaluate(options) : int(tool::exit_done);
+  });
+}

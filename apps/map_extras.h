@@ -1,0 +1,24 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "map_arguments.h"
+
+#include <pcl_semantic/dataset/frame_sequence.h>
+#include <pcl_semantic/pipeline/extra_output.h>
+
+namespace pcl_semantic::tool {
+
+/** \brief What --also asks for.
+ * \throws InvalidParameterException at a word that it does not know, or a value of
+ * --scan-within that makes no sense
+ * \throws BadInputException if a frame has no scan, or nobody knows the scanner's pose
+ */
+ExtraOptions makeExtras(const MapArguments& arguments, const FrameSequence& sequence,
+                        const std::vector<std::size_t>& frames);
+
+} // namespace pcl_semantic::tool

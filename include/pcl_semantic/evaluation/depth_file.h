@@ -1,0 +1,30 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Writes depths as KITTI's benchmarks do: 16-bit PNG, 256 times the depth.
+ * \param[in] depth CV_32FC1 [m]; 0 = none; more than 255.99 m is written as that
+ * \throws OutputException */
+void writeDepthImage(const std::string& path, const cv::Mat& depth);
+
+/** \brief Writes depths of the points of a scan: float32 a point, little-endian [m].
+ * \throws OutputException */
+void writePointDepths(const std::string& path, const std::vector<float>& depths);
+
+/** \brief Reads either of them, by extension (`.png`, `.bin`).
+ * \return CV_32FC1 [m], that of a scan has one row; 0 = none
+ * \throws BadInputException if it is damaged or a depth is negative or not finite */
+cv::Mat readDepths(const std::string& path);
+
+} // namespace pcl_semantic

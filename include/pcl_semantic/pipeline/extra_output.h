@@ -1,0 +1,85 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/evaluation/label_reprojection.h>
+#include <pcl_semantic/evaluation/voxel_lookup.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief What a run writes beyond the map and its images: for evaluation. */
+struct ExtraOptions {
+  bool measured = false; ///< labels of the fused measurements, before the CRF
+  bool depth = false;    ///< measured depth of the pixels
+  std::string scans;     ///< folder of laser scans to label; empty = none
+  Eigen::Isometry3d T_camera_scanner = Eigen::Isometry3d::Identity();
+  double within = 0.0; ///< also: a point takes the nearest voxel so far away [m]
+};
+
+/** \brief Writes it, into folders of its own beside those of MappingOutput:
+ *
+ * `measured_labels`, `measured_labels_at_depth`, `final_measured_labels` are the images
+ * of the same name without the CRF. `depth` is the stereo depth (16-bit PNG). Each
+ * point of a scan has the label of its voxel in `scan_labels`, as the map stood at that
+ * frame, and in `final_scan_labels` (`.label`, 0 = no occupied voxel), without CRF in
+ * `measured_scan_labels` and `final_measured_scan_labels`; that of the pixel it falls
+ * on, hidden or not, in `network_scan_labels`. With \a within there are four more,
+ * `near_scan_labels` and so on, of the nearest voxels, see VoxelLookup::nearest(). */
+class ExtraOutput {
+public:
+  /** \throws OutputException if a folder cannot be made */
+  ExtraOutput(const std::string& folder, const StereoCamera& camera, double max_depth,
+              ExtraOptions options);
+
+  /** \brief All folders that any run may write. */
+  static const std::vector<std::string>& names();
+
+  /** \brief Removes what an earlier run left.
+   * \param[in] kept frames whose files at a frame stay, in order */
+  void removeEarlier(const std::vector<int>& kept) const;
+
+  /** \brief Files of a frame.
+   * \param[in] rendered the map as it stood at that frame
+   * \throws BadInputException if its scan is missing or damaged */
+  void writeFrame(const MappedFrame& mapped, const RenderedLabels& rendered) const;
+
+  /** \brief Files of a frame in the finished map. */
+  void writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
+                  const MapLabels& labels, const RenderedLabels& rendered) const;
+
+  /** \brief Whether MapLabels are needed at all. */
+  bool
+  needsLabels() const
+  {
+    return options_.measured || !options_.scans.empty();
+  }
+
+private:
+  std::string path(const std::string& name, int frame, const char* extension) const;
+
+  void writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
+                 const MapLabels& labels, const std::string& prefix) const;
+
+  void writePoints(int frame, const std::vector<std::int32_t>& places,
+                   const MapLabels& labels, const std::string& prefix,
+                   const std::string& name) const;
+
+  void writeAtDepth(const MappedFrame& mapped, const MapLabels& labels) const;
+
+  void writeNetworkScan(const MappedFrame& mapped) const;
+
+  std::string folder_;
+  StereoCamera camera_;
+  double max_depth_;
+  ExtraOptions options_;
+};
+
+} // namespace pcl_semantic

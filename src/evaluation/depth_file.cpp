@@ -1,0 +1,74 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/evaluation/depth_file.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/byte_writer.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+
+#include <opencv2/core.hpp>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr double steps_per_metre = 256.0;
+
+cv::Mat
+readPointDepths(const std::string& path)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  if (bytes.empty() || bytes.size() % sizeof(float) != 0)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": has " << bytes.size()
+                                                << " bytes, expected float32 a point");
+  cv::Mat1f depths(1, static_cast<int>(bytes.size() / sizeof(float)));
+  std::memcpy(depths.data, bytes.data(), bytes.size());
+  for (int i = 0; i < depths.cols; ++i)
+    if (!(depths(0, i) >= 0.0f) || std::isinf(depths(0, i)))
+      PCL_THROW_EXCEPTION(BadInputException, path << ": point " << i << " has depth "
+                                                  << depths(0, i)
+                                                  << ", expected 0 or more");
+  return std::move(depths);
+}
+
+} // namespace
+
+void
+writeDepthImage(const std::string& path, const cv::Mat& depth)
+{
+  cv::Mat image;
+  depth.convertTo(image, CV_16U, steps_per_metre); // rounds and saturates
+  writePng(path, image);
+}
+
+void
+writePointDepths(const std::string& path, const std::vector<float>& depths)
+{
+  ByteWriter bytes;
+  bytes.putColumn(depths);
+  AtomicFile file(path);
+  file.stream().write(reinterpret_cast<const char*>(bytes.bytes().data()),
+                      std::streamsize(bytes.bytes().size()));
+  file.commit();
+}
+
+cv::Mat
+readDepths(const std::string& path)
+{
+  if (std::filesystem::path(path).extension() == ".bin")
+    return readPointDepths(path);
+  cv::Mat depth;
+  readPng(path, ImageKind::disparity).convertTo(depth, CV_32F, 1.0 / steps_per_metre);
+  return depth;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,217 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/evaluation/lidar_truth.h>
+#include <pcl_semantic/evaluation/map_geometry.h>
+
+#include <opencv2/core.hpp>
+#include <pcl/kdtree/kdtree_flann.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace pcl_semantic {
+
+namespace {
+
+std::vector<double>
+checkedBands(const std::vector<double>& bands)
+{
+  bool grow = bands.size() > 1 && bands.front() >= 0.0;
+  for (std::size_t i = 1; i < bands.size(); ++i)
+    grow = grow && bands[i] > bands[i - 1];
+  if (!grow)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "borders of the bands have to grow from 0 or more");
+  return bands;
+}
+
+// Camera z of the farthest return of each pixel; 0 = none.
+cv::Mat1f
+farthestDepths(const std::vector<Eigen::Vector3d>& camera_points,
+               const StereoCamera& camera)
+{
+  cv::Mat1f depths(camera.height, camera.width, 0.0f);
+  for (const Eigen::Vector3d& point : camera_points)
+    if (const auto pixel = pixelOf(point, camera)) {
+      float& depth = depths(pixel->y(), pixel->x());
+      depth = std::max(depth, static_cast<float>(point.z()));
+    }
+  return depths;
+}
+
+// The farthest return around a pixel; 0 if they are not on both sides of its row.
+float
+depthBehind(const cv::Mat1f& depths, const Eigen::Vector2i& pixel,
+            const GeometryParameters& parameters)
+{
+  bool above = false, below = false;
+  float farthest = 0.0f;
+  const int first_row = std::max(pixel.y() - parameters.window_rows, 0);
+  const int last_row = std::min(pixel.y() + parameters.window_rows, depths.rows - 1);
+  const int first_column = std::max(pixel.x() - parameters.window_columns, 0);
+  const int last_column =
+      std::min(pixel.x() + parameters.window_columns, depths.cols - 1);
+  for (int v = first_row; v <= last_row; ++v)
+    for (int u = first_column; u <= last_column; ++u)
+      if (depths(v, u) > 0.0f) {
+        farthest = std::max(farthest, depths(v, u));
+        above = above || v <= pixel.y();
+        below = below || v >= pixel.y();
+      }
+  return above && below ? farthest : 0.0f;
+}
+
+} // namespace
+
+GeometrySamples&
+GeometrySamples::operator+=(const GeometrySamples& other)
+{
+  voxels += other.voxels;
+  distances.insert(distances.end(), other.distances.begin(), other.distances.end());
+  surface.resize(std::max(surface.size(), other.surface.size()));
+  for (std::size_t i = 0; i < other.surface.size(); ++i) {
+    surface[i].points += other.surface[i].points;
+    surface[i].at += other.surface[i].at;
+    surface[i].adjacent += other.surface[i].adjacent;
+    surface[i].within += other.surface[i].within;
+  }
+  return *this;
+}
+
+MapGeometry::MapGeometry(const VoxelCloud& voxels, GeometryParameters parameters)
+    : parameters_(std::move(parameters)), lookup_(voxels), indices_(voxels.indices),
+      judged_(voxels.size(), 0), surface_(checkedBands(parameters_.bands).size() - 1)
+{}
+
+Eigen::Vector3d
+MapGeometry::centreOf(std::size_t voxel) const
+{
+  return (indices_[voxel].cast<double>().array() + 0.5) * lookup_.voxelSize();
+}
+
+void
+MapGeometry::addScan(const pcl::PointCloud<pcl::PointXYZI>& scan,
+                     const StereoCamera& camera,
+                     const Eigen::Isometry3d& T_world_camera,
+                     const Eigen::Isometry3d& T_camera_scanner)
+{
+  if (returns_->empty())
+    origin_ = T_world_camera.translation();
+  LidarTruthParameters seen_parameters;
+  seen_parameters.max_depth = parameters_.bands.back();
+  const std::vector<float> seen =
+      seenDepths(scan, camera, T_camera_scanner, seen_parameters);
+  std::vector<Eigen::Vector3d> camera_points;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    camera_points.push_back(T_camera_scanner * scan[i].getVector3fMap().cast<double>());
+    const Eigen::Vector3d point = T_world_camera * camera_points.back();
+    const Eigen::Vector3f near = (point - origin_).cast<float>();
+    returns_->push_back(pcl::PointXYZ(near.x(), near.y(), near.z()));
+    if (seen[i] > 0.0f)
+      countSurface(point, seen[i]);
+  }
+  judgeVoxels(camera_points, camera, T_world_camera.inverse());
+}
+
+void
+MapGeometry::judgeVoxels(const std::vector<Eigen::Vector3d>& camera_points,
+                         const StereoCamera& camera,
+                         const Eigen::Isometry3d& T_camera_world)
+{
+  const cv::Mat1f depths = farthestDepths(camera_points, camera);
+#pragma omp parallel for schedule(dynamic, 1024)
+  for (std::size_t i = 0; i < judged_.size(); ++i) {
+    const Eigen::Vector3d centre = T_camera_world * centreOf(i);
+    const auto pixel = pixelOf(centre, camera);
+    if (judged_[i] || !pixel || centre.z() > parameters_.bands.back())
+      continue;
+    const float behind = depthBehind(depths, *pixel, parameters_);
+    judged_[i] = behind > 0.0f && centre.z() <= behind + parameters_.behind;
+  }
+}
+
+void
+MapGeometry::countSurface(const Eigen::Vector3d& point, float depth)
+{
+  const std::vector<double>& bands = parameters_.bands;
+  const auto after = std::upper_bound(bands.begin(), bands.end(), double(depth));
+  if (after == bands.begin() || after == bands.end())
+    return;
+  SurfaceCounts& counts = surface_[std::size_t(after - bands.begin()) - 1];
+  ++counts.points;
+  const bool at = lookup_.at(point) != VoxelLookup::none;
+  bool adjacent = at;
+  for (int i = 0; i < 27 && !adjacent; ++i)
+    adjacent = lookup_.at(point + lookup_.voxelSize() *
+                                      Eigen::Vector3d(i % 3 - 1, i / 3 % 3 - 1,
+                                                      i / 9 - 1)) != VoxelLookup::none;
+  counts.at += at;
+  counts.adjacent += adjacent;
+  counts.within += lookup_.nearest(point, parameters_.within) != VoxelLookup::none;
+}
+
+GeometrySamples
+MapGeometry::samples() const
+{
+  GeometrySamples result;
+  result.voxels = indices_.size();
+  result.surface = surface_;
+  if (returns_->empty())
+    return result;
+  pcl::KdTreeFLANN<pcl::PointXYZ> tree;
+  tree.setInputCloud(returns_);
+  std::vector<float> squared(indices_.size(), 0.0f);
+#pragma omp parallel for schedule(dynamic, 256)
+  for (std::size_t i = 0; i < indices_.size(); ++i) {
+    if (!judged_[i])
+      continue;
+    const Eigen::Vector3f centre = (centreOf(i) - origin_).cast<float>();
+    pcl::Indices nearest(1);
+    std::vector<float> distance(1);
+    tree.nearestKSearch(pcl::PointXYZ(centre.x(), centre.y(), centre.z()), 1, nearest,
+                        distance);
+    squared[i] = distance[0];
+  }
+  for (std::size_t i = 0; i < squared.size(); ++i)
+    if (judged_[i])
+      result.distances.push_back(std::sqrt(squared[i]));
+  return result;
+}
+
+GeometryScores
+scoreGeometry(const GeometrySamples& samples)
+{
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  GeometryScores scores;
+  scores.voxels = samples.voxels;
+  scores.judged = samples.distances.size();
+  if (scores.judged == 0) {
+    scores.mean = scores.median = scores.percentile_90 = none;
+    scores.shares.fill(none);
+    return scores;
+  }
+  std::vector<float> sorted = samples.distances;
+  std::sort(sorted.begin(), sorted.end());
+  const double count = double(sorted.size());
+  const auto quantile = [&](double share) {
+    return double(sorted[std::size_t(share * (count - 1.0) + 0.5)]);
+  };
+  scores.mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / count;
+  scores.median = quantile(0.5);
+  scores.percentile_90 = quantile(0.9);
+  for (std::size_t i = 0; i < scores.shares.size(); ++i)
+    scores.shares[i] = double(std::upper_bound(sorted.begin(), sorted.end(),
+                                               float(GeometryScores::limits[i])) -
+                              sorted.begin()) /
+                       count;
+  return scores;
+}
+
+} // namespace pcl_semantic

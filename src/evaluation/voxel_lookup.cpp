@@ -1,0 +1,166 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/evaluation/voxel_lookup.h>
+#include <pcl_semantic/map/ray_traversal.h>
+
+#include <cmath>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr std::int32_t block_edge = 8; // voxels
+
+VoxelIndex
+blockOf(const VoxelIndex& index)
+{
+  return {floorDivide(index.x(), block_edge), floorDivide(index.y(), block_edge),
+          floorDivide(index.z(), block_edge)};
+}
+
+// Visits the indices of a box, both corners included, by z, y, x.
+template <typename Visit>
+void
+visitBox(const VoxelIndex& first, const VoxelIndex& last, const Visit& visit)
+{
+  VoxelIndex index;
+  for (index.z() = first.z(); index.z() <= last.z(); ++index.z())
+    for (index.y() = first.y(); index.y() <= last.y(); ++index.y())
+      for (index.x() = first.x(); index.x() <= last.x(); ++index.x())
+        visit(index);
+}
+
+bool
+isNear(const Eigen::Vector3d& point, double voxel_size)
+{
+  return (point.array().abs() < (kMaxVoxelIndex - 1) * voxel_size).all(); // not for NaN
+}
+
+VoxelIndex
+indexOf(const Eigen::Vector3d& point, double voxel_size)
+{
+  return voxelOf(quantize(point, voxel_size));
+}
+
+// Of a point to the cube of a voxel, squared.
+double
+squaredDistance(const Eigen::Vector3d& point, const VoxelIndex& index,
+                double voxel_size)
+{
+  const Eigen::Vector3d lower = index.cast<double>() * voxel_size;
+  const Eigen::Vector3d upper = lower.array() + voxel_size;
+  return (point - point.cwiseMax(lower).cwiseMin(upper)).squaredNorm();
+}
+
+Label
+labelAt(std::int32_t place, const std::vector<Label>& labels)
+{
+  return place == VoxelLookup::none ? kUnlabelled : labels[std::size_t(place)];
+}
+
+} // namespace
+
+VoxelLookup::VoxelLookup(const VoxelCloud& voxels) : voxel_size_(voxels.voxel_size)
+{
+  places_.reserve(voxels.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    places_.emplace(voxels.indices[i], static_cast<std::int32_t>(i));
+    blocks_.insert(blockOf(voxels.indices[i]));
+  }
+}
+
+std::int32_t
+VoxelLookup::find(const VoxelIndex& index) const
+{
+  const auto found = places_.find(index);
+  return found == places_.end() ? none : found->second;
+}
+
+std::int32_t
+VoxelLookup::at(const Eigen::Vector3d& point) const
+{
+  return isNear(point, voxel_size_) ? find(indexOf(point, voxel_size_)) : none;
+}
+
+std::int32_t
+VoxelLookup::nearest(const Eigen::Vector3d& point, double within) const
+{
+  const std::int32_t place = at(point);
+  if (place != none || !(within > 0.0) || !isNear(point, voxel_size_))
+    return place;
+  const VoxelIndex first = indexOf(point.array() - within, voxel_size_);
+  const VoxelIndex last = indexOf(point.array() + within, voxel_size_);
+  double least = std::nextafter(within * within, 1e300);
+  VoxelIndex best = VoxelIndex::Constant(std::numeric_limits<int>::max());
+  visitBox(blockOf(first), blockOf(last), [&](const VoxelIndex& block) {
+    if (blocks_.count(block)) // most are empty
+      nearestInBlock(
+          point, first.cwiseMax(block * block_edge),
+          last.cwiseMin(block * block_edge + VoxelIndex::Constant(block_edge - 1)),
+          least, best);
+  });
+  return find(best);
+}
+
+void
+VoxelLookup::nearestInBlock(const Eigen::Vector3d& point, const VoxelIndex& first,
+                            const VoxelIndex& last, double& least,
+                            VoxelIndex& best) const
+{
+  visitBox(first, last, [&](const VoxelIndex& index) {
+    const double squared = squaredDistance(point, index, voxel_size_);
+    if (squared > least || (squared == least && !VoxelIndexLess()(index, best)) ||
+        find(index) == none)
+      return;
+    least = squared;
+    best = index;
+  });
+}
+
+std::vector<std::int32_t>
+VoxelLookup::places(const std::vector<Eigen::Vector3d>& points, double within) const
+{
+  std::vector<std::int32_t> result(points.size(), none);
+#pragma omp parallel for schedule(dynamic, 1024)
+  for (std::size_t i = 0; i < points.size(); ++i)
+    result[i] = nearest(points[i], within);
+  return result;
+}
+
+MapLabels::MapLabels(const VoxelCloud& voxels) : lookup(voxels)
+{
+  measured.reserve(voxels.size());
+  refined.reserve(voxels.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    measured.push_back(voxels.measured.mapLabel(Eigen::Index(i)));
+    refined.push_back(static_cast<Label>(voxels.cloud->points[i].label));
+  }
+}
+
+std::vector<Label>
+labelsAt(const std::vector<std::int32_t>& places, const std::vector<Label>& labels)
+{
+  std::vector<Label> result;
+  result.reserve(places.size());
+  for (const std::int32_t place : places)
+    result.push_back(labelAt(place, labels));
+  return result;
+}
+
+cv::Mat
+labelsAt(const cv::Mat& places, const std::vector<Label>& labels)
+{
+  cv::Mat result(places.size(), CV_8UC1);
+  for (int row = 0; row < places.rows; ++row)
+    for (int column = 0; column < places.cols; ++column)
+      result.at<Label>(row, column) =
+          labelAt(places.at<std::int32_t>(row, column), labels);
+  return result;
+}
+
+} // namespace pcl_semantic

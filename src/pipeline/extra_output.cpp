@@ -1,0 +1,210 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/semantic_kitti_labels.h>
+#include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/evaluation/depth_file.h>
+#include <pcl_semantic/evaluation/lidar_truth.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/pipeline/extra_output.h>
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Written at each frame, and when the map is finished.
+constexpr const char* frame_folders[] = {
+    "measured_labels",  "measured_labels_at_depth", "depth",
+    "scan_labels",      "measured_scan_labels",     "network_scan_labels",
+    "near_scan_labels", "measured_near_scan_labels"};
+
+constexpr const char* final_folders[] = {
+    "final_measured_labels", "final_scan_labels", "final_measured_scan_labels",
+    "final_near_scan_labels", "final_measured_near_scan_labels"};
+
+std::vector<std::string>
+foldersOf(const ExtraOptions& options)
+{
+  std::vector<std::string> folders;
+  if (options.measured)
+    folders = {"measured_labels", "measured_labels_at_depth", "final_measured_labels"};
+  if (options.depth)
+    folders.push_back("depth");
+  if (!options.scans.empty())
+    folders.insert(folders.end(),
+                   {"scan_labels", "final_scan_labels", "network_scan_labels"});
+  if (!options.scans.empty() && options.measured)
+    folders.insert(folders.end(),
+                   {"measured_scan_labels", "final_measured_scan_labels"});
+  if (!options.scans.empty() && options.within > 0.0) {
+    folders.insert(folders.end(), {"near_scan_labels", "final_near_scan_labels"});
+    if (options.measured)
+      folders.insert(folders.end(),
+                     {"measured_near_scan_labels", "final_measured_near_scan_labels"});
+  }
+  return folders;
+}
+
+cv::Mat
+depthOf(const pcl::PointCloud<pcl::PointXYZRGB>& cloud)
+{
+  cv::Mat1f depth(int(cloud.height), int(cloud.width), 0.0f);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud[i].z > 0.0f) // false for NaN
+      depth.at<float>(int(i / cloud.width), int(i % cloud.width)) = cloud[i].z;
+  return std::move(depth);
+}
+
+} // namespace
+
+ExtraOutput::ExtraOutput(const std::string& folder, const StereoCamera& camera,
+                         double max_depth, ExtraOptions options)
+    : folder_(folder), camera_(camera), max_depth_(max_depth),
+      options_(std::move(options))
+{
+  for (const std::string& name : foldersOf(options_))
+    makeOutputFolder((std::filesystem::path(folder_) / name).string());
+}
+
+const std::vector<std::string>&
+ExtraOutput::names()
+{
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all(std::begin(frame_folders), std::end(frame_folders));
+    all.insert(all.end(), std::begin(final_folders), std::end(final_folders));
+    return all;
+  }();
+  return names;
+}
+
+void
+ExtraOutput::removeEarlier(const std::vector<int>& kept) const
+{
+  const auto isGone = [&](int frame) {
+    return !std::binary_search(kept.begin(), kept.end(), frame);
+  };
+  std::error_code error;
+  for (const std::string& name : names()) {
+    const std::string path = (std::filesystem::path(folder_) / name).string();
+    if (!std::filesystem::is_directory(path, error))
+      continue;
+    const bool is_final = name.rfind("final_", 0) == 0;
+    for (const char* extension : {".png", ".label"})
+      removeFrameFiles(path, extension, is_final ? std::function<bool(int)>() : isGone);
+  }
+}
+
+std::string
+ExtraOutput::path(const std::string& name, int frame, const char* extension) const
+{
+  return (std::filesystem::path(folder_) / name / frameFileName(frame, extension))
+      .string();
+}
+
+void
+ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendered) const
+{
+  const int frame = mapped.frame.number;
+  if (options_.depth)
+    writeDepthImage(path("depth", frame, ".png"), depthOf(*mapped.cloud));
+  if (!needsLabels())
+    return;
+  const MapLabels labels(mapped.voxels);
+  if (options_.measured) {
+    writePng(path("measured_labels", frame, ".png"),
+             labelsAt(rendered.places, labels.measured));
+    writeAtDepth(mapped, labels);
+  }
+  if (options_.scans.empty())
+    return;
+  writeScan(frame, mapped.T_world_camera, labels, "");
+  writeNetworkScan(mapped);
+}
+
+void
+ExtraOutput::writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
+                        const MapLabels& labels, const RenderedLabels& rendered) const
+{
+  if (options_.measured)
+    writePng(path("final_measured_labels", frame, ".png"),
+             labelsAt(rendered.places, labels.measured));
+  if (!options_.scans.empty())
+    writeScan(frame, T_world_camera, labels, "final_");
+}
+
+void
+ExtraOutput::writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
+                       const MapLabels& labels, const std::string& prefix) const
+{
+  const auto scan =
+      readVelodyneScan(options_.scans + "/" + frameFileName(frame, ".bin"));
+  const Eigen::Isometry3d T_world_scanner = T_world_camera * options_.T_camera_scanner;
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(scan->size());
+  for (const pcl::PointXYZI& point : *scan)
+    points.push_back(T_world_scanner * point.getVector3fMap().cast<double>());
+  writePoints(frame, labels.lookup.places(points), labels, prefix, "scan_labels");
+  if (options_.within > 0.0)
+    writePoints(frame, labels.lookup.places(points, options_.within), labels, prefix,
+                "near_scan_labels");
+}
+
+void
+ExtraOutput::writePoints(int frame, const std::vector<std::int32_t>& places,
+                         const MapLabels& labels, const std::string& prefix,
+                         const std::string& name) const
+{
+  writeScanLabels(path(prefix + name, frame, ".label"),
+                  labelsAt(places, labels.refined));
+  if (options_.measured)
+    writeScanLabels(path(prefix + "measured_" + name, frame, ".label"),
+                    labelsAt(places, labels.measured));
+}
+
+// As labelsAtDepth() does for the map as its readers see it.
+void
+ExtraOutput::writeAtDepth(const MappedFrame& mapped, const MapLabels& labels) const
+{
+  const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *mapped.cloud;
+  cv::Mat places(int(cloud.height), int(cloud.width), CV_32SC1,
+                 cv::Scalar(VoxelLookup::none));
+  auto* const place = places.ptr<std::int32_t>();
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud[i].z <= max_depth_) // false for NaN
+      place[i] = labels.lookup.at(mapped.T_world_camera *
+                                  cloud[i].getVector3fMap().cast<double>());
+  writePng(path("measured_labels_at_depth", mapped.frame.number, ".png"),
+           labelsAt(places, labels.measured));
+}
+
+void
+ExtraOutput::writeNetworkScan(const MappedFrame& mapped) const
+{
+  const int frame = mapped.frame.number;
+  const auto scan =
+      readVelodyneScan(options_.scans + "/" + frameFileName(frame, ".bin"));
+  std::vector<Label> labels(scan->size(), kUnlabelled);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const Eigen::Vector3d point =
+        options_.T_camera_scanner * (*scan)[i].getVector3fMap().cast<double>();
+    const auto pixel = pixelOf(point, camera_);
+    if (pixel)
+      labels[i] = mapped.network.mapLabel(Eigen::Index(pixel->y()) * camera_.width +
+                                          pixel->x());
+  }
+  writeScanLabels(path("network_scan_labels", frame, ".label"), labels);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,284 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/bad_case.h"
+#include "support/mapped_street.h"
+#include "support/same_image.h"
+
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/semantic_kitti_labels.h>
+#include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/evaluation/depth_file.h>
+#include <pcl_semantic/evaluation/lidar_truth.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/pipeline/map_folder.h>
+
+#include <opencv2/core.hpp>
+
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Scans of a street as a laser would make them: its true disparities, every third
+// pixel, in the scanner's frame.
+void
+addScans(const std::string& street)
+{
+  const KittiSequence sequence(street);
+  const StereoCamera& camera = sequence.camera();
+  const Eigen::Isometry3d T_velodyne_camera =
+      sequence.T_camera0_velodyne().inverse() * sequence.T_camera0_camera();
+  std::filesystem::create_directories(street + "/velodyne");
+  for (const char* frame : {"000000", "000001", "000002"}) {
+    const cv::Mat1w disparity =
+        readPng(street + "/disparity/" + frame + ".png", ImageKind::disparity);
+    std::ofstream stream(street + "/velodyne/" + frame + ".bin", std::ios::binary);
+    for (int v = 1; v < disparity.rows; v += 3)
+      for (int u = 1; u < disparity.cols; u += 3) {
+        if (disparity(v, u) == 0)
+          continue;
+        const double depth = camera.fx * camera.baseline * 256.0 / disparity(v, u);
+        const Eigen::Vector3f point =
+            (T_velodyne_camera * camera.unproject(u, v, depth)).cast<float>();
+        const float record[] = {point.x(), point.y(), point.z(), 0.5f};
+        stream.write(reinterpret_cast<const char*>(record), sizeof(record));
+      }
+  }
+}
+
+cv::Mat
+imageOf(const std::string& path)
+{
+  return readPng(path, ImageKind::labels);
+}
+
+// One map with everything that --also knows, for all tests.
+class EvaluatedMap : public testing::Test {
+protected:
+  static void
+  SetUpTestSuite()
+  {
+    folder_ = std::make_unique<TemporaryFolder>();
+    copyStreet(street());
+    addScans(street());
+    mapStreet(street(), folder_->path("map"),
+              "--crf dense --also measured,depth,scans --scan-within 0.3 "
+              "--voxel-size 0.2");
+  }
+
+  static void
+  TearDownTestSuite()
+  {
+    folder_.reset();
+  }
+
+  static std::string
+  street()
+  {
+    return folder_->path("street");
+  }
+
+  static std::string
+  map(const std::string& name)
+  {
+    return folder_->path("map/" + name);
+  }
+
+  static std::unique_ptr<TemporaryFolder> folder_;
+};
+
+std::unique_ptr<TemporaryFolder> EvaluatedMap::folder_;
+
+// Labels of the points of a scan, voxel by voxel, as the finished map says: of the
+// voxel that is nearest and within a distance of its cube.
+std::vector<Label>
+plainScanLabels(const std::string& street, const MapFolder& map, int frame,
+                double within)
+{
+  const KittiSequence sequence(street);
+  const Eigen::Isometry3d T_world_velodyne =
+      map.T_world_camera0[std::size_t(frame)] * sequence.T_camera0_velodyne();
+  const auto scan =
+      readVelodyneScan(street + "/velodyne/" + frameFileName(frame, ".bin"));
+  std::vector<Label> labels;
+  for (const pcl::PointXYZI& point : *scan) {
+    const Eigen::Vector3d p = T_world_velodyne * point.getVector3fMap().cast<double>();
+    Label label = kUnlabelled;
+    double least = within + 1e-9;
+    for (const pcl::PointXYZRGBL& centre : *map.voxels.cloud) {
+      const Eigen::Array3d offset = p - centre.getVector3fMap().cast<double>();
+      const double distance =
+          (offset.abs() - 0.5 * map.voxels.voxel_size).max(0.0).matrix().norm();
+      if (distance < least) {
+        least = distance;
+        label = Label(centre.label);
+      }
+    }
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+} // namespace
+
+TEST_F(EvaluatedMap, MeasuredLabelsAreThoseOfAMapWithoutCrf)
+{
+  mapStreet(street(), folder_->path("plain"),
+            "--crf none --also measured,scans --voxel-size 0.2");
+  const auto plain = [&](const std::string& name) {
+    return folder_->path("plain/" + name);
+  };
+  int changed = 0;
+  for (const std::string frame : {"/000000", "/000001", "/000002"}) {
+    for (const auto& [measured, same] :
+         {std::pair("measured_labels", "labels"),
+          std::pair("measured_labels_at_depth", "labels_at_depth"),
+          std::pair("final_measured_labels", "final_labels")}) {
+      const cv::Mat expected = imageOf(plain(same + frame + ".png"));
+      EXPECT_TRUE(isSameImage(imageOf(map(measured + frame + ".png")), expected));
+      EXPECT_TRUE(isSameImage(imageOf(plain(measured + frame + ".png")), expected));
+      changed += cv::countNonZero(imageOf(map(same + frame + ".png")) != expected);
+    }
+    for (const auto& [measured, same] :
+         {std::pair("measured_scan_labels", "scan_labels"),
+          std::pair("final_measured_scan_labels", "final_scan_labels")})
+      EXPECT_EQ(bytesOf(map(measured + frame + ".label")),
+                bytesOf(plain(same + frame + ".label")));
+  }
+  EXPECT_GT(changed, 0); // the CRF does something
+}
+
+TEST_F(EvaluatedMap, PointsOfScansHaveTheLabelOfTheirVoxel)
+{
+  const MapFolder finished = readMapFolder(folder_->path("map"));
+  std::size_t labelled = 0;
+  for (const auto& [name, within] : {std::pair("final_scan_labels", 0.0),
+                                     std::pair("final_near_scan_labels", 0.3)}) {
+    const std::vector<Label> labels = readScanLabels(map(name) + "/000001.label", 11);
+    const std::vector<Label> expected = plainScanLabels(street(), finished, 1, within);
+    ASSERT_EQ(labels.size(), expected.size());
+    // Points on a face may fall to either side: poses and centres are rounded.
+    std::size_t different = 0;
+    const std::size_t before = labelled;
+    labelled = 0;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      different += labels[i] != expected[i];
+      labelled += labels[i] != kUnlabelled;
+    }
+    EXPECT_LE(different, labels.size() / 200) << name;
+    EXPECT_GT(labelled, labels.size() / 4) << name;
+    EXPECT_GT(labelled, before) << name;
+  }
+  // The last frame sees the finished map.
+  EXPECT_EQ(bytesOf(map("scan_labels/000002.label")),
+            bytesOf(map("final_scan_labels/000002.label")));
+}
+
+TEST_F(EvaluatedMap, TheNetworkLabelsTheVisiblePoints)
+{
+  const KittiSequence sequence(street());
+  const auto scan = readVelodyneScan(street() + "/velodyne/000001.bin");
+  const std::vector<Label> labels =
+      readScanLabels(map("network_scan_labels/000001.label"), 11);
+  const cv::Mat1b image = imageOf(map("network_labels/000001.png"));
+  ASSERT_EQ(labels.size(), scan->size());
+  const cv::Mat1w disparity =
+      readPng(street() + "/disparity/000001.png", ImageKind::disparity);
+  std::size_t i = 0;
+  for (int v = 1; v < disparity.rows; v += 3)
+    for (int u = 1; u < disparity.cols; u += 3)
+      if (disparity(v, u) > 0) {
+        ASSERT_EQ(labels[i++], image(v, u));
+      }
+  EXPECT_EQ(i, labels.size());
+}
+
+TEST_F(EvaluatedMap, DepthIsThatOfTheStereoPair)
+{
+  const KittiSequence sequence(street());
+  const cv::Mat1f depth = readDepths(map("depth/000001.png"));
+  const cv::Mat1w disparity =
+      readPng(street() + "/disparity/000001.png", ImageKind::disparity);
+  const double scale = sequence.camera().fx * sequence.camera().baseline * 256.0;
+  int near = 0, all = 0;
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u) {
+      if (depth(v, u) == 0.0f || disparity(v, u) == 0)
+        continue;
+      ++all;
+      near += std::abs(depth(v, u) * disparity(v, u) / scale - 1.0) < 0.15;
+    }
+  EXPECT_GT(all, depth.rows * depth.cols / 3);
+  EXPECT_GT(near, all * 3 / 4);
+}
+
+TEST_F(EvaluatedMap, ItsGeometryIsThatOfTheStreet)
+{
+  const std::string command =
+      "evaluate_map " + folder_->path("map ") + street() + " --within 0.4 ";
+  const ToolResult table = runTool(command);
+  EXPECT_EQ(table.code, 0) << table.text;
+  EXPECT_NE(table.text.find("from a voxel to the nearest return"), std::string::npos);
+  const ToolResult row =
+      runTool(command + "--header --row street -o " + folder_->path("geometry.json"));
+  EXPECT_EQ(std::count(row.text.begin(), row.text.end(), '\n'), 3) << row.text;
+  const auto json = readJson(folder_->path("geometry.json"));
+  EXPECT_EQ(json["voxels"], readJson(map("summary.json"))["voxels"]);
+  EXPECT_GT(json["judged"], 1000);
+  EXPECT_LT(json["distance"]["median"], 0.5);
+  EXPECT_GT(json["surface"][0]["within"], 0.8);
+  EXPECT_LE(json["surface"][0]["in_voxel"], json["surface"][0]["next_to_voxel"]);
+
+  // Both maps together are no other than one of them.
+  const ToolResult twice =
+      runTool("evaluate_map --within 0.4 --map " + folder_->path("map --map ") +
+              folder_->path("map") + " --sequence " + street() + " --sequence " +
+              street() + " -o " + folder_->path("twice.json"));
+  EXPECT_EQ(twice.code, 0) << twice.text;
+  EXPECT_EQ(readJson(folder_->path("twice.json"))["within"], json["within"]);
+}
+
+TEST_F(EvaluatedMap, ALaterRunRemovesWhatItDoesNotWrite)
+{
+  const std::string again = folder_->path("again");
+  mapStreet(street(), again, "--crf none --also measured,scans --frames 0:2");
+  EXPECT_TRUE(std::filesystem::exists(again + "/scan_labels/000001.label"));
+  mapStreet(street(), again, "--crf none --frames 0:1");
+  EXPECT_EQ(filesIn(again), filesOfMap({"000000"}));
+}
+
+TEST(EvaluateMapTool, BadInput)
+{
+  const std::string map = "map STREET --output OUT --labels STREET/labels ";
+  for (const BadCase& bad : std::vector<BadCase>{
+           {"a word", 2, "--also: 'laser'", map + "--also measured,laser"},
+           {"no scans", 3, "velodyne/000000.bin: is missing", map + "--also scans"},
+           {"too wide", 2, "--scan-within is 3", map + "--scan-within 3"},
+           {"scans of two cameras", 2, "needs a SEQUENCE",
+            "map --left 'STREET/image_2/*.png' --right 'STREET/image_3/*.png' "
+            "--calibration STREET/calib.txt --poses STREET/poses.txt "
+            "--labels STREET/labels --output OUT --also scans"},
+           {"nothing", 2, "expected MAP SEQUENCE", "evaluate_map"},
+           {"no sequence", 2, "as many of both", "evaluate_map OUT"},
+           {"no map", 3, "summary.json", "evaluate_map OUT STREET"},
+           {"bands", 2, "have to grow", "evaluate_map OUT STREET --bands 0,20,10"},
+           {"no bands", 2, "--bands", "evaluate_map OUT STREET --bands 0,x"},
+           {"within", 2, "--within is nan", "evaluate_map OUT STREET --within nan"},
+           {"kind of output", 2, "ends in .json", "evaluate_map OUT STREET -o x.csv"},
+           {"unfinished", 3, "the map is not finished", "evaluate_map STREET STREET",
+            [](const std::string& street) {
+              std::ofstream(street + "/summary.json") << "{\"finished\": false}";
+            }},
+           {"another file", 3, "is no summary of a map", "evaluate_map STREET STREET",
+            [](const std::string& street) {
+              std::ofstream(street + "/summary.json") << "[1, 2]";
+            }}})
+    expectFails(bad);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,56 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/evaluation/depth_file.h>
+#include <pcl_semantic/files/image_file.h>
+
+#include <opencv2/core.hpp>
+
+#include <limits>
+
+namespace pcl_semantic {
+
+TEST(DepthFile, ImagesAreKittis)
+{
+  const TemporaryFolder folder;
+  const cv::Mat1f depth =
+      (cv::Mat1f(2, 3) << 0.0f, 10.0f, 39.996f, 1.001f, 255.0f, 1000.0f);
+  writeDepthImage(folder.path("a.png"), depth);
+  const cv::Mat1w image = readPng(folder.path("a.png"), ImageKind::disparity);
+  EXPECT_EQ(image(0, 1), 2560);
+  const cv::Mat1f read = readDepths(folder.path("a.png"));
+  ASSERT_EQ(read.size(), depth.size());
+  for (int i = 0; i < 5; ++i)
+    EXPECT_NEAR(read(i / 3, i % 3), depth(i / 3, i % 3), 0.5f / 256.0f);
+  EXPECT_NEAR(read(1, 2), 256.0f, 0.01f); // as far as the format goes
+}
+
+TEST(DepthFile, PointsAreFloats)
+{
+  const TemporaryFolder folder;
+  writePointDepths(folder.path("a.bin"), {0.0f, 12.3456f, 1000.0f});
+  const cv::Mat1f read = readDepths(folder.path("a.bin"));
+  ASSERT_EQ(read.size(), cv::Size(3, 1));
+  EXPECT_EQ(read(0, 1), 12.3456f);
+  for (const float bad : {-1.0f, std::numeric_limits<float>::quiet_NaN(),
+                          std::numeric_limits<float>::infinity()}) {
+    writePointDepths(folder.path("a.bin"), {1.0f, bad});
+    EXPECT_TRUE(holds(
+        thrownMessage<BadInputException>([&] { readDepths(folder.path("a.bin")); }),
+        "a.bin: point 1"));
+  }
+  folder.write("a.bin", "12345");
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { readDepths(folder.path("a.bin")); }),
+            "has 5 bytes"));
+  thrownMessage<BadInputException>([&] { readDepths(folder.path("none.png")); });
+}
+
+} // namespace pcl_semantic
