@@ -163,6 +163,8 @@ public:
         result.labels.at<std::uint8_t>(row, column) =
             static_cast<std::uint8_t>(point.label);
         result.depth.at<float>(row, column) = static_cast<float>(depths_[pixel]);
+        result.voxels.at<std::int32_t>(row, column) =
+            static_cast<std::int32_t>(nearest_[pixel]);
       }
   }
 
@@ -227,6 +229,7 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
   RenderedLabels result;
   result.labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
   result.depth = cv::Mat::zeros(camera.height, camera.width, CV_32FC1);
+  result.voxels = cv::Mat(camera.height, camera.width, CV_32SC1, cv::Scalar(-1));
   std::vector<Band> bands;
   for (int row = 0; row < camera.height; row += rows_of_band)
     bands.emplace_back(view, row, std::min(row + rows_of_band, camera.height));

@@ -74,7 +74,10 @@ SemanticMapper::process(const StereoFrame& frame)
   result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
   refined_ = isRefinedAt(frames_);
   if (config_.crf != "none" && refined_)
-    times.measure("crf", [&] { refine(result.voxels); });
+    times.measure("crf", [&] {
+      refine(result);
+      map_.setRefined(result.voxels, result.voxels.refined);
+    });
   ++frames_;
   if (callback_)
     callback_(result, map_);
@@ -87,7 +90,8 @@ SemanticMapper::finish()
   if (refined_)
     return;
   VoxelCloud voxels = map_.occupied();
-  refine(voxels);
+  refineVoxels(voxels);
+  map_.setRefined(voxels, voxels.refined);
   refined_ = true;
 }
 
@@ -109,7 +113,14 @@ SemanticMapper::integrate(const MappedFrame& mapped)
 }
 
 void
-SemanticMapper::refine(VoxelCloud& voxels)
+SemanticMapper::refine(MappedFrame& mapped) const
+{
+  if (config_.crf != "none")
+    refineVoxels(mapped.voxels);
+}
+
+void
+SemanticMapper::refineVoxels(VoxelCloud& voxels) const
 {
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config_.crfModel());
@@ -120,7 +131,6 @@ SemanticMapper::refine(VoxelCloud& voxels)
   crf.setLabelDistributions(voxels.measured);
   crf.filter(*voxels.cloud);
   voxels.refined = crf.getLabelDistributions();
-  map_.setRefined(voxels, voxels.refined);
 }
 
 } // namespace pcl_semantic

@@ -18,6 +18,7 @@ namespace pcl_semantic {
 struct RenderedLabels {
   cv::Mat labels; ///< CV_8UC1; 0 = no voxel, or an unlabelled one
   cv::Mat depth;  ///< CV_32FC1, camera z of the surface [m]; 0 = no voxel
+  cv::Mat voxels; ///< CV_32SC1, place of the voxel in the cloud; -1 = none
 };
 
 /** \brief Renders voxels as solid cubes of their own size, the nearest along the ray of
