@@ -13,7 +13,6 @@
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/pipeline/tuning_report.h>
 #include <pcl_semantic/pipeline/tuning_runner.h>
-#include <pcl_semantic/version.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -114,29 +113,19 @@ parse(int argc, char** argv, Options& options)
   return true;
 }
 
+// A pattern with the words for a sequence replaced.
 std::string
-filledIn(std::string pattern, const std::string& sequence)
+filledIn(const std::string& pattern, const std::string& sequence)
 {
   const std::string name = (fs::path(sequence) / "").parent_path().filename().string();
-  for (const auto& [word, value] :
-       {std::pair<std::string, std::string>("{sequence}", sequence), {"{name}", name}})
-    for (std::size_t at; (at = pattern.find(word)) != std::string::npos;)
-      pattern.replace(at, word.size(), value);
-  return pattern;
-}
-
-// What the runs are made from, for the file that keeps them and for the report.
-std::string
-describeData(const std::vector<std::shared_ptr<const TuningSequence>>& sequences)
-{
-  std::string text = "- pcl_semantic " + std::string(PCL_SEMANTIC_VERSION) + "\n";
-  for (const auto& sequence : sequences) {
-    text += "- " + sequence->name() + ": " + std::to_string(sequence->frames().size()) +
-            " frames of " + fs::absolute(sequence->folders().sequence).string() +
-            ", labels " + fs::absolute(sequence->folders().labels).string() +
-            ", truth " + fs::absolute(sequence->folders().truth).string() + "\n";
+  std::string filled;
+  for (std::size_t at = 0; at < pattern.size();) {
+    const bool is_path = pattern.compare(at, 10, "{sequence}") == 0;
+    const bool is_name = pattern.compare(at, 6, "{name}") == 0;
+    filled += is_path ? sequence : is_name ? name : pattern.substr(at, 1);
+    at += is_path ? 10 : is_name ? 6 : 1;
   }
-  return text;
+  return filled;
 }
 
 int
@@ -157,14 +146,15 @@ tune(const Options& options)
         label_set.size()));
     names.push_back(sequences.back()->name());
   }
+  TuningOptions tuning = options.tuning;
+  tuning.score.classes = classesThatCount(label_set);
+  Tuner::require(grid, names, tuning);
   makeOutputFolder(options.output);
-  const std::string data = describeData(sequences);
+  const std::string data = describeTuning(sequences);
   TuningStore store(options.runs.empty() ? options.output + "/runs.jsonl"
                                          : options.runs,
                     data, label_set.size());
   TuningRunner runner(sequences, label_set, std::size_t(options.memory * 1e9));
-  TuningOptions tuning = options.tuning;
-  tuning.score.classes = classesThatCount(label_set);
   Tuner tuner(
       grid, names, label_set.size(),
       [&](const MapperConfig& config, std::size_t i) { return runner.run(config, i); },

@@ -113,14 +113,14 @@ SemanticMapper::integrate(const MappedFrame& mapped)
 }
 
 void
-SemanticMapper::refine(MappedFrame& mapped) const
+SemanticMapper::refine(MappedFrame& mapped)
 {
   if (config_.crf != "none")
     refineVoxels(mapped.voxels);
 }
 
 void
-SemanticMapper::refineVoxels(VoxelCloud& voxels) const
+SemanticMapper::refineVoxels(VoxelCloud& voxels)
 {
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config_.crfModel());

@@ -16,46 +16,55 @@
 
 namespace pcl_semantic {
 
+namespace {
+
+TuningSearch
+makeSearch(const TuningGrid& grid, const TuningOptions& options)
+{
+  std::vector<std::size_t> sizes;
+  for (const TuningAxis& axis : grid.axes)
+    sizes.push_back(axis.candidates.size());
+  return {sizes, grid.startChoice(), options.search,
+          [&grid](const TuningChoice& choice) { return grid.isPossible(choice); }};
+}
+
+} // namespace
+
 Tuner::Tuner(const TuningGrid& grid, const std::vector<std::string>& sequences,
              int classes, Run run, TuningStore& store, const TuningOptions& options)
     : grid_(grid), sequences_(sequences), classes_(classes), run_(std::move(run)),
       store_(store), options_(options), chosen_(grid.startChoice())
 {
+  require(grid, sequences, options);
+}
+
+void
+Tuner::require(const TuningGrid& grid, const std::vector<std::string>& sequences,
+               const TuningOptions& options)
+{
   const std::set<std::string> names(sequences.begin(), sequences.end());
   if (sequences.empty() || names.size() != sequences.size())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "a search needs sequences, each of another name");
-  if (options_.workers < 1 || options_.workers > 1024)
+  if (options.workers < 1 || options.workers > 1024)
     PCL_THROW_EXCEPTION(InvalidParameterException, "runs at a time are "
-                                                       << options_.workers
+                                                       << options.workers
                                                        << ", expected 1 to 1024");
-  if (!(options_.margin >= 0.0 && options_.margin <= 100.0))
+  if (!(options.margin >= 0.0 && options.margin <= 100.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "margin is " << options_.margin << ", expected 0 to 100");
-  if (!grid_.isPossible(chosen_))
+                        "margin is " << options.margin << ", expected 0 to 100");
+  if (!grid.isPossible(grid.startChoice()))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "the values of the start do not go together");
-  makeSearches(); // checks the options
-}
-
-// One without each sequence, and one with all, which is the last.
-std::vector<TuningSearch>
-Tuner::makeSearches() const
-{
-  std::vector<std::size_t> sizes;
-  for (const TuningAxis& axis : grid_.axes)
-    sizes.push_back(axis.candidates.size());
-  const TuningSearch search(
-      sizes, grid_.startChoice(), options_.search,
-      [this](const TuningChoice& choice) { return grid_.isPossible(choice); });
-  const std::size_t folds = sequences_.size() > 1 ? sequences_.size() : 0;
-  return std::vector<TuningSearch>(folds + 1, search);
+  makeSearch(grid, options); // checks the rest
 }
 
 bool
 Tuner::search()
 {
-  std::vector<TuningSearch> searches = makeSearches();
+  // One without each sequence, and one with all, which is the last.
+  const std::size_t folds = sequences_.size() > 1 ? sequences_.size() : 0;
+  std::vector<TuningSearch> searches(folds + 1, makeSearch(grid_, options_));
   const std::size_t all = sequences_.size(); // leaves none out
   const auto leftOutBy = [&](std::size_t i) {
     return i + 1 == searches.size() ? all : i;

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 
 namespace pcl_semantic {
 
@@ -136,7 +137,11 @@ tuningTable(const Tuner& tuner)
 std::string
 tuningReport(const Tuner& tuner, const LabelSet& label_set, const std::string& data)
 {
-  std::string text = "# Parameters from data\n\n" + data + "\n";
+  std::string text = "# Parameters from data\n\n";
+  std::istringstream lines(data);
+  for (std::string line; std::getline(lines, line);)
+    text += "- " + line + "\n";
+  text += "\n";
   text += "Score: " + tuner.options().score.describe() +
           ", in percent, over the pooled pixels of the sequences. " +
           std::to_string(tuner.scores().size()) +

@@ -101,7 +101,7 @@ TuningRunner::run(const MapperConfig& config, std::size_t sequence)
   const TuningSequence& data = *sequences_.at(sequence);
   MapperConfig one_thread = config;
   one_thread.threads = 1;
-  const SemanticMapper mapper(data.camera(), label_set_, one_thread, nullptr, nullptr);
+  SemanticMapper mapper(data.camera(), label_set_, one_thread, nullptr, nullptr);
   for (const TuningView& view : *views) {
     TuningView copy = view;
     copy.mapped.voxels.cloud =

@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "digest.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/files/image_file.h>
@@ -12,11 +14,15 @@
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/tuning_sequence.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
+#include <pcl_semantic/version.h>
 
 #include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
+
+#include <dlfcn.h>
 
 namespace pcl_semantic {
 
@@ -29,6 +35,27 @@ lastPartOf(const std::string& path)
 {
   const fs::path normal = (fs::path(path) / "").lexically_normal().parent_path();
   return normal.filename().string();
+}
+
+void
+addTo(Digest& digest, const cv::Mat& image)
+{
+  for (int row = 0; row < image.rows; ++row)
+    digest.add(image.ptr(row), std::size_t(image.cols) * image.elemSize());
+}
+
+// Of the file that holds this code, library or program: another build may give other
+// results.
+std::uint64_t
+digestOfProgram()
+{
+  Digest digest;
+  Dl_info info;
+  if (dladdr(reinterpret_cast<const void*>(&digestOfProgram), &info) != 0) {
+    const std::vector<std::uint8_t> bytes = readBytes(info.dli_fname);
+    digest.add(bytes.data(), bytes.size());
+  }
+  return digest.value();
 }
 
 } // namespace
@@ -81,6 +108,33 @@ TuningSequence::readTruth()
                                                << folders_.sequence);
 }
 
+std::string
+TuningSequence::describe() const
+{
+  Digest digest;
+  for (const StereoFrame& frame : frames_) {
+    addTo(digest, frame.left);
+    addTo(digest, frame.right);
+    const Eigen::Matrix4d pose = makePoses()->pose(frame).matrix();
+    digest.add(pose.data(), sizeof(double) * 16);
+  }
+  for (const cv::Mat& truth : truths_)
+    addTo(digest, truth);
+  const LabelDistributions labels = makePredictor(1.0)->predict(frames_.front());
+  digest.add(labels.matrix().data(),
+             sizeof(float) * std::size_t(labels.matrix().size()));
+  const auto have_truth =
+      std::count_if(truths_.begin(), truths_.end(),
+                    [](const cv::Mat& each) { return !each.empty(); });
+  std::ostringstream text;
+  text << fs::absolute(folders_.sequence).lexically_normal().string() << ", "
+       << frames_.size() << " frames, " << have_truth << " with truth of "
+       << fs::absolute(folders_.truth).lexically_normal().string() << ", labels of "
+       << fs::absolute(folders_.labels).lexically_normal().string() << " (digest "
+       << std::hex << digest.value() << ")";
+  return text.str();
+}
+
 std::unique_ptr<LabelPredictor>
 TuningSequence::makePredictor(double png_confidence) const
 {
@@ -108,6 +162,17 @@ TuningSequence::disparities(const MapperConfig& config) const
     found = images;
   }
   return found;
+}
+
+std::string
+describeTuning(const std::vector<std::shared_ptr<const TuningSequence>>& sequences)
+{
+  std::ostringstream text;
+  text << "program: pcl_semantic " << PCL_SEMANTIC_VERSION << " (digest " << std::hex
+       << digestOfProgram() << ")\n";
+  for (const auto& sequence : sequences)
+    text << sequence->name() << ": " << sequence->describe() << "\n";
+  return text.str();
 }
 
 } // namespace pcl_semantic

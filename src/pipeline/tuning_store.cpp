@@ -7,6 +7,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/pipeline/tuning_store.h>
 
 #include <nlohmann/json.hpp>
@@ -108,9 +109,11 @@ TuningStore::read(const std::string& data)
       const Json json = Json::parse(line.text);
       if (line.number == 1) {
         if (json.at("data").get<std::string>() != data)
-          PCL_THROW_EXCEPTION(BadInputException,
-                              path_ << ": holds runs of other data; name another file, "
-                                       "or remove it");
+          PCL_THROW_EXCEPTION(
+              BadInputException,
+              path_ << ": holds other runs: "
+                    << changeOfRun(json.at("data").get<std::string>(), data)
+                    << "; name another file, or remove it");
         continue;
       }
       TuningResult result(classes_);

@@ -28,35 +28,42 @@ std::vector<std::int32_t>
 voxelsAtDepth(const MappedFrame& mapped, const SemanticVoxelMap& map,
               const std::vector<std::size_t>& pixels, double max_depth)
 {
-  std::unordered_map<VoxelIndex, std::int32_t, VoxelIndexHash> places;
-  places.reserve(mapped.voxels.size());
-  for (std::size_t i = 0; i < mapped.voxels.size(); ++i)
-    places.emplace(mapped.voxels.indices[i], std::int32_t(i));
-  std::vector<std::int32_t> voxels;
+  std::unordered_map<VoxelIndex, std::int32_t, VoxelIndexHash> places; // of those asked
+  std::vector<const std::int32_t*> asked; // by each pixel; null = no depth
   for (const std::size_t pixel : pixels) {
     const pcl::PointXYZRGB& point = (*mapped.cloud)[pixel];
-    voxels.push_back(-1);
-    if (!(point.z <= max_depth)) // NaN too
-      continue;
-    const auto found = places.find(
-        map.voxelOf(mapped.T_world_camera * point.getVector3fMap().cast<double>()));
-    if (found != places.end())
-      voxels.back() = found->second;
+    asked.push_back(nullptr);
+    if (point.z <= max_depth) // false for NaN
+      asked.back() = &places
+                          .emplace(map.voxelOf(mapped.T_world_camera *
+                                               point.getVector3fMap().cast<double>()),
+                                   -1)
+                          .first->second; // stays where it is
   }
+  for (std::size_t i = 0; i < mapped.voxels.size(); ++i) {
+    const auto place = places.find(mapped.voxels.indices[i]);
+    if (place != places.end())
+      place->second = std::int32_t(i);
+  }
+  std::vector<std::int32_t> voxels;
+  for (const std::int32_t* const place : asked)
+    voxels.push_back(place ? *place : -1);
   return voxels;
 }
 
 void
 countPixels(const TuningView& view, const std::vector<std::int32_t>& seen,
-            const std::vector<Label>& fused, TuningCounts& counts)
+            TuningCounts& counts)
 {
-  const auto& cloud = *view.mapped.voxels.cloud;
+  const VoxelCloud& voxels = view.mapped.voxels;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const auto voxel = std::size_t(seen[i]);
-    const bool is_seen = seen[i] >= 0;
-    const Label refined = is_seen ? Label(cloud[voxel].label) : kUnlabelled;
+    Label fused = kUnlabelled, refined = kUnlabelled;
+    if (seen[i] >= 0) {
+      fused = voxels.measured.mapLabel(seen[i]);
+      refined = Label((*voxels.cloud)[std::size_t(seen[i])].label);
+    }
+    counts.fused.add(view.truth[i], fused, 1);
     counts.refined.add(view.truth[i], refined, 1);
-    counts.fused.add(view.truth[i], is_seen ? fused[voxel] : kUnlabelled, 1);
     if (refined != kUnlabelled)
       counts.network.add(view.truth[i], view.network[i], 1);
   }
@@ -102,14 +109,8 @@ makeTuningView(MappedFrame mapped, const SemanticVoxelMap& map,
 void
 countView(const TuningView& view, TuningResult& result)
 {
-  if (view.truth.empty())
-    return;
-  const LabelDistributions& measured = view.mapped.voxels.measured;
-  std::vector<Label> fused(std::size_t(measured.size()));
-  for (Eigen::Index i = 0; i < measured.size(); ++i)
-    fused[std::size_t(i)] = measured.mapLabel(i);
-  countPixels(view, view.at_depth, fused, result.at_depth);
-  countPixels(view, view.rendered, fused, result.rendered);
+  countPixels(view, view.at_depth, result.at_depth);
+  countPixels(view, view.rendered, result.rendered);
 }
 
 } // namespace pcl_semantic

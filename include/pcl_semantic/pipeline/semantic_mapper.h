@@ -73,9 +73,9 @@ public:
    * \throws BadInputException or BadModelException that names the frame */
   MappedFrame process(const StereoFrame& frame);
 
-  /** \brief The CRF alone, over the voxels of a frame that a mapper with the same
-   * parameters of the map has mapped; this mapper's own map is not touched. */
-  void refine(MappedFrame& mapped) const;
+  /** \brief The CRF alone, over the voxels of a frame that another mapper has mapped
+   * with `crf: none`; this one's own map is not touched. Frames come in their order. */
+  void refine(MappedFrame& mapped);
 
   /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
    * that the finished map is refined throughout. */
@@ -99,7 +99,7 @@ private:
 
   ScanCounts integrate(const MappedFrame& mapped);
 
-  void refineVoxels(VoxelCloud& voxels) const;
+  void refineVoxels(VoxelCloud& voxels);
 
   StereoCamera camera_;
   MapperConfig config_;

@@ -42,6 +42,11 @@ public:
   Tuner(const TuningGrid& grid, const std::vector<std::string>& sequences, int classes,
         Run run, TuningStore& store, const TuningOptions& options);
 
+  /** \brief The checks of the constructor, before anything is written.
+   * \throws InvalidParameterException */
+  static void require(const TuningGrid& grid, const std::vector<std::string>& sequences,
+                      const TuningOptions& options);
+
   /** \brief Called when some runs begin, with 0 of so many done, and after each. */
   std::function<void(std::size_t done, std::size_t total)> on_progress;
 
@@ -111,8 +116,6 @@ private:
     TuningChoice choice;
     std::size_t sequence;
   };
-
-  std::vector<TuningSearch> makeSearches() const;
 
   double scoreWithout(const TuningChoice& choice, std::size_t left_out) const;
 

@@ -18,7 +18,7 @@ std::string tuningTable(const Tuner& tuner);
 
 /** \brief What the search found, as Markdown: the chosen values, scores of the start,
  * of the choice, and held out, pooled and by sequence, and the classes.
- * \param[in] data what the runs were made from, a list in Markdown */
+ * \param[in] data what the runs were made from, one "name: value" a line */
 std::string tuningReport(const Tuner& tuner, const LabelSet& label_set,
                          const std::string& data);
 

@@ -45,11 +45,9 @@ public:
     return name_;
   }
 
-  const TuningFolders&
-  folders() const
-  {
-    return folders_;
-  }
+  /** \brief Where it comes from, for messages and reports: folders, number of frames,
+   * and a digest of its truth, its poses and the first of its labels. */
+  std::string describe() const;
 
   const std::vector<StereoFrame>&
   frames() const
@@ -93,5 +91,9 @@ private:
                    std::shared_ptr<const std::vector<DisparityImage>>>
       disparities_; // by engine and range
 };
+
+/** \brief What runs of this program on some sequences depend on, one "name: value" a
+ * line, the digest of the program's own code among them. */
+std::string describeTuning(const std::vector<std::shared_ptr<const TuningSequence>>&);
 
 } // namespace pcl_semantic

@@ -23,7 +23,8 @@ namespace pcl_semantic {
 class TuningStore {
 public:
   /** \param[in] path file to go on with, or to begin; empty = keep nothing
-   * \param[in] data what the runs are made from, any text; another needs another file
+   * \param[in] data what the runs are made from, one "name: value" a line; others need
+   * another file
    * \param[in] classes L
    * \throws BadInputException if the file is of other data, or damaged; a last line
    * that a killed run left unfinished is dropped
