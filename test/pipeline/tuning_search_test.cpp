@@ -51,30 +51,6 @@ distance(std::size_t a, double b)
   return std::abs(double(a) - b);
 }
 
-std::set<TuningChoice>
-everything(const std::vector<std::size_t>& sizes)
-{
-  std::set<TuningChoice> all = {{}};
-  for (const std::size_t size : sizes) {
-    std::set<TuningChoice> longer;
-    for (const TuningChoice& choice : all)
-      for (std::size_t i = 0; i < size; ++i) {
-        longer.insert(choice);
-        TuningChoice with = choice;
-        with.push_back(i);
-        longer.insert(with);
-      }
-    all.clear();
-    for (const TuningChoice& choice : longer)
-      all.insert(choice);
-  }
-  std::set<TuningChoice> whole;
-  for (const TuningChoice& choice : all)
-    if (choice.size() == sizes.size())
-      whole.insert(choice);
-  return whole;
-}
-
 } // namespace
 
 TEST(TuningSearch, TheDescentFindsTheBestOfASeparableFunction)
@@ -117,7 +93,7 @@ TEST(TuningSearch, ABudgetEndsTheDescent)
     const TuningSearch search =
         finished({{5, 5, 5}, {0, 0, 0}, options}, score, budget);
     EXPECT_TRUE(search.seen().count({0, 0, 0}));
-    EXPECT_EQ(int(search.seen().size()), std::min(budget, 13)); // 1 + 4 + 4 + 4
+    EXPECT_EQ(int(search.seen().size()), std::min(budget, 17)); // 1 + 4 + 4 + 4 + 4
   }
 }
 
@@ -149,10 +125,10 @@ TEST(TuningSearch, AGridIsSeenWholeOrRefused)
   const TuningSearch search = finished(
       {sizes, {0, 0, 0}, options},
       [](const TuningChoice& c) { return double(c[0] * c[2]); }, 12);
-  std::set<TuningChoice> seen;
-  for (const auto& [choice, score] : search.seen())
-    seen.insert(choice);
-  EXPECT_EQ(seen, everything(sizes));
+  EXPECT_EQ(search.seen().size(), 12u);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 4; ++j)
+      EXPECT_TRUE(search.seen().count({i, 0, j}));
   EXPECT_EQ(bestOf(search), (TuningChoice{2, 0, 3}));
   options.budget = 11;
   EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
