@@ -109,6 +109,16 @@ ConfusionMatrix::add(const cv::Mat& truth, const cv::Mat& prediction,
   }
 }
 
+void
+ConfusionMatrix::add(Label truth, Label prediction, std::uint64_t count)
+{
+  if (truth > classes_ || prediction > classes_)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "labels are " << int(truth) << " and " << int(prediction)
+                                      << ", expected 0 to " << classes_);
+  counts_[std::size_t(truth) * (classes_ + 1) + prediction] += count;
+}
+
 ConfusionMatrix&
 ConfusionMatrix::operator+=(const ConfusionMatrix& other)
 {

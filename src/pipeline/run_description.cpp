@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "digest.h"
+
 #include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/run_description.h>
@@ -22,14 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// FNV-1a: tells a file that was changed by mistake, not one that was forged.
 std::uint64_t
 digestOf(const std::vector<std::uint8_t>& bytes)
 {
-  std::uint64_t hash = 0xCBF29CE484222325ull;
-  for (const std::uint8_t byte : bytes)
-    hash = (hash ^ byte) * 0x100000001B3ull;
-  return hash;
+  Digest digest;
+  digest.add(bytes.data(), bytes.size());
+  return digest.value();
 }
 
 std::string

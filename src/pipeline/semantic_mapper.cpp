@@ -78,7 +78,10 @@ SemanticMapper::process(const StereoFrame& frame)
   if (superpixels_) // also for finish()
     superpixels_->setFrame(result.cloud, result.T_world_camera);
   if (config_.crf != "none" && refined_)
-    times.measure("crf", [&] { refine(result.voxels); });
+    times.measure("crf", [&] {
+      refine(result);
+      map_.setRefined(result.voxels, result.voxels.refined);
+    });
   ++frames_;
   if (callback_)
     callback_(result, map_);
@@ -91,7 +94,8 @@ SemanticMapper::finish()
   if (refined_)
     return;
   VoxelCloud voxels = map_.occupied();
-  refine(voxels);
+  refineVoxels(voxels);
+  map_.setRefined(voxels, voxels.refined);
   refined_ = true;
 }
 
@@ -113,7 +117,14 @@ SemanticMapper::integrate(const MappedFrame& mapped)
 }
 
 void
-SemanticMapper::refine(VoxelCloud& voxels)
+SemanticMapper::refine(MappedFrame& mapped)
+{
+  if (config_.crf != "none")
+    refineVoxels(mapped.voxels);
+}
+
+void
+SemanticMapper::refineVoxels(VoxelCloud& voxels)
 {
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config_.crfModel());
@@ -126,7 +137,6 @@ SemanticMapper::refine(VoxelCloud& voxels)
   crf.setLabelDistributions(voxels.measured);
   crf.filter(*voxels.cloud);
   voxels.refined = crf.getLabelDistributions();
-  map_.setRefined(voxels, voxels.refined);
 }
 
 } // namespace pcl_semantic

@@ -45,6 +45,10 @@ public:
   void add(const cv::Mat& truth, const cv::Mat& prediction,
            const cv::Mat& covered_by = {});
 
+  /** \brief Counts some pixels of one kind.
+   * \throws InvalidParameterException at a label beyond L */
+  void add(Label truth, Label prediction, std::uint64_t count);
+
   /** \throws InvalidParameterException if \a other has another number of classes */
   ConfusionMatrix& operator+=(const ConfusionMatrix& other);
 

@@ -62,9 +62,21 @@ public:
     callback_ = std::move(callback);
   }
 
+  /** \brief Takes disparities from elsewhere than the engine that the config names, as
+   * from an earlier run of it. */
+  void
+  setDisparityEstimator(std::unique_ptr<DisparityEstimator> stereo)
+  {
+    stereo_ = std::move(stereo);
+  }
+
   /** \brief Takes in one frame: disparity, cloud, labels, pose, map, CRF.
    * \throws BadInputException or BadModelException that names the frame */
   MappedFrame process(const StereoFrame& frame);
+
+  /** \brief The CRF alone, over the voxels of a frame that another mapper has mapped
+   * with `crf: none`; this one's own map is not touched. Frames come in their order. */
+  void refine(MappedFrame& mapped);
 
   /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
    * that the finished map is refined throughout. */
@@ -88,7 +100,7 @@ private:
 
   ScanCounts integrate(const MappedFrame& mapped);
 
-  void refine(VoxelCloud& voxels);
+  void refineVoxels(VoxelCloud& voxels);
 
   StereoCamera camera_;
   MapperConfig config_;
