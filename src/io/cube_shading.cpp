@@ -80,7 +80,7 @@ private:
   double
   lightOn(const Face& face) const
   {
-    return 0.58 + 0.52 * std::max(0.0, light_.dot(face.normal.cast<double>()));
+    return 0.55 + 0.62 * std::max(0.0, light_.dot(face.normal.cast<double>()));
   }
 
   // How open the sky over a place is: voxels beside the cell in front of the face take

@@ -53,7 +53,7 @@ mainDirection(const std::vector<Eigen::Vector3d>& points)
 }
 
 Eigen::Vector3d
-directionOf(const std::vector<Eigen::Vector3d>& sample, const SensorPath& path)
+freeDirectionOf(const std::vector<Eigen::Vector3d>& sample, const SensorPath& path)
 {
   double length = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i)
@@ -66,6 +66,18 @@ directionOf(const std::vector<Eigen::Vector3d>& sample, const SensorPath& path)
   return way.norm() > 0.4 * length ? way.normalized() : mainDirection(path);
 }
 
+// The way along which a picture is taken: an axis of the world if one is near, so that
+// cubes and grid lie straight.
+Eigen::Vector3d
+directionOf(const std::vector<Eigen::Vector3d>& sample, const SensorPath& path)
+{
+  const Eigen::Vector3d direction = freeDirectionOf(sample, path);
+  for (int axis = 0; axis < 2; ++axis)
+    if (std::abs(direction[axis]) > std::cos(15.0 * kPi / 180.0))
+      return std::copysign(1.0, direction[axis]) * Eigen::Vector3d::Unit(axis);
+  return direction;
+}
+
 // What all but a few of some numbers lie within.
 struct Range {
   double low = 0.0, high = 0.0;
@@ -76,6 +88,13 @@ struct Range {
     const double last = double(values.size() - 1);
     low = values[std::size_t(std::floor(left_out * last))];
     high = values[std::size_t(std::ceil((1.0 - left_out) * last))];
+  }
+
+  void
+  include(double value)
+  {
+    low = std::min(low, value);
+    high = std::max(high, value);
   }
 
   double
@@ -118,29 +137,41 @@ struct Extent {
   double nearest;
 };
 
-constexpr double kLeftOut = 0.01;
+constexpr double kLeftOut = 0.005;
 
+// The path may not be left out.
 Extent
-extentOf(const PictureView& view, const std::vector<Eigen::Vector3d>& sample)
+extentOf(const PictureView& view, const std::vector<Eigen::Vector3d>& sample,
+         const SensorPath& path)
 {
   const Eigen::Isometry3d T_camera_world = view.T_world_camera.inverse();
   std::vector<double> columns, rows, depths;
-  for (const Eigen::Vector3d& each : sample) {
+  const auto add = [&](const Eigen::Vector3d& each) {
     const Eigen::Vector3d point = T_camera_world * each;
     depths.push_back(point.z());
     const Eigen::Vector2d pixel =
         view.camera.project({point.x(), point.y(), std::max(point.z(), 1e-3)});
     columns.push_back(pixel.x());
     rows.push_back(pixel.y());
+  };
+  for (const Eigen::Vector3d& each : sample)
+    add(each);
+  Extent extent{Range(columns, kLeftOut), Range(rows, kLeftOut),
+                Range(depths, 0.002).low};
+  for (const Eigen::Vector3d& each : path) {
+    add(each);
+    extent.column.include(columns.back());
+    extent.row.include(rows.back());
+    extent.nearest = std::min(extent.nearest, depths.back());
   }
-  return {Range(columns, kLeftOut), Range(rows, kLeftOut), Range(depths, 0.002).low};
+  return extent;
 }
 
 bool
 fits(const Extent& extent, cv::Size size)
 {
-  return extent.column.high - extent.column.low < 0.98 * size.width &&
-         extent.row.high - extent.row.low < 0.90 * size.height;
+  return extent.column.high - extent.column.low < 0.96 * size.width &&
+         extent.row.high - extent.row.low < 0.92 * size.height;
 }
 
 } // namespace
@@ -187,10 +218,10 @@ angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
   PictureView view;
   const auto setDistance = [&](double distance) {
     view = lookAt(centre - distance * forward, centre, 42.0 * kPi / 180.0, size);
-    const Extent extent = extentOf(view, sample);
+    const Extent extent = extentOf(view, sample, path);
     // The lens is shifted, so that the map lies in the middle and verticals stay so.
     view.camera.cx += 0.5 * (size.width - 1) - extent.column.middle();
-    view.camera.cy += 0.53 * (size.height - 1) - extent.row.middle();
+    view.camera.cy += 0.51 * (size.height - 1) - extent.row.middle();
     return extent.nearest > 0.15 * distance && fits(extent, size);
   };
   double low = 4.0 * scene.grid.size, high = low;
@@ -216,7 +247,12 @@ aboveView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
     across.push_back(down.dot(each));
     heights.push_back(each.z());
   }
-  const Range x(along, kLeftOut), y(across, kLeftOut), z(heights, 0.0);
+  Range x(along, kLeftOut), y(across, kLeftOut);
+  const Range z(heights, 0.0);
+  for (const Eigen::Vector3d& each : path) {
+    x.include(right.dot(each));
+    y.include(down.dot(each));
+  }
   const double width = x.high - x.low + 2.0 * scene.grid.size,
                height = y.high - y.low + 2.0 * scene.grid.size;
   PictureView view;

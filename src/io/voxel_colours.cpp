@@ -20,6 +20,24 @@ namespace {
 const cv::Vec3b grey_of_unlabelled(165, 165, 165);
 const cv::Vec3b grey_of_unchanged(214, 214, 214);
 
+// Label sets have dark colours, meant to be seen flat. Shaded ones have to be lighter.
+cv::Vec3b
+lighter(const cv::Vec3b& colour)
+{
+  cv::Vec3b result;
+  for (int c = 0; c < 3; ++c)
+    result[c] = cv::saturate_cast<std::uint8_t>(
+        18.0 + 237.0 * std::pow(colour[c] / 255.0, 0.72));
+  return result;
+}
+
+cv::Vec3b
+solidColour(const LabelSet& label_set, Label label)
+{
+  return label == kUnlabelled ? grey_of_unlabelled
+                              : lighter(classColour(label_set, label));
+}
+
 // 1234567 as 1 234 567.
 std::string
 grouped(std::size_t number)
@@ -87,13 +105,12 @@ classColours(const VoxelScene& scene, const LabelSet& label_set)
                                    << label_set.size()
                                    << " classes of the label set");
     ++counts[label];
-    result.colours.push_back(label == kUnlabelled ? grey_of_unlabelled
-                                                  : classColour(label_set, label));
+    result.colours.push_back(solidColour(label_set, label));
   }
   for (int label = 1; label <= label_set.size(); ++label)
     if (counts[std::size_t(label)] > 0)
       result.legend.push_back(
-          {label_set[Label(label)].name, classColour(label_set, Label(label))});
+          {label_set[Label(label)].name, solidColour(label_set, Label(label))});
   if (counts[kUnlabelled] > 0)
     result.legend.push_back({"unlabelled", grey_of_unlabelled});
   result.note = sizeOf(scene);
@@ -177,7 +194,7 @@ changeColours(const VoxelScene& scene, const std::vector<Label>& before,
     const LabelChange& kind = changes.kinds[i];
     result.legend.push_back({label_set[kind.from].name + " > " +
                                  label_set[kind.to].name + " " + grouped(kind.count),
-                             classColour(label_set, kind.to)});
+                             solidColour(label_set, kind.to)});
     named += kind.count;
   }
   result.note = grouped(changes.changed) + " of " + grouped(changes.compared) +
