@@ -78,6 +78,18 @@ directionOf(const std::vector<Eigen::Vector3d>& sample, const SensorPath& path)
   return direction;
 }
 
+// Whether a path bends to the right, seen from above.
+bool
+bendsToTheRight(const SensorPath& path)
+{
+  if (path.size() < 4)
+    return false;
+  const std::size_t quarter = path.size() / 4;
+  const Eigen::Vector3d first = path[quarter] - path.front(),
+                        last = path.back() - path[path.size() - 1 - quarter];
+  return first.cross(last).z() < -0.05 * first.norm() * last.norm();
+}
+
 // What all but a few of some numbers lie within.
 struct Range {
   double low = 0.0, high = 0.0;
@@ -137,7 +149,7 @@ struct Extent {
   double nearest;
 };
 
-constexpr double kLeftOut = 0.005;
+constexpr double kLeftOut = 0.015;
 
 // The path may not be left out.
 Extent
@@ -156,7 +168,7 @@ extentOf(const PictureView& view, const std::vector<Eigen::Vector3d>& sample,
   };
   for (const Eigen::Vector3d& each : sample)
     add(each);
-  Extent extent{Range(columns, kLeftOut), Range(rows, kLeftOut),
+  Extent extent{Range(columns, kLeftOut), Range(rows, 0.3 * kLeftOut),
                 Range(depths, 0.002).low};
   for (const Eigen::Vector3d& each : path) {
     add(each);
@@ -202,10 +214,12 @@ lookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target, double field_
 PictureView
 angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
 {
-  constexpr double elevation = 33.0 * kPi / 180.0, turn = 24.0 * kPi / 180.0;
+  constexpr double elevation = 21.0 * kPi / 180.0, turn = 13.0 * kPi / 180.0;
   const std::vector<Eigen::Vector3d> sample = sampleOf(scene);
-  const Eigen::Vector3d along =
-      Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * directionOf(sample, path);
+  // A little from the side, and into the bend.
+  const Eigen::Vector3d along = Eigen::AngleAxisd(bendsToTheRight(path) ? -turn : turn,
+                                                  Eigen::Vector3d::UnitZ()) *
+                                directionOf(sample, path);
   const Eigen::Vector3d forward =
       std::cos(elevation) * along - std::sin(elevation) * Eigen::Vector3d::UnitZ();
   Eigen::Vector3d centre;
@@ -217,7 +231,7 @@ angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
   }
   PictureView view;
   const auto setDistance = [&](double distance) {
-    view = lookAt(centre - distance * forward, centre, 42.0 * kPi / 180.0, size);
+    view = lookAt(centre - distance * forward, centre, 58.0 * kPi / 180.0, size);
     const Extent extent = extentOf(view, sample, path);
     // The lens is shifted, so that the map lies in the middle and verticals stay so.
     view.camera.cx += 0.5 * (size.width - 1) - extent.column.middle();
