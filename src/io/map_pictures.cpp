@@ -114,7 +114,7 @@ colourLabels(const cv::Mat& labels, const LabelSet& label_set)
 }
 
 cv::Mat
-drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
+blendLabels(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
 {
   if (image.size() != labels.size() || labels.type() != CV_8UC1)
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -124,6 +124,13 @@ drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_s
   cv::Mat blended;
   cv::addWeighted(picture, 0.45, colourLabels(labels, label_set), 0.65, 0.0, blended);
   blended.copyTo(picture, labels != kUnlabelled);
+  return picture;
+}
+
+cv::Mat
+drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
+{
+  const cv::Mat picture = blendLabels(image, labels, label_set);
   cv::Mat result;
   cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme), result);
   return result;
