@@ -59,7 +59,8 @@ smallestStep(const std::vector<Eigen::Vector3d>& positions)
     for (std::size_t i = 1; i < values.size(); ++i) {
       const double each = values[i] - values[i - 1];
       // Coordinates of one row of voxels may differ in the last bit.
-      if (each > 1e-5 * std::max(1.0, std::abs(values[i])) && (step == 0.0 || each < step))
+      if (each > std::max(1e-5, 2e-7 * std::abs(values[i])) &&
+          (step == 0.0 || each < step))
         step = each;
     }
   }
@@ -126,6 +127,9 @@ std::size_t
 standIn(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
         const std::size_t* begin, const std::size_t* end, pcl::PointXYZRGBL& point)
 {
+  point = (*labelled.cloud)[rows[*begin]];
+  if (end - begin == 1)
+    return *begin;
   std::array<std::size_t, 256> votes{};
   std::array<std::size_t, 3> colour{};
   for (const std::size_t* i = begin; i != end; ++i) {
