@@ -7,63 +7,16 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/io/picture_parts.h>
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace pcl_semantic {
 
 namespace {
-
-const cv::Scalar background(24, 24, 24);
-const cv::Scalar text_colour(235, 235, 235);
-
-cv::Vec3b
-bgr(const LabelClass& label_class)
-{
-  return {label_class.colour[2], label_class.colour[1], label_class.colour[0]};
-}
-
-void
-drawText(cv::Mat& picture, const std::string& text, cv::Point at)
-{
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, text_colour, 1,
-              cv::LINE_AA);
-}
-
-// A strip of swatches and names, as many rows as the width needs.
-cv::Mat
-drawLegend(const LabelSet& label_set, int width)
-{
-  constexpr int row_height = 24, swatch = 14, gap = 8;
-  struct Entry {
-    cv::Point at;
-    Label label;
-  };
-  std::vector<Entry> entries;
-  cv::Point at(gap, gap);
-  for (int label = 1; label <= label_set.size(); ++label) {
-    const std::string& name = label_set[Label(label)].name;
-    const int text =
-        cv::getTextSize(name, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, nullptr).width;
-    const int advance = swatch + text + 3 * gap;
-    if (at.x > gap && at.x + advance > width)
-      at = {gap, at.y + row_height};
-    entries.push_back({at, Label(label)});
-    at.x += advance;
-  }
-  cv::Mat legend(at.y + row_height, width, CV_8UC3, background);
-  for (const Entry& entry : entries) {
-    const LabelClass& label_class = label_set[entry.label];
-    cv::rectangle(legend, cv::Rect(entry.at.x, entry.at.y, swatch, swatch),
-                  cv::Scalar(bgr(label_class)), cv::FILLED);
-    drawText(legend, label_class.name, entry.at + cv::Point(swatch + 6, swatch - 2));
-  }
-  return legend;
-}
 
 // The plane of a top view: which pixel shows which column of voxels.
 struct TopViewGrid {
@@ -127,7 +80,7 @@ drawColumns(cv::Mat& picture, const TopViewGrid& grid, const VoxelCloud& voxels,
       continue;
     highest(square) = index.z();
     const float shade = 0.75f + 0.5f * float(index.z() - grid.low.z()) / height;
-    picture(square) = cv::Scalar(bgr(label_set[label])) * shade;
+    picture(square) = cv::Scalar(classColour(label_set, label)) * shade;
   }
 }
 
@@ -148,20 +101,6 @@ drawPath(cv::Mat& picture, const TopViewGrid& grid,
     cv::circle(picture, last, 5, red, cv::FILLED, cv::LINE_AA);
 }
 
-void
-drawScale(cv::Mat& picture, double pixels_per_metre)
-{
-  double metres = 1.0;
-  while (metres * pixels_per_metre < 60.0)
-    metres *= 10.0;
-  if (metres * pixels_per_metre > 300.0)
-    metres /= 2.0;
-  const cv::Point left(12, picture.rows - 14);
-  const cv::Point right(left.x + int(metres * pixels_per_metre), left.y);
-  cv::line(picture, left, right, text_colour, 2);
-  drawText(picture, cv::format("%g m", metres), left - cv::Point(0, 8));
-}
-
 } // namespace
 
 cv::Mat
@@ -170,12 +109,13 @@ colourLabels(const cv::Mat& labels, const LabelSet& label_set)
   cv::Mat colours(labels.size(), CV_8UC3);
   for (int v = 0; v < labels.rows; ++v)
     for (int u = 0; u < labels.cols; ++u)
-      colours.at<cv::Vec3b>(v, u) = bgr(label_set[labels.at<std::uint8_t>(v, u)]);
+      colours.at<cv::Vec3b>(v, u) =
+          classColour(label_set, labels.at<std::uint8_t>(v, u));
   return colours;
 }
 
 cv::Mat
-drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
+blendLabels(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
 {
   if (image.size() != labels.size() || labels.type() != CV_8UC1)
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -185,8 +125,16 @@ drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_s
   cv::Mat blended;
   cv::addWeighted(picture, 0.45, colourLabels(labels, label_set), 0.65, 0.0, blended);
   blended.copyTo(picture, labels != kUnlabelled);
+  return picture;
+}
+
+cv::Mat
+drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
+{
+  const cv::Mat picture = blendLabels(image, labels, label_set);
   cv::Mat result;
-  cv::vconcat(picture, drawLegend(label_set, picture.cols), result);
+  cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme),
+              result);
   return result;
 }
 
@@ -198,12 +146,13 @@ drawTopView(const VoxelCloud& voxels, const std::vector<Eigen::Vector3d>& path,
   for (const Eigen::Vector3d& position : path)
     path_in_voxels.push_back(position.head<2>() / voxels.voxel_size);
   const TopViewGrid grid(voxels.indices, path_in_voxels);
-  cv::Mat picture(grid.size(), CV_8UC3, background);
+  cv::Mat picture(grid.size(), CV_8UC3, dark_theme.background);
   drawColumns(picture, grid, voxels, label_set);
   drawPath(picture, grid, path_in_voxels);
-  drawScale(picture, grid.scale / (voxels.voxel_size * grid.step));
+  drawScale(picture, grid.scale / (voxels.voxel_size * grid.step), dark_theme);
   cv::Mat result;
-  cv::vconcat(picture, drawLegend(label_set, picture.cols), result);
+  cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme),
+              result);
   return result;
 }
 

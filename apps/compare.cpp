@@ -1,0 +1,179 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "progress_bar.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/data_folder.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/io/label_sheet.h>
+
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+
+namespace {
+
+using namespace pcl_semantic;
+namespace fs = std::filesystem;
+namespace po = tool::po;
+
+const tool::Usage usage{
+    "pcl_semantic_compare", "--image I --labels A B ... --output OUT [options]",
+    "Draws label images of one frame below each other, and beside each where it "
+    "differs\n"
+    "from the one above: green where a change is right, red where it is wrong, in the\n"
+    "colour of the new class where there is no truth. Files or folders: of these, a "
+    "sheet\n"
+    "a frame.",
+    "pcl_semantic_synthesize /tmp/street && \\\n"
+    "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && "
+    "\\\n"
+    "  pcl_semantic_compare --image /tmp/street/image_2 \\\n"
+    "    --labels /tmp/map/network_labels /tmp/map/labels --names \"2D network,map\" "
+    "\\\n"
+    "    --truth /tmp/street/gt --output /tmp/sheets"};
+
+struct Arguments {
+  std::string image, names, truth, label_set, output;
+  std::vector<std::string> labels;
+  int width = 1920;
+};
+
+[[noreturn]] void
+fail(const std::string& message)
+{
+  tool::failUsage(usage, message);
+}
+
+bool
+isFolder(const std::string& path)
+{
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+bool
+parse(int argc, char** argv, Arguments& arguments)
+{
+  po::options_description options("Options");
+  options.add_options()("image", po::value(&arguments.image),
+                        "image, or folder of them")(
+      "labels", po::value(&arguments.labels)->multitoken(),
+      "label images (8 bit, 0 = none) or folders of them, in the order of their "
+      "making")("names", po::value(&arguments.names),
+                "what they are called, with commas between; default: their files")(
+      "truth", po::value(&arguments.truth),
+      "truth image or folder, 0 = not known; a folder need not have all frames")(
+      "label-set", po::value(&arguments.label_set),
+      "classes (YAML); default: the eleven of KITTI")(
+      "output,o", po::value(&arguments.output), "sheet (.png), or folder of sheets");
+  tool::addOption(options, "width", arguments.width, "of a sheet [px]");
+  po::variables_map values;
+  if (!tool::parseCommandLine(argc, argv, usage, options, {}, values))
+    return false;
+  if (arguments.image.empty() || arguments.labels.empty() || arguments.output.empty())
+    fail("--image, --labels or --output is missing");
+  if (arguments.width < 320 || arguments.width > 16384)
+    fail("--width is " + std::to_string(arguments.width) + ", expected 320 to 16384");
+  std::vector<std::string> inputs = arguments.labels;
+  inputs.insert(inputs.end(), {arguments.image, arguments.truth, arguments.label_set});
+  tool::refuseSameFiles(inputs, {arguments.output});
+  for (const std::string& input : inputs)
+    if (!input.empty() && input != arguments.label_set &&
+        isFolder(input) != isFolder(arguments.image))
+      fail(input + " and " + arguments.image + ": expected two files or two folders");
+  if (!isFolder(arguments.image))
+    tool::requireExtension(arguments.output, ".png");
+  return true;
+}
+
+std::vector<std::string>
+namesOf(const Arguments& arguments)
+{
+  std::vector<std::string> names;
+  if (arguments.names.empty())
+    for (const std::string& path : arguments.labels) {
+      const fs::path whole = fs::path(path).lexically_normal();
+      names.push_back((whole.has_filename() ? whole : whole.parent_path()).stem());
+    }
+  std::istringstream words(arguments.names);
+  for (std::string word; std::getline(words, word, ',');)
+    names.push_back(word);
+  if (names.size() != arguments.labels.size())
+    fail("--names has " + std::to_string(names.size()) + " names for " +
+         std::to_string(arguments.labels.size()) + " --labels");
+  return names;
+}
+
+/** \brief Makes one sheet. \param[in] file name within the folders; empty: they are
+ * files themselves */
+void
+makeSheet(const Arguments& arguments, const std::vector<std::string>& names,
+          const LabelSet& label_set, const std::string& file)
+{
+  const std::string below = file.empty() ? "" : "/" + file;
+  const cv::Mat image = readPng(arguments.image + below, ImageKind::grey_or_colour);
+  std::vector<NamedLabels> labels;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    labels.push_back(
+        {names[i], readPng(arguments.labels[i] + below, ImageKind::labels)});
+  cv::Mat truth;
+  if (!arguments.truth.empty() && (file.empty() || fs::exists(arguments.truth + below)))
+    truth = readPng(arguments.truth + below, ImageKind::labels);
+  cv::Mat sheet;
+  try {
+    sheet = drawLabelSheet(image, labels, truth, label_set, arguments.width);
+  }
+  catch (const InvalidParameterException& error) { // the fault of the images
+    PCL_THROW_EXCEPTION(BadInputException,
+                        arguments.image << below << ": " << error.what());
+  }
+  writePng(arguments.output + below, sheet);
+}
+
+int
+compare(const Arguments& arguments)
+{
+  const std::vector<std::string> names = namesOf(arguments);
+  const LabelSet label_set =
+      readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
+                                               : arguments.label_set);
+  if (!isFolder(arguments.image)) {
+    makeSheet(arguments, names, label_set, "");
+    std::cout << "sheet: " << arguments.output << "\n";
+    return tool::exit_done;
+  }
+  const std::vector<FrameFile> frames =
+      listFrameFiles(arguments.labels.front(), {".png"});
+  if (frames.empty())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        arguments.labels.front()
+                            << ": holds no label images, expected 000000.png ...");
+  makeOutputFolder(arguments.output);
+  tool::ProgressBar progress("drawing", frames.size());
+  for (const FrameFile& frame : frames) {
+    makeSheet(arguments, names, label_set, fs::path(frame.path).filename());
+    progress.step();
+  }
+  std::cout << "sheets: " << arguments.output << "\n";
+  return tool::exit_done;
+}
+
+} // namespace
+
+int
+main(int argc, char** argv)
+{
+  return tool::run(usage.name, [&] {
+    Arguments arguments;
+    return parse(argc, argv, arguments) ? compare(arguments) : int(tool::exit_done);
+  });
+}

@@ -1,0 +1,150 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "map_input.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/data_folder.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/map_file.h>
+#include <pcl_semantic/odometry/pose_source.h>
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the summary of a run says of its map.
+struct Summary {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  double voxel_size = 0.0;
+};
+
+Summary
+readSummary(const std::string& path)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  try {
+    const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
+    if (!json.at("finished").get<bool>())
+      PCL_THROW_EXCEPTION(BadInputException, path << ": the map is not finished");
+    Summary summary;
+    summary.voxel_size = json.at("voxel_size").get<double>();
+    for (int axis = 0; axis < 3; ++axis)
+      summary.origin[axis] = json.at("map_origin").at(std::size_t(axis)).get<double>();
+    if (!(summary.voxel_size > 0.0) || !summary.origin.allFinite())
+      PCL_THROW_EXCEPTION(BadInputException, path << ": voxel_size or map_origin is no "
+                                                     "size or place");
+    return summary;
+  }
+  catch (const nlohmann::json::exception&) {
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": is no summary of pcl_semantic_map, expected "
+                                "finished, voxel_size and map_origin");
+  }
+}
+
+bool
+isFolder(const std::string& path)
+{
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+VoxelScene
+readScene(const std::string& path, double voxel_size, Eigen::Vector3d& origin)
+{
+  if (isFolder(path)) {
+    const Summary summary = readSummary(path + "/summary.json");
+    origin = summary.origin;
+    // Cube 0 begins at the world's origin, the points are relative to that of the map.
+    const double size = voxel_size > 0.0 ? voxel_size : summary.voxel_size;
+    return readVoxelScene(path + "/map.pcd", {size, -summary.origin});
+  }
+  if (fs::path(path).extension() == ".pcd")
+    return readVoxelScene(path, {voxel_size, Eigen::Vector3d::Zero()});
+  if (voxel_size > 0.0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "--voxel-size is for clouds: an archive has its own");
+  VoxelScene scene = sceneOf(loadMap(path)->occupiedEverywhere());
+  if (scene.voxels.size() == 0)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": has no voxel to draw");
+  return scene;
+}
+
+Trajectory
+readTrajectory(const std::string& path)
+{
+  Trajectory poses;
+  if (trajectoryFormatOf(path) == TrajectoryFormat::kitti)
+    poses = readKittiTrajectory(path);
+  else
+    for (const TimedPose& timed : readTumTrajectory(path))
+      poses.push_back(timed.pose);
+  for (Eigen::Isometry3d& pose : poses)
+    pose = worldFromFirstCamera() * pose;
+  return poses;
+}
+
+LabelSet
+labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& scene)
+{
+  LabelSet label_set;
+  if (!hints.label_set.empty())
+    label_set = readLabelSet(hints.label_set);
+  else if (!isFolder(path) && fs::path(path).extension() != ".pcd")
+    label_set = MapArchive(path, ArchiveAccess::read).header().label_set;
+  else
+    label_set = readLabelSet(findDataFile("label_sets/kitti11.yaml"));
+  const int classes = scene.voxels.refined.classes();
+  if (classes > 0 && classes != label_set.size())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has " << classes << " classes, the label set "
+                             << label_set.size() << "; name its own with --label-set");
+  return label_set;
+}
+
+} // namespace
+
+MapInput
+readMap(const std::string& path, const MapHints& hints)
+{
+  MapInput map;
+  map.scene = readScene(path, hints.voxel_size, map.origin);
+  map.label_set = labelSetOf(path, hints, map.scene);
+  if (!hints.trajectory.empty())
+    map.T_world_camera = readTrajectory(hints.trajectory);
+  else if (isFolder(path) && fs::exists(path + "/trajectory.txt"))
+    map.T_world_camera = readTrajectory(path + "/trajectory.txt");
+  return map;
+}
+
+VoxelScene
+readOtherMap(const std::string& path, const MapHints& hints, const VoxelScene& like)
+{
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  if (fs::path(path).extension() == ".pcd" && hints.voxel_size <= 0.0)
+    return readVoxelScene(path, like.grid);
+  return readScene(path, hints.voxel_size, origin);
+}
+
+Trajectory
+posesInScene(const MapInput& map)
+{
+  Trajectory poses = map.T_world_camera;
+  for (Eigen::Isometry3d& pose : poses)
+    pose.translation() -= map.origin + map.scene.grid.corner;
+  return poses;
+}
+
+} // namespace pcl_semantic::tool

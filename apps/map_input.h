@@ -1,0 +1,44 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/io/voxel_scene.h>
+
+#include <string>
+
+namespace pcl_semantic::tool {
+
+/** \brief What pcl_semantic_render draws: a map, its classes, and where the camera was.
+ */
+struct MapInput {
+  VoxelScene scene;
+  LabelSet label_set;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the file's points [m]
+  Trajectory T_world_camera; ///< camera x right, y down, z forward; empty = not known
+};
+
+/** \brief What is said of a map beside its name; empty or 0 = not said. */
+struct MapHints {
+  std::string label_set, trajectory;
+  double voxel_size = 0.0; ///< [m]
+};
+
+/** \brief Reads a map: a folder that pcl_semantic_map has written, a labelled `.pcd`,
+ * or an archive.
+ * \throws BadInputException */
+MapInput readMap(const std::string& path, const MapHints& hints);
+
+/** \brief The voxels of another map alone, in the same grid if both files say it. */
+VoxelScene readOtherMap(const std::string& path, const MapHints& hints,
+                        const VoxelScene& like);
+
+/** \brief Camera poses in the frame of the scene's indices. */
+Trajectory posesInScene(const MapInput& map);
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,54 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+
+#include <opencv2/core/mat.hpp>
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The colours around a picture. */
+struct PictureTheme {
+  cv::Scalar background;
+  cv::Scalar text;
+};
+
+extern const PictureTheme dark_theme;
+extern const PictureTheme light_theme;
+
+/** \brief A swatch of a legend and what it means. */
+struct LegendEntry {
+  std::string text;
+  cv::Vec3b colour; ///< blue, green, red
+};
+
+/** \brief The colour of a class (blue, green, red). */
+cv::Vec3b classColour(const LabelSet& label_set, Label label);
+
+/** \brief Width of a text as drawText() draws it [px]. */
+int textWidth(const std::string& text, double size = 1.0);
+
+/** \brief Writes a line of ASCII text. \param[in] at the left end of the base line
+ * \param[in] size 1: letters 10 px high */
+void drawText(cv::Mat& picture, const std::string& text, cv::Point at,
+              const cv::Scalar& colour, double size = 1.0);
+
+/** \brief A strip of swatches and names, as many rows as the width needs. */
+cv::Mat drawLegend(const std::vector<LegendEntry>& entries, int width,
+                   const PictureTheme& theme);
+
+/** \brief An entry a class, in the order of the labels. */
+std::vector<LegendEntry> legendOf(const LabelSet& label_set);
+
+/** \brief A bar of 1, 2 or 5 times a power of ten metres in the lower left corner. */
+void drawScale(cv::Mat& picture, double pixels_per_metre, const PictureTheme& theme);
+
+} // namespace pcl_semantic

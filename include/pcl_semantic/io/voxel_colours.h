@@ -1,0 +1,48 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/io/picture_parts.h>
+#include <pcl_semantic/io/voxel_scene.h>
+
+#include <opencv2/core/mat.hpp>
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief What voxels are painted with, and what that means. */
+struct VoxelColours {
+  std::vector<cv::Vec3b> colours; ///< a voxel: blue, green, red
+  std::vector<LegendEntry> legend;
+  std::string note; ///< a line for the picture; may be empty
+};
+
+/** \brief Colours of the classes; the legend names those that are there.
+ * \throws InvalidParameterException at a label beyond the label set */
+VoxelColours classColours(const VoxelScene& scene, const LabelSet& label_set);
+
+/** \brief The measured colours. \throws InvalidParameterException if there are none */
+VoxelColours measuredColours(const VoxelScene& scene);
+
+/** \brief How sure the labels are: entropy from 0 (pale) to log L (dark).
+ * \throws InvalidParameterException if the scene has no distributions */
+VoxelColours entropyColours(const VoxelScene& scene);
+
+/** \brief A colour a clique, those of none grey.
+ * \throws InvalidParameterException if the scene has no cliques */
+VoxelColours cliqueColours(const VoxelScene& scene);
+
+/** \brief Voxels whose label changed in the colour of the new class, all others grey.
+ * \param[in] before label of each voxel before, 0 = none: not compared
+ * \throws InvalidParameterException at another number of labels */
+VoxelColours changeColours(const VoxelScene& scene, const std::vector<Label>& before,
+                           const LabelSet& label_set);
+
+} // namespace pcl_semantic

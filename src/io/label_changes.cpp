@@ -1,0 +1,47 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/io/label_changes.h>
+
+#include <algorithm>
+
+namespace pcl_semantic {
+
+LabelChanges
+countLabelChanges(const std::vector<Label>& before, const std::vector<Label>& after,
+                  const std::vector<Label>& truth)
+{
+  if (before.size() != after.size() || (!truth.empty() && truth.size() != after.size()))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "labels of " << before.size() << " and " << after.size()
+                                     << " places, truth of " << truth.size());
+  LabelChanges changes;
+  std::vector<std::size_t> counts(256 * 256, 0);
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (before[i] == kUnlabelled || after[i] == kUnlabelled)
+      continue;
+    ++changes.compared;
+    if (before[i] == after[i])
+      continue;
+    ++counts[std::size_t(before[i]) * 256 + after[i]];
+    if (!truth.empty() && truth[i] != kUnlabelled) {
+      changes.right += after[i] == truth[i];
+      changes.wrong += before[i] == truth[i];
+    }
+  }
+  for (std::size_t pair = 0; pair < counts.size(); ++pair)
+    if (counts[pair] > 0) {
+      changes.changed += counts[pair];
+      changes.kinds.push_back({Label(pair / 256), Label(pair % 256), counts[pair]});
+    }
+  std::stable_sort(
+      changes.kinds.begin(), changes.kinds.end(),
+      [](const LabelChange& a, const LabelChange& b) { return a.count > b.count; });
+  return changes;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,188 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/grey_image.h>
+#include <pcl_semantic/io/label_changes.h>
+#include <pcl_semantic/io/label_sheet.h>
+#include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/io/picture_parts.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include <array>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int kGap = 12, kCaption = 28; // [px]
+const cv::Vec3b green(70, 190, 40), red(50, 40, 235), yellow(60, 200, 250);
+
+std::vector<Label>
+listOf(const cv::Mat& labels)
+{
+  std::vector<Label> list;
+  for (int row = 0; row < labels.rows; ++row)
+    list.insert(list.end(), labels.ptr<Label>(row),
+                labels.ptr<Label>(row) + labels.cols);
+  return list;
+}
+
+// The image in grey, pale, and on it the pixels that changed.
+cv::Mat
+drawChanges(const cv::Mat& image, const cv::Mat& before, const cv::Mat& after,
+            const cv::Mat& truth, const LabelSet& label_set)
+{
+  cv::Mat picture;
+  cv::cvtColor(greyImage(image), picture, cv::COLOR_GRAY2BGR);
+  picture.convertTo(picture, -1, 0.45, 120.0);
+  for (int v = 0; v < picture.rows; ++v)
+    for (int u = 0; u < picture.cols; ++u) {
+      const Label from = before.at<Label>(v, u), to = after.at<Label>(v, u);
+      if (from == kUnlabelled || to == kUnlabelled || from == to)
+        continue;
+      const Label right = truth.empty() ? kUnlabelled : truth.at<Label>(v, u);
+      picture.at<cv::Vec3b>(v, u) = right == kUnlabelled ? classColour(label_set, to)
+                                    : to == right        ? green
+                                    : from == right      ? red
+                                                         : yellow;
+    }
+  return picture;
+}
+
+std::string
+captionOf(const std::string& before, const LabelChanges& changes, bool has_truth)
+{
+  const double part = 100.0 * double(changes.changed) /
+                      double(std::max<std::size_t>(1, changes.compared));
+  std::string caption =
+      cv::format("where it differs from %s: %.1f %%", before.c_str(), part);
+  if (has_truth)
+    caption += cv::format(", %zu pixels became right, %zu wrong", changes.right,
+                          changes.wrong);
+  return caption;
+}
+
+// The sheet as a grid of two columns of panels of one size.
+class Sheet {
+public:
+  Sheet(int width, int rows, cv::Size image) : panel_((width - 3 * kGap) / 2, 0)
+  {
+    panel_.height =
+        std::max(1, cvRound(double(panel_.width) * image.height / image.width));
+    picture_ = cv::Mat(rows * (panel_.height + kCaption + kGap / 2), width, CV_8UC3,
+                       light_theme.background);
+  }
+
+  void
+  put(int row, int column, const cv::Mat& panel, const std::string& caption)
+  {
+    const cv::Point corner(kGap + column * (panel_.width + kGap),
+                           row * (panel_.height + kCaption + kGap / 2) + kCaption);
+    const int method = panel.cols > panel_.width ? cv::INTER_AREA : cv::INTER_NEAREST;
+    cv::Mat place = picture_(cv::Rect(corner, panel_));
+    cv::resize(panel, place, panel_, 0, 0, method);
+    drawText(picture_, caption, corner - cv::Point(0, 9), light_theme.text);
+  }
+
+  cv::Mat
+  with(const std::vector<LegendEntry>& legend) const
+  {
+    cv::Mat result;
+    cv::vconcat(picture_, drawLegend(legend, picture_.cols, light_theme), result);
+    return result;
+  }
+
+private:
+  cv::Size panel_;
+  cv::Mat picture_;
+};
+
+std::vector<LegendEntry>
+legendFor(const std::vector<NamedLabels>& labels, const cv::Mat& truth,
+          const LabelSet& label_set)
+{
+  std::array<bool, 256> is_there{};
+  for (const NamedLabels& each : labels)
+    for (const Label label : listOf(each.labels))
+      is_there[label] = true;
+  if (!truth.empty())
+    for (const Label label : listOf(truth))
+      is_there[label] = true;
+  std::vector<LegendEntry> legend;
+  for (int label = 1; label <= label_set.size(); ++label)
+    if (is_there[std::size_t(label)])
+      legend.push_back(
+          {label_set[Label(label)].name, classColour(label_set, Label(label))});
+  if (!truth.empty()) {
+    legend.push_back({"became right", green});
+    legend.push_back({"became wrong", red});
+    legend.push_back({"wrong before and after", yellow});
+  }
+  return legend;
+}
+
+void
+validate(const cv::Mat& image, const std::vector<NamedLabels>& labels,
+         const cv::Mat& truth, const LabelSet& label_set, int width)
+{
+  if (width < 320 || width > 16384)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a sheet " << width << " pixels wide, expected 320 to 16384");
+  if (labels.empty() || image.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException, "a sheet needs an image and labels");
+  std::vector<NamedLabels> all = labels;
+  if (!truth.empty())
+    all.push_back({"truth", truth});
+  for (const NamedLabels& each : all) {
+    if (each.labels.type() != CV_8UC1 || each.labels.size() != image.size())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          each.name << ": has " << each.labels.cols << " x "
+                                    << each.labels.rows << " pixels, the image "
+                                    << image.cols << " x " << image.rows);
+    for (const Label label : listOf(each.labels))
+      if (label > label_set.size())
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            each.name << ": label " << int(label) << " is beyond the "
+                                      << label_set.size()
+                                      << " classes of the label set");
+  }
+}
+
+} // namespace
+
+cv::Mat
+drawLabelSheet(const cv::Mat& image, const std::vector<NamedLabels>& labels,
+               const cv::Mat& truth, const LabelSet& label_set, int width)
+{
+  validate(image, labels, truth, label_set, width);
+  Sheet sheet(width, static_cast<int>(labels.size()), image.size());
+  cv::Mat shown = image;
+  if (image.channels() == 1)
+    cv::cvtColor(image, shown, cv::COLOR_GRAY2BGR);
+  const std::vector<Label> right = truth.empty() ? std::vector<Label>() : listOf(truth);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const int row = static_cast<int>(i);
+    const cv::Mat& after = labels[i].labels;
+    sheet.put(row, 0, blendLabels(image, after, label_set), labels[i].name);
+    if (i == 0 && truth.empty())
+      sheet.put(row, 1, shown, "image");
+    else if (i == 0)
+      sheet.put(row, 1, blendLabels(image, truth, label_set), "truth");
+    else {
+      const NamedLabels& before = labels[i - 1];
+      sheet.put(
+          row, 1, drawChanges(image, before.labels, after, truth, label_set),
+          captionOf(before.name,
+                    countLabelChanges(listOf(before.labels), listOf(after), right),
+                    !truth.empty()));
+    }
+  }
+  return sheet.with(legendFor(labels, truth, label_set));
+}
+
+} // namespace pcl_semantic

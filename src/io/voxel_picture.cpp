@@ -1,0 +1,208 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "cube_shading.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/io/voxel_picture.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int kSupersampling = 2;
+const cv::Vec3f sky_colour(250, 247, 245), ground_colour(243, 240, 238),
+    grid_colour(216, 210, 206);
+const cv::Scalar path_colour(60, 60, 235);
+
+PictureView
+enlarged(PictureView view, int factor)
+{
+  StereoCamera& camera = view.camera;
+  camera.fx *= factor;
+  camera.fy *= factor;
+  // Centres of pixels lie at whole numbers.
+  camera.cx = (camera.cx + 0.5) * factor - 0.5;
+  camera.cy = (camera.cy + 0.5) * factor - 0.5;
+  camera.width *= factor;
+  camera.height *= factor;
+  return view;
+}
+
+// The plane on which the grid is drawn, a little under most voxels.
+double
+groundHeight(const VoxelScene& scene)
+{
+  std::vector<int> heights;
+  for (const VoxelIndex& index : scene.voxels.indices)
+    heights.push_back(index.z());
+  const auto low = heights.begin() + std::ptrdiff_t(heights.size() / 100);
+  std::nth_element(heights.begin(), low, heights.end());
+  return *low * scene.grid.size;
+}
+
+// Metres between the lines: about a tenth of the map's longer side, 1, 2 or 5 times a
+// power of ten.
+double
+gridStep(const VoxelScene& scene)
+{
+  VoxelIndex low = scene.voxels.indices.front(), high = low;
+  for (const VoxelIndex& index : scene.voxels.indices) {
+    low = low.cwiseMin(index);
+    high = high.cwiseMax(index);
+  }
+  const double side =
+      (high.cast<double>() - low.cast<double>()).head<2>().maxCoeff() + 1.0;
+  const double wanted = 0.1 * side * scene.grid.size;
+  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
+  return power * (wanted / power >= 5.0 ? 5.0 : wanted / power >= 2.0 ? 2.0 : 1.0);
+}
+
+// The ground with its grid, where no voxel is in front of it.
+class Ground {
+public:
+  Ground(const VoxelScene& scene, const PictureView& view)
+      : view_(view), height_(groundHeight(scene)), step_(gridStep(scene))
+  {}
+
+  double
+  step() const
+  {
+    return step_;
+  }
+
+  cv::Vec3f
+  colourAt(int row, int column) const
+  {
+    const Eigen::Vector3d ray =
+        view_.T_world_camera.linear() * view_.camera.unproject(column, row, 1.0);
+    const Eigen::Vector3d& eye = view_.T_world_camera.translation();
+    const double depth = (height_ - eye.z()) / ray.z();
+    if (!(depth > 0.0) || !std::isfinite(depth))
+      return sky_colour;
+    const Eigen::Vector3d place = eye + depth * ray;
+    // What a pixel covers of the ground, along the ray and across it [m].
+    const double across = depth / view_.camera.fx;
+    const double along =
+        across * ray.norm() / std::max(1e-9, std::abs(ray.z()) / ray.norm());
+    double line = 0.0;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double cells = place[axis] / step_;
+      const double distance = std::abs(cells - std::round(cells)) * step_;
+      const double width =
+          std::max(across, along * std::abs(ray[axis]) / ray.head<2>().norm());
+      line = std::max(line, std::clamp(1.5 - distance / width, 0.0, 1.0) *
+                                std::clamp(0.12 * step_ / width - 0.2, 0.0, 1.0));
+    }
+    return ground_colour + float(line) * (grid_colour - ground_colour);
+  }
+
+private:
+  const PictureView& view_;
+  double height_, step_; // [m]
+};
+
+cv::Mat
+paint(const VoxelScene& scene, const VoxelColours& colours, const PictureView& view,
+      const Ground& ground)
+{
+  const CubeImage cubes =
+      renderCubes(scene.voxels.indices, scene.grid.size, view.camera,
+                  view.T_world_camera, std::numeric_limits<double>::infinity());
+  const cv::Mat shade = shadeCubes(scene, cubes, view);
+  cv::Mat picture(shade.size(), CV_8UC3);
+#pragma omp parallel for schedule(static)
+  for (int row = 0; row < picture.rows; ++row)
+    for (int column = 0; column < picture.cols; ++column) {
+      const int voxel = cubes.voxel.at<int>(row, column);
+      const cv::Vec3f colour = voxel < 0
+                                   ? ground.colourAt(row, column)
+                                   : cv::Vec3f(colours.colours[std::size_t(voxel)]) *
+                                         shade.at<float>(row, column);
+      for (int c = 0; c < 3; ++c)
+        picture.at<cv::Vec3b>(row, column)[c] =
+            cv::saturate_cast<std::uint8_t>(colour[c]);
+    }
+  return picture;
+}
+
+// The way of the sensor: red, with a white border so that it shows on anything.
+void
+drawPath(cv::Mat& picture, const PictureView& view, const SensorPath& path)
+{
+  constexpr int shift = 4; // OpenCV's fixed point
+  const Eigen::Isometry3d T_camera_world = view.T_world_camera.inverse();
+  std::vector<std::vector<cv::Point>> pieces(1);
+  for (const Eigen::Vector3d& position : path) {
+    const Eigen::Vector3d point = T_camera_world * position;
+    const Eigen::Vector2d pixel =
+        point.z() > 0.1 ? view.camera.project(point) : Eigen::Vector2d::Constant(1e9);
+    if (pixel.cwiseAbs().maxCoeff() < 3e4)
+      pieces.back().emplace_back(cvRound((pixel.x() + 0.5) * (1 << shift)),
+                                 cvRound((pixel.y() + 0.5) * (1 << shift)));
+    else if (!pieces.back().empty())
+      pieces.emplace_back();
+  }
+  for (const auto& [colour, width] :
+       {std::pair(cv::Scalar::all(255), 5), std::pair(path_colour, 2)}) {
+    cv::polylines(picture, pieces, false, colour, width, cv::LINE_AA, shift);
+    if (!pieces.back().empty())
+      cv::circle(picture, pieces.back().back(), (4 + width / 2) << shift, colour,
+                 cv::FILLED, cv::LINE_AA, shift);
+  }
+}
+
+void
+validate(const VoxelScene& scene, const VoxelColours& colours, const PictureView& view)
+{
+  if (scene.voxels.size() == 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "there is no voxel to draw");
+  if (colours.colours.size() != scene.voxels.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        colours.colours.size()
+                            << " colours for " << scene.voxels.size() << " voxels");
+  const Eigen::Array3d cell =
+      (view.T_world_camera.translation() / scene.grid.size).array().floor();
+  for (const VoxelIndex& index : scene.voxels.indices)
+    if ((index.cast<double>().array() == cell).all())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "the camera is inside a voxel: it would see nothing");
+}
+
+} // namespace
+
+cv::Mat
+drawVoxels(const VoxelScene& scene, const VoxelColours& colours,
+           const PictureView& view, const SensorPath& path)
+{
+  validate(scene, colours, view);
+  const PictureView large = enlarged(view, kSupersampling);
+  const Ground ground(scene, large);
+  cv::Mat picture;
+  cv::resize(paint(scene, colours, large, ground), picture,
+             cv::Size(view.camera.width, view.camera.height), 0, 0, cv::INTER_AREA);
+  drawPath(picture, view, path);
+  std::string note = colours.note + (colours.note.empty() ? "" : ", ");
+  note += cv::format("grid of %g m", ground.step());
+  if (view.pixels_per_metre > 0.0)
+    drawScale(picture, view.pixels_per_metre, light_theme);
+  drawText(picture, note, {picture.cols - textWidth(note) - 12, picture.rows - 12},
+           light_theme.text);
+  std::vector<LegendEntry> legend = colours.legend;
+  if (!path.empty())
+    legend.push_back({"path of the camera", {60, 60, 235}});
+  cv::Mat result;
+  cv::vconcat(picture, drawLegend(legend, picture.cols, light_theme), result);
+  return result;
+}
+
+} // namespace pcl_semantic

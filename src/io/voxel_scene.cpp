@@ -1,0 +1,268 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/io/voxel_scene.h>
+#include <pcl_semantic/map/voxel_set.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Positions of the finite points, in the double precision that the file may have.
+struct FinitePoints {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<std::size_t> rows; // of the file
+};
+
+FinitePoints
+finitePoints(const std::string& path, const PcdTable& table)
+{
+  const PcdColumn x(table, table.find("x")), y(table, table.find("y")),
+      z(table, table.find("z"));
+  FinitePoints points;
+  points.positions.reserve(table.points);
+  points.rows.reserve(table.points);
+  for (std::size_t i = 0; i < table.points; ++i) {
+    const Eigen::Vector3d position(x(i), y(i), z(i));
+    if (!position.allFinite())
+      continue;
+    points.positions.push_back(position);
+    points.rows.push_back(i);
+  }
+  if (points.rows.empty())
+    PCL_THROW_EXCEPTION(BadInputException, path << ": has no point to draw");
+  return points;
+}
+
+// The smallest step between coordinates of the first points; 0 if there is none.
+double
+smallestStep(const std::vector<Eigen::Vector3d>& positions)
+{
+  constexpr std::size_t enough = 50000;
+  double step = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < std::min(enough, positions.size()); ++i)
+      values.push_back(positions[i][axis]);
+    std::sort(values.begin(), values.end());
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      const double each = values[i] - values[i - 1];
+      // Coordinates of one row of voxels may differ in the last bit.
+      if (each > std::max(1e-5, 2e-7 * std::abs(values[i])) &&
+          (step == 0.0 || each < step))
+        step = each;
+    }
+  }
+  return step;
+}
+
+// The step, refined by ever larger distances: rounding of single precision spoils a
+// single one.
+double
+refinedStep(const std::vector<Eigen::Vector3d>& positions, double step)
+{
+  double longest = step;
+  for (const Eigen::Vector3d& position : positions)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double distance = std::abs(position[axis] - positions.front()[axis]);
+      if (distance <= 2.0 * longest)
+        continue;
+      step = distance / std::round(distance / step);
+      longest = distance;
+    }
+  // Sizes are round numbers of metres.
+  const double rounded = std::round(step * 1e4) / 1e4;
+  return std::abs(rounded - step) < 1e-3 * step * step / longest ? rounded : step;
+}
+
+VoxelGrid
+findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions)
+{
+  VoxelGrid grid;
+  const double step = smallestStep(positions);
+  if (step > 0.0)
+    grid.size = refinedStep(positions, step);
+  grid.corner = positions.front().array() - 0.5 * grid.size;
+  for (const Eigen::Vector3d& position : positions) {
+    const Eigen::Array3d cells = (position - grid.corner).array() / grid.size - 0.5;
+    if (!((cells - cells.round()).abs() < 0.1).all())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          path << ": its points are not the centres of voxels; say "
+                                  "how large cubes to draw, with --voxel-size");
+  }
+  return grid;
+}
+
+std::vector<VoxelIndex>
+indicesOf(const std::string& path, const std::vector<Eigen::Vector3d>& positions,
+          const VoxelGrid& grid)
+{
+  std::vector<VoxelIndex> indices;
+  indices.reserve(positions.size());
+  for (const Eigen::Vector3d& position : positions) {
+    const Eigen::Array3d cell = ((position - grid.corner).array() / grid.size).floor();
+    if (!(cell.abs() < double(kMaxVoxelIndex)).all())
+      PCL_THROW_EXCEPTION(BadInputException, path << ": a point lies "
+                                                  << position.norm()
+                                                  << " m away, too far for voxels of "
+                                                  << grid.size << " m");
+    indices.emplace_back(cell.cast<int>());
+  }
+  return indices;
+}
+
+// The point that stands for those of one voxel, and its colour.
+std::size_t
+standIn(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
+        const std::size_t* begin, const std::size_t* end, pcl::PointXYZRGBL& point)
+{
+  point = (*labelled.cloud)[rows[*begin]];
+  if (end - begin == 1)
+    return *begin;
+  std::array<std::size_t, 256> votes{};
+  std::array<std::size_t, 3> colour{};
+  for (const std::size_t* i = begin; i != end; ++i) {
+    const pcl::PointXYZRGBL& each = (*labelled.cloud)[rows[*i]];
+    ++votes[each.label];
+    colour[0] += each.r;
+    colour[1] += each.g;
+    colour[2] += each.b;
+  }
+  const auto label = static_cast<std::uint32_t>(
+      std::max_element(votes.begin(), votes.end()) - votes.begin());
+  const std::size_t* const first = std::find_if(begin, end, [&](std::size_t i) {
+    return (*labelled.cloud)[rows[i]].label == label;
+  });
+  const auto count = static_cast<std::size_t>(end - begin);
+  point = (*labelled.cloud)[rows[*first]];
+  point.r = static_cast<std::uint8_t>(colour[0] / count);
+  point.g = static_cast<std::uint8_t>(colour[1] / count);
+  point.b = static_cast<std::uint8_t>(colour[2] / count);
+  return *first;
+}
+
+// Fills the scene with one point a voxel.
+class SceneMaker {
+public:
+  SceneMaker(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
+             VoxelScene& scene)
+      : labelled_(labelled), rows_(rows), scene_(scene)
+  {
+    if (!labelled.cliques.empty() || labelled.table.find("clique") >= 0)
+      clique_of_row_.resize(labelled.cloud->size());
+    for (std::size_t c = 0; c < labelled.cliques.size(); ++c)
+      for (const int row : labelled.cliques[c].indices)
+        clique_of_row_[std::size_t(row)] = static_cast<std::uint32_t>(c + 1);
+  }
+
+  void
+  make(const std::vector<VoxelIndex>& indices)
+  {
+    std::vector<std::size_t> order(indices.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    // A map has each voxel once: its order stays.
+    if (VoxelSet(indices).size() < indices.size())
+      std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return VoxelIndexLess()(indices[a], indices[b]);
+      });
+    std::vector<std::size_t> kept;
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+      while (end < order.size() && indices[order[end]] == indices[order[begin]])
+        ++end;
+      pcl::PointXYZRGBL point;
+      kept.push_back(rows_[standIn(labelled_, rows_, order.data() + begin,
+                                   order.data() + end, point)]);
+      scene_.voxels.cloud->push_back(point);
+      scene_.voxels.indices.push_back(indices[order[begin]]);
+    }
+    keep(kept);
+  }
+
+private:
+  void
+  keep(const std::vector<std::size_t>& rows)
+  {
+    const LabelDistributions& all = labelled_.distributions;
+    if (all.classes() > 0) {
+      LabelDistributions::Matrix values(all.classes(), Eigen::Index(rows.size()));
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        values.col(Eigen::Index(i)) = all.matrix().col(Eigen::Index(rows[i]));
+      scene_.voxels.refined = LabelDistributions(std::move(values));
+    }
+    if (!clique_of_row_.empty())
+      for (const std::size_t row : rows)
+        scene_.cliques.push_back(clique_of_row_[row]);
+  }
+
+  const LabelledCloud& labelled_;
+  const std::vector<std::size_t>& rows_;
+  VoxelScene& scene_;
+  std::vector<std::uint32_t> clique_of_row_;
+};
+
+} // namespace
+
+VoxelScene
+readVoxelScene(const std::string& path, const VoxelGrid& grid)
+{
+  const LabelledCloud labelled = readLabelledCloud(path);
+  const FinitePoints points = finitePoints(path, labelled.table);
+  VoxelScene scene;
+  scene.has_colour = labelled.has_colour;
+  scene.has_labels = labelled.has_labels;
+  scene.grid = grid.size > 0.0 ? grid : findGrid(path, points.positions);
+  scene.voxels.voxel_size = scene.grid.size;
+  scene.voxels.origin = scene.grid.corner;
+  SceneMaker(labelled, points.rows, scene)
+      .make(indicesOf(path, points.positions, scene.grid));
+  return scene;
+}
+
+VoxelScene
+sceneOf(VoxelCloud voxels)
+{
+  VoxelScene scene;
+  scene.has_colour = scene.has_labels = true;
+  scene.grid.size = voxels.voxel_size;
+  scene.voxels = std::move(voxels);
+  scene.voxels.origin.setZero(); // cube 0 begins at the world's origin
+  return scene;
+}
+
+std::vector<Label>
+labelsAtVoxels(const VoxelScene& scene, const VoxelScene& other)
+{
+  const Eigen::Array3d shift =
+      (other.grid.corner - scene.grid.corner).array() / scene.grid.size;
+  if (std::abs(other.grid.size - scene.grid.size) > 1e-6 * scene.grid.size ||
+      !((shift - shift.round()).abs() < 0.01).all())
+    PCL_THROW_EXCEPTION(InvalidParameterException, "the maps have different voxels, of "
+                                                       << scene.grid.size << " m and "
+                                                       << other.grid.size << " m");
+  std::unordered_map<VoxelIndex, Label, VoxelIndexHash> labels;
+  labels.reserve(other.voxels.size());
+  const VoxelIndex step = shift.round().cast<int>();
+  for (std::size_t i = 0; i < other.voxels.size(); ++i)
+    labels.emplace(other.voxels.indices[i] + step,
+                   static_cast<Label>((*other.voxels.cloud)[i].label));
+  std::vector<Label> result(scene.voxels.size(), kUnlabelled);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const auto found = labels.find(scene.voxels.indices[i]);
+    if (found != labels.end())
+      result[i] = found->second;
+  }
+  return result;
+}
+
+} // namespace pcl_semantic

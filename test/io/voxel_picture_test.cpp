@@ -1,0 +1,387 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/io/label_changes.h>
+#include <pcl_semantic/io/label_sheet.h>
+#include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/io/voxel_picture.h>
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+#include <set>
+
+using namespace pcl_semantic;
+
+namespace {
+
+LabelSet
+threeClasses()
+{
+  return LabelSet({{"house", {200, 10, 20}, false, false},
+                   {"road", {30, 40, 50}, false, false},
+                   {"tree", {20, 200, 20}, false, false}});
+}
+
+/** \brief A flat road with a wall on its left side, along x. */
+VoxelScene
+street()
+{
+  VoxelScene scene;
+  scene.grid.size = scene.voxels.voxel_size = 0.2;
+  scene.has_colour = scene.has_labels = true;
+  const auto add = [&](int x, int y, int z, unsigned label) {
+    pcl::PointXYZRGBL point;
+    point.label = label;
+    point.r = point.g = point.b = static_cast<std::uint8_t>(90 + x % 7);
+    scene.voxels.cloud->push_back(point);
+    scene.voxels.indices.emplace_back(x, y, z);
+  };
+  for (int x = 0; x < 100; ++x)
+    for (int y = 0; y < 30; ++y)
+      add(x, y, 0, 2);
+  for (int x = 0; x < 100; ++x)
+    for (int z = 1; z < 15; ++z)
+      add(x, 29, z, x < 50 ? 1 : 3);
+  return scene;
+}
+
+SensorPath
+pathThrough()
+{
+  SensorPath path;
+  for (int i = 0; i <= 10; ++i)
+    path.emplace_back(0.5 + 1.5 * i, 2.0, 1.6);
+  return path;
+}
+
+Eigen::Vector2d
+pixelOf(const PictureView& view, const Eigen::Vector3d& point)
+{
+  return view.camera.project(view.T_world_camera.inverse() * point);
+}
+
+bool
+isInside(const PictureView& view, const Eigen::Vector3d& point)
+{
+  const Eigen::Vector2d pixel = pixelOf(view, point);
+  return pixel.minCoeff() >= 0.0 && pixel.x() < view.camera.width &&
+         pixel.y() < view.camera.height;
+}
+
+/** \brief A `.pcd` of x y z label rgb, ascii. */
+std::string
+pcd(const std::vector<std::string>& points)
+{
+  std::string text = "VERSION 0.7\nFIELDS x y z label rgba\nSIZE 8 8 8 4 4\n"
+                     "TYPE F F F U U\nCOUNT 1 1 1 1 1\nWIDTH " +
+                     std::to_string(points.size()) + "\nHEIGHT 1\nPOINTS " +
+                     std::to_string(points.size()) + "\nDATA ascii\n";
+  for (const std::string& point : points)
+    text += point + "\n";
+  return text;
+}
+
+} // namespace
+
+TEST(LabelChanges, EqualAPlainLoop)
+{
+  std::mt19937 random(1);
+  std::uniform_int_distribution<int> any(0, 5);
+  std::vector<Label> before, after, truth;
+  for (int i = 0; i < 4000; ++i) {
+    before.push_back(Label(any(random)));
+    after.push_back(i % 3 ? before.back() : Label(any(random)));
+    truth.push_back(Label(any(random)));
+  }
+  std::map<std::pair<Label, Label>, std::size_t> kinds;
+  std::size_t compared = 0, changed = 0, right = 0, wrong = 0;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i] != 0 && after[i] != 0) {
+      ++compared;
+      if (before[i] != after[i]) {
+        ++changed;
+        ++kinds[{before[i], after[i]}];
+        if (truth[i] != 0 && truth[i] == after[i])
+          ++right;
+        if (truth[i] != 0 && truth[i] == before[i])
+          ++wrong;
+      }
+    }
+  const LabelChanges changes = countLabelChanges(before, after, truth);
+  EXPECT_EQ(changes.compared, compared);
+  EXPECT_EQ(changes.changed, changed);
+  EXPECT_EQ(changes.right, right);
+  EXPECT_EQ(changes.wrong, wrong);
+  ASSERT_EQ(changes.kinds.size(), kinds.size());
+  for (std::size_t i = 0; i < changes.kinds.size(); ++i) {
+    const LabelChange& kind = changes.kinds[i];
+    EXPECT_EQ(kind.count, (kinds[{kind.from, kind.to}]));
+    if (i > 0) {
+      EXPECT_GE(changes.kinds[i - 1].count, kind.count);
+    }
+  }
+  EXPECT_EQ(countLabelChanges(before, after).right, 0u);
+  EXPECT_THROW(countLabelChanges(before, {1, 2}), InvalidParameterException);
+}
+
+TEST(VoxelScene, FindsTheGridOfItsPoints)
+{
+  const TemporaryFolder folder;
+  // Voxels of 0.3 m relative to an origin that is no multiple of them.
+  const VoxelScene scene = readVoxelScene(
+      folder.write("a.pcd", pcd({"100000.05 -7.15 0 1 255", "100000.35 -7.15 0 2 65280",
+                                 "nan 0 0 1 0", "100003.05 -6.25 -0.6 3 0"})));
+  EXPECT_NEAR(scene.grid.size, 0.3, 1e-9);
+  ASSERT_EQ(scene.voxels.size(), 3u);
+  const std::vector<VoxelIndex>& indices = scene.voxels.indices;
+  EXPECT_EQ(indices[1] - indices[0], VoxelIndex(1, 0, 0));
+  EXPECT_EQ(indices[2] - indices[0], VoxelIndex(10, 3, -2));
+  const Eigen::Vector3d centre =
+      (indices[1].cast<double>().array() + 0.5).matrix() * scene.grid.size +
+      scene.grid.corner;
+  EXPECT_LT((centre - Eigen::Vector3d(100000.35, -7.15, 0.0)).norm(), 1e-6);
+  EXPECT_EQ((*scene.voxels.cloud)[1].g, 255);
+}
+
+TEST(VoxelScene, BinsTheCloudsOfOthers)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write(
+      "a.pcd", pcd({"0.1 0.137 0.1 2 10", "0.4 0.2 0.3 1 30", "0.3 0.3 0.3 2 20",
+                    "-0.171 0.45 0.1 3 7", "0.2 0.1 0.3 1 40"}));
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readVoxelScene(path); }),
+                    "--voxel-size"));
+  const VoxelScene scene = readVoxelScene(path, {0.5, Eigen::Vector3d::Zero()});
+  ASSERT_EQ(scene.voxels.size(), 2u);
+  std::map<int, const pcl::PointXYZRGBL*> by_x;
+  for (std::size_t i = 0; i < 2; ++i)
+    by_x[scene.voxels.indices[i].x()] = &(*scene.voxels.cloud)[i];
+  EXPECT_EQ(by_x.at(-1)->label, 3u);
+  EXPECT_EQ(by_x.at(0)->label, 1u); // of two labels with two points the lower one
+  EXPECT_EQ(by_x.at(0)->b, 25);     // blue of the four
+}
+
+TEST(VoxelScene, FindsTheSameVoxelsInAnotherMap)
+{
+  const VoxelScene scene = street();
+  VoxelScene other = street();
+  other.voxels.cloud->points.back().label = 2;
+  other.voxels.indices.front().x() = -7; // the first voxel is not there
+  // The same places counted from another corner.
+  for (VoxelIndex& index : other.voxels.indices)
+    index -= VoxelIndex(10, 20, 30);
+  other.grid.corner = Eigen::Vector3d(10, 20, 30) * 0.2;
+  const std::vector<Label> labels = labelsAtVoxels(scene, other);
+  EXPECT_EQ(labels.front(), kUnlabelled);
+  EXPECT_EQ(labels.back(), 2);
+  for (std::size_t i = 1; i + 1 < labels.size(); ++i)
+    ASSERT_EQ(labels[i], (*scene.voxels.cloud)[i].label);
+  other.grid.corner.x() += 0.1;
+  EXPECT_THROW(labelsAtVoxels(scene, other), InvalidParameterException);
+  other.grid.size = 0.1;
+  EXPECT_THROW(labelsAtVoxels(scene, other), InvalidParameterException);
+}
+
+TEST(PictureView, ShowsThePathAndMostOfTheMap)
+{
+  const VoxelScene scene = street();
+  const SensorPath path = pathThrough();
+  for (const bool above : {false, true}) {
+    const cv::Size size(640, 360);
+    const PictureView view =
+        above ? aboveView(scene, path, size) : angleView(scene, path, size);
+    for (const Eigen::Vector3d& place : path)
+      EXPECT_TRUE(isInside(view, place));
+    std::size_t inside = 0;
+    for (const VoxelIndex& index : scene.voxels.indices)
+      inside += isInside(view, index.cast<double>() * scene.grid.size);
+    EXPECT_GT(inside, scene.voxels.size() * 95 / 100);
+    // The way goes from left to right, or into the picture.
+    const Eigen::Vector2d way =
+        pixelOf(view, path.back()) - pixelOf(view, path.front());
+    EXPECT_GT(above ? way.x() : -way.y(), 40.0);
+    if (above) {
+      EXPECT_NEAR(way.norm(), 15.0 * view.pixels_per_metre, 0.5);
+    }
+  }
+}
+
+TEST(PictureView, FarFromTheOriginNothingChanges)
+{
+  const VoxelScene near = street();
+  VoxelScene far = street();
+  const VoxelIndex step(500000000, -400000000, 1000);
+  for (VoxelIndex& index : far.voxels.indices)
+    index += step;
+  const cv::Size size(320, 180);
+  const PictureView here = angleView(near, {}, size), there = angleView(far, {}, size);
+  EXPECT_NEAR(here.camera.cx, there.camera.cx, 1e-3);
+  const Eigen::Vector3d moved =
+      there.T_world_camera.translation() - step.cast<double>() * near.grid.size;
+  EXPECT_LT((moved - here.T_world_camera.translation()).norm(), 1e-3);
+  const LabelSet label_set = threeClasses();
+  const cv::Mat a = drawVoxels(near, classColours(near, label_set), here, {});
+  const cv::Mat b = drawVoxels(far, classColours(far, label_set), there, {});
+  cv::Mat difference;
+  cv::absdiff(a.rowRange(0, 150), b.rowRange(0, 150), difference);
+  EXPECT_LT(cv::mean(difference)[0], 1.0);
+}
+
+TEST(PictureView, RefusesWhatCannotBe)
+{
+  const Eigen::Vector3d from(1, 2, 3);
+  EXPECT_THROW(lookAt(from, from, 1.0, {100, 100}), InvalidParameterException);
+  EXPECT_THROW(lookAt(from, -from, 0.0, {100, 100}), InvalidParameterException);
+  EXPECT_THROW(lookAt(from, -from, 4.0, {100, 100}), InvalidParameterException);
+  EXPECT_THROW(lookAt(from, -from, 1.0, {0, 100}), InvalidParameterException);
+  const PictureView down = lookAt(from, {1, 2, 0}, 1.0, {100, 100});
+  EXPECT_TRUE(down.T_world_camera.linear().isUnitary(1e-12));
+}
+
+TEST(VoxelPicture, ShowsClassesInTheirPlaces)
+{
+  const VoxelScene scene = street();
+  const VoxelColours colours = classColours(scene, threeClasses());
+  ASSERT_EQ(colours.legend.size(), 3u);
+  EXPECT_EQ(colours.legend[0].text, "house");
+  const PictureView view = aboveView(scene, {}, {640, 360});
+  const cv::Mat picture = drawVoxels(scene, colours, view, {});
+  EXPECT_EQ(picture.cols, 640);
+  EXPECT_GT(picture.rows, 360);
+  // The tops of the walls: house in the first half, tree in the second; left is up.
+  const auto at = [&](double x, double y, double z) {
+    const Eigen::Vector2d pixel = pixelOf(view, {x, y, z});
+    return picture.at<cv::Vec3b>(cvRound(pixel.y()), cvRound(pixel.x()));
+  };
+  const cv::Vec3b house = at(5.0, 5.9, 3.0), tree = at(15.0, 5.9, 3.0);
+  EXPECT_GT(house[2], house[1] + 60);
+  EXPECT_GT(tree[1], tree[2] + 60);
+  // Beside the wall the road is darker than in the open.
+  EXPECT_LT(at(5.0, 5.75, 0.2)[1], at(5.0, 3.1, 0.2)[1]);
+  EXPECT_LT(pixelOf(view, {5.0, 5.9, 3.0}).y(), pixelOf(view, {5.0, 1.0, 0.2}).y());
+}
+
+TEST(VoxelPicture, ThreadsChangeNoPixel)
+{
+  const VoxelScene scene = street();
+  const VoxelColours colours = classColours(scene, threeClasses());
+  const PictureView view = angleView(scene, pathThrough(), {320, 200});
+  setNumberOfThreads(1);
+  const cv::Mat one = drawVoxels(scene, colours, view, pathThrough());
+  setNumberOfThreads(4);
+  const cv::Mat four = drawVoxels(scene, colours, view, pathThrough());
+  setNumberOfThreads(0);
+  EXPECT_EQ(cv::norm(one, four, cv::NORM_INF), 0.0);
+}
+
+TEST(VoxelPicture, RefusesWhatCannotBeDrawn)
+{
+  VoxelScene scene = street();
+  const VoxelColours colours = classColours(scene, threeClasses());
+  const PictureView inside = lookAt({5.05, 3.05, 0.1}, {9, 3, 0}, 1.0, {64, 64});
+  EXPECT_THROW(drawVoxels(scene, colours, inside, {}), InvalidParameterException);
+  const PictureView view = angleView(scene, {}, {64, 64});
+  EXPECT_THROW(drawVoxels(scene, {}, view, {}), InvalidParameterException);
+  EXPECT_THROW(drawVoxels(VoxelScene(), {}, view, {}), InvalidParameterException);
+  scene.voxels.cloud->points[3].label = 4;
+  EXPECT_THROW(classColours(scene, threeClasses()), InvalidParameterException);
+  scene.has_colour = false;
+  EXPECT_THROW(measuredColours(scene), InvalidParameterException);
+  EXPECT_THROW(entropyColours(scene), InvalidParameterException);
+  EXPECT_THROW(cliqueColours(scene), InvalidParameterException);
+  EXPECT_THROW(changeColours(scene, {1, 2}, threeClasses()), InvalidParameterException);
+}
+
+TEST(VoxelColours, ChangesAreColouredAndCounted)
+{
+  const VoxelScene scene = street();
+  std::vector<Label> before;
+  for (const auto& point : *scene.voxels.cloud)
+    before.push_back(static_cast<Label>(point.label));
+  before[0] = 1;           // house became road
+  before[1] = 3;           // tree became road
+  before[2] = kUnlabelled; // was not there
+  const VoxelColours colours = changeColours(scene, before, threeClasses());
+  const VoxelColours classes = classColours(scene, threeClasses());
+  EXPECT_EQ(colours.colours[0], classes.colours[0]);
+  EXPECT_EQ(colours.colours[1], classes.colours[1]);
+  EXPECT_EQ(colours.colours[2], colours.colours[3]);
+  EXPECT_NE(colours.colours[3], classes.colours[3]);
+  ASSERT_EQ(colours.legend.size(), 3u);
+  EXPECT_EQ(colours.legend[0].text, "house > road 1");
+  EXPECT_EQ(colours.legend[1].text, "tree > road 1");
+  EXPECT_EQ(colours.note.rfind("2 of 4 399 voxels changed", 0), 0u) << colours.note;
+}
+
+TEST(VoxelColours, CliquesDifferAndNoneIsGrey)
+{
+  VoxelScene scene = street();
+  scene.cliques.assign(scene.voxels.size(), 0);
+  for (std::size_t i = 0; i < 200; ++i)
+    scene.cliques[i] = static_cast<std::uint32_t>(i / 2);
+  const VoxelColours colours = cliqueColours(scene);
+  EXPECT_EQ(colours.colours[0], colours.colours[1000]);
+  EXPECT_EQ(colours.colours[10], colours.colours[11]);
+  std::set<std::uint32_t> seen;
+  for (std::size_t i = 2; i < 200; i += 2) {
+    const cv::Vec3b& c = colours.colours[i];
+    seen.insert(std::uint32_t(c[0]) << 16 | std::uint32_t(c[1]) << 8 | c[2]);
+  }
+  EXPECT_GT(seen.size(), 95u);
+  EXPECT_EQ(colours.note.rfind("99 cliques", 0), 0u) << colours.note;
+}
+
+TEST(LabelSheet, MarksWhatBecameRightAndWrong)
+{
+  const cv::Size size(320, 100);
+  const cv::Mat image(size, CV_8UC1, cv::Scalar(100));
+  cv::Mat before(size, CV_8UC1, cv::Scalar(1)), after = before.clone(),
+                                                truth = before.clone();
+  // Columns of 80 pixels: the same, right, wrong, no truth.
+  after.colRange(80, 320) = 2;
+  truth.colRange(80, 160) = 2;
+  truth.colRange(240, 320) = 0;
+  const cv::Mat sheet = drawLabelSheet(image, {{"a", before}, {"b", after}}, truth,
+                                       threeClasses(), 2 * 320 + 36);
+  // The lower right panel begins at 12 + 320 + 12 and 28 + 100 + 6 + 28.
+  const auto at = [&](int u) { return sheet.at<cv::Vec3b>(162 + 50, 344 + u); };
+  EXPECT_EQ(at(40)[0], at(40)[1]); // grey
+  EXPECT_GT(at(120)[1], at(120)[2] + 80);
+  EXPECT_GT(at(200)[2], at(200)[1] + 80);
+  EXPECT_EQ(at(280), cv::Vec3b(50, 40, 30));
+  // The panels above it: the labels of before, and the truth.
+  const cv::Mat expected = blendLabels(image, before, threeClasses());
+  EXPECT_EQ(sheet.at<cv::Vec3b>(28 + 50, 12 + 40), expected.at<cv::Vec3b>(50, 40));
+  const cv::Mat no_truth = drawLabelSheet(image, {{"a", before}, {"b", after}},
+                                          cv::Mat(), threeClasses(), 2 * 320 + 36);
+  EXPECT_EQ(no_truth.at<cv::Vec3b>(212, 344 + 120), cv::Vec3b(50, 40, 30));
+  EXPECT_EQ(no_truth.at<cv::Vec3b>(28 + 50, 344 + 40), cv::Vec3b(100, 100, 100));
+}
+
+TEST(LabelSheet, RefusesWhatDoesNotFit)
+{
+  const cv::Mat image(20, 40, CV_8UC1, cv::Scalar(100));
+  const cv::Mat labels = cv::Mat::ones(20, 40, CV_8UC1);
+  const LabelSet label_set = threeClasses();
+  EXPECT_NO_THROW(drawLabelSheet(image, {{"a", labels}}, cv::Mat(), label_set, 400));
+  EXPECT_THROW(drawLabelSheet(image, {}, cv::Mat(), label_set, 400),
+               InvalidParameterException);
+  EXPECT_THROW(drawLabelSheet(image, {{"a", labels}}, cv::Mat(), label_set, 20),
+               InvalidParameterException);
+  EXPECT_THROW(drawLabelSheet(image, {{"a", labels.t()}}, cv::Mat(), label_set, 400),
+               InvalidParameterException);
+  EXPECT_THROW(drawLabelSheet(image, {{"a", labels}}, labels.t(), label_set, 400),
+               InvalidParameterException);
+  EXPECT_THROW(drawLabelSheet(image, {{"a", labels * 4}}, cv::Mat(), label_set, 400),
+               InvalidParameterException);
+}
