@@ -68,7 +68,9 @@ makeRun(const MapArguments& arguments, const FrameSequence& sequence,
   run.inputs.insert(run.inputs.end(), {{"poses", poses},
                                        {"labels", arguments.labels},
                                        {"network", arguments.network},
-                                       {"model", labelling.model}});
+                                       {"model", labelling.model},
+                                       {"label_calibration",
+                                        arguments.label_calibration}});
   for (const std::size_t i : frames)
     run.frames.push_back(sequence.frameNumber(i));
   run.camera = sequence.camera();
@@ -89,6 +91,7 @@ makeOutput(const MapArguments& arguments, const MappingRun& run,
                                {"label_set", arguments.label_set},
                                {"network", arguments.network},
                                {"model", arguments.model},
+                               {"label_calibration", arguments.label_calibration},
                                {"archive", arguments.archive.path}});
   return {arguments.output,     run.camera,        run.label_set,     run.config,
           run.T_camera0_camera, std::move(inputs), archive.records(), std::move(extra)};
@@ -162,6 +165,9 @@ mapSequence(const MapArguments& arguments)
   SemanticMapper mapper(run.camera, run.label_set, run.config,
                         std::move(labelling.predictor), std::move(owned_poses),
                         archive.store());
+  if (!arguments.label_calibration.empty())
+    mapper.setLabelCalibration(
+        readCalibration(arguments.label_calibration, run.label_set));
   MappingOutput output = makeOutput(arguments, run, chosen, archive, std::move(extra));
   archive.resume(mapper);
   mapFrames(sequence, run, arguments.sequence.strict, mapper, archive, output);

@@ -33,6 +33,8 @@ describeOptions(MapArguments& arguments)
       "classes of --labels (default: label_sets/kitti11.yaml)")(
       "network", po::value(&arguments.network), "description of a network (.yaml)")(
       "model", po::value(&arguments.model), "the network itself (.onnx)")(
+      "label-calibration", po::value(&arguments.label_calibration),
+      "what the labels are worth, as pcl_semantic_calibrate writes it (.yaml)")(
       "poses", po::value(&arguments.poses)->default_value("auto"),
       "KITTI or TUM trajectory file, 'sequence' for its own poses.txt, 'odometry' to "
       "find them in the images, 'auto': its own or else odometry")(

@@ -7,6 +7,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/pipeline/frame_calibration.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -41,6 +42,18 @@ SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label
 }
 
 void
+SemanticMapper::setLabelCalibration(LabelCalibration calibration)
+{
+  calibration.validate();
+  if (calibration.classes() != map_.labelSet().size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "label calibration of " << calibration.classes()
+                                                << " classes for a map of "
+                                                << map_.labelSet().size());
+  calibration_ = std::move(calibration);
+}
+
+void
 SemanticMapper::resume(int frames, bool finished, const Eigen::Vector3d& cloud_origin)
 {
   frames_ = frames;
@@ -72,16 +85,22 @@ SemanticMapper::process(const StereoFrame& frame)
   });
   result.network =
       times.measure("labelling", [&] { return predictor_->predict(frame); });
+  if (calibration_)
+    result.calibrated = times.measure("calibration", [&] {
+      return calibrate(
+          *calibration_, result.network,
+          frameGeometry(*result.cloud, result.network, calibration_->ground));
+    });
   result.counts = times.measure("map", [&] { return integrate(result); });
   result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
   refined_ = isRefinedAt(frames_);
-  if (superpixels_) // also for finish()
-    superpixels_->setFrame(result.cloud, result.T_world_camera);
   if (config_.crf != "none" && refined_)
     times.measure("crf", [&] {
       refine(result);
       map_.setRefined(result.voxels, result.voxels.refined);
     });
+  else
+    setFrameOfCliques(result); // for finish()
   ++frames_;
   if (callback_)
     callback_(result, map_);
@@ -107,7 +126,8 @@ SemanticMapper::integrate(const MappedFrame& mapped)
     deviations = distanceDeviations(*mapped.cloud, camera_, mapped.disparity.deviation,
                                     config_.deviation_scale);
   try {
-    return map_.integrate(*mapped.cloud, mapped.T_world_camera, mapped.network,
+    return map_.integrate(*mapped.cloud, mapped.T_world_camera,
+                          calibration_ ? mapped.calibrated : mapped.network,
                           deviations);
   }
   catch (const BadInputException& error) { // a map knows nothing of frames
@@ -117,8 +137,16 @@ SemanticMapper::integrate(const MappedFrame& mapped)
 }
 
 void
+SemanticMapper::setFrameOfCliques(const MappedFrame& mapped)
+{
+  if (superpixels_)
+    superpixels_->setFrame(mapped.cloud, mapped.T_world_camera);
+}
+
+void
 SemanticMapper::refine(MappedFrame& mapped)
 {
+  setFrameOfCliques(mapped);
   if (config_.crf != "none")
     refineVoxels(mapped.voxels);
 }

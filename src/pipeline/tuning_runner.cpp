@@ -41,6 +41,9 @@ namesOfTheCrf()
   std::set<std::string> names = {"crf", "cliques", "threads"};
   for (const ConfigParameter& parameter : parametersOf(parameters, "crf_", "m"))
     names.insert(parameter.name);
+  CliqueParameters cliques;
+  for (const ConfigParameter& parameter : parametersOf(cliques))
+    names.insert(parameter.name);
   return names;
 }
 
@@ -79,6 +82,8 @@ TuningRunner::mapFrames(MapperConfig config, std::size_t sequence,
   const TuningSequence& data = *sequences_.at(sequence);
   SemanticMapper mapper(data.camera(), label_set_, config,
                         data.makePredictor(config.label_confidence), data.makePoses());
+  if (!data.calibration().empty())
+    mapper.setLabelCalibration(readCalibration(data.calibration(), label_set_));
   mapper.setDisparityEstimator(
       std::make_unique<KnownDisparities>(data.disparities(config)));
   for (std::size_t i = 0; i < data.frames().size(); ++i) {

@@ -9,6 +9,7 @@
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/core/stereo_frame.h>
+#include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/labelling/label_predictor.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/odometry/pose_source.h>
@@ -18,6 +19,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 namespace pcl_semantic {
 
@@ -27,6 +29,8 @@ struct MappedFrame {
   DisparityImage disparity;                     ///< of each pixel, and how sure it is
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< organized, camera frame [m]
   LabelDistributions network;                   ///< L x pixels, of the left image
+  LabelDistributions calibrated; ///< L x pixels, what the map gets instead; empty if
+                                 ///< there is no calibration
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   ScanCounts counts; ///< of the scan that went into the map
   VoxelCloud voxels; ///< the occupied voxels of the window after this frame
@@ -70,6 +74,10 @@ public:
     stereo_ = std::move(stereo);
   }
 
+  /** \brief Calibrates the labels of each frame before they go into the map.
+   * \throws InvalidParameterException if it is not one of the map's classes */
+  void setLabelCalibration(LabelCalibration calibration);
+
   /** \brief Takes in one frame: disparity, cloud, labels, pose, map, CRF.
    * \throws BadInputException or BadModelException that names the frame */
   MappedFrame process(const StereoFrame& frame);
@@ -100,6 +108,8 @@ private:
 
   ScanCounts integrate(const MappedFrame& mapped);
 
+  void setFrameOfCliques(const MappedFrame& mapped);
+
   void refineVoxels(VoxelCloud& voxels);
 
   StereoCamera camera_;
@@ -107,6 +117,7 @@ private:
   std::unique_ptr<DisparityEstimator> stereo_;
   std::unique_ptr<LabelPredictor> predictor_;
   std::unique_ptr<PoseSource> poses_;
+  std::optional<LabelCalibration> calibration_;
   SemanticVoxelMap map_;
   CliqueGenerator::Ptr cliques_;
   std::shared_ptr<SuperpixelCliques> superpixels_; // cliques_, if it is some

@@ -27,6 +27,7 @@ struct TuningFolders {
   std::string sequence; ///< in KITTI's layout, with poses.txt
   std::string labels;   ///< stored label distributions, see StoredPredictor
   std::string truth;    ///< label images (000012.png), 0 = no truth
+  std::string calibration; ///< of the labels (readCalibration); empty = none
 };
 
 /** \brief A sequence with truth, ready to be mapped many times: images and truth are
@@ -71,6 +72,13 @@ public:
   std::unique_ptr<LabelPredictor> makePredictor(double png_confidence) const;
 
   std::unique_ptr<PoseSource> makePoses() const;
+
+  /** \brief Path of the calibration of its labels; empty = none. */
+  const std::string&
+  calibration() const
+  {
+    return folders_.calibration;
+  }
 
   /** \brief Disparities of all frames; computed at the first call for an engine. */
   std::shared_ptr<const std::vector<DisparityImage>>
