@@ -6,6 +6,7 @@
 
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
+#include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +19,7 @@ namespace {
 
 const std::string folders = " --labels '{sequence}/labels' --truth '{sequence}/gt' ";
 
-// Two streets and a grid in a folder. The second has labels of the first frames' truth:
-// what is right for it is to be found without a CRF.
+// Two streets and a grid in a folder.
 class TuneTool : public testing::Test {
 protected:
   TuneTool()
@@ -32,12 +32,11 @@ protected:
   }
 
   ToolResult
-  tune(const std::string& options, const std::string& before = "")
+  tune(const std::string& options)
   {
     return runTool("tune " + folder_.path("one ") + folder_.path("two") + " --config " +
-                       folder_.path("grid.yaml") + folders + "--output " +
-                       folder_.path("out") + " " + options,
-                   before);
+                   folder_.path("grid.yaml") + folders + "--output " +
+                   folder_.path("out") + " " + options);
   }
 
   TemporaryFolder folder_;
@@ -49,7 +48,6 @@ TEST_F(TuneTool, WritesAConfigurationThatTheMapTakes)
 {
   const ToolResult result = tune("--workers 2");
   ASSERT_EQ(result.code, 0) << result.text;
-  // none, dense and dense with the other weight, and that weight without a CRF, on two.
   EXPECT_TRUE(holds(result.text, "0 known\n"));
   EXPECT_EQ(filesIn(folder_.path("out")),
             (std::set<std::string>{"best.yaml", "report.md", "runs.jsonl",
