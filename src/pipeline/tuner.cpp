@@ -216,8 +216,9 @@ Tuner::heldOut(std::size_t axis, std::size_t candidate) const
     TuningChoice choice = chosenWithout(i);
     if (axis != no_axis)
       choice.at(axis) = candidate;
-    if (results_.count(choice)) // else its values do not go together
-      sum += result(choice, i);
+    if (!results_.count(choice)) // its values do not go together
+      return TuningResult(classes_);
+    sum += result(choice, i);
   }
   return sum;
 }

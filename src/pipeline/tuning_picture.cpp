@@ -120,15 +120,15 @@ public:
 
   void
   drawCurve(const std::vector<double>& values, bool joined, const cv::Scalar& colour,
-            int radius)
+            int width)
   {
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (!std::isfinite(values[i]))
         continue;
       if (joined && i > 0 && std::isfinite(values[i - 1]))
-        cv::line(picture_, place(i - 1, values[i - 1]), place(i, values[i]), colour, 2,
-                 cv::LINE_AA);
-      cv::circle(picture_, place(i, values[i]), radius, colour, cv::FILLED,
+        cv::line(picture_, place(i - 1, values[i - 1]), place(i, values[i]), colour,
+                 width, cv::LINE_AA);
+      cv::circle(picture_, place(i, values[i]), 2 + width, colour, cv::FILLED,
                  cv::LINE_AA);
     }
   }
@@ -185,7 +185,7 @@ drawSensitivity(const Tuner& tuner)
     Panel panel(picture(place), axis.candidates.size(), range);
     panel.drawFrame(axis, tuner.chosen()[i]);
     panel.drawCurve(curves[i].all, axis.is_number, all_colour, 5);
-    panel.drawCurve(curves[i].held_out, axis.is_number, held_out_colour, 4);
+    panel.drawCurve(curves[i].held_out, axis.is_number, held_out_colour, 2);
   }
   return picture;
 }

@@ -75,7 +75,7 @@ TuningSequence::TuningSequence(const TuningFolders& folders, int classes)
   makePoses()->requirePoses(
       frameTimes(sequence_, selectFrames(sequence_, FrameRange())));
   readTruth();
-  makePredictor(1.0)->predict(frames_.front()); // a wrong folder is found at once
+  digest_ = digestOfData();
 }
 
 void
@@ -108,21 +108,30 @@ TuningSequence::readTruth()
                                                << folders_.sequence);
 }
 
-std::string
-TuningSequence::describe() const
+// Reads everything once: what is wrong with it is found before anything is run.
+std::uint64_t
+TuningSequence::digestOfData() const
 {
   Digest digest;
+  const auto predictor = makePredictor(1.0);
+  const auto poses = makePoses();
   for (const StereoFrame& frame : frames_) {
     addTo(digest, frame.left);
     addTo(digest, frame.right);
-    const Eigen::Matrix4d pose = makePoses()->pose(frame).matrix();
+    const Eigen::Matrix4d pose = poses->pose(frame).matrix();
     digest.add(pose.data(), sizeof(double) * 16);
+    const LabelDistributions labels = predictor->predict(frame);
+    digest.add(labels.matrix().data(),
+               sizeof(float) * std::size_t(labels.matrix().size()));
   }
   for (const cv::Mat& truth : truths_)
     addTo(digest, truth);
-  const LabelDistributions labels = makePredictor(1.0)->predict(frames_.front());
-  digest.add(labels.matrix().data(),
-             sizeof(float) * std::size_t(labels.matrix().size()));
+  return digest.value();
+}
+
+std::string
+TuningSequence::describe() const
+{
   const auto have_truth =
       std::count_if(truths_.begin(), truths_.end(),
                     [](const cv::Mat& each) { return !each.empty(); });
@@ -131,7 +140,7 @@ TuningSequence::describe() const
        << frames_.size() << " frames, " << have_truth << " with truth of "
        << fs::absolute(folders_.truth).lexically_normal().string() << ", labels of "
        << fs::absolute(folders_.labels).lexically_normal().string() << " (digest "
-       << std::hex << digest.value() << ")";
+       << std::hex << digest_ << ")";
   return text.str();
 }
 

@@ -31,6 +31,23 @@ exampleOf(const std::string& verb)
 
 } // namespace
 
+// In this order: a map is made of the street, and evaluated.
+const std::vector<std::string> verbs = {"synthesize",   //
+                                        "map",          //
+                                        "evaluate",     //
+                                        "lidar_truth",  //
+                                        "crf",          //
+                                        "image_crf",    //
+                                        "archive",      //
+                                        "odometry",     //
+                                        "trajectory",   //
+                                        "stereo",       //
+                                        "label",        //
+                                        "evaluate_map", //
+                                        "render",       //
+                                        "compare",      //
+                                        "tune"};
+
 TEST(Help, ItsExamplesRunWhenPasted)
 {
   const TemporaryFolder folder;
@@ -41,29 +58,23 @@ TEST(Help, ItsExamplesRunWhenPasted)
   fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/data", folder.path("data"));
   const std::string begin = "cd " + folder.path() +
                             " && export PATH=" PCL_SEMANTIC_BINARY_DIR "/bin:$PATH && ";
-  // In this order: a map is made of the street, and evaluated.
-  for (const char* verb : {"synthesize", "map", "evaluate", "lidar_truth", "crf",
-                           "image_crf", "archive", "odometry", "trajectory", "stereo",
-                           "label", "evaluate_map", "render", "compare"}) {
+  for (const std::string& verb : verbs) {
     std::string example = replaceAll(exampleOf(verb), "/tmp/", folder.path() + "/");
     example = replaceAll(example, "pcl_semantic_synthesize ",
                          "pcl_semantic_synthesize --frames 2 --size 208x64 ");
     const ToolResult result = runShell("{ " + begin + example + "; } 2>&1");
     EXPECT_EQ(result.code, 0) << example << result.text;
   }
-  for (const char* file :
-       {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
-        "truth/000000.png", "refined.pcd", "refined.png", "road.pcd", "pair.pcd",
-        "disparity.png", "street_labels/000001.npy", "map.png", "sheets/000001.png"})
+  for (const char* file : {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
+                           "truth/000000.png", "refined.pcd", "refined.png", "road.pcd",
+                           "pair.pcd", "disparity.png", "street_labels/000001.npy",
+                           "map.png", "sheets/000001.png", "tuned/best.yaml"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
 }
 
 TEST(Help, VersionOfEveryTool)
 {
-  for (const std::string verb :
-       {"synthesize", "map", "evaluate", "lidar_truth", "crf", "image_crf", "archive",
-        "odometry", "trajectory", "stereo", "label", "evaluate_map", "render",
-        "compare"}) {
+  for (const std::string& verb : verbs) {
     const ToolResult result = runTool(verb + " --version");
     EXPECT_EQ(result.code, 0);
     EXPECT_EQ(result.text.rfind("pcl_semantic_" + verb + " ", 0), 0u) << result.text;

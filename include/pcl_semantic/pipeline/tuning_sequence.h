@@ -13,6 +13,7 @@
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -47,7 +48,7 @@ public:
   }
 
   /** \brief Where it comes from, for messages and reports: folders, number of frames,
-   * and a digest of its truth, its poses and the first of its labels. */
+   * and a digest of its images, poses, labels and truth. */
   std::string describe() const;
 
   const std::vector<StereoFrame>&
@@ -87,6 +88,8 @@ public:
 private:
   void readTruth();
 
+  std::uint64_t digestOfData() const;
+
   TuningFolders folders_;
   KittiSequence sequence_;
   int classes_;
@@ -94,6 +97,7 @@ private:
   std::vector<StereoFrame> frames_;
   std::vector<cv::Mat> truths_;
   Trajectory trajectory_;
+  std::uint64_t digest_ = 0;
   mutable std::mutex computing_;
   mutable std::map<std::pair<std::string, int>,
                    std::shared_ptr<const std::vector<DisparityImage>>>
