@@ -65,12 +65,12 @@ makeRun(const MapArguments& arguments, const FrameSequence& sequence,
 {
   MappingRun run;
   run.inputs = tool::inputsOf(arguments.sequence);
-  run.inputs.insert(run.inputs.end(), {{"poses", poses},
-                                       {"labels", arguments.labels},
-                                       {"network", arguments.network},
-                                       {"model", labelling.model},
-                                       {"label_calibration",
-                                        arguments.label_calibration}});
+  run.inputs.insert(run.inputs.end(),
+                    {{"poses", poses},
+                     {"labels", arguments.labels},
+                     {"network", arguments.network},
+                     {"model", labelling.model},
+                     {"label_calibration", arguments.label_calibration}});
   for (const std::size_t i : frames)
     run.frames.push_back(sequence.frameNumber(i));
   run.camera = sequence.camera();

@@ -5,6 +5,7 @@
  */
 
 #include "progress_bar.h"
+#include "sequence_pattern.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::vector<std::string> sequences;
-  std::string grid, start, labels, truth, label_set, output, runs;
+  std::string grid, start, labels, truth, label_set, output, runs, calibration;
   std::string method = "coordinate", score = "exclusive", view = "both";
   double memory = 6.0; // [GB]
   TuningOptions tuning;
@@ -74,6 +75,8 @@ parse(int argc, char** argv, Options& options)
       "{name} for the last part of it")(
       "truth", po::value(&options.truth)->required(),
       "folder of each sequence's truth images, likewise")(
+      "label-calibration", po::value(&options.calibration),
+      "calibration of each sequence's labels, likewise (default: none)")(
       "output,o", po::value(&options.output)->required(),
       "folder to write to")("start", po::value(&options.start),
                             "parameters to begin with (YAML, default: the defaults)")(
@@ -113,21 +116,6 @@ parse(int argc, char** argv, Options& options)
   return true;
 }
 
-// A pattern with the words for a sequence replaced.
-std::string
-filledIn(const std::string& pattern, const std::string& sequence)
-{
-  const std::string name = (fs::path(sequence) / "").parent_path().filename().string();
-  std::string filled;
-  for (std::size_t at = 0; at < pattern.size();) {
-    const bool is_path = pattern.compare(at, 10, "{sequence}") == 0;
-    const bool is_name = pattern.compare(at, 6, "{name}") == 0;
-    filled += is_path ? sequence : is_name ? name : pattern.substr(at, 1);
-    at += is_path ? 10 : is_name ? 6 : 1;
-  }
-  return filled;
-}
-
 int
 tune(const Options& options)
 {
@@ -141,8 +129,9 @@ tune(const Options& options)
   std::vector<std::string> names;
   for (const std::string& folder : options.sequences) {
     sequences.push_back(std::make_shared<TuningSequence>(
-        TuningFolders{folder, filledIn(options.labels, folder),
-                      filledIn(options.truth, folder)},
+        TuningFolders{folder, tool::filledIn(options.labels, folder),
+                      tool::filledIn(options.truth, folder),
+                      tool::filledIn(options.calibration, folder)},
         label_set.size()));
     names.push_back(sequences.back()->name());
   }

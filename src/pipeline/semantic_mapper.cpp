@@ -46,10 +46,10 @@ SemanticMapper::setLabelCalibration(LabelCalibration calibration)
 {
   calibration.validate();
   if (calibration.classes() != map_.labelSet().size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label calibration of " << calibration.classes()
-                                                << " classes for a map of "
-                                                << map_.labelSet().size());
+    PCL_THROW_EXCEPTION(InvalidParameterException, "label calibration of "
+                                                       << calibration.classes()
+                                                       << " classes for a map of "
+                                                       << map_.labelSet().size());
   calibration_ = std::move(calibration);
 }
 

@@ -126,6 +126,10 @@ TuningSequence::digestOfData() const
   }
   for (const cv::Mat& truth : truths_)
     addTo(digest, truth);
+  if (!folders_.calibration.empty()) {
+    const std::vector<std::uint8_t> bytes = readBytes(folders_.calibration);
+    digest.add(bytes.data(), bytes.size());
+  }
   return digest.value();
 }
 

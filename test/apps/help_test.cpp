@@ -32,21 +32,10 @@ exampleOf(const std::string& verb)
 } // namespace
 
 // In this order: a map is made of the street, and evaluated.
-const std::vector<std::string> verbs = {"synthesize",   //
-                                        "map",          //
-                                        "evaluate",     //
-                                        "lidar_truth",  //
-                                        "crf",          //
-                                        "image_crf",    //
-                                        "archive",      //
-                                        "odometry",     //
-                                        "trajectory",   //
-                                        "stereo",       //
-                                        "label",        //
-                                        "evaluate_map", //
-                                        "render",       //
-                                        "compare",      //
-                                        "tune"};
+const std::vector<std::string> verbs = {
+    "synthesize", "map",          "evaluate", "lidar_truth", "crf",
+    "image_crf",  "archive",      "odometry", "trajectory",  "stereo",
+    "label",      "evaluate_map", "render",   "compare",     "tune"};
 
 TEST(Help, ItsExamplesRunWhenPasted)
 {

@@ -1,0 +1,127 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/pipeline/calibration_trial.h>
+#include <pcl_semantic/pipeline/frame_calibration.h>
+#include <pcl_semantic/stereo/disparity_to_cloud.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Columns of the pixels that have truth.
+void
+appendSamples(const cv::Mat& truth, const LabelDistributions& network,
+              const std::vector<PointGeometry>& geometry, CalibrationSamples& samples)
+{
+  std::vector<Eigen::Index> pixels;
+  for (Eigen::Index i = 0; i < network.size(); ++i)
+    if (truth.data[i] != kUnlabelled)
+      pixels.push_back(i);
+  LabelDistributions::Matrix& all = samples.network.matrix();
+  const Eigen::Index before = all.cols();
+  all.conservativeResize(network.classes(), before + Eigen::Index(pixels.size()));
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    all.col(before + Eigen::Index(k)) = network.matrix().col(pixels[k]);
+    samples.geometry.push_back(geometry[std::size_t(pixels[k])]);
+    samples.truth.push_back(truth.data[pixels[k]]);
+  }
+}
+
+CalibrationSamples
+pooled(const std::vector<CalibrationSamples>& sequences, std::size_t left_out)
+{
+  CalibrationSamples pool;
+  Eigen::Index count = 0;
+  for (std::size_t s = 0; s < sequences.size(); ++s)
+    if (s != left_out) {
+      const CalibrationSamples& each = sequences[s];
+      pool.geometry.insert(pool.geometry.end(), each.geometry.begin(),
+                           each.geometry.end());
+      pool.truth.insert(pool.truth.end(), each.truth.begin(), each.truth.end());
+      count += each.network.size();
+    }
+  pool.network.matrix().resize(sequences.front().network.classes(), count);
+  for (std::size_t s = 0, at = 0; s < sequences.size(); ++s)
+    if (s != left_out) {
+      const auto size = std::size_t(sequences[s].network.size());
+      pool.network.matrix().middleCols(Eigen::Index(at), Eigen::Index(size)) =
+          sequences[s].network.matrix();
+      at += size;
+    }
+  return pool;
+}
+
+void
+count(const LabelDistributions& distributions, const std::vector<Label>& truth,
+      ConfusionMatrix& confusion)
+{
+  std::vector<Label> labels(truth.size());
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    labels[i] = distributions.mapLabel(Eigen::Index(i));
+  const auto row = [](const std::vector<Label>& values) {
+    return cv::Mat(1, int(values.size()), CV_8UC1, const_cast<Label*>(values.data()));
+  };
+  confusion.add(row(truth), row(labels));
+}
+
+} // namespace
+
+CalibrationSamples
+calibrationSamples(const TuningSequence& sequence, const MapperConfig& config,
+                   const std::vector<Label>& ground)
+{
+  const auto predictor = sequence.makePredictor(config.label_confidence);
+  const auto disparities = sequence.disparities(config);
+  CalibrationSamples samples;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+    if (sequence.truth(i).empty())
+      continue;
+    const StereoFrame& frame = sequence.frames()[i];
+    cv::Mat disparity = (*disparities)[i].disparity.clone();
+    if (config.max_deviation > 0.0)
+      disparity.setTo(0.0, (*disparities)[i].deviation > config.max_deviation);
+    const LabelDistributions network = predictor->predict(frame);
+    const auto cloud = disparityToCloud(disparity, frame.left, sequence.camera());
+    appendSamples(sequence.truth(i), network, frameGeometry(*cloud, network, ground),
+                  samples);
+  }
+  return samples;
+}
+
+CalibrationTrial
+tryCalibration(const std::vector<CalibrationSamples>& sequences,
+               const std::vector<Label>& ground, const CalibrationOptions& options)
+{
+  if (sequences.empty())
+    PCL_THROW_EXCEPTION(BadInputException, "calibration: no sequence");
+  const int classes = sequences.front().network.classes();
+  CalibrationTrial trial{{},
+                         {},
+                         ConfusionMatrix(classes),
+                         ConfusionMatrix(classes),
+                         ConfusionMatrix(classes)};
+  const auto fitTo = [&](std::size_t left_out) {
+    LabelCalibration calibration = fitCalibration(pooled(sequences, left_out), options);
+    calibration.ground = ground;
+    return calibration;
+  };
+  trial.all = fitTo(sequences.size());
+  for (std::size_t s = 0; s < sequences.size(); ++s) {
+    const CalibrationSamples& each = sequences[s];
+    count(each.network, each.truth, trial.network);
+    count(calibrate(trial.all, each.network, each.geometry), each.truth, trial.fitted);
+    if (sequences.size() < 2)
+      continue;
+    trial.without.push_back(fitTo(s));
+    count(calibrate(trial.without.back(), each.network, each.geometry), each.truth,
+          trial.held_out);
+  }
+  return trial;
+}
+
+} // namespace pcl_semantic
