@@ -42,7 +42,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
   // In this order: a map is made of the street, and evaluated.
   for (const char* verb :
        {"synthesize", "map", "evaluate", "lidar_truth", "crf", "image_crf", "archive",
-        "odometry", "trajectory", "stereo"}) {
+        "odometry", "trajectory", "stereo", "cliques"}) {
     std::string example = replaceAll(exampleOf(verb), "/tmp/", folder.path() + "/");
     example = replaceAll(example, "pcl_semantic_synthesize ",
                          "pcl_semantic_synthesize --frames 2 --size 208x64 ");
@@ -51,7 +51,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
   }
   for (const char* file : {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
                            "truth/000000.png", "refined.pcd", "refined.png", "road.pcd",
-                           "pair.pcd", "disparity.png"})
+                           "pair.pcd", "disparity.png", "grouped.pcd", "coloured.pcd"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
 }
 
@@ -59,7 +59,7 @@ TEST(Help, VersionOfEveryTool)
 {
   for (const std::string verb :
        {"synthesize", "map", "evaluate", "lidar_truth", "crf", "image_crf", "archive",
-        "odometry", "trajectory", "stereo"}) {
+        "odometry", "trajectory", "stereo", "cliques"}) {
     const ToolResult result = runTool(verb + " --version");
     EXPECT_EQ(result.code, 0);
     EXPECT_EQ(result.text.rfind("pcl_semantic_" + verb + " ", 0), 0u) << result.text;
