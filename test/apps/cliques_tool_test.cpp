@@ -311,7 +311,7 @@ TEST(CliquesToolBadInput, IsRefused)
        cloud("in.pcd", "x y z rgba", 1, 2)},
       {"sees nothing", 3, "sees no voxel", frame + "--pose '0 0 1000 0 0 0 1'",
        cloud("in.pcd", "x y z rgba", 1, 2)},
-      {"voxel size", 3, "voxel size is 0", frame + "--voxel-size 0",
+      {"voxel size", 2, "voxel size is 0", frame + "--voxel-size 0",
        cloud("in.pcd", "x y z rgba", 1, 2)},
       {"onto the input", 2, "in.pcd: is named as an output",
        "cliques STREET/in.pcd STREET/in.pcd --method cubes", image},
