@@ -63,6 +63,7 @@ void
 setFrame(const CliqueFrame& frame, const CliqueGenerator::Cloud& points,
          SuperpixelCliques& generator)
 {
+  generator.setVoxels({}, frame.voxel_size); // checks the size
   const LabelledCloud read = readLabelledCloud(frame.path);
   if (!read.has_colour)
     PCL_THROW_EXCEPTION(BadInputException,

@@ -72,28 +72,59 @@ gridCentres(const LabImage& lab, int superpixels, cv::Mat& labels)
   return std::vector<SlicCentre>(std::size_t(rows) * std::size_t(columns));
 }
 
+struct SlicSum {
+  std::int64_t l = 0, a = 0, b = 0, x = 0, y = 0, count = 0;
+
+  SlicSum&
+  operator+=(const SlicSum& other)
+  {
+    l += other.l;
+    a += other.a;
+    b += other.b;
+    x += other.x;
+    y += other.y;
+    count += other.count;
+    return *this;
+  }
+};
+
+// Whole numbers: their sums do not depend on who adds them up.
+std::vector<SlicSum>
+sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
+{
+  std::vector<SlicSum> sums(centres);
+#pragma omp parallel
+  {
+    std::vector<SlicSum> part(centres);
+#pragma omp for schedule(static)
+    for (int v = 0; v < labels.rows; ++v) {
+      const cv::Vec3b* const pixels = lab.bytes.ptr<cv::Vec3b>(v);
+      const int* const row = labels.ptr<int>(v);
+      for (int u = 0; u < labels.cols; ++u) {
+        SlicSum& sum = part[std::size_t(row[u])];
+        sum.l += pixels[u][0];
+        sum.a += pixels[u][1];
+        sum.b += pixels[u][2];
+        sum.x += u;
+        sum.y += v;
+        ++sum.count;
+      }
+    }
+#pragma omp critical
+    for (std::size_t c = 0; c < centres; ++c)
+      sums[c] += part[c];
+  }
+  return sums;
+}
+
 // Moves every centre to the mean of its pixels; one that has lost all of them stays.
 void
 moveCentres(const LabImage& lab, const cv::Mat& labels,
             std::vector<SlicCentre>& centres)
 {
-  struct Sum {
-    std::int64_t l = 0, a = 0, b = 0, x = 0, y = 0, count = 0;
-  };
-  std::vector<Sum> sums(centres.size());
-  for (int v = 0; v < labels.rows; ++v)
-    for (int u = 0; u < labels.cols; ++u) {
-      const cv::Vec3b& pixel = lab.bytes.at<cv::Vec3b>(v, u);
-      Sum& sum = sums[std::size_t(labels.at<int>(v, u))];
-      sum.l += pixel[0];
-      sum.a += pixel[1];
-      sum.b += pixel[2];
-      sum.x += u;
-      sum.y += v;
-      ++sum.count;
-    }
+  const std::vector<SlicSum> sums = sumPixels(lab, labels, centres.size());
   for (std::size_t c = 0; c < centres.size(); ++c)
-    if (const Sum& sum = sums[c]; sum.count > 0) {
+    if (const SlicSum& sum = sums[c]; sum.count > 0) {
       const auto mean = [&](std::int64_t total) {
         return float(double(total) / double(sum.count));
       };

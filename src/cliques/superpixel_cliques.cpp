@@ -22,15 +22,6 @@ namespace {
 
 constexpr int kNone = -1;
 
-// Points of one voxel have what the first of them has.
-void
-shareWithTwins(const VoxelTable& table, const std::vector<VoxelIndex>& voxels,
-               std::vector<int>& parts)
-{
-  for (std::size_t i = 0; i < voxels.size(); ++i)
-    parts[i] = parts[std::size_t(table.find(voxels[i]))];
-}
-
 // Numbers without gaps, in the order of the first points that have them.
 int
 renumber(std::vector<int>& parts)
@@ -138,10 +129,8 @@ SuperpixelCliques::partsOfVoxels() const
   const cv::Mat segments = slicSuperpixels(imageOf(*frame_), parameters_.slic);
   const SurfaceParts parts = splitAtDepthJumps(
       segments, *frame_, {parameters_.passing_distance, 2.0 * voxel_size_});
-  std::vector<int> result = pcl_semantic::partsOfVoxels(*frame_, parts, T_world_camera_,
-                                                        voxels_, voxel_size_);
-  shareWithTwins(VoxelTable(voxels_), voxels_, result);
-  return result;
+  return pcl_semantic::partsOfVoxels(*frame_, parts, T_world_camera_, voxels_,
+                                     voxel_size_);
 }
 
 // Gives points that the frame does not see what they had the last time.

@@ -29,6 +29,8 @@ public:
     for (std::size_t i = 0; i < voxels.size(); ++i)
       if (std::int32_t& slot = slots_[slotOf(voxels[i])]; slot == kNone)
         slot = std::int32_t(i);
+      else
+        has_twins_ = true;
   }
 
   /** \return kNone if it is not there */
@@ -36,6 +38,13 @@ public:
   find(const VoxelIndex& voxel) const
   {
     return slots_[slotOf(voxel)];
+  }
+
+  /** \brief Whether a voxel is there several times. */
+  bool
+  hasTwins() const
+  {
+    return has_twins_;
   }
 
   static constexpr std::int32_t kNone = -1;
@@ -54,6 +63,7 @@ private:
   const std::vector<VoxelIndex>& voxels_;
   std::vector<std::int32_t> slots_;
   std::size_t mask_ = 0;
+  bool has_twins_ = false;
 };
 
 } // namespace pcl_semantic

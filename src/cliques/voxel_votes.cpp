@@ -39,17 +39,19 @@ public:
   {
     std::vector<Vote> votes;
     const int* const parts = parts_.numbers.ptr<int>(v);
+    const Eigen::Isometry3d T_world_camera = T_world_camera_;
+    const double voxel_size = voxel_size_, farthest = kMaxVoxelIndex * voxel_size_;
     VoxelIndex last = VoxelIndex::Constant(kMaxVoxelIndex);
     std::int32_t voxel = VoxelTable::kNone; // that `last` is
     for (int u = 0; u < parts_.numbers.cols; ++u) {
       if (parts[u] < 0)
         continue;
       const Eigen::Vector3d point =
-          T_world_camera_ *
+          T_world_camera *
           cloud_(std::size_t(u), std::size_t(v)).getVector3fMap().cast<double>();
-      if (!(point.array().abs() < kMaxVoxelIndex * voxel_size_).all())
+      if (!(point.array().abs() < farthest).all())
         continue;
-      const VoxelIndex index = voxelOf(quantize(point, voxel_size_));
+      const VoxelIndex index = voxelOf(quantize(point, voxel_size));
       if (index != last)
         voxel = table_.find(index);
       last = index;
@@ -126,6 +128,9 @@ partsOfVoxels(const CliqueGenerator::Cloud& cloud, const SurfaceParts& parts,
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < winners.size(); ++i)
     winners[i] = winnerOf(votes.data() + first[i], votes.data() + first[i + 1]);
+  if (table.hasTwins()) // the votes are for the first of them
+    for (std::size_t i = 0; i < winners.size(); ++i)
+      winners[i] = winners[std::size_t(table.find(voxels[i]))];
   return winners;
 }
 

@@ -20,7 +20,7 @@ namespace pcl_semantic {
  * the lowest. Pixels fall in voxels as SemanticVoxelMap::integrate puts them there.
  * \param[in] cloud organized, camera frame [m]
  * \param[in] parts of its pixels
- * \param[in] voxels global indices; of one that is there twice the first counts
+ * \param[in] voxels global indices; one may be there several times
  * \return one number a voxel; -1 = no pixel */
 std::vector<int> partsOfVoxels(const CliqueGenerator::Cloud& cloud,
                                const SurfaceParts& parts,

@@ -33,9 +33,9 @@ exampleOf(const std::string& verb)
 
 // In this order: a map is made of the street, and evaluated.
 const std::vector<std::string> verbs = {
-    "synthesize", "map",          "evaluate", "lidar_truth", "crf",
-    "image_crf",  "archive",      "odometry", "trajectory",  "stereo",
-    "label",      "evaluate_map", "render",   "compare",     "tune"};
+    "synthesize",   "map",      "evaluate",   "lidar_truth", "crf",   "image_crf",
+    "archive",      "odometry", "trajectory", "stereo",      "label", "cliques",
+    "evaluate_map", "render",   "compare",    "tune"};
 
 TEST(Help, ItsExamplesRunWhenPasted)
 {
@@ -54,10 +54,11 @@ TEST(Help, ItsExamplesRunWhenPasted)
     const ToolResult result = runShell("{ " + begin + example + "; } 2>&1");
     EXPECT_EQ(result.code, 0) << example << result.text;
   }
-  for (const char* file : {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
-                           "truth/000000.png", "refined.pcd", "refined.png", "road.pcd",
-                           "pair.pcd", "disparity.png", "street_labels/000001.npy",
-                           "map.png", "sheets/000001.png", "tuned/best.yaml"})
+  for (const char* file :
+       {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
+        "truth/000000.png", "refined.pcd", "refined.png", "road.pcd", "pair.pcd",
+        "disparity.png", "street_labels/000001.npy", "map.png", "grouped.pcd",
+        "coloured.pcd", "sheets/000001.png", "tuned/best.yaml"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
 }
 

@@ -1,0 +1,331 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// pcl_semantic_cliques, what pcl_semantic_crf makes of its field, and cliques of
+// pcl_semantic_map.
+
+#include "support/bad_case.h"
+#include "support/tiny_street.h"
+
+#include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/cliques/superpixel_cliques.h>
+#include <pcl_semantic/cliques/supervoxel_cliques.h>
+#include <pcl_semantic/core/quantized_point.h>
+#include <pcl_semantic/files/pcd_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/odometry/pose_source.h>
+
+#include <gtest/gtest.h>
+#include <pcl/common/io.h>
+
+#include <iomanip>
+#include <set>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Cliques = std::vector<std::vector<int>>;
+
+Cliques
+listsOf(const std::vector<pcl::PointIndices>& cliques)
+{
+  Cliques lists;
+  for (const pcl::PointIndices& clique : cliques)
+    lists.emplace_back(clique.indices.begin(), clique.indices.end());
+  return lists;
+}
+
+Cliques
+cliquesIn(const std::string& path)
+{
+  return listsOf(readLabelledCloud(path).cliques);
+}
+
+CliqueGenerator::Cloud
+pointsIn(const std::string& path)
+{
+  CliqueGenerator::Cloud cloud;
+  pcl::copyPointCloud(*readLabelledCloud(path).cloud, cloud);
+  return cloud;
+}
+
+std::string
+run(const std::string& arguments)
+{
+  const ToolResult result = runTool(arguments);
+  EXPECT_EQ(result.code, 0) << arguments << "\n" << result.text;
+  return result.text;
+}
+
+// A map of one frame of the tiny street, and the frame's cloud; made once.
+class CliquesTool : public testing::Test {
+protected:
+  static void
+  SetUpTestSuite()
+  {
+    folder_ = std::make_unique<TemporaryFolder>();
+    run("map " + tinyStreet() + " --labels " + tinyStreet() +
+        "/labels --frames 0:2 --crf none --output " + path("map"));
+    run("stereo " + tinyStreet() + "/image_2/000001.png " + tinyStreet() +
+        "/image_3/000001.png " + tinyStreet() + "/calib.txt " + path("frame.pcd"));
+  }
+
+  static void
+  TearDownTestSuite()
+  {
+    folder_.reset();
+  }
+
+  static std::string
+  path(const std::string& name)
+  {
+    return folder_->path(name);
+  }
+
+  static std::string
+  map()
+  {
+    return path("map/map.pcd");
+  }
+
+  static Eigen::Isometry3d
+  pose()
+  {
+    return worldFromFirstCamera() * readKittiTrajectory(path("map/trajectory.txt"))[1];
+  }
+
+  static Cliques
+  superpixels(const Eigen::Isometry3d& T_world_camera)
+  {
+    const CliqueGenerator::Cloud points = pointsIn(map());
+    std::vector<VoxelIndex> voxels;
+    for (const pcl::PointXYZRGB& point : points)
+      voxels.push_back(voxelOf(quantize(point.getVector3fMap().cast<double>(), 0.1)));
+    SuperpixelParameters parameters;
+    parameters.slic.superpixels = 40;
+    SuperpixelCliques generator(parameters);
+    generator.setVoxels(voxels, 0.1);
+    generator.setFrame(
+        std::make_shared<CliqueGenerator::Cloud>(pointsIn(path("frame.pcd"))),
+        T_world_camera);
+    return listsOf(generator.generate(points));
+  }
+
+  static std::unique_ptr<TemporaryFolder> folder_;
+};
+
+std::unique_ptr<TemporaryFolder> CliquesTool::folder_;
+
+} // namespace
+
+TEST_F(CliquesTool, WritesWhatTheGeneratorsSayAndKeepsEverythingElse)
+{
+  const std::string out = path("out.pcd");
+  const CliqueGenerator::Cloud points = pointsIn(map());
+  const Cliques cubes = listsOf(CubeCliques(0.7).generate(points));
+  SupervoxelParameters parameters;
+  parameters.seed_resolution = 0.5;
+  parameters.normal_weight = 2.0;
+  const Cliques supervoxels = listsOf(SupervoxelCliques(parameters).generate(points));
+  for (const auto& [method, expected] :
+       {std::pair<std::string, Cliques>("cubes:0.7", cubes),
+        {"supervoxel:0.5 --supervoxel-normal-weight 2", supervoxels}}) {
+    const std::string text =
+        run("cliques " + map() + " " + out + " --method " + method);
+    EXPECT_NE(text.find(std::to_string(expected.size()) + " cliques of "),
+              std::string::npos)
+        << text;
+    EXPECT_TRUE(cliquesIn(out) == expected) << method;
+    PcdTable table = readPcd(out);
+    table.removeColumns("clique");
+    EXPECT_EQ(table.data, readPcd(map()).data);
+  }
+  EXPECT_TRUE(cliquesIn(map()).empty());
+}
+
+TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
+{
+  const std::string tool = "cliques " + map() + " " + path("out.pcd") +
+                           " --method superpixel:40 --frame " + path("frame.pcd");
+  const Cliques expected = superpixels(pose());
+  EXPECT_GT(expected.size(), 15u);
+  run(tool + " --pose " + path("map/trajectory.txt") + ":1");
+  EXPECT_TRUE(cliquesIn(path("out.pcd")) == expected);
+
+  const Eigen::Quaterniond turn(pose().linear());
+  std::ostringstream numbers;
+  numbers << std::setprecision(17) << " --pose '" << pose().translation().transpose()
+          << " " << turn.coeffs().transpose() << "'";
+  run(tool + numbers.str());
+  EXPECT_TRUE(cliquesIn(path("out.pcd")) == expected);
+
+  PcdTable frame = readPcd(path("frame.pcd")); // the pose it says it has
+  const Eigen::Vector3d place = pose().translation();
+  frame.viewpoint = {place.x(), place.y(), place.z(), turn.w(),
+                     turn.x(),  turn.y(),  turn.z()};
+  writePcd(path("viewed.pcd"), frame);
+  run("cliques " + map() + " " + path("out.pcd") + " --method superpixel:40 --frame " +
+      path("viewed.pcd"));
+  EXPECT_FALSE(cliquesIn(path("out.pcd")).empty());
+
+  const Eigen::Vector3d origin(-3.0, 1.0, 0.5); // the map's, it says
+  Eigen::Isometry3d moved = pose();
+  moved.pretranslate(-origin);
+  run(tool + " --pose " + path("map/trajectory.txt") + ":1 --map-origin -3,1,0.5");
+  EXPECT_TRUE(cliquesIn(path("out.pcd")) == superpixels(moved));
+}
+
+TEST_F(CliquesTool, ColoursTellCliquesApart)
+{
+  run("cliques " + map() + " " + path("out.pcd") + " --method superpixel:40 --frame " +
+      path("frame.pcd") + " --pose " + path("map/trajectory.txt") + ":1 --coloured " +
+      path("coloured.pcd"));
+  const CliqueGenerator::Cloud coloured = pointsIn(path("coloured.pcd"));
+  const Cliques cliques = cliquesIn(path("out.pcd"));
+  std::set<std::uint32_t> colours;
+  std::size_t members = 0, dark = 0;
+  for (const std::vector<int>& clique : cliques) {
+    std::set<std::uint32_t> of_clique;
+    for (const int i : clique)
+      of_clique.insert(coloured[std::size_t(i)].rgba & 0xFFFFFF);
+    EXPECT_EQ(of_clique.size(), 1u);
+    colours.insert(of_clique.begin(), of_clique.end());
+    members += clique.size();
+  }
+  EXPECT_EQ(colours.size(), cliques.size());
+  for (const pcl::PointXYZRGB& point : coloured)
+    dark += (point.rgba & 0xFFFFFF) == 0x282828;
+  EXPECT_EQ(dark, coloured.size() - members);
+  EXPECT_GT(dark, 0u);
+}
+
+TEST_F(CliquesTool, TheCrfReadsItsField)
+{
+  run("cliques " + map() + " " + path("cubes.pcd") + " --method cubes:0.7");
+  run("crf " + path("cubes.pcd") + " " + path("field.pcd") +
+      " --model hierarchical --cliques field");
+  run("crf " + map() + " " + path("direct.pcd") +
+      " --model hierarchical --cliques cubes:0.7");
+  PcdTable field = readPcd(path("field.pcd"));
+  field.removeColumns("clique");
+  const PcdTable direct = readPcd(path("direct.pcd"));
+  EXPECT_EQ(field.data, direct.data);
+  EXPECT_NE(direct.data, readPcd(map()).data);
+  run("crf " + map() + " " + path("supervoxels.pcd") +
+      " --model hierarchical --cliques supervoxel:0.6");
+}
+
+TEST_F(CliquesTool, MapsTakeEveryKindOfCliques)
+{
+  const std::string tool = "map " + tinyStreet() + " --labels " + tinyStreet() +
+                           "/labels --crf hierarchical --output " + path("grouped");
+  std::set<std::vector<std::uint8_t>> maps;
+  const std::vector<std::string> kinds = {
+      " --cliques cubes", " --cliques superpixel:60",
+      " --cliques superpixel:60 --superpixel-keep true",
+      " --cliques superpixel:60 --superpixel-depth-jump 0",
+      " --cliques supervoxel:0.5"};
+  for (const std::string& kind : kinds) {
+    run(tool + kind);
+    maps.insert(readPcd(path("grouped/map.pcd")).data);
+  }
+  EXPECT_EQ(maps.size(), kinds.size()); // no two are the same
+  // The last map depends on the last frame alone: finish() groups by it.
+  run(tool + " --cliques superpixel:60 --crf-every 4");
+  EXPECT_EQ(maps.count(readPcd(path("grouped/map.pcd")).data), 1u);
+}
+
+TEST_F(CliquesTool, ARunThatWasInterruptedEndsWithTheSameCliques)
+{
+  for (const std::string kind : {"superpixel:60", "supervoxel:0.5"}) {
+    const std::string tool = "map " + tinyStreet() + " --labels " + tinyStreet() +
+                             "/labels --crf hierarchical --cliques " + kind;
+    run(tool + " --output " + path("once"));
+    const std::string archive = path(kind.substr(0, 6) + ".sqlite");
+    const std::string kept =
+        tool + " --archive-every 1 --resume --archive " + archive + " --output ";
+    run(kept + path("again"));
+    EXPECT_EQ(readPcd(path("again/map.pcd")).data, readPcd(path("once/map.pcd")).data);
+  }
+}
+
+TEST(CliquesToolBadInput, IsRefused)
+{
+  const auto cloud = [](const std::string& name, const std::string& fields, int width,
+                        int height) {
+    return [=](const std::string& street) {
+      std::ofstream file(street + "/" + name);
+      const bool colour = fields.find("rgba") != std::string::npos;
+      file << "VERSION 0.7\nFIELDS " << fields << "\nSIZE 4 4 4" << (colour ? " 4" : "")
+           << "\nTYPE F F F" << (colour ? " U" : "") << "\nCOUNT 1 1 1"
+           << (colour ? " 1" : "") << "\nWIDTH " << width << "\nHEIGHT " << height
+           << "\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << width * height
+           << "\nDATA ascii\n";
+      for (int i = 0; i < width * height; ++i)
+        file << 0.1 * i << " 0 " << (i == 3 ? "1e12" : "5") << (colour ? " 255" : "")
+             << "\n";
+    };
+  };
+  const std::string tool = "cliques STREET/in.pcd OUT.pcd ";
+  const std::string frame = tool + "--method superpixel --frame STREET/in.pcd ";
+  const auto image = cloud("in.pcd", "x y z rgba", 2, 1);
+  const BadCase cases[] = {
+      {"no files", 2, "expected IN.pcd OUT.pcd", "cliques a.pcd"},
+      {"no method", 2, "--method is missing", "cliques a.pcd OUT.pcd"},
+      {"method", 2, "'best', expected cubes", tool + "--method best"},
+      {"cubes of 0", 2, "edge is 0", tool + "--method cubes:0"},
+      {"seeds", 2, "seed resolution is 0.01", tool + "--method supervoxel:0.01"},
+      {"seeds of a word", 2, "'far'", tool + "--method supervoxel:far"},
+      {"superpixels", 2, "superpixel:N with N 1",
+       tool + "--method superpixel:0 --frame x"},
+      {"weight", 2, "colour weight is -1",
+       tool + "--method supervoxel --supervoxel-colour-weight -1"},
+      {"jump", 2, "passing distance is -1",
+       tool + "--method superpixel --frame x --superpixel-depth-jump -1"},
+      {"no frame", 2, "needs --frame", tool + "--method superpixel"},
+      {"needless frame", 2, "for --method superpixel",
+       tool + "--method cubes --frame STREET/in.pcd"},
+      {"calibration of no row", 2, "--calibration is for",
+       frame + "--pose '0 0 0 0 0 0 1' --calibration STREET/calib.txt", image},
+      {"no cloud", 3, "none.pcd", "cliques STREET/none.pcd OUT.pcd --method cubes"},
+      {"too far", 3, "point 3 lies at", tool + "--method cubes:0.001",
+       cloud("in.pcd", "x y z", 4, 2)},
+      {"no colour", 3, "rgb or rgba", tool + "--method slic",
+       cloud("in.pcd", "x y z", 2, 2)},
+      {"frame without colour", 3, "rgb or rgba", frame, cloud("in.pcd", "x y z", 2, 2)},
+      {"frame of a list", 3, "organized", frame, cloud("in.pcd", "x y z rgba", 2, 1)},
+      {"pose of six", 3, "has 6 numbers", frame + "--pose '0 0 0 0 0 1'",
+       cloud("in.pcd", "x y z rgba", 1, 2)},
+      {"pose of words", 3, "--pose", frame + "--pose here",
+       cloud("in.pcd", "x y z rgba", 1, 2)},
+      {"no rotation", 3, "quaternion of length 2", frame + "--pose '0 0 0 0 0 0 2'",
+       cloud("in.pcd", "x y z rgba", 1, 2)},
+      {"row beyond", 3, "has no pose 99", frame + "--pose STREET/poses.txt:99",
+       cloud("in.pcd", "x y z rgba", 1, 2)},
+      {"no such row", 3, "--pose", frame + "--pose STREET/poses.txt:last",
+       cloud("in.pcd", "x y z rgba", 1, 2)},
+      {"sees nothing", 3, "sees no voxel", frame + "--pose '0 0 1000 0 0 0 1'",
+       cloud("in.pcd", "x y z rgba", 1, 2)},
+      {"voxel size", 2, "voxel size is 0", frame + "--voxel-size 0",
+       cloud("in.pcd", "x y z rgba", 1, 2)},
+      {"onto the input", 2, "in.pcd: is named as an output",
+       "cliques STREET/in.pcd STREET/in.pcd --method cubes", image},
+      {"copy onto the output", 2, "is named as an output",
+       tool + "--method cubes --coloured OUT.pcd", image},
+      {"picture", 2, ".pcd", tool + "--method cubes --coloured OUT.png", image},
+      {"crf of a frame's", 3, "superpixel",
+       "crf STREET/in.pcd OUT.pcd --model pn-potts --cliques superpixel", image},
+      {"kept superpixels and an archive", 2, "--archive does not go with",
+       "--labels STREET/labels --crf hierarchical --cliques superpixel "
+       "--superpixel-keep true --archive TEMP/map.sqlite"},
+  };
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+} // namespace pcl_semantic
