@@ -13,6 +13,7 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/small_png.h>
 #include <pcl_semantic/io/label_sheet.h>
 
 #include <filesystem>
@@ -27,7 +28,8 @@ namespace po = tool::po;
 
 const tool::Usage usage{
     "pcl_semantic_compare", "--image I --labels A B ... --output OUT [options]",
-    "Draws label images of one frame below each other, and beside each where it differs\n"
+    "Draws label images of one frame below each other, and beside each where it "
+    "differs\n"
     "from the one above: green where a change is right, red where it is wrong, in the\n"
     "colour of the new class where there is no truth. Files or folders: of these, a "
     "sheet\n"
@@ -36,13 +38,15 @@ const tool::Usage usage{
     "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && "
     "\\\n"
     "  pcl_semantic_compare --image /tmp/street/image_2 \\\n"
-    "    --labels /tmp/map/network_labels /tmp/map/labels --names \"2D network,map\" \\\n"
+    "    --labels /tmp/map/network_labels /tmp/map/labels --names \"2D network,map\" "
+    "\\\n"
     "    --truth /tmp/street/gt --output /tmp/sheets"};
 
 struct Arguments {
   std::string image, names, truth, label_set, output;
   std::vector<std::string> labels;
   int width = 1920;
+  bool small = false;
 };
 
 [[noreturn]] void
@@ -62,16 +66,19 @@ bool
 parse(int argc, char** argv, Arguments& arguments)
 {
   po::options_description options("Options");
-  options.add_options()("image", po::value(&arguments.image), "image, or folder of them")(
+  options.add_options()("image", po::value(&arguments.image),
+                        "image, or folder of them")(
       "labels", po::value(&arguments.labels)->multitoken(),
-      "label images (8 bit, 0 = none) or folders of them, in the order of their making")(
-      "names", po::value(&arguments.names),
-      "what they are called, with commas between; default: their files")(
+      "label images (8 bit, 0 = none) or folders of them, in the order of their "
+      "making")("names", po::value(&arguments.names),
+                "what they are called, with commas between; default: their files")(
       "truth", po::value(&arguments.truth),
       "truth image or folder, 0 = not known; a folder need not have all frames")(
       "label-set", po::value(&arguments.label_set),
       "classes (YAML); default: the eleven of KITTI")(
-      "output,o", po::value(&arguments.output), "sheet (.png), or folder of sheets");
+      "output,o", po::value(&arguments.output),
+      "sheet (.png), or folder of sheets")("small", po::bool_switch(&arguments.small),
+                                           "half the bytes, in fewer shades of colour");
   tool::addOption(options, "width", arguments.width, "of a sheet [px]");
   po::variables_map values;
   if (!tool::parseCommandLine(argc, argv, usage, options, {}, values))
@@ -133,7 +140,7 @@ makeSheet(const Arguments& arguments, const std::vector<std::string>& names,
     PCL_THROW_EXCEPTION(BadInputException,
                         arguments.image << below << ": " << error.what());
   }
-  writePng(arguments.output + below, sheet);
+  (arguments.small ? writeSmallPng : writePng)(arguments.output + below, sheet);
 }
 
 int

@@ -108,10 +108,9 @@ labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& sce
     label_set = readLabelSet(findDataFile("label_sets/kitti11.yaml"));
   const int classes = scene.voxels.refined.classes();
   if (classes > 0 && classes != label_set.size())
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has " << classes
-                                                << " classes, the label set "
-                                                << label_set.size()
-                                                << "; name its own with --label-set");
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has " << classes << " classes, the label set "
+                             << label_set.size() << "; name its own with --label-set");
   return label_set;
 }
 

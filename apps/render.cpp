@@ -11,6 +11,7 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/small_png.h>
 #include <pcl_semantic/io/voxel_picture.h>
 
 #include <algorithm>
@@ -37,7 +38,7 @@ const tool::Usage usage{
 struct Arguments {
   std::string map, output, compare, from, look_at;
   std::string view = "angle", colour = "class", size = "1600x900";
-  bool colour_given = false;
+  bool small = false;
   tool::MapHints hints;
   int frame = 0, threads = 0;
   double field_of_view = 60.0; // [degrees]
@@ -91,7 +92,9 @@ parse(int argc, char** argv, Arguments& arguments)
       "label-set", po::value(&arguments.hints.label_set),
       "classes (YAML); default: an archive's own, or the eleven of KITTI")(
       "voxel-size", po::value(&arguments.hints.voxel_size),
-      "edge of the cubes [m]; default: what the map says, or its points");
+      "edge of the cubes [m]; default: what the map says, or its points")(
+      "small", po::bool_switch(&arguments.small),
+      "half the bytes, in fewer shades of colour");
   tool::addOption(options, "view", arguments.view,
                   "angle (along the path from above), above, camera");
   tool::addOption(options, "colour", arguments.colour,
@@ -201,9 +204,9 @@ render(const Arguments& arguments)
   const VoxelColours colours = coloursOf(arguments, map);
   const PictureView view = viewOf(arguments, map, poses, path);
   // The path would lead out of the camera's own eye.
-  writePng(arguments.output,
-           drawVoxels(map.scene, colours, view,
-                      arguments.view == "camera" ? SensorPath() : path));
+  const cv::Mat picture = drawVoxels(map.scene, colours, view,
+                                     arguments.view == "camera" ? SensorPath() : path);
+  (arguments.small ? writeSmallPng : writePng)(arguments.output, picture);
   std::cout << "picture: " << arguments.output << "\n";
   return tool::exit_done;
 }

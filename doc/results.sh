@@ -58,6 +58,15 @@ times() { # SEQUENCES...: median seconds of each stage, over the sequences' medi
     END { flush() }'
 }
 
+pictures() { # SEQUENCES...: maps, changes and sheets of each; they stay untracked
+  local sequence
+  for sequence in "$@"; do
+    echo "== pictures of sequence $sequence"
+    doc/pictures.sh "$out/$sequence/dense" "$out/$sequence/none" \
+      "$kitti/$sequence/image_2" "$out/$sequence/truth" "$out/$sequence/pictures"
+  done
+}
+
 for sequence in 15 "${streets[@]}"; do
   mkdir -p "$out/$sequence"
   map_sequence "$sequence" none
@@ -87,4 +96,5 @@ done
 } >"$out/results.md"
 cp "$out/results.md" doc/results.md
 echo "tables:   doc/results.md"
-echo "pictures: $out/SEQUENCE/dense/overlay and top_view.png"
+pictures 15 "${streets[@]}"
+echo "pictures: $out/SEQUENCE/pictures and $out/SEQUENCE/dense/overlay"

@@ -20,7 +20,7 @@ namespace {
 struct Face {
   VoxelIndex voxel = VoxelIndex::Zero();
   VoxelIndex normal = VoxelIndex::Zero();
-  int axis = 0;                                 // of the normal
+  int axis = 0;                                     // of the normal
   Eigen::Vector3d within = Eigen::Vector3d::Zero(); // the voxel, 0 to 1
 };
 

@@ -13,6 +13,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace pcl_semantic {
@@ -27,7 +28,8 @@ listOf(const cv::Mat& labels)
 {
   std::vector<Label> list;
   for (int row = 0; row < labels.rows; ++row)
-    list.insert(list.end(), labels.ptr<Label>(row), labels.ptr<Label>(row) + labels.cols);
+    list.insert(list.end(), labels.ptr<Label>(row),
+                labels.ptr<Label>(row) + labels.cols);
   return list;
 }
 
@@ -56,9 +58,10 @@ drawChanges(const cv::Mat& image, const cv::Mat& before, const cv::Mat& after,
 std::string
 captionOf(const std::string& before, const LabelChanges& changes, bool has_truth)
 {
-  const double part =
-      100.0 * double(changes.changed) / double(std::max<std::size_t>(1, changes.compared));
-  std::string caption = cv::format("where it differs from %s: %.1f %%", before.c_str(), part);
+  const double part = 100.0 * double(changes.changed) /
+                      double(std::max<std::size_t>(1, changes.compared));
+  std::string caption =
+      cv::format("where it differs from %s: %.1f %%", before.c_str(), part);
   if (has_truth)
     caption += cv::format(", %zu pixels became right, %zu wrong", changes.right,
                           changes.wrong);
@@ -68,10 +71,10 @@ captionOf(const std::string& before, const LabelChanges& changes, bool has_truth
 // The sheet as a grid of two columns of panels of one size.
 class Sheet {
 public:
-  Sheet(int width, int rows, cv::Size image)
-      : panel_((width - 3 * kGap) / 2, 0)
+  Sheet(int width, int rows, cv::Size image) : panel_((width - 3 * kGap) / 2, 0)
   {
-    panel_.height = std::max(1, cvRound(double(panel_.width) * image.height / image.width));
+    panel_.height =
+        std::max(1, cvRound(double(panel_.width) * image.height / image.width));
     picture_ = cv::Mat(rows * (panel_.height + kCaption + kGap / 2), width, CV_8UC3,
                        light_theme.background);
   }
@@ -81,11 +84,11 @@ public:
   {
     const cv::Point corner(kGap + column * (panel_.width + kGap),
                            row * (panel_.height + kCaption + kGap / 2) + kCaption);
-    const int method =
-        panel.cols > panel_.width ? cv::INTER_AREA : cv::INTER_NEAREST;
+    const int method = panel.cols > panel_.width ? cv::INTER_AREA : cv::INTER_NEAREST;
     cv::Mat place = picture_(cv::Rect(corner, panel_));
     cv::resize(panel, place, panel_, 0, 0, method);
-    drawText(picture_, caption, corner - cv::Point(0, 9), light_theme.text);
+    drawText(picture_, caption, corner - cv::Point(0, 9), light_theme.text,
+             std::min(1.0, double(panel_.width) / textWidth(caption)));
   }
 
   cv::Mat
@@ -174,10 +177,11 @@ drawLabelSheet(const cv::Mat& image, const std::vector<NamedLabels>& labels,
       sheet.put(row, 1, blendLabels(image, truth, label_set), "truth");
     else {
       const NamedLabels& before = labels[i - 1];
-      sheet.put(row, 1, drawChanges(image, before.labels, after, truth, label_set),
-                captionOf(before.name,
-                          countLabelChanges(listOf(before.labels), listOf(after), right),
-                          !truth.empty()));
+      sheet.put(
+          row, 1, drawChanges(image, before.labels, after, truth, label_set),
+          captionOf(before.name,
+                    countLabelChanges(listOf(before.labels), listOf(after), right),
+                    !truth.empty()));
     }
   }
   return sheet.with(legendFor(labels, truth, label_set));

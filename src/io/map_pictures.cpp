@@ -109,7 +109,8 @@ colourLabels(const cv::Mat& labels, const LabelSet& label_set)
   cv::Mat colours(labels.size(), CV_8UC3);
   for (int v = 0; v < labels.rows; ++v)
     for (int u = 0; u < labels.cols; ++u)
-      colours.at<cv::Vec3b>(v, u) = classColour(label_set, labels.at<std::uint8_t>(v, u));
+      colours.at<cv::Vec3b>(v, u) =
+          classColour(label_set, labels.at<std::uint8_t>(v, u));
   return colours;
 }
 
@@ -132,7 +133,8 @@ drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_s
 {
   const cv::Mat picture = blendLabels(image, labels, label_set);
   cv::Mat result;
-  cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme), result);
+  cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme),
+              result);
   return result;
 }
 
@@ -149,7 +151,8 @@ drawTopView(const VoxelCloud& voxels, const std::vector<Eigen::Vector3d>& path,
   drawPath(picture, grid, path_in_voxels);
   drawScale(picture, grid.scale / (voxels.voxel_size * grid.step), dark_theme);
   cv::Mat result;
-  cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme), result);
+  cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme),
+              result);
   return result;
 }
 

@@ -22,7 +22,7 @@ constexpr double kPi = 3.14159265358979323846;
 std::vector<Eigen::Vector3d>
 sampleOf(const VoxelScene& scene)
 {
-  constexpr std::size_t enough = 100000;
+  constexpr std::size_t enough = 20000;
   const std::vector<VoxelIndex>& indices = scene.voxels.indices;
   const std::size_t step = std::max<std::size_t>(1, indices.size() / enough);
   std::vector<Eigen::Vector3d> sample;
@@ -129,10 +129,9 @@ StereoCamera
 pinhole(double focal_length, cv::Size size)
 {
   if (size.width < 16 || size.height < 16 || size.width > 16384 || size.height > 16384)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a picture of "
-                                                       << size.width << " x "
-                                                       << size.height
-                                                       << " pixels, expected 16 to 16384");
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a picture of " << size.width << " x " << size.height
+                                        << " pixels, expected 16 to 16384");
   StereoCamera camera;
   camera.fx = camera.fy = focal_length;
   camera.cx = 0.5 * (size.width - 1);
@@ -270,7 +269,8 @@ aboveView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
   const double width = x.high - x.low + 2.0 * scene.grid.size,
                height = y.high - y.low + 2.0 * scene.grid.size;
   PictureView view;
-  view.pixels_per_metre = std::min(0.96 * size.width / width, 0.9 * size.height / height);
+  view.pixels_per_metre =
+      std::min(0.96 * size.width / width, 0.9 * size.height / height);
   // From so far that nothing leans by a tenth of a pixel.
   const double distance = 1e5 * (width + height + z.high - z.low);
   view.camera = pinhole(view.pixels_per_metre * distance, size);

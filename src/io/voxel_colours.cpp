@@ -102,8 +102,7 @@ classColours(const VoxelScene& scene, const LabelSet& label_set)
     if (label > label_set.size())
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           "label " << int(label) << " is beyond the "
-                                   << label_set.size()
-                                   << " classes of the label set");
+                                   << label_set.size() << " classes of the label set");
     ++counts[label];
     result.colours.push_back(solidColour(label_set, label));
   }

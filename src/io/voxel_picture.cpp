@@ -98,8 +98,8 @@ public:
     for (int axis = 0; axis < 2; ++axis) {
       const double cells = place[axis] / step_;
       const double distance = std::abs(cells - std::round(cells)) * step_;
-      const double width = std::max(across, along * std::abs(ray[axis]) /
-                                                ray.head<2>().norm());
+      const double width =
+          std::max(across, along * std::abs(ray[axis]) / ray.head<2>().norm());
       line = std::max(line, std::clamp(1.5 - distance / width, 0.0, 1.0) *
                                 std::clamp(0.12 * step_ / width - 0.2, 0.0, 1.0));
     }
@@ -124,10 +124,10 @@ paint(const VoxelScene& scene, const VoxelColours& colours, const PictureView& v
   for (int row = 0; row < picture.rows; ++row)
     for (int column = 0; column < picture.cols; ++column) {
       const int voxel = cubes.voxel.at<int>(row, column);
-      const cv::Vec3f colour =
-          voxel < 0 ? ground.colourAt(row, column)
-                    : cv::Vec3f(colours.colours[std::size_t(voxel)]) *
-                          shade.at<float>(row, column);
+      const cv::Vec3f colour = voxel < 0
+                                   ? ground.colourAt(row, column)
+                                   : cv::Vec3f(colours.colours[std::size_t(voxel)]) *
+                                         shade.at<float>(row, column);
       for (int c = 0; c < 3; ++c)
         picture.at<cv::Vec3b>(row, column)[c] =
             cv::saturate_cast<std::uint8_t>(colour[c]);
@@ -144,8 +144,8 @@ drawPath(cv::Mat& picture, const PictureView& view, const SensorPath& path)
   std::vector<std::vector<cv::Point>> pieces(1);
   for (const Eigen::Vector3d& position : path) {
     const Eigen::Vector3d point = T_camera_world * position;
-    const Eigen::Vector2d pixel = point.z() > 0.1 ? view.camera.project(point)
-                                                  : Eigen::Vector2d::Constant(1e9);
+    const Eigen::Vector2d pixel =
+        point.z() > 0.1 ? view.camera.project(point) : Eigen::Vector2d::Constant(1e9);
     if (pixel.cwiseAbs().maxCoeff() < 3e4)
       pieces.back().emplace_back(cvRound((pixel.x() + 0.5) * (1 << shift)),
                                  cvRound((pixel.y() + 0.5) * (1 << shift)));
@@ -168,8 +168,8 @@ validate(const VoxelScene& scene, const VoxelColours& colours, const PictureView
     PCL_THROW_EXCEPTION(InvalidParameterException, "there is no voxel to draw");
   if (colours.colours.size() != scene.voxels.size())
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        colours.colours.size() << " colours for "
-                                               << scene.voxels.size() << " voxels");
+                        colours.colours.size()
+                            << " colours for " << scene.voxels.size() << " voxels");
   const Eigen::Array3d cell =
       (view.T_world_camera.translation() / scene.grid.size).array().floor();
   for (const VoxelIndex& index : scene.voxels.indices)
@@ -181,8 +181,8 @@ validate(const VoxelScene& scene, const VoxelColours& colours, const PictureView
 } // namespace
 
 cv::Mat
-drawVoxels(const VoxelScene& scene, const VoxelColours& colours, const PictureView& view,
-           const SensorPath& path)
+drawVoxels(const VoxelScene& scene, const VoxelColours& colours,
+           const PictureView& view, const SensorPath& path)
 {
   validate(scene, colours, view);
   const PictureView large = enlarged(view, kSupersampling);

@@ -247,9 +247,9 @@ labelsAtVoxels(const VoxelScene& scene, const VoxelScene& other)
       (other.grid.corner - scene.grid.corner).array() / scene.grid.size;
   if (std::abs(other.grid.size - scene.grid.size) > 1e-6 * scene.grid.size ||
       !((shift - shift.round()).abs() < 0.01).all())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the maps have different voxels, of "
-                            << scene.grid.size << " m and " << other.grid.size << " m");
+    PCL_THROW_EXCEPTION(InvalidParameterException, "the maps have different voxels, of "
+                                                       << scene.grid.size << " m and "
+                                                       << other.grid.size << " m");
   std::unordered_map<VoxelIndex, Label, VoxelIndexHash> labels;
   labels.reserve(other.voxels.size());
   const VoxelIndex step = shift.round().cast<int>();

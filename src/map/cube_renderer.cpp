@@ -79,8 +79,8 @@ footprintOf(const View& view, const VoxelIndex& voxel)
   return result;
 }
 
-/** \brief Whether the neighbours towards the camera hide a cube, whatever the ray: those
- * at faces, edges and the corner, for a ray may come along any of them. */
+/** \brief Whether the neighbours towards the camera hide a cube, whatever the ray:
+ * those at faces, edges and the corner, for a ray may come along any of them. */
 bool
 isHidden(const View& view, const VoxelIndex& voxel, double min_z,
          VoxelSet::Reader& reader)
@@ -252,9 +252,9 @@ void
 validate(const View& view)
 {
   if (!(view.voxels.empty() || view.voxel_size > 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "voxel size is " << view.voxel_size
-                                         << " m, expected more than 0");
+    PCL_THROW_EXCEPTION(InvalidParameterException, "voxel size is "
+                                                       << view.voxel_size
+                                                       << " m, expected more than 0");
   if (view.voxels.size() > std::size_t(std::numeric_limits<int>::max()))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         view.voxels.size() << " voxels, expected fewer than 2^31");

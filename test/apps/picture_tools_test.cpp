@@ -29,7 +29,8 @@ public:
                       path("map.archive"))
                   .code,
               0);
-    EXPECT_EQ(runTool("map " + street + " --crf none --output " + path("none")).code, 0);
+    EXPECT_EQ(runTool("map " + street + " --crf none --output " + path("none")).code,
+              0);
   }
 
   std::string
@@ -134,8 +135,8 @@ TEST(RenderTool, DrawsEveryViewAndColour)
 TEST(CompareTool, DrawsOneSheetOrOneAFrame)
 {
   const Maps maps;
-  const std::string labels = " --labels " + maps.path("map/network_labels") + "SUFFIX " +
-                             maps.path("map/labels") + "SUFFIX --truth " +
+  const std::string labels = " --labels " + maps.path("map/network_labels") +
+                             "SUFFIX " + maps.path("map/labels") + "SUFFIX --truth " +
                              tinyStreet() + "/gtSUFFIX --image " + tinyStreet() +
                              "/image_2SUFFIX --width 640 --names 'a b,c' --output ";
   const ToolResult folders =
@@ -145,9 +146,9 @@ TEST(CompareTool, DrawsOneSheetOrOneAFrame)
       "compare" + replaceAll(labels, "SUFFIX", "/000001.png") + maps.path("one.png"));
   EXPECT_EQ(files.code, 0) << files.text;
   for (const char* const frame : {"000000", "000001", "000002"})
-    EXPECT_EQ(readPng(maps.path("sheets/") + frame + ".png", ImageKind::grey_or_colour)
-                  .cols,
-              640);
+    EXPECT_EQ(
+        readPng(maps.path("sheets/") + frame + ".png", ImageKind::grey_or_colour).cols,
+        640);
   EXPECT_TRUE(
       areEqual(readPng(maps.path("one.png"), ImageKind::grey_or_colour),
                readPng(maps.path("sheets/000001.png"), ImageKind::grey_or_colour)));
@@ -166,8 +167,8 @@ TEST(BadUsage, RenderTool)
       {"no summary", 3, "summary.json: cannot be read", "render STREET OUT.png"},
       {"no such summary", 3, "summary.json: is no summary", "render STREET OUT.png",
        summary("{\"finished\": true}")},
-      {"unfinished", 3, "summary.json: the map is not finished", "render STREET OUT.png",
-       summary("{\"finished\": false}")},
+      {"unfinished", 3, "summary.json: the map is not finished",
+       "render STREET OUT.png", summary("{\"finished\": false}")},
       {"no archive", 3, "calib.txt", "render STREET/calib.txt OUT.png"},
       {"archive and voxels", 2, "--voxel-size is for clouds",
        "render STREET/calib.txt OUT.png --voxel-size 1"},
@@ -207,8 +208,8 @@ TEST(BadUsage, RenderTool)
       {"size huge", 2, "--size is 99999x9", draw + " --size 99999x9"},
       {"threads", 2, "threads is -1", draw + " --threads -1"},
       {"trajectory", 3, "calib.txt", draw + " --trajectory STREET/calib.txt", labelled},
-      {"below a file", 5, "calib.txt",
-       "render STREET/a.pcd STREET/calib.txt/b.png", labelled},
+      {"below a file", 5, "calib.txt", "render STREET/a.pcd STREET/calib.txt/b.png",
+       labelled},
       {"label set", 3, "none.yaml", draw + " --label-set none.yaml", labelled},
   };
   for (const BadCase& bad : cases)
@@ -223,7 +224,8 @@ TEST(BadUsage, CompareTool)
       {"nothing", 2, "--image, --labels or --output is missing", "compare"},
       {"no labels", 2, "is missing", begin + "--output OUT.png"},
       {"no png", 2, "ends in .png", one + "--output OUT"},
-      {"names", 2, "--names has 2 names for 1 --labels", one + "--names a,b -o OUT.png"},
+      {"names", 2, "--names has 2 names for 1 --labels",
+       one + "--names a,b -o OUT.png"},
       {"width", 2, "--width is 10, expected 320 to 16384",
        one + "--width 10 -o OUT.png"},
       {"file and folder", 2, "expected two files or two folders",

@@ -138,9 +138,9 @@ TEST(VoxelScene, FindsTheGridOfItsPoints)
 {
   const TemporaryFolder folder;
   // Voxels of 0.3 m relative to an origin that is no multiple of them.
-  const VoxelScene scene = readVoxelScene(folder.write(
-      "a.pcd", pcd({"100000.05 -7.15 0 1 255", "100000.35 -7.15 0 2 65280",
-                    "nan 0 0 1 0", "100003.05 -6.25 -0.6 3 0"})));
+  const VoxelScene scene = readVoxelScene(
+      folder.write("a.pcd", pcd({"100000.05 -7.15 0 1 255", "100000.35 -7.15 0 2 65280",
+                                 "nan 0 0 1 0", "100003.05 -6.25 -0.6 3 0"})));
   EXPECT_NEAR(scene.grid.size, 0.3, 1e-9);
   ASSERT_EQ(scene.voxels.size(), 3u);
   const std::vector<VoxelIndex>& indices = scene.voxels.indices;
@@ -207,7 +207,8 @@ TEST(PictureView, ShowsThePathAndMostOfTheMap)
       inside += isInside(view, index.cast<double>() * scene.grid.size);
     EXPECT_GT(inside, scene.voxels.size() * 95 / 100);
     // The way goes from left to right, or into the picture.
-    const Eigen::Vector2d way = pixelOf(view, path.back()) - pixelOf(view, path.front());
+    const Eigen::Vector2d way =
+        pixelOf(view, path.back()) - pixelOf(view, path.front());
     EXPECT_GT(above ? way.x() : -way.y(), 40.0);
     if (above) {
       EXPECT_NEAR(way.norm(), 15.0 * view.pixels_per_metre, 0.5);
@@ -225,8 +226,8 @@ TEST(PictureView, FarFromTheOriginNothingChanges)
   const cv::Size size(320, 180);
   const PictureView here = angleView(near, {}, size), there = angleView(far, {}, size);
   EXPECT_NEAR(here.camera.cx, there.camera.cx, 1e-3);
-  const Eigen::Vector3d moved = there.T_world_camera.translation() -
-                                step.cast<double>() * near.grid.size;
+  const Eigen::Vector3d moved =
+      there.T_world_camera.translation() - step.cast<double>() * near.grid.size;
   EXPECT_LT((moved - here.T_world_camera.translation()).norm(), 1e-3);
   const LabelSet label_set = threeClasses();
   const cv::Mat a = drawVoxels(near, classColours(near, label_set), here, {});
@@ -345,7 +346,7 @@ TEST(LabelSheet, MarksWhatBecameRightAndWrong)
   const cv::Size size(320, 100);
   const cv::Mat image(size, CV_8UC1, cv::Scalar(100));
   cv::Mat before(size, CV_8UC1, cv::Scalar(1)), after = before.clone(),
-      truth = before.clone();
+                                                truth = before.clone();
   // Columns of 80 pixels: the same, right, wrong, no truth.
   after.colRange(80, 320) = 2;
   truth.colRange(80, 160) = 2;
@@ -361,8 +362,8 @@ TEST(LabelSheet, MarksWhatBecameRightAndWrong)
   // The panels above it: the labels of before, and the truth.
   const cv::Mat expected = blendLabels(image, before, threeClasses());
   EXPECT_EQ(sheet.at<cv::Vec3b>(28 + 50, 12 + 40), expected.at<cv::Vec3b>(50, 40));
-  const cv::Mat no_truth = drawLabelSheet(image, {{"a", before}, {"b", after}}, cv::Mat(),
-                                          threeClasses(), 2 * 320 + 36);
+  const cv::Mat no_truth = drawLabelSheet(image, {{"a", before}, {"b", after}},
+                                          cv::Mat(), threeClasses(), 2 * 320 + 36);
   EXPECT_EQ(no_truth.at<cv::Vec3b>(212, 344 + 120), cv::Vec3b(50, 40, 30));
   EXPECT_EQ(no_truth.at<cv::Vec3b>(28 + 50, 344 + 40), cv::Vec3b(100, 100, 100));
 }
@@ -377,9 +378,8 @@ TEST(LabelSheet, RefusesWhatDoesNotFit)
                InvalidParameterException);
   EXPECT_THROW(drawLabelSheet(image, {{"a", labels}}, cv::Mat(), label_set, 20),
                InvalidParameterException);
-  EXPECT_THROW(
-      drawLabelSheet(image, {{"a", labels.t()}}, cv::Mat(), label_set, 400),
-      InvalidParameterException);
+  EXPECT_THROW(drawLabelSheet(image, {{"a", labels.t()}}, cv::Mat(), label_set, 400),
+               InvalidParameterException);
   EXPECT_THROW(drawLabelSheet(image, {{"a", labels}}, labels.t(), label_set, 400),
                InvalidParameterException);
   EXPECT_THROW(drawLabelSheet(image, {{"a", labels * 4}}, cv::Mat(), label_set, 400),

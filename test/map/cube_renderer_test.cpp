@@ -136,7 +136,10 @@ TEST(CubeRenderer, SeesTheFirstCubeOfEveryRay)
       const Eigen::Vector3d centre =
           (corner.cast<double>().array() + 4.5).matrix() * size;
       // From outside, from near, and from within.
-      const double distance = (trial % 3 == 0 ? 14.0 : trial % 3 == 1 ? 7.0 : 1.0) * size;
+      const double distance = (trial % 3 == 0   ? 14.0
+                               : trial % 3 == 1 ? 7.0
+                                                : 1.0) *
+                              size;
       const Eigen::Isometry3d pose = randomPose(random, centre, distance);
       const double max_depth = trial < 3 ? kInfinity : distance + 2.0 * size;
       const CubeImage image = renderCubes(voxels, size, camera, pose, max_depth);
@@ -160,10 +163,10 @@ TEST(CubeRenderer, SeesItAlongTheLatticeToo)
     for (int trial = 0; trial < 4; ++trial) {
       const Voxels voxels = randomBox(unsigned(10 + trial), 12, chance, {4, -6, -6});
       pose.translation() << 0.0, 0.25 * trial, -0.5 * (trial % 2);
-      EXPECT_EQ(cv::countNonZero(
-                    renderCubes(voxels, size, camera, pose, kInfinity).voxel !=
-                    bruteForce(voxels, size, camera, pose, kInfinity)),
-                0)
+      EXPECT_EQ(
+          cv::countNonZero(renderCubes(voxels, size, camera, pose, kInfinity).voxel !=
+                           bruteForce(voxels, size, camera, pose, kInfinity)),
+          0)
           << "chance " << chance << ", trial " << trial;
     }
 }

@@ -22,8 +22,8 @@ struct LabelChange {
 
 /** \brief What became of labels: of voxels, or of pixels. */
 struct LabelChanges {
-  std::size_t compared = 0; ///< labelled before and after
-  std::size_t changed = 0;  ///< of those
+  std::size_t compared = 0;       ///< labelled before and after
+  std::size_t changed = 0;        ///< of those
   std::vector<LabelChange> kinds; ///< the most frequent first, then by numbers
 
   std::size_t right = 0; ///< changed to the truth

@@ -27,9 +27,8 @@ struct NamedLabels {
  * image.
  *
  * Where both rows have a label and they differ, a pixel is green if the new label is
- * the truth, red if the old one was, yellow if neither was, and of the colour of its new
- * class where there is no truth.
- * \param[in] image CV_8UC3 (BGR) or CV_8UC1
+ * the truth, red if the old one was, yellow if neither was, and of the colour of its
+ * new class where there is no truth. \param[in] image CV_8UC3 (BGR) or CV_8UC1
  * \param[in] truth CV_8UC1, 0 = not known; empty = none
  * \param[in] width of the sheet [px], from 320 to 16384
  * \throws InvalidParameterException unless all images are of one size, or at a label

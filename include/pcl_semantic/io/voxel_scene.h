@@ -16,7 +16,7 @@ namespace pcl_semantic {
 
 /** \brief The cubes that the points of a cloud fill. */
 struct VoxelGrid {
-  double size = 0.0;                                ///< edge of a cube [m]; 0 = not known
+  double size = 0.0; ///< edge of a cube [m]; 0 = not known
   Eigen::Vector3d corner = Eigen::Vector3d::Zero(); ///< lower corner of cube 0 [m]
 };
 
