@@ -62,6 +62,24 @@ isFolder(const std::string& path)
   return fs::is_directory(path, error);
 }
 
+void
+validate(const Arguments& arguments)
+{
+  if (arguments.image.empty() || arguments.labels.empty() || arguments.output.empty())
+    fail("--image, --labels or --output is missing");
+  if (arguments.width < 320 || arguments.width > 16384)
+    fail("--width is " + std::to_string(arguments.width) + ", expected 320 to 16384");
+  std::vector<std::string> inputs = arguments.labels;
+  inputs.insert(inputs.end(), {arguments.image, arguments.truth, arguments.label_set});
+  tool::refuseSameFiles(inputs, {arguments.output});
+  for (const std::string& input : inputs)
+    if (!input.empty() && input != arguments.label_set &&
+        isFolder(input) != isFolder(arguments.image))
+      fail(input + " and " + arguments.image + ": expected two files or two folders");
+  if (!isFolder(arguments.image))
+    tool::requireExtension(arguments.output, ".png");
+}
+
 bool
 parse(int argc, char** argv, Arguments& arguments)
 {
@@ -83,19 +101,7 @@ parse(int argc, char** argv, Arguments& arguments)
   po::variables_map values;
   if (!tool::parseCommandLine(argc, argv, usage, options, {}, values))
     return false;
-  if (arguments.image.empty() || arguments.labels.empty() || arguments.output.empty())
-    fail("--image, --labels or --output is missing");
-  if (arguments.width < 320 || arguments.width > 16384)
-    fail("--width is " + std::to_string(arguments.width) + ", expected 320 to 16384");
-  std::vector<std::string> inputs = arguments.labels;
-  inputs.insert(inputs.end(), {arguments.image, arguments.truth, arguments.label_set});
-  tool::refuseSameFiles(inputs, {arguments.output});
-  for (const std::string& input : inputs)
-    if (!input.empty() && input != arguments.label_set &&
-        isFolder(input) != isFolder(arguments.image))
-      fail(input + " and " + arguments.image + ": expected two files or two folders");
-  if (!isFolder(arguments.image))
-    tool::requireExtension(arguments.output, ".png");
+  validate(arguments);
   return true;
 }
 
