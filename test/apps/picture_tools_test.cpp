@@ -44,7 +44,7 @@ public:
   render(const std::string& arguments) const
   {
     const ToolResult result =
-        runTool("render " + replaceAll(arguments, "MAPS/", path("")) + " " +
+        runTool("render " + replaceAll(arguments, "MAPS/", folder_.path() + "/") + " " +
                 path("picture.png") + " --size 320x200");
     EXPECT_EQ(result.code, 0) << result.text;
     EXPECT_EQ(result.text, "picture: " + path("picture.png") + "\n");
