@@ -71,7 +71,8 @@ gridStep(const VoxelScene& scene)
 class Ground {
 public:
   Ground(const VoxelScene& scene, const PictureView& view)
-      : view_(view), height_(groundHeight(scene)), step_(gridStep(scene))
+      : view_(view), corner_(scene.grid.corner), height_(groundHeight(scene)),
+        step_(gridStep(scene))
   {}
 
   double
@@ -96,7 +97,7 @@ public:
         across * ray.norm() / std::max(1e-9, std::abs(ray.z()) / ray.norm());
     double line = 0.0;
     for (int axis = 0; axis < 2; ++axis) {
-      const double cells = place[axis] / step_;
+      const double cells = (place[axis] + corner_[axis]) / step_;
       const double distance = std::abs(cells - std::round(cells)) * step_;
       const double width =
           std::max(across, along * std::abs(ray[axis]) / ray.head<2>().norm());
@@ -108,7 +109,8 @@ public:
 
 private:
   const PictureView& view_;
-  double height_, step_; // [m]
+  Eigen::Vector3d corner_; // of cube 0: lines lie at whole numbers of the file
+  double height_, step_;   // [m]
 };
 
 cv::Mat
