@@ -13,6 +13,7 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/small_png.h>
 #include <pcl_semantic/io/label_sheet.h>
 
 #include <filesystem>
@@ -45,6 +46,7 @@ struct Arguments {
   std::string image, names, truth, label_set, output;
   std::vector<std::string> labels;
   int width = 1920;
+  bool small = false;
 };
 
 [[noreturn]] void
@@ -58,6 +60,24 @@ isFolder(const std::string& path)
 {
   std::error_code error;
   return fs::is_directory(path, error);
+}
+
+void
+validate(const Arguments& arguments)
+{
+  if (arguments.image.empty() || arguments.labels.empty() || arguments.output.empty())
+    fail("--image, --labels or --output is missing");
+  if (arguments.width < 320 || arguments.width > 16384)
+    fail("--width is " + std::to_string(arguments.width) + ", expected 320 to 16384");
+  std::vector<std::string> inputs = arguments.labels;
+  inputs.insert(inputs.end(), {arguments.image, arguments.truth, arguments.label_set});
+  tool::refuseSameFiles(inputs, {arguments.output});
+  for (const std::string& input : inputs)
+    if (!input.empty() && input != arguments.label_set &&
+        isFolder(input) != isFolder(arguments.image))
+      fail(input + " and " + arguments.image + ": expected two files or two folders");
+  if (!isFolder(arguments.image))
+    tool::requireExtension(arguments.output, ".png");
 }
 
 bool
@@ -74,24 +94,14 @@ parse(int argc, char** argv, Arguments& arguments)
       "truth image or folder, 0 = not known; a folder need not have all frames")(
       "label-set", po::value(&arguments.label_set),
       "classes (YAML); default: the eleven of KITTI")(
-      "output,o", po::value(&arguments.output), "sheet (.png), or folder of sheets");
+      "output,o", po::value(&arguments.output),
+      "sheet (.png), or folder of sheets")("small", po::bool_switch(&arguments.small),
+                                           "half the bytes, in fewer shades of colour");
   tool::addOption(options, "width", arguments.width, "of a sheet [px]");
   po::variables_map values;
   if (!tool::parseCommandLine(argc, argv, usage, options, {}, values))
     return false;
-  if (arguments.image.empty() || arguments.labels.empty() || arguments.output.empty())
-    fail("--image, --labels or --output is missing");
-  if (arguments.width < 320 || arguments.width > 16384)
-    fail("--width is " + std::to_string(arguments.width) + ", expected 320 to 16384");
-  std::vector<std::string> inputs = arguments.labels;
-  inputs.insert(inputs.end(), {arguments.image, arguments.truth, arguments.label_set});
-  tool::refuseSameFiles(inputs, {arguments.output});
-  for (const std::string& input : inputs)
-    if (!input.empty() && input != arguments.label_set &&
-        isFolder(input) != isFolder(arguments.image))
-      fail(input + " and " + arguments.image + ": expected two files or two folders");
-  if (!isFolder(arguments.image))
-    tool::requireExtension(arguments.output, ".png");
+  validate(arguments);
   return true;
 }
 
@@ -136,7 +146,7 @@ makeSheet(const Arguments& arguments, const std::vector<std::string>& names,
     PCL_THROW_EXCEPTION(BadInputException,
                         arguments.image << below << ": " << error.what());
   }
-  writePng(arguments.output + below, sheet);
+  (arguments.small ? writeSmallPng : writePng)(arguments.output + below, sheet);
 }
 
 int

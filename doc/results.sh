@@ -20,7 +20,7 @@ out=build/results
 # pcl_semantic_map is told. Another row is another line in each of the three.
 models=(dense)
 declare -A title=([dense]="after dense CRF")
-declare -A options=([dense]="--crf dense")
+declare -A options=([none]="--crf none" [dense]="--crf dense")
 
 say() { echo "== $*" >&2; }
 
@@ -134,12 +134,21 @@ times() { # MAP: median seconds of each stage
     /"median"/ { gsub(/[",]/, ""); if (stage != "seconds") printf "| %s | %.3f |\n", stage, $2 }'
 }
 
+pictures() { # SEQUENCES...: maps, changes and sheets of each; they stay untracked
+  local sequence
+  for sequence in "$@"; do
+    echo "== pictures of sequence $sequence"
+    doc/pictures.sh "$out/$sequence/dense" "$out/$sequence/none" \
+      "$kitti/$sequence/image_2" "$out/$sequence/truth" "$out/$sequence/pictures"
+  done
+}
+
 load=$(cut -d' ' -f1 /proc/loadavg) # of other programs: the times suffer from it
 for sequence in 15 "${streets[@]}"; do
   mkdir -p "$out/$sequence"
   label_sequence "$sequence"
   make_truth "$sequence"
-  for model in "${models[@]}"; do
+  for model in none "${models[@]}"; do # none: for the pictures
     map_sequence "$sequence" "$model"
   done
 done
@@ -170,4 +179,5 @@ say "tables"
 } >"$out/results.md"
 cp "$out/results.md" doc/results.md
 echo "tables:   doc/results.md"
-echo "pictures: $out/SEQUENCE/MODEL/overlay and top_view.png"
+pictures 15 "${streets[@]}"
+echo "pictures: $out/SEQUENCE/pictures and $out/SEQUENCE/dense/overlay"

@@ -13,6 +13,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace pcl_semantic {
@@ -32,6 +33,34 @@ listOf(const cv::Mat& labels)
   return list;
 }
 
+// Truth of a laser scan is dots that nobody would see: they are drawn larger.
+bool
+isSparse(const cv::Mat& truth)
+{
+  return !truth.empty() && cv::countNonZero(truth) < 0.2 * double(truth.total());
+}
+
+void
+drawDot(cv::Mat& picture, int row, int column, const cv::Scalar& colour)
+{
+  constexpr int reach = 2; // [px]
+  cv::rectangle(picture, cv::Point(column - reach, row - reach),
+                cv::Point(column + reach, row + reach), colour, cv::FILLED);
+}
+
+cv::Mat
+drawTruth(const cv::Mat& image, const cv::Mat& truth, const LabelSet& label_set)
+{
+  if (!isSparse(truth))
+    return blendLabels(image, truth, label_set);
+  cv::Mat dots = cv::Mat::zeros(truth.size(), CV_8UC1);
+  for (int v = 0; v < truth.rows; ++v)
+    for (int u = 0; u < truth.cols; ++u)
+      if (truth.at<Label>(v, u) != kUnlabelled)
+        drawDot(dots, v, u, cv::Scalar(truth.at<Label>(v, u)));
+  return blendLabels(image, dots, label_set);
+}
+
 // The image in grey, pale, and on it the pixels that changed.
 cv::Mat
 drawChanges(const cv::Mat& image, const cv::Mat& before, const cv::Mat& after,
@@ -40,17 +69,24 @@ drawChanges(const cv::Mat& image, const cv::Mat& before, const cv::Mat& after,
   cv::Mat picture;
   cv::cvtColor(greyImage(image), picture, cv::COLOR_GRAY2BGR);
   picture.convertTo(picture, -1, 0.45, 120.0);
-  for (int v = 0; v < picture.rows; ++v)
-    for (int u = 0; u < picture.cols; ++u) {
-      const Label from = before.at<Label>(v, u), to = after.at<Label>(v, u);
-      if (from == kUnlabelled || to == kUnlabelled || from == to)
-        continue;
-      const Label right = truth.empty() ? kUnlabelled : truth.at<Label>(v, u);
-      picture.at<cv::Vec3b>(v, u) = right == kUnlabelled ? classColour(label_set, to)
-                                    : to == right        ? green
-                                    : from == right      ? red
-                                                         : yellow;
-    }
+  const bool sparse = isSparse(truth);
+  for (const bool with_truth : {false, true}) // dots lie on top
+    for (int v = 0; v < picture.rows; ++v)
+      for (int u = 0; u < picture.cols; ++u) {
+        const Label from = before.at<Label>(v, u), to = after.at<Label>(v, u);
+        const Label right = truth.empty() ? kUnlabelled : truth.at<Label>(v, u);
+        if (from == kUnlabelled || to == kUnlabelled || from == to ||
+            with_truth != (right != kUnlabelled))
+          continue;
+        const cv::Vec3b colour = !with_truth     ? classColour(label_set, to)
+                                 : to == right   ? green
+                                 : from == right ? red
+                                                 : yellow;
+        if (with_truth && sparse)
+          drawDot(picture, v, u, cv::Scalar(colour));
+        else
+          picture.at<cv::Vec3b>(v, u) = colour;
+      }
   return picture;
 }
 
@@ -86,7 +122,8 @@ public:
     const int method = panel.cols > panel_.width ? cv::INTER_AREA : cv::INTER_NEAREST;
     cv::Mat place = picture_(cv::Rect(corner, panel_));
     cv::resize(panel, place, panel_, 0, 0, method);
-    drawText(picture_, caption, corner - cv::Point(0, 9), light_theme.text);
+    drawText(picture_, caption, corner - cv::Point(0, 9), light_theme.text,
+             std::min(1.0, double(panel_.width) / textWidth(caption)));
   }
 
   cv::Mat
@@ -172,7 +209,8 @@ drawLabelSheet(const cv::Mat& image, const std::vector<NamedLabels>& labels,
     if (i == 0 && truth.empty())
       sheet.put(row, 1, shown, "image");
     else if (i == 0)
-      sheet.put(row, 1, blendLabels(image, truth, label_set), "truth");
+      sheet.put(row, 1, drawTruth(image, truth, label_set),
+                isSparse(truth) ? "truth, its pixels drawn larger" : "truth");
     else {
       const NamedLabels& before = labels[i - 1];
       sheet.put(

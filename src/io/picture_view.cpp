@@ -22,7 +22,7 @@ constexpr double kPi = 3.14159265358979323846;
 std::vector<Eigen::Vector3d>
 sampleOf(const VoxelScene& scene)
 {
-  constexpr std::size_t enough = 100000;
+  constexpr std::size_t enough = 20000;
   const std::vector<VoxelIndex>& indices = scene.voxels.indices;
   const std::size_t step = std::max<std::size_t>(1, indices.size() / enough);
   std::vector<Eigen::Vector3d> sample;

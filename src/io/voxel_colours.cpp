@@ -18,7 +18,7 @@ namespace pcl_semantic {
 namespace {
 
 const cv::Vec3b grey_of_unlabelled(165, 165, 165);
-const cv::Vec3b grey_of_unchanged(214, 214, 214);
+const cv::Vec3b grey_of_unchanged(226, 224, 222);
 
 // Label sets have dark colours, meant to be seen flat. Shaded ones have to be lighter.
 cv::Vec3b
@@ -184,6 +184,7 @@ changeColours(const VoxelScene& scene, const std::vector<Label>& before,
   const std::vector<Label> after = labelsOf(scene);
   const LabelChanges changes = countLabelChanges(before, after);
   VoxelColours result = classColours(scene, label_set);
+  result.shading = 0.6; // what is grey stays pale, so that the colours stand out
   for (std::size_t i = 0; i < after.size(); ++i)
     if (before[i] == kUnlabelled || before[i] == after[i] || after[i] == kUnlabelled)
       result.colours[i] = grey_of_unchanged;

@@ -71,7 +71,8 @@ gridStep(const VoxelScene& scene)
 class Ground {
 public:
   Ground(const VoxelScene& scene, const PictureView& view)
-      : view_(view), height_(groundHeight(scene)), step_(gridStep(scene))
+      : view_(view), corner_(scene.grid.corner), height_(groundHeight(scene)),
+        step_(gridStep(scene))
   {}
 
   double
@@ -96,7 +97,7 @@ public:
         across * ray.norm() / std::max(1e-9, std::abs(ray.z()) / ray.norm());
     double line = 0.0;
     for (int axis = 0; axis < 2; ++axis) {
-      const double cells = place[axis] / step_;
+      const double cells = (place[axis] + corner_[axis]) / step_;
       const double distance = std::abs(cells - std::round(cells)) * step_;
       const double width =
           std::max(across, along * std::abs(ray[axis]) / ray.head<2>().norm());
@@ -108,7 +109,8 @@ public:
 
 private:
   const PictureView& view_;
-  double height_, step_; // [m]
+  Eigen::Vector3d corner_; // of cube 0: lines lie at whole numbers of the file
+  double height_, step_;   // [m]
 };
 
 cv::Mat
@@ -119,15 +121,16 @@ paint(const VoxelScene& scene, const VoxelColours& colours, const PictureView& v
       renderCubes(scene.voxels.indices, scene.grid.size, view.camera,
                   view.T_world_camera, std::numeric_limits<double>::infinity());
   const cv::Mat shade = shadeCubes(scene, cubes, view);
+  const auto strength = static_cast<float>(colours.shading);
   cv::Mat picture(shade.size(), CV_8UC3);
 #pragma omp parallel for schedule(static)
   for (int row = 0; row < picture.rows; ++row)
     for (int column = 0; column < picture.cols; ++column) {
       const int voxel = cubes.voxel.at<int>(row, column);
-      const cv::Vec3f colour = voxel < 0
-                                   ? ground.colourAt(row, column)
-                                   : cv::Vec3f(colours.colours[std::size_t(voxel)]) *
-                                         shade.at<float>(row, column);
+      const cv::Vec3f colour =
+          voxel < 0 ? ground.colourAt(row, column)
+                    : cv::Vec3f(colours.colours[std::size_t(voxel)]) *
+                          (1.0f - strength + strength * shade.at<float>(row, column));
       for (int c = 0; c < 3; ++c)
         picture.at<cv::Vec3b>(row, column)[c] =
             cv::saturate_cast<std::uint8_t>(colour[c]);
@@ -159,6 +162,22 @@ drawPath(cv::Mat& picture, const PictureView& view, const SensorPath& path)
       cv::circle(picture, pieces.back().back(), (4 + width / 2) << shift, colour,
                  cv::FILLED, cv::LINE_AA, shift);
   }
+}
+
+// A line in the lower right corner, on a plate so that it can be read on anything.
+void
+drawNote(cv::Mat& picture, const std::string& note)
+{
+  const double size = std::min(1.0, 0.9 * picture.cols / textWidth(note));
+  const int width = textWidth(note, size);
+  const cv::Rect plate =
+      cv::Rect(picture.cols - width - 20, picture.rows - 29, width + 20, 29) &
+      cv::Rect(cv::Point(), picture.size());
+  cv::Mat under = picture(plate);
+  cv::addWeighted(under, 0.2, cv::Mat(under.size(), CV_8UC3, light_theme.background),
+                  0.8, 0.0, under);
+  drawText(picture, note, {picture.cols - width - 10, picture.rows - 10},
+           light_theme.text, size);
 }
 
 void
@@ -195,8 +214,7 @@ drawVoxels(const VoxelScene& scene, const VoxelColours& colours,
   note += cv::format("grid of %g m", ground.step());
   if (view.pixels_per_metre > 0.0)
     drawScale(picture, view.pixels_per_metre, light_theme);
-  drawText(picture, note, {picture.cols - textWidth(note) - 12, picture.rows - 12},
-           light_theme.text);
+  drawNote(picture, note);
   std::vector<LegendEntry> legend = colours.legend;
   if (!path.empty())
     legend.push_back({"path of the camera", {60, 60, 235}});

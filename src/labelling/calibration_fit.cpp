@@ -5,11 +5,10 @@
  */
 
 #include "calibration_term.h"
+#include "lbfgs.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
-
-#include <opencv2/core/optim.hpp>
 
 namespace pcl_semantic {
 
@@ -32,18 +31,17 @@ struct SparseRow {
 
 // The negative penalised likelihood of a parameter vector: the sharpness, then K values
 // for each column, K the number of fitted classes.
-class Likelihood : public cv::MinProblemSolver::Function {
+class Likelihood {
 public:
   Likelihood(const CalibrationSamples& samples, const CalibrationOptions& options);
 
   int
-  getDims() const override
+  size() const
   {
     return 1 + columns_ * classes();
   }
 
-  double calc(const double* x) const override;
-  void getGradient(const double* x, double* gradient) override;
+  double operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
 
   LabelCalibration calibration(const double* x, int all_classes,
                                const CalibrationOptions& options) const;
@@ -58,8 +56,6 @@ private:
   {
     return int(labels_.size());
   }
-
-  double evaluate(const double* x, double* gradient) const;
 
   double chunkOf(std::size_t begin, std::size_t end, const double* x,
                  double* gradient) const;
@@ -169,7 +165,7 @@ double
 Likelihood::addPenalty(const double* x, double* gradient) const
 {
   double penalty = 0.0;
-  for (int i = 1; i < getDims(); ++i) {
+  for (int i = 1; i < size(); ++i) {
     const double weight = i <= classes() ? bias_penalty_ : curve_penalty_;
     penalty += weight * x[i] * x[i];
     gradient[i] += 2.0 * weight * x[i];
@@ -178,36 +174,23 @@ Likelihood::addPenalty(const double* x, double* gradient) const
 }
 
 double
-Likelihood::evaluate(const double* x, double* gradient) const
+Likelihood::operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const
 {
   const std::size_t chunks = (rows_.size() + chunk - 1) / chunk;
-  const auto dims = static_cast<Eigen::Index>(getDims());
+  const auto dims = static_cast<Eigen::Index>(size());
   Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(dims, Eigen::Index(chunks));
   std::vector<double> losses(chunks);
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t c = 0; c < chunks; ++c)
-    losses[c] = chunkOf(c * chunk, std::min((c + 1) * chunk, rows_.size()), x,
+    losses[c] = chunkOf(c * chunk, std::min((c + 1) * chunk, rows_.size()), x.data(),
                         slopes.col(Eigen::Index(c)).data());
-  Eigen::Map<Eigen::VectorXd>(gradient, dims).setZero();
+  gradient.setZero(dims);
   double loss = 0.0;
   for (std::size_t c = 0; c < chunks; ++c) {
     loss += losses[c];
-    Eigen::Map<Eigen::VectorXd>(gradient, dims) += slopes.col(Eigen::Index(c));
+    gradient += slopes.col(Eigen::Index(c));
   }
-  return loss + addPenalty(x, gradient);
-}
-
-double
-Likelihood::calc(const double* x) const
-{
-  Eigen::VectorXd unused(getDims());
-  return evaluate(x, unused.data());
-}
-
-void
-Likelihood::getGradient(const double* x, double* gradient)
-{
-  evaluate(x, gradient);
+  return loss + addPenalty(x.data(), gradient.data());
 }
 
 LabelCalibration
@@ -265,18 +248,17 @@ fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& opti
                                         << samples.network.size()
                                         << " distributions and "
                                         << samples.geometry.size() << " places");
-  const auto likelihood = cv::makePtr<Likelihood>(samples, options);
   if (classesOf(samples.truth).size() < 2)
     PCL_THROW_EXCEPTION(BadInputException,
                         "calibration: expected truth of two classes or more");
-  cv::Mat parameters = cv::Mat::zeros(1, likelihood->getDims(), CV_64F);
-  parameters.at<double>(0) = 1.0;
-  const cv::Ptr<cv::ConjGradSolver> solver = cv::ConjGradSolver::create(
-      likelihood,
-      {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, options.iterations, 1e-7});
-  solver->minimize(parameters);
-  return likelihood->calibration(parameters.ptr<double>(), samples.network.classes(),
-                                 options);
+  const Likelihood likelihood(samples, options);
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(likelihood.size());
+  start[0] = 1.0;
+  const Eigen::VectorXd best =
+      minimizeConvex([&](const Eigen::VectorXd& x,
+                         Eigen::VectorXd& gradient) { return likelihood(x, gradient); },
+                     start, options.iterations, 1e-6);
+  return likelihood.calibration(best.data(), samples.network.classes(), options);
 }
 
 } // namespace pcl_semantic

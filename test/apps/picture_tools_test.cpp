@@ -44,7 +44,7 @@ public:
   render(const std::string& arguments) const
   {
     const ToolResult result =
-        runTool("render " + replaceAll(arguments, "MAPS/", path("")) + " " +
+        runTool("render " + replaceAll(arguments, "MAPS/", folder_.path() + "/") + " " +
                 path("picture.png") + " --size 320x200");
     EXPECT_EQ(result.code, 0) << result.text;
     EXPECT_EQ(result.text, "picture: " + path("picture.png") + "\n");
@@ -180,7 +180,7 @@ TEST(BadUsage, RenderTool)
       {"one point", 3, "--voxel-size", draw, cloud("x y z label", "0 0 0 1\n", 1)},
       {"no grid", 3, "a.pcd: its points are not the centres of voxels", draw,
        cloud("x y z label", "0 0 0 1\n0.1 0 0 1\n0.25 0 0 1\n", 3)},
-      {"too far", 3, "too far for voxels of", draw + " --voxel-size 1e-9", labelled},
+      {"too far", 3, "too far for voxels of", draw + " --voxel-size 1e-11", labelled},
       {"voxels < 0", 2, "--voxel-size is less than 0", draw + " --voxel-size -1"},
       {"beyond the set", 2, "label 12 is beyond the 11 classes", draw,
        cloud("x y z label", "0 0 0 1\n0.1 0 0 12\n", 2)},

@@ -368,6 +368,21 @@ TEST(LabelSheet, MarksWhatBecameRightAndWrong)
   EXPECT_EQ(no_truth.at<cv::Vec3b>(28 + 50, 344 + 40), cv::Vec3b(100, 100, 100));
 }
 
+TEST(LabelSheet, SparseTruthIsSeen)
+{
+  const cv::Mat image(100, 320, CV_8UC1, cv::Scalar(100));
+  const cv::Mat before = cv::Mat::ones(100, 320, CV_8UC1), after = before * 2;
+  cv::Mat truth = cv::Mat::zeros(100, 320, CV_8UC1);
+  truth.at<Label>(50, 100) = 2;
+  truth.at<Label>(50, 200) = 1;
+  const cv::Mat sheet = drawLabelSheet(image, {{"a", before}, {"b", after}}, truth,
+                                       threeClasses(), 2 * 320 + 36);
+  const auto at = [&](int v, int u) { return sheet.at<cv::Vec3b>(162 + v, 344 + u); };
+  EXPECT_GT(at(48, 102)[1], at(48, 102)[2] + 80);
+  EXPECT_GT(at(52, 198)[2], at(52, 198)[1] + 80);
+  EXPECT_EQ(at(50, 104), cv::Vec3b(50, 40, 30));
+}
+
 TEST(LabelSheet, RefusesWhatDoesNotFit)
 {
   const cv::Mat image(20, 40, CV_8UC1, cv::Scalar(100));

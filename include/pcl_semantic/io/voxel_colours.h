@@ -21,7 +21,8 @@ namespace pcl_semantic {
 struct VoxelColours {
   std::vector<cv::Vec3b> colours; ///< a voxel: blue, green, red
   std::vector<LegendEntry> legend;
-  std::string note; ///< a line for the picture; may be empty
+  std::string note;     ///< a line for the picture; may be empty
+  double shading = 1.0; ///< how much light and shadow change the colours, 0 to 1
 };
 
 /** \brief Colours of the classes; the legend names those that are there.

@@ -27,7 +27,7 @@ struct CalibrationOptions {
                             0.8f,  1.4f,   2.0f, 3.0f, 5.0f};           ///< knots [m]
   std::vector<float> distance{5.0f, 10.0f, 15.0f, 20.0f, 30.0f, 40.0f}; ///< knots [m]
   std::vector<float> level{0.0f, 0.3f, 0.6f, 0.85f, 1.0f};              ///< knots
-  int iterations = 300; ///< of the conjugate gradients, at most
+  int iterations = 300; ///< of the optimisation, at most
 
   /** \throws InvalidParameterException that names the option and its range */
   void validate() const;

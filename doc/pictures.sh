@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# The pictures of one sequence: its map at an angle, from above, where the CRF changed
+# it, and a sheet a frame. Those of the synthetic street in doc/images are made after
+# ./dev demo by
+#   build/bin/pcl_semantic_map build/demo/sequence --labels build/demo/sequence/labels \
+#     --crf none --output build/demo/map_none
+#   doc/pictures.sh --small build/demo/map build/demo/map_none \
+#     build/demo/sequence/image_2 build/demo/sequence/gt build/demo/pictures
+set -euo pipefail
+render=() sheet=()
+if [[ ${1:-} == --small ]]; then
+  render=(--small --size 1000x560) sheet=(--small --width 1000)
+  shift
+fi
+(($# == 5)) ||
+  { echo "usage: doc/pictures.sh [--small] MAP MAP_WITHOUT_CRF IMAGES TRUTH OUT" >&2; exit 2; }
+map=$1 before=$2 images=$3 truth=$4 out=$5
+bin=$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../build/bin
+
+mkdir -p "$out"
+"$bin/pcl_semantic_render" "$map" "$out/angle.png" "${render[@]}"
+"$bin/pcl_semantic_render" "$map" "$out/above.png" --view above "${render[@]}"
+"$bin/pcl_semantic_render" "$map" "$out/measured.png" --colour rgb "${render[@]}"
+"$bin/pcl_semantic_render" "$map" "$out/changes.png" --compare "$before" "${render[@]}"
+"$bin/pcl_semantic_compare" --image "$images" --truth "$truth" \
+  --labels "$map/network_labels" "$before/labels" "$map/labels" \
+  --names "2D network,fused,after the CRF" --output "$out/sheets" "${sheet[@]}"

@@ -1,0 +1,78 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "lbfgs.h"
+
+#include <deque>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr std::size_t memory = 10; // steps that are looked back on
+
+struct Step {
+  Eigen::VectorXd move, change; // of the place, of the gradient
+};
+
+// The inverse Hessian that the last steps suggest, times the gradient.
+Eigen::VectorXd
+directionOf(const std::deque<Step>& steps, const Eigen::VectorXd& gradient)
+{
+  Eigen::VectorXd direction = gradient;
+  std::vector<double> shares(steps.size());
+  for (std::size_t i = steps.size(); i-- > 0;) {
+    shares[i] = steps[i].move.dot(direction) / steps[i].move.dot(steps[i].change);
+    direction -= shares[i] * steps[i].change;
+  }
+  if (!steps.empty())
+    direction *=
+        steps.back().move.dot(steps.back().change) / steps.back().change.squaredNorm();
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    direction += steps[i].move * (shares[i] - steps[i].change.dot(direction) /
+                                                  steps[i].move.dot(steps[i].change));
+  return direction;
+}
+
+} // namespace
+
+Eigen::VectorXd
+minimizeConvex(
+    const std::function<double(const Eigen::VectorXd&, Eigen::VectorXd&)>& function,
+    Eigen::VectorXd place, int iterations, double tolerance)
+{
+  constexpr double decrease = 1e-4; // share of what the slope promises
+  Eigen::VectorXd gradient(place.size()), next_gradient(place.size());
+  double value = function(place, gradient);
+  std::deque<Step> steps;
+  for (int i = 0; i < iterations; ++i) {
+    if (!(gradient.cwiseAbs().maxCoeff() > tolerance))
+      break;
+    const Eigen::VectorXd direction = directionOf(steps, gradient);
+    const double slope = direction.dot(gradient);
+    double length = steps.empty() ? 1.0 / gradient.norm() : 1.0;
+    Eigen::VectorXd next = place - length * direction;
+    double next_value = function(next, next_gradient);
+    while (!(next_value <= value - decrease * length * slope) && length > 1e-12) {
+      length *= 0.5;
+      next = place - length * direction;
+      next_value = function(next, next_gradient);
+    }
+    if (!(next_value < value))
+      break; // as far as rounding lets it go
+    Step step{next - place, next_gradient - gradient};
+    if (step.move.dot(step.change) > 0.0)
+      steps.push_back(std::move(step));
+    if (steps.size() > memory)
+      steps.pop_front();
+    place = std::move(next);
+    gradient = next_gradient;
+    value = next_value;
+  }
+  return place;
+}
+
+} // namespace pcl_semantic
