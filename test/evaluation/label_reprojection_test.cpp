@@ -52,7 +52,8 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
            const Eigen::Isometry3d& pose, double max_depth)
 {
   RenderedLabels result{cv::Mat::zeros(camera.height, camera.width, CV_8UC1),
-                        cv::Mat::zeros(camera.height, camera.width, CV_32FC1)};
+                        cv::Mat::zeros(camera.height, camera.width, CV_32FC1),
+                        cv::Mat(camera.height, camera.width, CV_32SC1, cv::Scalar(-1))};
   const double size = voxels.voxel_size;
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {
@@ -79,6 +80,7 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
               result.labels.at<Label>(v, u) =
                   static_cast<Label>(voxels.cloud->points[i].label);
               result.depth.at<float>(v, u) = static_cast<float>(depth);
+              result.voxels.at<int>(v, u) = static_cast<int>(i);
             }
           }
       }
@@ -91,6 +93,7 @@ expectEqual(const RenderedLabels& result, const RenderedLabels& expected)
 {
   EXPECT_EQ(cv::countNonZero(result.labels != expected.labels), 0);
   EXPECT_LT(cv::norm(result.depth, expected.depth, cv::NORM_INF), 1e-5);
+  EXPECT_EQ(cv::countNonZero(result.voxels != expected.voxels), 0);
 }
 
 /** \brief A camera that looks along the world's x axis, z up. */
