@@ -149,6 +149,22 @@ TEST(ConfusionMatrix, CoveredTruthOnlyDecidesTheExclusiveMean)
   EXPECT_DOUBLE_EQ(scores.mean.iou_inclusive, 0.5);
 }
 
+TEST(ConfusionMatrix, CountsMayBeAddedAsTheyAre)
+{
+  const cv::Mat truth = (cv::Mat_<std::uint8_t>(1, 5) << 1, 1, 2, 0, 2);
+  const cv::Mat prediction = (cv::Mat_<std::uint8_t>(1, 5) << 1, 1, 0, 2, 1);
+  ConfusionMatrix by_image(2), by_count(2);
+  by_image.add(truth, prediction);
+  by_count.add(1, 1, 2);
+  for (const auto& [true_label, label] : {std::pair(2, 0), {0, 2}, {2, 1}})
+    by_count.add(Label(true_label), Label(label), 1);
+  for (int i = 0; i <= 2; ++i)
+    for (int j = 0; j <= 2; ++j)
+      EXPECT_EQ(by_count(Label(i), Label(j)), by_image(Label(i), Label(j)));
+  EXPECT_THROW(by_count.add(3, 0, 1), InvalidParameterException);
+  EXPECT_THROW(by_count.add(0, 3, 1), InvalidParameterException);
+}
+
 TEST(ConfusionMatrix, RefusesImagesThatDoNotFit)
 {
   ConfusionMatrix confusion(4);
