@@ -28,7 +28,7 @@ struct TuningFolders {
   std::string sequence;    ///< in KITTI's layout, with poses.txt
   std::string labels;      ///< stored label distributions, see StoredPredictor
   std::string truth;       ///< label images (000012.png), 0 = no truth
-  std::string calibration; ///< of the labels (readCalibration); empty = none
+  std::string calibration{}; ///< of the labels (readCalibration); empty = none
 };
 
 /** \brief A sequence with truth, ready to be mapped many times: images and truth are
