@@ -18,9 +18,21 @@ out=build/results
 
 # The models of the tables, in their order: a name, what the tables call it, and what
 # pcl_semantic_map is told. Another row is another line in each of the three.
-models=(dense)
-declare -A title=([dense]="after dense CRF")
-declare -A options=([none]="--crf none" [dense]="--crf dense")
+# {calibration} stands for the calibration that was learned without the sequence.
+models=(dense superpixel calibrated_dense calibrated_superpixel calibrated_supervoxel)
+declare -A title=(
+  [dense]="after dense CRF"
+  [superpixel]="after hierarchical CRF, superpixels"
+  [calibrated_dense]="calibrated, after dense CRF"
+  [calibrated_superpixel]="calibrated, after hierarchical CRF, superpixels"
+  [calibrated_supervoxel]="calibrated, after hierarchical CRF, supervoxels")
+declare -A options=(
+  [none]="--crf none"
+  [dense]="--crf dense"
+  [superpixel]="--crf hierarchical --cliques superpixel"
+  [calibrated_dense]="--crf dense --label-calibration {calibration}"
+  [calibrated_superpixel]="--crf hierarchical --cliques superpixel --label-calibration {calibration}"
+  [calibrated_supervoxel]="--crf hierarchical --cliques supervoxel --label-calibration {calibration}")
 
 say() { echo "== $*" >&2; }
 
@@ -39,10 +51,12 @@ label_sequence() { # SEQUENCE
 map_sequence() { # SEQUENCE MODEL
   local also=measured
   [[ ! -d $kitti/$1/velodyne ]] || also+=,scans
+  local calibration=$out/calibration/without_$1.yaml
+  [[ -f $calibration ]] || calibration=$out/calibration/calibration.yaml
   say "sequence $1: $2"
   # shellcheck disable=SC2086 # the options of a model are words
   build/bin/pcl_semantic_map "$kitti/$1" --labels "$out/$1/network_distributions" \
-    --also $also --scan-within 0.3 ${options[$2]} --output "$out/$1/$2" >/dev/null
+    --also $also --scan-within 0.3 ${options[$2]//\{calibration\}/$calibration} --output "$out/$1/$2" >/dev/null
 }
 
 # truth, truth_scan (point by point), and the depth of both; or the hand-made images.
@@ -78,6 +92,7 @@ rows() { # NAME PREDICTION FUSED_PREDICTION NETWORK_PREDICTION TRUTH
   local first=${models[0]} model
   scores "$1: 2D network, covered" "$first" "$4" "$5" "$2"
   scores "$1: fused, before CRF" "$first" "$3" "$5"
+  scores "$1: calibrated, fused, before CRF" calibrated_dense "$3" "$5"
   for model in "${models[@]}"; do
     scores "$1: ${title[$model]}" "$model" "$2" "$5"
   done
@@ -138,7 +153,7 @@ pictures() { # SEQUENCES...: maps, changes and sheets of each; they stay untrack
   local sequence
   for sequence in "$@"; do
     echo "== pictures of sequence $sequence"
-    doc/pictures.sh "$out/$sequence/dense" "$out/$sequence/none" \
+    doc/pictures.sh "$out/$sequence/calibrated_superpixel" "$out/$sequence/none" \
       "$kitti/$sequence/image_2" "$out/$sequence/truth" "$out/$sequence/pictures"
   done
 }
@@ -148,6 +163,12 @@ for sequence in 15 "${streets[@]}"; do
   mkdir -p "$out/$sequence"
   label_sequence "$sequence"
   make_truth "$sequence"
+done
+say "calibration of the network"
+build/bin/pcl_semantic_calibrate "${streets[@]/#/$kitti/}" --label-set "$label_set" \
+  --labels "$out/{name}/network_distributions" --truth "$out/{name}/truth" \
+  --output "$out/calibration" >&2
+for sequence in 15 "${streets[@]}"; do
   for model in none "${models[@]}"; do # none: for the pictures
     map_sequence "$sequence" "$model"
   done
@@ -180,4 +201,4 @@ say "tables"
 cp "$out/results.md" doc/results.md
 echo "tables:   doc/results.md"
 pictures 15 "${streets[@]}"
-echo "pictures: $out/SEQUENCE/pictures and $out/SEQUENCE/dense/overlay"
+echo "pictures: $out/SEQUENCE/pictures and $out/SEQUENCE/MODEL/overlay"
