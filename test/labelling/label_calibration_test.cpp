@@ -63,8 +63,9 @@ TEST(LabelCalibration, KeepsWhatItWasNotFittedFor)
   EXPECT_EQ(result.matrix().col(7), network.matrix().col(7));
   EXPECT_EQ(result.matrix().col(8), network.matrix().col(8));
   for (Eigen::Index i = 0; i < result.size(); ++i)
-    if (i != 7)
+    if (i != 7) {
       EXPECT_NEAR(result.matrix().col(i).sum(), 1.0f, 1e-6f) << i;
+    }
   LabelCalibration nothing = makeCalibration();
   nothing.fitted.assign(5, false);
   EXPECT_EQ(calibrate(nothing, network, {}).matrix(), network.matrix());

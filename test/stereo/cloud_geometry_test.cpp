@@ -100,10 +100,11 @@ TEST(CloudGeometry, LevelAgreesWithPlainDifferences)
               .cross(plainMean(cloud, u, std::min(v + 5, 29)) -
                      plainMean(cloud, u, std::max(v - 5, 0)));
       const double level = std::abs(normal.normalized().dot(ground.normal()));
-      if (std::isnan(level))
+      if (std::isnan(level)) {
         EXPECT_TRUE(std::isnan(geometry[i].level)) << u << " " << v;
-      else
-        EXPECT_NEAR(geometry[i].level, level, 1e-3) << u << " " << v;
+        continue;
+      }
+      EXPECT_NEAR(geometry[i].level, level, 1e-3) << u << " " << v;
     }
   EXPECT_TRUE(std::isnan(geometry.back().level));
   EXPECT_EQ(geometry.back().distance, 3.0f);
