@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "calibration_term.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/yaml_config.h>
 #include <pcl_semantic/labelling/label_calibration.h>
@@ -59,6 +61,19 @@ readClass(const YamlMap& entry, Label label, LabelCalibration& calibration)
   entry.refuseUnknownKeys();
 }
 
+void
+readKnots(const YamlMap& knots, const char* name, int classes, ClassCurves& curves)
+{
+  std::vector<double> values;
+  if (!knots.get(name, values))
+    return;
+  curves.knots.assign(values.begin(), values.end());
+  if (values.empty() || !areKnots(curves.knots))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        knots.where(name) << ": expected two or more rising knots");
+  curves.values = Eigen::MatrixXf::Zero(classes, Eigen::Index(values.size()));
+}
+
 std::string
 listOf(const float* values, std::size_t count, std::ptrdiff_t stride)
 {
@@ -79,16 +94,16 @@ readCalibration(const std::string& path, const LabelSet& label_set)
   LabelCalibration calibration = LabelCalibration::identity(label_set.size());
   calibration.fitted.assign(calibration.fitted.size(), false);
   calibration.sharpness = static_cast<float>(file.require<double>("sharpness"));
+  if (!(calibration.sharpness >= 0.0f))
+    PCL_THROW_EXCEPTION(BadInputException, file.where("sharpness")
+                                               << ": sharpness is "
+                                               << calibration.sharpness
+                                               << ", expected 0 or more");
   for (const std::string& name : file.require<std::vector<std::string>>("ground"))
     calibration.ground.push_back(labelOf(file, "ground", name, label_set));
   const YamlMap knots = file.requireMap("knots");
-  for (const auto& [name, curves] : curvesOf(calibration)) {
-    std::vector<double> values;
-    if (knots.get(name, values))
-      curves->knots.assign(values.begin(), values.end());
-    curves->values =
-        Eigen::MatrixXf::Zero(label_set.size(), Eigen::Index(curves->knots.size()));
-  }
+  for (const auto& [name, curves] : curvesOf(calibration))
+    readKnots(knots, name, label_set.size(), *curves);
   knots.refuseUnknownKeys();
   const YamlMap classes = file.requireMap("classes");
   for (const std::string& name : classes.keys())

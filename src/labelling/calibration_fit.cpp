@@ -10,6 +10,8 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 
+#include <functional>
+
 namespace pcl_semantic {
 
 namespace {
@@ -71,12 +73,21 @@ private:
   double bias_penalty_, curve_penalty_;
 };
 
+bool
+counts(const CalibrationSamples& samples, std::size_t i)
+{
+  return samples.truth[i] != kUnlabelled &&
+         samples.network.mapLabel(Eigen::Index(i)) != kUnlabelled;
+}
+
+// The classes of the samples that count.
 std::vector<Label>
-classesOf(const std::vector<Label>& truth)
+classesOf(const CalibrationSamples& samples)
 {
   std::array<bool, 256> is_there{};
-  for (const Label label : truth)
-    is_there[label] = true;
+  for (std::size_t i = 0; i < samples.truth.size(); ++i)
+    if (counts(samples, i))
+      is_there[samples.truth[i]] = true;
   std::vector<Label> labels;
   for (int label = 1; label < 256; ++label)
     if (is_there[std::size_t(label)])
@@ -86,19 +97,18 @@ classesOf(const std::vector<Label>& truth)
 
 Likelihood::Likelihood(const CalibrationSamples& samples,
                        const CalibrationOptions& options)
-    : labels_(classesOf(samples.truth)), bias_penalty_(options.bias_penalty),
+    : labels_(classesOf(samples)), bias_penalty_(options.bias_penalty),
       curve_penalty_(options.curve_penalty)
 {
   std::array<int, 256> number{};
   for (std::size_t k = 0; k < labels_.size(); ++k)
     number[labels_[k]] = int(k);
   std::vector<std::size_t> chosen;
-  std::vector<double> counts(labels_.size());
+  std::vector<double> sizes(labels_.size());
   for (std::size_t i = 0; i < samples.truth.size(); ++i)
-    if (samples.truth[i] != kUnlabelled &&
-        samples.network.mapLabel(Eigen::Index(i)) != kUnlabelled) {
+    if (counts(samples, i)) {
       chosen.push_back(i);
-      counts[std::size_t(number[samples.truth[i]])] += 1.0;
+      sizes[std::size_t(number[samples.truth[i]])] += 1.0;
     }
   logs_.resize(classes(), Eigen::Index(chosen.size()));
   std::vector<float> logs(std::size_t(samples.network.classes()));
@@ -110,7 +120,7 @@ Likelihood::Likelihood(const CalibrationSamples& samples,
     for (int k = 0; k < classes(); ++k)
       logs_(k, column) = logs[labels_[std::size_t(k)] - 1u];
     truth_.push_back(number[samples.truth[i]]);
-    weights_.push_back(std::pow(counts[std::size_t(truth_.back())], -options.balance));
+    weights_.push_back(std::pow(sizes[std::size_t(truth_.back())], -options.balance));
     total += weights_.back();
     SparseRow row;
     row.add(0, 1.0);
@@ -232,6 +242,13 @@ CalibrationOptions::validate() const
     if (!(value >= 0.0 && value <= most))
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           name << " is " << value << ", expected 0 to " << most);
+  for (const auto& [name, knots] :
+       {std::pair("height", &height), std::pair("distance", &distance),
+        std::pair("level", &level)})
+    if (!areKnots(*knots))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "knots of " << name
+                                      << ": expected none, or two or more that rise");
   if (iterations < 1)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "iterations is " << iterations << ", expected 1 or more");
@@ -248,16 +265,30 @@ fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& opti
                                         << samples.network.size()
                                         << " distributions and "
                                         << samples.geometry.size() << " places");
-  if (classesOf(samples.truth).size() < 2)
+  for (const Label label : samples.truth)
+    if (label > samples.network.classes())
+      PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: truth "
+                                                         << int(label) << " of "
+                                                         << samples.network.classes()
+                                                         << " classes");
+  if (classesOf(samples).size() < 2)
     PCL_THROW_EXCEPTION(BadInputException,
                         "calibration: expected truth of two classes or more");
   const Likelihood likelihood(samples, options);
   Eigen::VectorXd start = Eigen::VectorXd::Zero(likelihood.size());
   start[0] = 1.0;
-  const Eigen::VectorXd best =
-      minimizeConvex([&](const Eigen::VectorXd& x,
-                         Eigen::VectorXd& gradient) { return likelihood(x, gradient); },
-                     start, options.iterations, 1e-6);
+  constexpr double tolerance = 1e-6;
+  Eigen::VectorXd best =
+      minimizeConvex(std::cref(likelihood), start, options.iterations, tolerance);
+  if (best[0] < 0.0) { // a network that is mostly wrong: the best without it
+    const auto blind = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
+      const double loss = likelihood(x, gradient);
+      gradient[0] = 0.0;
+      return loss;
+    };
+    start[0] = 0.0;
+    best = minimizeConvex(blind, start, options.iterations, tolerance);
+  }
   return likelihood.calibration(best.data(), samples.network.classes(), options);
 }
 

@@ -22,6 +22,16 @@ struct CurvePlace {
   float share = 0.0f;
 };
 
+/** \brief Whether there are none, or two or more that rise. */
+inline bool
+areKnots(const std::vector<float>& knots)
+{
+  bool is_fine = knots.size() != 1;
+  for (std::size_t i = 0; i < knots.size(); ++i)
+    is_fine &= std::isfinite(knots[i]) && (i == 0 || knots[i] > knots[i - 1]);
+  return is_fine;
+}
+
 inline CurvePlace
 placeOn(const std::vector<float>& knots, float value)
 {

@@ -18,15 +18,11 @@ void
 requireCurves(const ClassCurves& curves, int classes, const char* name)
 {
   const auto& knots = curves.knots;
-  const bool is_rising = std::adjacent_find(knots.begin(), knots.end(),
-                                            std::greater_equal<>()) == knots.end();
   const bool fits =
-      knots.empty() || (curves.values.rows() == classes &&
-                        curves.values.cols() == Eigen::Index(knots.size()) &&
-                        curves.values.allFinite() && knots.size() > 1);
-  if (!fits || !is_rising || !std::all_of(knots.begin(), knots.end(), [](float knot) {
-        return std::isfinite(knot);
-      }))
+      knots.empty() ||
+      (curves.values.rows() == classes &&
+       curves.values.cols() == Eigen::Index(knots.size()) && curves.values.allFinite());
+  if (!fits || !areKnots(knots))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "calibration: the curves of "
                             << name << " need two or more rising knots and " << classes

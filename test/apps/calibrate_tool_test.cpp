@@ -1,0 +1,215 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/bad_case.h"
+#include "support/mapped_street.h"
+#include "support/thrown_message.h"
+#include "support/tiny_street.h"
+
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/labelling/label_calibration.h>
+
+#include <gtest/gtest.h>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string folders = " --labels '{sequence}/labels' --truth '{sequence}/gt' ";
+const std::string label_set_path =
+    PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
+
+// Two streets, of which the second has less truth, and what was learned from them.
+class CalibrateTool : public testing::Test {
+protected:
+  CalibrateTool()
+  {
+    for (const char* const name : {"one", "two"})
+      copyStreet(folder_.path(name));
+    fs::remove(folder_.path("two/gt/000000.png"));
+    fs::remove(folder_.path("two/gt/000001.png"));
+  }
+
+  ToolResult
+  calibrateStreets(const std::string& options = "")
+  {
+    return runTool("calibrate " + folder_.path("one ") + folder_.path("two") + folders +
+                   "--output " + folder_.path("out") + " " + options);
+  }
+
+  // The figures of a row of the report: classes, mean, accuracy, inclusive, coverage.
+  std::vector<double>
+  rowOf(const std::string& name)
+  {
+    std::vector<double> figures;
+    for (const std::string& line : linesOf(folder_.path("out/report.md")))
+      if (line.rfind("| " + name + " | ", 0) == 0) {
+        std::istringstream words(replaceAll(line.substr(name.size() + 5), "|", " "));
+        for (double figure = 0.0; words >> figure;)
+          figures.push_back(figure);
+      }
+    return figures;
+  }
+
+  TemporaryFolder folder_;
+};
+
+} // namespace
+
+TEST_F(CalibrateTool, WritesWhatItLearned)
+{
+  const ToolResult result = calibrateStreets();
+  ASSERT_EQ(result.code, 0) << result.text;
+  EXPECT_EQ(filesIn(folder_.path("out")),
+            (std::set<std::string>{"calibration.yaml", "report.md", "without_one.yaml",
+                                   "without_two.yaml"}));
+  EXPECT_TRUE(holds(result.text, bytesOf(folder_.path("out/report.md"))));
+  const LabelSet label_set = readLabelSet(label_set_path);
+  std::array<bool, 256> is_there{};
+  for (const char* const frame : {"000000", "000001", "000002"}) {
+    const cv::Mat truth =
+        readPng(folder_.path("one/gt/") + frame + ".png", ImageKind::labels);
+    for (const Label label : cv::Mat_<Label>(truth))
+      is_there[label] = true;
+  }
+  const LabelCalibration all =
+      readCalibration(folder_.path("out/calibration.yaml"), label_set);
+  EXPECT_EQ(all.ground,
+            (std::vector<Label>{label_set.find("road"), label_set.find("sidewalk")}));
+  for (int l = 0; l < label_set.size(); ++l)
+    EXPECT_EQ(all.fitted[std::size_t(l)], is_there[std::size_t(l) + 1]) << l;
+  EXPECT_GT(all.sharpness, 0.0f);
+  // What was learned without a street is what the other street teaches alone.
+  const ToolResult alone = runTool("calibrate " + folder_.path("one") + folders +
+                                   "--output " + folder_.path("alone"));
+  ASSERT_EQ(alone.code, 0) << alone.text;
+  EXPECT_EQ(filesIn(folder_.path("alone")),
+            (std::set<std::string>{"calibration.yaml", "report.md"}));
+  EXPECT_EQ(bytesOf(folder_.path("alone/calibration.yaml")),
+            bytesOf(folder_.path("out/without_two.yaml")));
+  EXPECT_NE(bytesOf(folder_.path("out/without_one.yaml")),
+            bytesOf(folder_.path("out/without_two.yaml")));
+}
+
+TEST_F(CalibrateTool, ItsReportAgreesWithPclSemanticEvaluate)
+{
+  ASSERT_EQ(calibrateStreets("--threads 1").code, 0);
+  std::string command = "evaluate --label-set " + label_set_path + " --output " +
+                        folder_.path("evaluation");
+  for (const std::string name : {"one", "two"}) {
+    mapStreet(folder_.path(name), folder_.path(name + "_map"), "--crf none");
+    command += " --prediction " + folder_.path(name + "_map/network_labels") +
+               " --truth " + folder_.path(name + "/gt");
+    if (name == "two") // where there is truth
+      for (const char* const frame : {"/000000.png", "/000001.png"})
+        fs::remove(folder_.path(name + "_map/network_labels" + frame));
+  }
+  const ToolResult evaluated = runTool(command);
+  ASSERT_EQ(evaluated.code, 0) << evaluated.text;
+  const auto json = readJson(folder_.path("evaluation/metrics.json"));
+  const std::vector<double> network = rowOf("the network as it comes");
+  ASSERT_GT(network.size(), 4u);
+  EXPECT_NEAR(network[network.size() - 4],
+              100.0 * json["mean"]["iou_exclusive"].get<double>(), 0.051);
+  EXPECT_NEAR(network[network.size() - 3],
+              100.0 * json["global_accuracy"].get<double>(), 0.051);
+  const std::vector<double> calibrated = rowOf("calibrated, learned from all");
+  ASSERT_EQ(calibrated.size(), network.size());
+  EXPECT_GT(calibrated[network.size() - 4], network[network.size() - 4]);
+  EXPECT_EQ(rowOf("calibrated, learned from the others").size(), network.size());
+}
+
+TEST_F(CalibrateTool, TheMapTakesIt)
+{
+  ASSERT_EQ(calibrateStreets().code, 0);
+  const std::string street = folder_.path("one");
+  mapStreet(street, folder_.path("plain"), "--crf none");
+  mapStreet(street, folder_.path("calibrated"),
+            "--crf none --label-calibration " + folder_.path("out/calibration.yaml"));
+  EXPECT_NE(bytesOf(folder_.path("plain/labels_at_depth/000002.png")),
+            bytesOf(folder_.path("calibrated/labels_at_depth/000002.png")));
+  EXPECT_EQ(
+      readJson(folder_.path("calibrated/summary.json"))["inputs"]["label_calibration"],
+      folder_.path("out/calibration.yaml"));
+  // It is the identity that changes nothing.
+  folder_.write("same.yaml", "sharpness: 1\nground: []\nknots: {}\nclasses: {}\n");
+  mapStreet(street, folder_.path("same"),
+            "--crf none --label-calibration " + folder_.path("same.yaml"));
+  EXPECT_EQ(bytesOf(folder_.path("plain/map.pcd")),
+            bytesOf(folder_.path("same/map.pcd")));
+}
+
+TEST_F(CalibrateTool, TuningTakesOneForEachStreet)
+{
+  ASSERT_EQ(calibrateStreets().code, 0);
+  folder_.write("grid.yaml", "voxel_size: 0.2\ncrf: [none, dense]\n");
+  const auto tune = [&](const std::string& output, const std::string& options) {
+    return runTool("tune " + folder_.path("one ") + folder_.path("two") + folders +
+                   "--config " + folder_.path("grid.yaml") + " --output " +
+                   folder_.path(output) + options);
+  };
+  const std::string options =
+      " --label-calibration " + folder_.path("out/without_'{name}'.yaml");
+  const ToolResult result = tune("tuned", options);
+  ASSERT_EQ(result.code, 0) << result.text;
+  ASSERT_EQ(tune("plain", "").code, 0);
+  EXPECT_NE(bytesOf(folder_.path("tuned/table.tsv")),
+            bytesOf(folder_.path("plain/table.tsv")));
+  // Runs of other calibrations are other runs.
+  EXPECT_EQ(tune("plain", options).code, 3);
+  fs::remove(folder_.path("out/without_two.yaml"));
+  const ToolResult missing = tune("missing", options);
+  EXPECT_EQ(missing.code, 3);
+  EXPECT_TRUE(holds(missing.text, "without_two.yaml"));
+}
+
+TEST(CalibrateToolUsage, BadInput)
+{
+  const std::string all = "calibrate STREET --output OUT" + folders;
+  const auto calibration = [](const std::string& text) {
+    return
+        [=](const std::string& street) { std::ofstream(street + "/c.yaml") << text; };
+  };
+  const std::string map =
+      "--labels STREET/labels --label-calibration STREET/c.yaml --archive TEMP/a.map";
+  for (const BadCase& bad : std::vector<BadCase>{
+           {"nothing", 2, "'--sequences' is required",
+            "calibrate --output OUT" + folders},
+           {"no truth option", 2, "'--truth' is required",
+            "calibrate STREET --output OUT --labels STREET/labels"},
+           {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
+           {"penalty", 2, "bias_penalty is -1", all + "--bias-penalty -1"},
+           {"engine", 2, "stereo", all + "--stereo best"},
+           {"ground", 2, "--ground: class 'lawn' is not in the label set",
+            all + "--ground road,lawn"},
+           {"one twice", 2, "two sequences are called street",
+            "calibrate STREET STREET --output OUT" + folders},
+           {"no truth", 3, "street/none",
+            "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
+            "'{sequence}/none'"},
+           {"no labels", 3, "x/street: is no folder of stored labels",
+            "calibrate STREET --output OUT --labels 'TEMP/x/{name}' --truth "
+            "'{sequence}/gt'"},
+           {"one class", 3, "expected truth of two classes or more", all,
+            [](const std::string& street) {
+              for (const char* const frame : {"000000", "000001", "000002"})
+                writePng(street + "/gt/" + frame + ".png",
+                         cv::Mat(64, 208, CV_8UC1, cv::Scalar(3)));
+            }},
+           {"no output", 5, "poses.txt",
+            "calibrate STREET --output STREET/poses.txt" + folders},
+           {"no calibration", 3, "c.yaml", map},
+           {"unknown class", 3, "c.yaml line 4: class 'lawn' is not in the label set",
+            map,
+            calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {lawn: {}}\n")},
+           {"falling knots", 3, "c.yaml line 3: expected two or more rising knots", map,
+            calibration("sharpness: 1\nground: []\nknots: {height: [1, 0]}\n")}})
+    expectFails(bad);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,298 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "labelling/lbfgs.h"
+#include "support/plain_calibration.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/labelling/calibration_fit.h>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace pcl_semantic {
+namespace {
+
+// Truth by chance as a calibration has it.
+CalibrationSamples
+drawnFrom(const LabelCalibration& calibration, std::size_t count, unsigned seed)
+{
+  CalibrationSamples samples;
+  samples.network = randomNetwork(calibration.classes(), Eigen::Index(count), seed);
+  samples.geometry = randomPlaces(count, seed + 1);
+  const Eigen::MatrixXd chances =
+      plainCalibrate(calibration, samples.network, samples.geometry);
+  std::mt19937 random(seed + 2);
+  for (Eigen::Index i = 0; i < chances.cols(); ++i) {
+    const Eigen::VectorXd column = chances.col(i);
+    std::discrete_distribution<int> draw(column.data(), column.data() + column.size());
+    samples.truth.push_back(Label(draw(random) + 1));
+  }
+  return samples;
+}
+
+// Four classes, of which the truth has 1, 2 and 4; some samples do not count.
+CalibrationSamples
+someSamples(std::size_t count)
+{
+  CalibrationSamples samples = drawnFrom(randomCalibration(4, 5), count, 6);
+  for (Label& label : samples.truth)
+    label = label == 3 ? 1 : label;
+  for (std::size_t i = 0; i < count; i += 10) {
+    samples.truth[i] = kUnlabelled;
+    samples.network.matrix().col(Eigen::Index(i) + 3).setZero();
+  }
+  samples.truth[3] = 3; // where the network says nothing: no sample of class 3
+  return samples;
+}
+
+// What fitCalibration() makes small, sample by sample.
+double
+plainLoss(const LabelCalibration& calibration, const CalibrationSamples& samples,
+          const CalibrationOptions& options)
+{
+  const auto counts = [&](std::size_t i) {
+    return samples.truth[i] != kUnlabelled &&
+           samples.network.matrix().col(Eigen::Index(i)).sum() > 0.0f;
+  };
+  std::map<Label, double> sizes;
+  for (std::size_t i = 0; i < samples.truth.size(); ++i)
+    if (counts(i))
+      ++sizes[samples.truth[i]];
+  double loss = 0.0, weights = 0.0;
+  for (std::size_t i = 0; i < samples.truth.size(); ++i) {
+    if (!counts(i))
+      continue;
+    double total = 0.0, of_truth = 0.0;
+    for (const auto& [label, size] : sizes) {
+      const double weight = plainWeight(
+          calibration, label - 1, samples.network.column(Eigen::Index(i))[label - 1],
+          samples.geometry[i]);
+      total += weight;
+      of_truth += label == samples.truth[i] ? weight : 0.0;
+    }
+    const double weight = std::pow(sizes[samples.truth[i]], -options.balance);
+    loss -= weight * std::log(of_truth / total);
+    weights += weight;
+  }
+  double curves = 0.0;
+  for (const ClassCurves* const each :
+       {&calibration.height, &calibration.distance, &calibration.level})
+    curves += each->values.cast<double>().squaredNorm();
+  return loss / weights +
+         options.bias_penalty * calibration.bias.cast<double>().squaredNorm() +
+         options.curve_penalty * curves;
+}
+
+// All numbers of the fitted classes; the sharpness is the first.
+std::vector<float*>
+parametersOf(LabelCalibration& calibration)
+{
+  std::vector<float*> parameters{&calibration.sharpness};
+  for (int l = 0; l < calibration.classes(); ++l) {
+    if (!calibration.fitted[std::size_t(l)])
+      continue;
+    parameters.push_back(&calibration.bias[l]);
+    for (ClassCurves* const curves :
+         {&calibration.height, &calibration.distance, &calibration.level})
+      for (Eigen::Index k = 0; k < curves->values.cols(); ++k)
+        parameters.push_back(&curves->values(l, k));
+  }
+  return parameters;
+}
+
+// EXPECTs more loss a step to either side of each parameter.
+void
+expectMinimum(LabelCalibration calibration, const CalibrationSamples& samples,
+              const CalibrationOptions& options)
+{
+  const double least = plainLoss(calibration, samples, options);
+  const std::vector<float*> parameters = parametersOf(calibration);
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    const float value = *parameters[p];
+    for (const float step : {-0.02f, 0.02f}) {
+      *parameters[p] = value + step;
+      if (p == 0 && *parameters[p] < 0.0f)
+        continue; // no sharpness
+      EXPECT_GT(plainLoss(calibration, samples, options), least) << p << " " << step;
+    }
+    *parameters[p] = value;
+  }
+}
+
+TEST(CalibrationFit, IsTheMinimumOfThePenalisedLoss)
+{
+  const CalibrationSamples samples = someSamples(1000);
+  for (const double balance : {0.0, 0.5, 1.0}) {
+    CalibrationOptions options;
+    options.balance = balance;
+    const LabelCalibration calibration = fitCalibration(samples, options);
+    EXPECT_EQ(calibration.height.knots, options.height);
+    EXPECT_EQ(calibration.distance.knots, options.distance);
+    EXPECT_EQ(calibration.level.knots, options.level);
+    expectMinimum(calibration, samples, options);
+  }
+}
+
+TEST(CalibrationFit, FitsWithoutCurves)
+{
+  const CalibrationSamples samples = someSamples(1000);
+  CalibrationOptions options;
+  options.height.clear();
+  options.distance.clear();
+  options.level.clear();
+  const LabelCalibration calibration = fitCalibration(samples, options);
+  EXPECT_TRUE(calibration.height.knots.empty());
+  expectMinimum(calibration, samples, options);
+}
+
+TEST(CalibrationFit, FindsTheCalibrationThatTruthWasDrawnFrom)
+{
+  const LabelCalibration known = randomCalibration(4, 21);
+  CalibrationOptions options;
+  options.balance = 0.0; // others weigh the classes, which moves biases
+  options.bias_penalty = options.curve_penalty = 1e-6;
+  options.height = known.height.knots;
+  options.distance = known.distance.knots;
+  options.level = known.level.knots;
+  const LabelCalibration found = fitCalibration(drawnFrom(known, 40000, 22), options);
+  EXPECT_NEAR(found.sharpness, known.sharpness, 0.02f);
+  // Parameters that make no difference are free, so probabilities are compared, there
+  // and elsewhere.
+  const LabelDistributions network = randomNetwork(4, 5000, 31);
+  const std::vector<PointGeometry> places = randomPlaces(5000, 32);
+  const Eigen::MatrixXd wanted = plainCalibrate(known, network, places);
+  const auto difference = [&](const LabelDistributions& other) {
+    return (other.matrix().cast<double>() - wanted).cwiseAbs().mean();
+  };
+  EXPECT_LT(difference(calibrate(found, network, places)), 0.01);
+  EXPECT_GT(difference(network), 0.05);
+}
+
+TEST(CalibrationFit, ClassesWithoutTruthAreNotFitted)
+{
+  const LabelCalibration calibration = fitCalibration(someSamples(500), {});
+  EXPECT_EQ(calibration.fitted, (std::vector<bool>{true, true, false, true}));
+  EXPECT_EQ(calibration.bias[2], 0.0f);
+  EXPECT_TRUE(calibration.height.values.row(2).isZero(0.0f));
+  EXPECT_TRUE(calibration.ground.empty());
+}
+
+TEST(CalibrationFit, ANetworkThatIsMostlyWrongIsNotHeard)
+{
+  CalibrationSamples samples;
+  samples.network = randomNetwork(3, 600, 41);
+  samples.geometry = randomPlaces(600, 42);
+  for (Eigen::Index i = 0; i < 600; ++i) {
+    Eigen::Index least;
+    samples.network.matrix().col(i).minCoeff(&least);
+    samples.truth.push_back(Label(least + 1));
+  }
+  const LabelCalibration calibration = fitCalibration(samples, {});
+  EXPECT_EQ(calibration.sharpness, 0.0f);
+  EXPECT_NO_THROW(calibrate(calibration, samples.network, samples.geometry));
+  expectMinimum(calibration, samples, {});
+}
+
+TEST(CalibrationFit, IsTheSameForAnyNumberOfThreads)
+{
+  const CalibrationSamples samples = someSamples(20000);
+  const auto parameters = [&](int threads) {
+    setNumberOfThreads(threads);
+    LabelCalibration calibration = fitCalibration(samples, {});
+    std::vector<float> values;
+    for (const float* const value : parametersOf(calibration))
+      values.push_back(*value);
+    return values;
+  };
+  const std::vector<float> one = parameters(1);
+  EXPECT_EQ(parameters(4), one);
+  setNumberOfThreads(0);
+}
+
+TEST(CalibrationFit, RefusesBadSamples)
+{
+  const auto change = [](auto&& how) {
+    CalibrationSamples samples = someSamples(100);
+    how(samples);
+    fitCalibration(samples, {});
+  };
+  const auto size = [&](auto&& how) {
+    return thrownMessage<InvalidParameterException>([&] { change(how); });
+  };
+  EXPECT_TRUE(holds(size([](auto& s) { s.truth.pop_back(); }), "99 labels for 100"));
+  EXPECT_TRUE(holds(size([](auto& s) { s.geometry.pop_back(); }), "99 places"));
+  EXPECT_TRUE(holds(size([](auto& s) { s.truth[5] = 5; }), "truth 5 of 4 classes"));
+  const std::string few = "expected truth of two classes or more";
+  const auto input = [&](auto&& how) {
+    return thrownMessage<BadInputException>([&] { change(how); });
+  };
+  EXPECT_TRUE(holds(input([](auto& s) { s.truth.assign(100, 2); }), few));
+  EXPECT_TRUE(holds(input([](auto& s) { s.truth.assign(100, kUnlabelled); }), few));
+  EXPECT_TRUE(holds(input([](auto& s) { s.network.matrix().setZero(); }), few));
+  EXPECT_TRUE(holds(input([](auto& s) { s = {}; }), few));
+}
+
+TEST(CalibrationFit, RefusesBadOptions)
+{
+  const auto refusal = [](auto&& change) {
+    CalibrationOptions options;
+    change(options);
+    return thrownMessage<InvalidParameterException>(
+        [&] { fitCalibration(someSamples(100), options); });
+  };
+  EXPECT_TRUE(holds(refusal([](auto& o) { o.balance = 1.1; }), "balance is 1.1"));
+  EXPECT_TRUE(holds(refusal([](auto& o) { o.bias_penalty = -1; }), "bias_penalty"));
+  EXPECT_TRUE(
+      holds(refusal([](auto& o) { o.curve_penalty = std::nan(""); }), "curve_penalty"));
+  EXPECT_TRUE(holds(refusal([](auto& o) { o.iterations = 0; }), "iterations is 0"));
+  EXPECT_TRUE(holds(refusal([](auto& o) { o.height = {1.0f}; }), "knots of height"));
+  EXPECT_TRUE(holds(refusal([](auto& o) {
+                      o.level = {0.0f, 0.0f};
+                    }),
+                    "knots of level"));
+}
+
+TEST(MinimizeConvex, SolvesAQuadraticAsEigenDoes)
+{
+  constexpr int size = 30;
+  std::mt19937 random(51);
+  std::normal_distribution<double> normal;
+  const auto any = [&] { return normal(random); };
+  const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(size, size, any);
+  const Eigen::MatrixXd matrix =
+      root * root.transpose() + 0.5 * Eigen::MatrixXd::Identity(size, size);
+  const Eigen::VectorXd right = Eigen::VectorXd::NullaryExpr(size, any);
+  const Eigen::VectorXd found = minimizeConvex(
+      [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
+        gradient = matrix * x - right;
+        return 0.5 * x.dot(matrix * x) - right.dot(x);
+      },
+      Eigen::VectorXd::Constant(size, 3.0), 1000, 1e-7);
+  const Eigen::VectorXd exact = matrix.ldlt().solve(right);
+  EXPECT_GT(exact.norm(), 0.1);
+  EXPECT_LT((found - exact).norm(), 1e-6); // 1e-7 sqrt(30) / 0.5
+}
+
+TEST(MinimizeConvex, StaysWhereItIsBest)
+{
+  const Eigen::VectorXd best = Eigen::VectorXd::LinSpaced(4, -1.0, 2.0);
+  int calls = 0;
+  const auto function = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
+    ++calls;
+    gradient = 2.0 * (x - best);
+    return (x - best).squaredNorm();
+  };
+  EXPECT_EQ(minimizeConvex(function, best, 10, 1e-9), best);
+  EXPECT_EQ(calls, 1);
+}
+
+} // namespace
+} // namespace pcl_semantic

@@ -1,0 +1,225 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/plain_calibration.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+
+#include <gtest/gtest.h>
+
+namespace pcl_semantic {
+namespace {
+
+constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+
+const LabelSet&
+fiveClasses()
+{
+  static const LabelSet label_set({{"house"}, {"road"}, {"path"}, {"tree"}, {"post"}});
+  return label_set;
+}
+
+// Of class 4 nothing was learned.
+LabelCalibration
+makeCalibration()
+{
+  LabelCalibration calibration = randomCalibration(5, 3);
+  calibration.fitted[3] = false;
+  calibration.ground = {3, 2};
+  return calibration;
+}
+
+double
+largestDifference(const LabelDistributions& a, const Eigen::MatrixXd& b)
+{
+  return (a.matrix().cast<double>() - b).cwiseAbs().maxCoeff();
+}
+
+TEST(LabelCalibration, AgreesWithThePlainFormula)
+{
+  const LabelDistributions network = randomNetwork(5, 3000, 1);
+  const std::vector<PointGeometry> geometry = randomPlaces(3000, 2);
+  const LabelCalibration calibration = makeCalibration();
+  const LabelDistributions result = calibrate(calibration, network, geometry);
+  EXPECT_LT(largestDifference(result, plainCalibrate(calibration, network, geometry)),
+            2e-6);
+  EXPECT_GT((result.matrix() - network.matrix()).cwiseAbs().maxCoeff(), 0.3f);
+}
+
+TEST(LabelCalibration, KeepsWhatItWasNotFittedFor)
+{
+  LabelDistributions network = randomNetwork(5, 500, 4);
+  network.matrix().col(7).setZero();
+  network.setLabel(8, 4, 1.0f); // nothing is left to share
+  const LabelDistributions result =
+      calibrate(makeCalibration(), network, randomPlaces(500, 5));
+  EXPECT_EQ(result.matrix().row(3), network.matrix().row(3));
+  EXPECT_EQ(result.matrix().col(7), network.matrix().col(7));
+  EXPECT_EQ(result.matrix().col(8), network.matrix().col(8));
+  for (Eigen::Index i = 0; i < result.size(); ++i)
+    if (i != 7) {
+      EXPECT_NEAR(result.matrix().col(i).sum(), 1.0f, 1e-6f) << i;
+    }
+  LabelCalibration nothing = makeCalibration();
+  nothing.fitted.assign(5, false);
+  EXPECT_EQ(calibrate(nothing, network, {}).matrix(), network.matrix());
+}
+
+TEST(LabelCalibration, LeavesOutCurvesOverWhatIsNotKnown)
+{
+  const LabelDistributions network = randomNetwork(5, 200, 6);
+  const LabelCalibration calibration = makeCalibration();
+  LabelCalibration no_height = calibration, no_curves = calibration;
+  no_height.height = {};
+  no_curves.height = no_curves.distance = no_curves.level = {};
+  std::vector<PointGeometry> places(200, {0.7f, 12.0f, 0.4f}), without = places;
+  for (PointGeometry& place : without)
+    place.height = unknown;
+  EXPECT_EQ(calibrate(calibration, network, without).matrix(),
+            calibrate(no_height, network, places).matrix());
+  EXPECT_NE(calibrate(calibration, network, without).matrix(),
+            calibrate(calibration, network, places).matrix());
+  const LabelDistributions nowhere = calibrate(no_curves, network, places);
+  EXPECT_EQ(calibrate(calibration, network, {}).matrix(), nowhere.matrix());
+  EXPECT_EQ(calibrate(calibration, network, std::vector<PointGeometry>(200)).matrix(),
+            nowhere.matrix());
+}
+
+TEST(LabelCalibration, IsLevelBeyondTheKnots)
+{
+  const LabelDistributions network = randomNetwork(5, 100, 8);
+  const LabelCalibration calibration = makeCalibration();
+  const auto at = [&](float height, float distance) {
+    return calibrate(calibration, network,
+                     std::vector<PointGeometry>(100, {height, distance, 0.5f}))
+        .matrix();
+  };
+  const float low = calibration.height.knots.front();
+  const float high = calibration.height.knots.back();
+  const float far = calibration.distance.knots.back();
+  EXPECT_EQ(at(low - 100.0f, far + 1.0f), at(low, far));
+  EXPECT_EQ(at(high + 0.01f, far + 1e6f), at(high, far));
+  EXPECT_NE(at(low, far), at(high, far));
+}
+
+TEST(LabelCalibration, TheIdentityOnlyClamps)
+{
+  const LabelDistributions network = randomNetwork(5, 1000, 9);
+  const LabelDistributions result =
+      calibrate(LabelCalibration::identity(5), network, randomPlaces(1000, 10));
+  Eigen::MatrixXf clamped = network.matrix().cwiseMax(1e-4f);
+  clamped.array().rowwise() /= clamped.colwise().sum().eval().array();
+  EXPECT_LT((result.matrix() - clamped).cwiseAbs().maxCoeff(), 1e-6f);
+  EXPECT_LT(network.matrix().minCoeff(), 1e-4f); // or nothing was clamped
+}
+
+TEST(LabelCalibration, IsTheSameForAnyNumberOfThreads)
+{
+  const LabelDistributions network = randomNetwork(5, 5000, 11);
+  const std::vector<PointGeometry> geometry = randomPlaces(5000, 12);
+  setNumberOfThreads(1);
+  const LabelDistributions one = calibrate(makeCalibration(), network, geometry);
+  setNumberOfThreads(4);
+  EXPECT_EQ(calibrate(makeCalibration(), network, geometry).matrix(), one.matrix());
+  setNumberOfThreads(0);
+}
+
+TEST(LabelCalibration, RefusesWhatDoesNotFit)
+{
+  const auto refusal = [](const LabelCalibration& calibration, int classes,
+                          std::size_t places) {
+    return thrownMessage<InvalidParameterException>([&] {
+      calibrate(calibration, randomNetwork(classes, 10, 1), randomPlaces(places, 2));
+    });
+  };
+  EXPECT_TRUE(holds(refusal(makeCalibration(), 4, 10), "of 5 classes: got 4 classes"));
+  EXPECT_TRUE(holds(refusal(makeCalibration(), 5, 9), "10 points, geometry of 9"));
+  const auto changed = [&](auto&& change) {
+    LabelCalibration calibration = makeCalibration();
+    change(calibration);
+    return refusal(calibration, 5, 10);
+  };
+  EXPECT_TRUE(holds(changed([](auto& c) { c.bias.conservativeResize(4); }), "bias"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.bias[2] = unknown; }), "bias"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.sharpness = -0.1f; }), "sharpness"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.ground = {6}; }), "ground label 6"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.height.knots[1] = c.height.knots[0]; }),
+                    "curves of height"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.distance.values(0, 0) = unknown; }),
+                    "curves of distance"));
+  EXPECT_TRUE(holds(changed([](auto& c) {
+                      c.level.knots.resize(1);
+                      c.level.values.conservativeResize(5, 1);
+                    }),
+                    "curves of level"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.level.values.conservativeResize(4, 3); }),
+                    "curves of level"));
+}
+
+TEST(LabelCalibrationFile, ComesBackBitByBit)
+{
+  const TemporaryFolder folder;
+  LabelCalibration written = makeCalibration();
+  written.level = {}; // a file need not have all curves
+  const LabelCalibration read = readCalibration(
+      folder.write("a.yaml", printCalibration(written, fiveClasses())), fiveClasses());
+  EXPECT_EQ(read.fitted, written.fitted);
+  EXPECT_EQ(read.ground, written.ground);
+  EXPECT_EQ(read.sharpness, written.sharpness);
+  for (const auto& [a, b] : {std::pair(&read.height, &written.height),
+                             std::pair(&read.distance, &written.distance)}) {
+    EXPECT_EQ(a->knots, b->knots);
+    for (const int l : {0, 1, 2, 4})
+      EXPECT_EQ(a->values.row(l), b->values.row(l));
+  }
+  for (const int l : {0, 1, 2, 4})
+    EXPECT_EQ(read.bias[l], written.bias[l]);
+  EXPECT_TRUE(read.level.knots.empty());
+}
+
+TEST(LabelCalibrationFile, BadOnesAreRefusedWithTheirLine)
+{
+  const std::string good = "sharpness: 0.5\nground: [road]\nknots:\n"
+                           "  height: [0, 1, 2]\nclasses:\n  road:\n"
+                           "    bias: 1\n    height: [1, 2, 3]\n  post:\n"
+                           "    bias: 2\n";
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    return readCalibration(folder.write("a.yaml", text), fiveClasses());
+  };
+  EXPECT_EQ(read(good).height.values(1, 2), 3.0f);
+  EXPECT_EQ(read(good).fitted, (std::vector<bool>{false, true, false, false, true}));
+  for (const auto& [from, to, says] : std::vector<std::array<std::string, 3>>{
+           {"  post:", "  mast:", "line 9: class 'mast' is not in the label set"},
+           {"[road]", "[rode]", "line 2: class 'rode' is not in the label set"},
+           {"    bias: 2", "    bios: 2", "line 10: key 'bios' is not known"},
+           {"  height: [0", "  heights: [0", "line 4: key 'heights' is not known"},
+           {"sharpness: 0.5", "sharpness: 0.5\nblunt: 1", "line 2: key 'blunt'"},
+           {"[1, 2, 3]", "[1, 2]", "line 8: height has 2 values for 3 knots"},
+           {"height: [1", "level: [1", "line 8: level has 3 values for 0 knots"},
+           {"[0, 1, 2]", "[0, 2, 2]", "line 4: expected two or more rising knots"},
+           {"[0, 1, 2]", "[0]", "line 4: expected two or more rising knots"},
+           {"[0, 1, 2]", "[0, 1, .nan]", "line 4: "},
+           {"sharpness: 0.5", "sharpness: -1", "line 1: sharpness is -1"},
+           {"bias: 2", "bias: much", "line 10: "},
+           {"sharpness: 0.5\n", "", "sharpness"},
+           {"ground: [road]\n", "", "ground"}}) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    const std::string message =
+        thrownMessage<BadInputException>([&, &bad = text] { read(bad); });
+    EXPECT_TRUE(holds(message, says)) << text;
+    EXPECT_TRUE(holds(message, folder.path("a.yaml"))) << text;
+  }
+}
+
+} // namespace
+} // namespace pcl_semantic
