@@ -106,21 +106,19 @@ Tuner::scoreWithout(const TuningChoice& choice, std::size_t left_out) const
 }
 
 // The neighbours of what was chosen along each parameter, for a reader to see how much
-// depends on it.
+// depends on it. Those of the choices without a sequence would be as many again for
+// each.
 bool
 Tuner::lookAround()
 {
   std::vector<TuningChoice> around;
-  std::vector<TuningChoice> centres = chosen_without_;
-  centres.push_back(chosen_);
-  for (const TuningChoice& centre : centres)
-    for (std::size_t axis = 0; axis < centre.size(); ++axis) {
-      TuningChoice choice = centre;
-      for (choice[axis] = 0; choice[axis] < grid_.axes[axis].candidates.size();
-           ++choice[axis])
-        if (grid_.isPossible(choice))
-          around.push_back(choice);
-    }
+  for (std::size_t axis = 0; axis < chosen_.size(); ++axis) {
+    TuningChoice choice = chosen_;
+    for (choice[axis] = 0; choice[axis] < grid_.axes[axis].candidates.size();
+         ++choice[axis])
+      if (grid_.isPossible(choice))
+        around.push_back(choice);
+  }
   return compute(around);
 }
 
@@ -216,7 +214,7 @@ Tuner::heldOut(std::size_t axis, std::size_t candidate) const
     TuningChoice choice = chosenWithout(i);
     if (axis != no_axis)
       choice.at(axis) = candidate;
-    if (!results_.count(choice)) // its values do not go together
+    if (!results_.count(choice))
       return TuningResult(classes_);
     sum += result(choice, i);
   }
