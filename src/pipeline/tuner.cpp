@@ -53,6 +53,10 @@ Tuner::require(const TuningGrid& grid, const std::vector<std::string>& sequences
   if (!(options.margin >= 0.0 && options.margin <= 100.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "margin is " << options.margin << ", expected 0 to 100");
+  if (!(options.search.least_gain >= 0.0 && options.search.least_gain <= 100.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "least gain is "
+                                                       << options.search.least_gain
+                                                       << ", expected 0 to 100");
   if (!grid.isPossible(grid.startChoice()))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "the values of the start do not go together");
