@@ -89,6 +89,8 @@ parse(int argc, char** argv, Options& options)
                   "grid: everything; random");
   tool::addOption(description, "budget", tuning.search.budget,
                   "configurations a search may look at");
+  tool::addOption(description, "least-gain", tuning.search.least_gain,
+                  "points below which --search coordinate does not move a parameter");
   tool::addOption(description, "seed", tuning.search.seed, "of --search random");
   tool::addOption(description, "score", options.score,
                   "mean IoU: exclusive, inclusive, or gain (exclusive, above that of "

@@ -53,6 +53,10 @@ Tuner::require(const TuningGrid& grid, const std::vector<std::string>& sequences
   if (!(options.margin >= 0.0 && options.margin <= 100.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "margin is " << options.margin << ", expected 0 to 100");
+  if (!(options.search.least_gain >= 0.0 && options.search.least_gain <= 100.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "least gain is "
+                                                       << options.search.least_gain
+                                                       << ", expected 0 to 100");
   if (!grid.isPossible(grid.startChoice()))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "the values of the start do not go together");
@@ -106,21 +110,19 @@ Tuner::scoreWithout(const TuningChoice& choice, std::size_t left_out) const
 }
 
 // The neighbours of what was chosen along each parameter, for a reader to see how much
-// depends on it.
+// depends on it. Those of the choices without a sequence would be as many again for
+// each.
 bool
 Tuner::lookAround()
 {
   std::vector<TuningChoice> around;
-  std::vector<TuningChoice> centres = chosen_without_;
-  centres.push_back(chosen_);
-  for (const TuningChoice& centre : centres)
-    for (std::size_t axis = 0; axis < centre.size(); ++axis) {
-      TuningChoice choice = centre;
-      for (choice[axis] = 0; choice[axis] < grid_.axes[axis].candidates.size();
-           ++choice[axis])
-        if (grid_.isPossible(choice))
-          around.push_back(choice);
-    }
+  for (std::size_t axis = 0; axis < chosen_.size(); ++axis) {
+    TuningChoice choice = chosen_;
+    for (choice[axis] = 0; choice[axis] < grid_.axes[axis].candidates.size();
+         ++choice[axis])
+      if (grid_.isPossible(choice))
+        around.push_back(choice);
+  }
   return compute(around);
 }
 
@@ -216,7 +218,7 @@ Tuner::heldOut(std::size_t axis, std::size_t candidate) const
     TuningChoice choice = chosenWithout(i);
     if (axis != no_axis)
       choice.at(axis) = candidate;
-    if (!results_.count(choice)) // its values do not go together
+    if (!results_.count(choice))
       return TuningResult(classes_);
     sum += result(choice, i);
   }

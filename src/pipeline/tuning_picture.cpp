@@ -48,9 +48,9 @@ curvesOf(const Tuner& tuner)
 
 // The same scale for all panels, so that they can be compared.
 std::pair<double, double>
-rangeOf(const std::vector<Curve>& curves)
+rangeOf(const std::vector<Curve>& curves, double start, double held_out)
 {
-  double lowest = 1e9, highest = -1e9;
+  double lowest = std::min(start, held_out), highest = std::max(start, held_out);
   for (const Curve& curve : curves)
     for (const auto* values : {&curve.all, &curve.held_out})
       for (const double value : *values)
@@ -119,6 +119,14 @@ public:
   }
 
   void
+  drawLevel(double value, const cv::Scalar& colour)
+  {
+    const int row = place(0, value).y;
+    for (int x = left + 2; x < panel_width - right; x += 10)
+      cv::line(picture_, {x, row}, {x + 4, row}, colour, 1);
+  }
+
+  void
   drawCurve(const std::vector<double>& values, bool joined, const cv::Scalar& colour,
             int width)
   {
@@ -157,12 +165,11 @@ drawLegend(cv::Mat& picture, const std::string& score)
                 cv::FONT_HERSHEY_SIMPLEX, 0.48, black, 1, cv::LINE_AA);
   };
   entry(24, all_colour, "all sequences");
-  entry(184, held_out_colour, "held out");
-  cv::line(picture, {300, 14}, {300, legend_height - 14}, cv::Scalar(120, 170, 120), 2);
-  cv::putText(picture, "chosen", {312, legend_height / 2 + 5}, cv::FONT_HERSHEY_SIMPLEX,
-              0.48, black, 1, cv::LINE_AA);
-  cv::putText(picture, score, {404, legend_height / 2 + 5}, cv::FONT_HERSHEY_SIMPLEX,
-              0.48, black, 1, cv::LINE_AA);
+  entry(174, held_out_colour, "held out");
+  entry(280, {120, 170, 120}, "chosen");
+  entry(370, black, "start");
+  cv::putText(picture, score, {448, legend_height / 2 + 5}, cv::FONT_HERSHEY_SIMPLEX,
+              0.44, black, 1, cv::LINE_AA);
 }
 
 } // namespace
@@ -171,7 +178,10 @@ cv::Mat
 drawSensitivity(const Tuner& tuner)
 {
   const std::vector<Curve> curves = curvesOf(tuner);
-  const std::pair<double, double> range = rangeOf(curves);
+  const TuningScore& score = tuner.options().score;
+  const double start = score(tuner.pooled(tuner.grid().startChoice()));
+  const double held_out = score(tuner.heldOut());
+  const std::pair<double, double> range = rangeOf(curves, start, held_out);
   const int columns = std::clamp(int(curves.size()), 2, 3);
   const int rows = (int(curves.size()) + columns - 1) / columns;
   cv::Mat picture(legend_height + rows * panel_height, columns * panel_width, CV_8UC3,
@@ -184,6 +194,8 @@ drawSensitivity(const Tuner& tuner)
                          panel_height);
     Panel panel(picture(place), axis.candidates.size(), range);
     panel.drawFrame(axis, tuner.chosen()[i]);
+    panel.drawLevel(start, black);
+    panel.drawLevel(held_out, {120, 180, 245}); // paler
     panel.drawCurve(curves[i].all, axis.is_number, all_colour, 5);
     panel.drawCurve(curves[i].held_out, axis.is_number, held_out_colour, 2);
   }

@@ -127,7 +127,8 @@ TuningSearch::unseenAlong(std::size_t axis) const
   return unseen;
 }
 
-// To the best that was seen along an axis. \return whether that is better
+// To the best that was seen along an axis, if it is better by enough.
+// \return whether it is
 bool
 TuningSearch::moveAlong(std::size_t axis)
 {
@@ -137,8 +138,10 @@ TuningSearch::moveAlong(std::size_t axis)
     if (found != seen_.end() && found->second > seen_.at(best))
       best = choice;
   }
-  std::swap(best, current_);
-  return best != current_;
+  if (!(seen_.at(best) > seen_.at(current_) + options_.least_gain))
+    return false;
+  current_ = best;
+  return true;
 }
 
 TuningChoice

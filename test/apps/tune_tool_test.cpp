@@ -150,6 +150,7 @@ TEST(TuneToolUsage, BadInput)
             all + "--search grid --budget 1", good},
            {"workers", 2, "runs at a time are 0", all + "--workers 0", good},
            {"margin", 2, "margin is -1", all + "--margin -1", good},
+           {"least gain", 2, "least gain is nan", all + "--least-gain nan", good},
            {"memory", 2, "--memory is -1", all + "--memory -1", good},
            {"one twice", 2, "each of another name",
             "tune STREET STREET --config STREET/grid.yaml --output OUT" + folders,

@@ -84,6 +84,22 @@ TEST(TuningSearch, TheDescentEndsWhereNoSingleParameterGetsBetter)
   }
 }
 
+TEST(TuningSearch, ADescentDoesNotMoveForNothing)
+{
+  const Score score = [](const TuningChoice& c) {
+    return 0.04 * double(c[0]) + 0.03 * double(c[1]);
+  };
+  for (const double least_gain : {0.0, 0.035, 0.05}) {
+    TuningSearch::Options options;
+    options.least_gain = least_gain;
+    const TuningSearch search = finished({{2, 2}, {0, 0}, options}, score, 60);
+    // To {1, 0} and on to {1, 1}; to {1, 0}, from where {1, 1} is seen; nowhere.
+    EXPECT_TRUE(search.seen().count({1, 0}));
+    EXPECT_EQ(search.seen().count({1, 1}), least_gain < 0.04 ? 1u : 0u);
+    EXPECT_EQ(search.seen().size(), least_gain == 0.0 ? 4u : 3u);
+  }
+}
+
 TEST(TuningSearch, ABudgetEndsTheDescent)
 {
   const Score score = [](const TuningChoice& c) { return double(c[0] + c[1]); };

@@ -79,7 +79,7 @@ public:
 
   /** \brief Each sequence with what was chosen without it, pooled. If \a axis is one,
    * with its candidate \a candidate in the place of the one chosen; without counts if
-   * that cannot be in one of them. */
+   * one of these was not looked at. */
   TuningResult heldOut(std::size_t axis = no_axis, std::size_t candidate = 0) const;
 
   static constexpr std::size_t no_axis = std::size_t(-1);

@@ -34,8 +34,9 @@ public:
 
   struct Options {
     TuningMethod method = TuningMethod::coordinate;
-    int budget = 60;   ///< choices to look at, at most
-    unsigned seed = 1; ///< of TuningMethod::random
+    double least_gain = 0.05; ///< a descent moves for no less
+    int budget = 60;          ///< choices to look at, at most
+    unsigned seed = 1;        ///< of TuningMethod::random
   };
 
   /** \param[in] sizes number of candidates of each parameter
