@@ -6,6 +6,7 @@
 
 #include "map_arguments.h"
 #include "map_extras.h"
+#include "map_labelling.h"
 #include "map_poses.h"
 #include "pair_watch.h"
 #include "progress_bar.h"
@@ -14,10 +15,6 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/frame_range.h>
-#include <pcl_semantic/files/data_folder.h>
-#include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/labelling/network_predictor.h>
-#include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
@@ -29,33 +26,8 @@ namespace {
 
 using namespace pcl_semantic;
 
+using tool::Labelling;
 using tool::MapArguments;
-
-struct Labelling {
-  LabelSet label_set;
-  std::unique_ptr<LabelPredictor> predictor;
-  std::string model; ///< path; empty without a network
-};
-
-Labelling
-makeLabelling(const MapArguments& arguments)
-{
-  if (!arguments.network.empty()) {
-    const NetworkDescription network = readNetworkDescription(arguments.network);
-    const LabelSet label_set = readLabelSet(network.label_set_path);
-    return {label_set,
-            std::make_unique<NetworkPredictor>(network, label_set, arguments.model),
-            arguments.model.empty() ? network.model_path : arguments.model};
-  }
-  const LabelSet label_set =
-      readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
-                                               : arguments.label_set);
-  return {
-      label_set,
-      std::make_unique<StoredPredictor>(arguments.labels, label_set.size(),
-                                        float(arguments.parameters.label_confidence)),
-      ""};
-}
 
 // Everything that the map depends on.
 MappingRun
@@ -153,7 +125,7 @@ mapSequence(const MapArguments& arguments)
   const std::unique_ptr<FrameSequence> opened = tool::openSequence(arguments.sequence);
   const FrameSequence& sequence = *opened;
   const std::string chosen = tool::choosePoses(arguments, sequence);
-  Labelling labelling = makeLabelling(arguments);
+  Labelling labelling = tool::makeLabelling(arguments);
   const std::vector<std::size_t> frames =
       tool::chooseFrames(arguments.sequence, sequence, arguments.frames);
   const MappingRun run = makeRun(arguments, sequence, frames, chosen, labelling);
@@ -165,9 +137,8 @@ mapSequence(const MapArguments& arguments)
   SemanticMapper mapper(run.camera, run.label_set, run.config,
                         std::move(labelling.predictor), std::move(owned_poses),
                         archive.store());
-  if (!arguments.label_calibration.empty())
-    mapper.setLabelCalibration(
-        readCalibration(arguments.label_calibration, run.label_set));
+  if (labelling.calibration)
+    mapper.setLabelCalibration(*labelling.calibration);
   MappingOutput output = makeOutput(arguments, run, chosen, archive, std::move(extra));
   archive.resume(mapper);
   mapFrames(sequence, run, arguments.sequence.strict, mapper, archive, output);

@@ -25,9 +25,9 @@ namespace pcl_semantic {
 
 /** \brief Where the files of a sequence with truth are. */
 struct TuningFolders {
-  std::string sequence;    ///< in KITTI's layout, with poses.txt
-  std::string labels;      ///< stored label distributions, see StoredPredictor
-  std::string truth;       ///< label images (000012.png), 0 = no truth
+  std::string sequence;      ///< in KITTI's layout, with poses.txt
+  std::string labels;        ///< stored label distributions, see StoredPredictor
+  std::string truth;         ///< label images (000012.png), 0 = no truth
   std::string calibration{}; ///< of the labels (readCalibration); empty = none
 };
 

@@ -1,0 +1,50 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "map_labelling.h"
+
+#include <pcl_semantic/files/data_folder.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/labelling/network_predictor.h>
+#include <pcl_semantic/labelling/stored_predictor.h>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+Labelling
+makeUncalibrated(const MapArguments& arguments)
+{
+  if (!arguments.network.empty()) {
+    const NetworkDescription network = readNetworkDescription(arguments.network);
+    const LabelSet label_set = readLabelSet(network.label_set_path);
+    return {label_set,
+            std::make_unique<NetworkPredictor>(network, label_set, arguments.model),
+            arguments.model.empty() ? network.model_path : arguments.model};
+  }
+  const LabelSet label_set =
+      readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
+                                               : arguments.label_set);
+  return {
+      label_set,
+      std::make_unique<StoredPredictor>(arguments.labels, label_set.size(),
+                                        float(arguments.parameters.label_confidence)),
+      ""};
+}
+
+} // namespace
+
+Labelling
+makeLabelling(const MapArguments& arguments)
+{
+  Labelling labelling = makeUncalibrated(arguments);
+  if (!arguments.label_calibration.empty())
+    labelling.calibration =
+        readCalibration(arguments.label_calibration, labelling.label_set);
+  return labelling;
+}
+
+} // namespace pcl_semantic::tool
