@@ -104,7 +104,9 @@ TEST_F(EvaluateTool, PoolsAndWrites)
 
 TEST_F(EvaluateTool, CountsEachRangeByItself)
 {
-  // Road at 5 m (two pixels), 10 m (three) and at no depth (one); building beyond 20 m.
+  // Road at 5 m (two pixels), at 10 m (one wrong, one right, one uncovered) and at no
+  // depth (one); building beyond 20 m.
+  writeImage(folder_.path("p1"), "000000.png", (cv::Mat1b(2, 3) << 3, 3, 1, 3, 0, 3));
   fs::create_directories(folder_.path("d1"));
   fs::create_directories(folder_.path("d2"));
   writeDepthImage(folder_.path("d1/000000.png"),
