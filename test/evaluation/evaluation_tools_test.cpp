@@ -122,8 +122,8 @@ TEST_F(EvaluateTool, CountsEachRangeByItself)
       rows.text,
       "| map, 0-10 m | - | 100.0 | - | - | - | - | - | - | 100.0 | 100.0 | 100.0 "
       "| 100.0 |\n"
-      "| map, 10-20 m | - | 100.0 | - | - | - | - | - | - | 100.0 | 100.0 | 100.0 "
-      "| 100.0 |\n"
+      "| map, 10-20 m | - | 50.0 | - | - | - | - | - | - | 50.0 | 50.0 | 33.3 | 66.7 "
+      "|\n"
       "| map, from 20 m | 33.3 | - | - | - | - | - | - | - | 33.3 | 33.3 | 25.0 | "
       "75.0 |\n");
   const ToolResult table = runTool("evaluate" + pair("1") + pair("2") + label_set +
