@@ -104,7 +104,9 @@ TEST_F(EvaluateTool, PoolsAndWrites)
 
 TEST_F(EvaluateTool, CountsEachRangeByItself)
 {
-  // Road at 5 m (two pixels), 10 m (three) and at no depth (one); building beyond 20 m.
+  // Road at 5 m (two pixels), at 10 m (one wrong, one right, one uncovered) and at no
+  // depth (one); building beyond 20 m.
+  writeImage(folder_.path("p1"), "000000.png", (cv::Mat1b(2, 3) << 3, 3, 1, 3, 0, 3));
   fs::create_directories(folder_.path("d1"));
   fs::create_directories(folder_.path("d2"));
   writeDepthImage(folder_.path("d1/000000.png"),
@@ -120,8 +122,8 @@ TEST_F(EvaluateTool, CountsEachRangeByItself)
       rows.text,
       "| map, 0-10 m | - | 100.0 | - | - | - | - | - | - | 100.0 | 100.0 | 100.0 "
       "| 100.0 |\n"
-      "| map, 10-20 m | - | 100.0 | - | - | - | - | - | - | 100.0 | 100.0 | 100.0 "
-      "| 100.0 |\n"
+      "| map, 10-20 m | - | 50.0 | - | - | - | - | - | - | 50.0 | 50.0 | 33.3 | 66.7 "
+      "|\n"
       "| map, from 20 m | 33.3 | - | - | - | - | - | - | - | 33.3 | 33.3 | 25.0 | "
       "75.0 |\n");
   const ToolResult table = runTool("evaluate" + pair("1") + pair("2") + label_set +
