@@ -22,8 +22,11 @@ setNumberOfThreads(int threads)
                         "threads is " << threads << ", expected 0 (all) to 1024");
   const int count = threads == 0 ? omp_get_num_procs() : threads;
   omp_set_num_threads(count);
-  // TBB complains on standard error when asked for more than there are.
-  cv::setNumThreads(std::min(count, cv::getNumberOfCPUs()));
+  // TBB complains on standard error when asked for more than there are; and OpenCV's
+  // number is of the process, and must not be changed while another thread uses it.
+  const int of_opencv = std::min(count, cv::getNumberOfCPUs());
+  if (cv::getNumThreads() != of_opencv)
+    cv::setNumThreads(of_opencv);
 }
 
 } // namespace pcl_semantic

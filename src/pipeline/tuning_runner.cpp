@@ -5,6 +5,7 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/pipeline/tuning_runner.h>
 
 #include <algorithm>
@@ -59,7 +60,10 @@ refinesEveryFrameAfresh(const MapperConfig& config)
 TuningRunner::TuningRunner(std::vector<std::shared_ptr<const TuningSequence>> sequences,
                            const LabelSet& label_set, std::size_t memory)
     : sequences_(std::move(sequences)), label_set_(label_set), memory_(memory)
-{}
+{
+  // Once, before there are several threads: the runs ask for the same, each for itself.
+  setNumberOfThreads(1);
+}
 
 std::string
 TuningRunner::mapKey(const MapperConfig& config)
