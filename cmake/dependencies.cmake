@@ -19,5 +19,5 @@ if(NOT PCL_SEMANTIC_CONSUMER)
     opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
     opencv_features2d opencv_video
     OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json
-    SQLite::SQLite3 zstd::libzstd_shared pcl_kdtree)
+    SQLite::SQLite3 zstd::libzstd_shared)
 endif()
