@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "default_label_set.h"
 #include "parameter_options.h"
 #include "progress_bar.h"
 #include "sequence_pattern.h"
@@ -13,8 +14,6 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/evaluation/evaluation_report.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/data_folder.h>
-#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/tuning_score.h>
 
@@ -120,9 +119,7 @@ int
 calibrateSequences(const Options& options)
 {
   setNumberOfThreads(options.threads);
-  const LabelSet label_set =
-      readLabelSet(options.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
-                                             : options.label_set);
+  const LabelSet label_set = tool::readLabelSetOrDefault(options.label_set);
   const std::vector<Label> ground = groundLabels(options.ground, label_set);
   std::vector<CalibrationSamples> samples;
   std::vector<std::string> names;

@@ -4,15 +4,14 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "default_label_set.h"
 #include "progress_bar.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/small_png.h>
 #include <pcl_semantic/io/label_sheet.h>
 
@@ -153,9 +152,7 @@ int
 compare(const Arguments& arguments)
 {
   const std::vector<std::string> names = namesOf(arguments);
-  const LabelSet label_set =
-      readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
-                                               : arguments.label_set);
+  const LabelSet label_set = tool::readLabelSetOrDefault(arguments.label_set);
   if (!isFolder(arguments.image)) {
     makeSheet(arguments, names, label_set, "");
     std::cout << "sheet: " << arguments.output << "\n";

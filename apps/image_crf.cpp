@@ -4,17 +4,16 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "default_label_set.h"
 #include "parameter_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/cliques/slic.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/filters/image_crf.h>
 #include <pcl_semantic/io/map_pictures.h>
 #include <pcl_semantic/pipeline/crf_config.h>
@@ -112,9 +111,7 @@ refine(const Arguments& arguments)
   tool::requireExtension(arguments.refined, ".bin");
   arguments.parameters.requireFittingCliques();
   setNumberOfThreads(arguments.parameters.threads);
-  const LabelSet label_set =
-      readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
-                                               : arguments.label_set);
+  const LabelSet label_set = tool::readLabelSetOrDefault(arguments.label_set);
   const cv::Mat image = readPng(arguments.image, ImageKind::grey_or_colour);
   const LabelDistributions measured =
       readDistributions(arguments.distributions, image.cols, image.rows,

@@ -6,10 +6,10 @@
 
 #include "map_input.h"
 
+#include "default_label_set.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
@@ -100,12 +100,11 @@ LabelSet
 labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& scene)
 {
   LabelSet label_set;
-  if (!hints.label_set.empty())
-    label_set = readLabelSet(hints.label_set);
-  else if (!isFolder(path) && fs::path(path).extension() != ".pcd")
+  if (hints.label_set.empty() && !isFolder(path) &&
+      fs::path(path).extension() != ".pcd")
     label_set = MapArchive(path, ArchiveAccess::read).header().label_set;
   else
-    label_set = readLabelSet(findDataFile("label_sets/kitti11.yaml"));
+    label_set = readLabelSetOrDefault(hints.label_set);
   const int classes = scene.voxels.refined.classes();
   if (classes > 0 && classes != label_set.size())
     PCL_THROW_EXCEPTION(BadInputException,

@@ -5,8 +5,8 @@
  */
 
 #include "map_labelling.h"
+#include "default_label_set.h"
 
-#include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
@@ -25,9 +25,7 @@ makeUncalibrated(const MapArguments& arguments)
             std::make_unique<NetworkPredictor>(network, label_set, arguments.model),
             arguments.model.empty() ? network.model_path : arguments.model};
   }
-  const LabelSet label_set =
-      readLabelSet(arguments.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
-                                               : arguments.label_set);
+  const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   return {
       label_set,
       std::make_unique<StoredPredictor>(arguments.labels, label_set.size(),

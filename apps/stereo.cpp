@@ -142,8 +142,7 @@ processPair(const Options& options, const StereoFrame& frame,
             const Outputs& outputs)
 {
   DisparityImage image = estimator.estimate(frame.left, frame.right);
-  if (options.max_deviation > 0.0)
-    image.disparity.setTo(0.0, image.deviation > options.max_deviation);
+  eraseUnsure(image, options.max_deviation);
   if (options.max_depth > 0.0)
     image.disparity.setTo(0.0, image.disparity <
                                    camera.fx * camera.baseline / options.max_depth);

@@ -4,14 +4,13 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "default_label_set.h"
 #include "progress_bar.h"
 #include "sequence_pattern.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/data_folder.h>
-#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/pipeline/tuning_report.h>
 #include <pcl_semantic/pipeline/tuning_runner.h>
 
@@ -124,9 +123,7 @@ tune(const Options& options)
   MapperConfig start;
   readMapperConfig(options.start, start);
   const TuningGrid grid = readTuningGrid(options.grid, start);
-  const LabelSet label_set =
-      readLabelSet(options.label_set.empty() ? findDataFile("label_sets/kitti11.yaml")
-                                             : options.label_set);
+  const LabelSet label_set = tool::readLabelSetOrDefault(options.label_set);
   std::vector<std::shared_ptr<const TuningSequence>> sequences;
   std::vector<std::string> names;
   for (const std::string& folder : options.sequences) {

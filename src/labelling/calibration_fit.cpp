@@ -69,7 +69,7 @@ private:
   std::vector<SparseRow> rows_;
   std::vector<int> truth_; // 0..K-1
   std::vector<double> weights_;
-  int columns_ = 1;
+  int columns_;
   double bias_penalty_, curve_penalty_;
 };
 
@@ -95,10 +95,37 @@ classesOf(const CalibrationSamples& samples)
   return labels;
 }
 
+// Columns: the constant, then a knot each.
+int
+columnsOf(const CalibrationOptions& options)
+{
+  return 1 +
+         int(options.height.size() + options.distance.size() + options.level.size());
+}
+
+SparseRow
+rowOf(const CalibrationOptions& options, const PointGeometry& geometry)
+{
+  SparseRow row;
+  row.add(0, 1.0);
+  int first = 1;
+  for (const auto& [knots, value] : {std::pair(&options.height, geometry.height),
+                                     std::pair(&options.distance, geometry.distance),
+                                     std::pair(&options.level, geometry.level)}) {
+    const CurvePlace place = placeOn(*knots, value);
+    if (place.first >= 0) {
+      row.add(first + place.first, 1.0 - place.share);
+      row.add(first + place.first + 1, place.share);
+    }
+    first += int(knots->size());
+  }
+  return row;
+}
+
 Likelihood::Likelihood(const CalibrationSamples& samples,
                        const CalibrationOptions& options)
-    : labels_(classesOf(samples)), bias_penalty_(options.bias_penalty),
-      curve_penalty_(options.curve_penalty)
+    : labels_(classesOf(samples)), columns_(columnsOf(options)),
+      bias_penalty_(options.bias_penalty), curve_penalty_(options.curve_penalty)
 {
   std::array<int, 256> number{};
   for (std::size_t k = 0; k < labels_.size(); ++k)
@@ -122,22 +149,7 @@ Likelihood::Likelihood(const CalibrationSamples& samples,
     truth_.push_back(number[samples.truth[i]]);
     weights_.push_back(std::pow(sizes[std::size_t(truth_.back())], -options.balance));
     total += weights_.back();
-    SparseRow row;
-    row.add(0, 1.0);
-    int first = 1;
-    const PointGeometry& geometry = samples.geometry[i];
-    for (const auto& [knots, value] : {std::pair(&options.height, geometry.height),
-                                       std::pair(&options.distance, geometry.distance),
-                                       std::pair(&options.level, geometry.level)}) {
-      const CurvePlace place = placeOn(*knots, value);
-      if (place.first >= 0) {
-        row.add(first + place.first, 1.0 - place.share);
-        row.add(first + place.first + 1, place.share);
-      }
-      first += int(knots->size());
-    }
-    columns_ = first;
-    rows_.push_back(row);
+    rows_.push_back(rowOf(options, samples.geometry[i]));
   }
   for (double& weight : weights_)
     weight /= total;
@@ -231,28 +243,6 @@ Likelihood::calibration(const double* x, int all_classes,
 }
 
 } // namespace
-
-void
-CalibrationOptions::validate() const
-{
-  for (const auto& [name, value, most] :
-       {std::tuple("balance", balance, 1.0),
-        std::tuple("bias_penalty", bias_penalty, 1e6),
-        std::tuple("curve_penalty", curve_penalty, 1e6)})
-    if (!(value >= 0.0 && value <= most))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          name << " is " << value << ", expected 0 to " << most);
-  for (const auto& [name, knots] :
-       {std::pair("height", &height), std::pair("distance", &distance),
-        std::pair("level", &level)})
-    if (!areKnots(*knots))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "knots of " << name
-                                      << ": expected none, or two or more that rise");
-  if (iterations < 1)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "iterations is " << iterations << ", expected 1 or more");
-}
 
 LabelCalibration
 fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& options)

@@ -60,13 +60,8 @@ void
 count(const LabelDistributions& distributions, const std::vector<Label>& truth,
       ConfusionMatrix& confusion)
 {
-  std::vector<Label> labels(truth.size());
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    labels[i] = distributions.mapLabel(Eigen::Index(i));
-  const auto row = [](const std::vector<Label>& values) {
-    return cv::Mat(1, int(values.size()), CV_8UC1, const_cast<Label*>(values.data()));
-  };
-  confusion.add(row(truth), row(labels));
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    confusion.add(truth[i], distributions.mapLabel(Eigen::Index(i)), 1);
 }
 
 } // namespace
@@ -82,11 +77,11 @@ calibrationSamples(const TuningSequence& sequence, const MapperConfig& config,
     if (sequence.truth(i).empty())
       continue;
     const StereoFrame& frame = sequence.frames()[i];
-    cv::Mat disparity = (*disparities)[i].disparity.clone();
-    if (config.max_deviation > 0.0)
-      disparity.setTo(0.0, (*disparities)[i].deviation > config.max_deviation);
+    const DisparityImage& known = (*disparities)[i];
+    DisparityImage image{known.disparity.clone(), known.deviation};
+    eraseUnsure(image, config.max_deviation);
     const LabelDistributions network = predictor->predict(frame);
-    const auto cloud = disparityToCloud(disparity, frame.left, sequence.camera());
+    const auto cloud = disparityToCloud(image.disparity, frame.left, sequence.camera());
     appendSamples(sequence.truth(i), network, frameGeometry(*cloud, network, ground),
                   samples);
   }

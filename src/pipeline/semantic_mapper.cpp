@@ -77,9 +77,7 @@ SemanticMapper::process(const StereoFrame& frame)
   result.T_world_camera = times.measure("pose", [&] { return poses_->pose(frame); });
   result.disparity = times.measure(
       "stereo", [&] { return stereo_->estimate(frame.left, frame.right); });
-  if (config_.max_deviation > 0.0)
-    result.disparity.disparity.setTo(0.0, result.disparity.deviation >
-                                              config_.max_deviation);
+  eraseUnsure(result.disparity, config_.max_deviation);
   result.cloud = times.measure("cloud", [&] {
     return disparityToCloud(result.disparity.disparity, frame.left, camera_);
   });

@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "support/small_camera.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 
@@ -14,20 +16,6 @@
 namespace pcl_semantic {
 
 namespace {
-
-StereoCamera
-smallCamera()
-{
-  StereoCamera camera;
-  camera.fx = 60.0;
-  camera.fy = 50.0;
-  camera.cx = 40.2;
-  camera.cy = 25.3;
-  camera.baseline = 0.5;
-  camera.width = 80;
-  camera.height = 50;
-  return camera;
-}
 
 struct Projected {
   int u = 0, v = 0;

@@ -4,6 +4,8 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "support/small_camera.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/evaluation/map_geometry.h>
@@ -18,20 +20,6 @@ namespace pcl_semantic {
 namespace {
 
 using Scan = pcl::PointCloud<pcl::PointXYZI>;
-
-StereoCamera
-smallCamera()
-{
-  StereoCamera camera;
-  camera.fx = 60.0;
-  camera.fy = 50.0;
-  camera.cx = 40.2;
-  camera.cy = 25.3;
-  camera.baseline = 0.5;
-  camera.width = 80;
-  camera.height = 50;
-  return camera;
-}
 
 // A camera that looks along the world's x axis, moved and a little turned.
 Eigen::Isometry3d

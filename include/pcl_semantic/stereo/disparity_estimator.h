@@ -16,6 +16,14 @@ struct DisparityImage {
   cv::Mat deviation; ///< CV_32FC1, standard deviation of the disparity [px]
 };
 
+/** \brief Takes out the disparities of a larger standard deviation [px]; 0 = none. */
+inline void
+eraseUnsure(DisparityImage& image, double max_deviation)
+{
+  if (max_deviation > 0.0)
+    image.disparity.setTo(0.0, image.deviation > max_deviation);
+}
+
 /** \brief Gives the disparity of every pixel of the left image of a rectified pair. */
 class DisparityEstimator {
 public:
