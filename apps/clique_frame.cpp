@@ -39,6 +39,17 @@ poseOfRow(const std::string& text, const std::string& calibration)
   return worldFromFirstCamera() * trajectory[std::size_t(row)] * T_camera0_camera;
 }
 
+std::vector<double>
+numbersOfPose(const std::string& text)
+{
+  try {
+    return parseNumbers(text, "--pose");
+  }
+  catch (const BadInputException& error) { // no file has them
+    PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
+  }
+}
+
 } // namespace
 
 Eigen::Isometry3d
@@ -46,22 +57,23 @@ poseOf(const std::string& text, const std::string& calibration)
 {
   if (text.find(':') != std::string::npos)
     return poseOfRow(text, calibration);
-  const std::vector<double> numbers = parseNumbers(text, "--pose");
+  const std::vector<double> numbers = numbersOfPose(text);
   if (numbers.size() != 7)
-    PCL_THROW_EXCEPTION(BadInputException,
+    PCL_THROW_EXCEPTION(InvalidParameterException,
                         "--pose has " << numbers.size()
                                       << " numbers, expected x y z qx qy qz qw, or a "
                                          "trajectory and its row: FILE:N");
   const Eigen::Quaterniond turn(numbers[6], numbers[3], numbers[4], numbers[5]);
   if (!(std::abs(turn.norm() - 1.0) <= 1e-2))
-    PCL_THROW_EXCEPTION(BadInputException, "--pose has a quaternion of length "
-                                               << turn.norm() << ", expected 1");
+    PCL_THROW_EXCEPTION(InvalidParameterException, "--pose has a quaternion of length "
+                                                       << turn.norm()
+                                                       << ", expected 1");
   return Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) * turn.normalized();
 }
 
 void
-setFrame(const CliqueFrame& frame, const CliqueGenerator::Cloud& points,
-         SuperpixelCliques& generator)
+setFrame(const CliqueFrame& frame, const std::string& name,
+         const CliqueGenerator::Cloud& points, SuperpixelCliques& generator)
 {
   generator.setVoxels({}, frame.voxel_size); // checks the size
   const LabelledCloud read = readLabelledCloud(frame.path);
@@ -89,9 +101,9 @@ setFrame(const CliqueFrame& frame, const CliqueGenerator::Cloud& points,
     const bool is_near =
         (place.array().abs() < kMaxVoxelIndex * frame.voxel_size).all(); // not NaN
     if (pcl::isXYZFinite(point) && !is_near)
-      PCL_THROW_EXCEPTION(BadInputException, "point " << voxels.size() << " lies at "
-                                                      << place.transpose()
-                                                      << " m, in no voxel");
+      PCL_THROW_EXCEPTION(BadInputException, name << ": point " << voxels.size()
+                                                  << " lies at " << place.transpose()
+                                                  << " m, in no voxel");
     voxels.push_back(is_near ? voxelOf(quantize(place, frame.voxel_size))
                              : VoxelIndex::Constant(kMaxVoxelIndex));
   }

@@ -154,9 +154,9 @@ group(const Arguments& arguments)
                         arguments.input << ": this method needs rgb or rgba");
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*read.cloud, cloud);
+  if (auto* const superpixels = dynamic_cast<SuperpixelCliques*>(generator.get()))
+    tool::setFrame(arguments.frame, arguments.input, cloud, *superpixels);
   try {
-    if (auto* const superpixels = dynamic_cast<SuperpixelCliques*>(generator.get()))
-      tool::setFrame(arguments.frame, cloud, *superpixels);
     read.cliques = generator->generate(cloud);
   }
   catch (const BadInputException& error) { // a generator knows nothing of files

@@ -27,7 +27,7 @@ const tool::Usage usage{
     "Compares the geometry of a finished map (folder of pcl_semantic_map) with the "
     "laser scans\nof its frames (velodyne/*.bin of the SEQUENCE): how far voxels lie "
     "off the surface, and how\nmuch of the surface is mapped.",
-    "pcl_semantic_map sequences/05 --frames 0:1 --labels sequences/05/labels \\\n"
+    "pcl_semantic_map sequences/05 --frames 0:1 --labels labels_05 \\\n"
     "    --output /tmp/map_05 && pcl_semantic_evaluate_map /tmp/map_05 sequences/05"};
 
 struct Options {

@@ -42,7 +42,8 @@ makeRun(const MapArguments& arguments, const FrameSequence& sequence,
                      {"labels", arguments.labels},
                      {"network", arguments.network},
                      {"model", labelling.model},
-                     {"label_calibration", arguments.label_calibration}});
+                     {"label_calibration", arguments.label_calibration},
+                     {"clique_calibration", arguments.clique_calibration}});
   for (const std::size_t i : frames)
     run.frames.push_back(sequence.frameNumber(i));
   run.camera = sequence.camera();
@@ -64,6 +65,7 @@ makeOutput(const MapArguments& arguments, const MappingRun& run,
                                {"network", arguments.network},
                                {"model", arguments.model},
                                {"label_calibration", arguments.label_calibration},
+                               {"clique_calibration", arguments.clique_calibration},
                                {"archive", arguments.archive.path}});
   return {arguments.output,     run.camera,        run.label_set,     run.config,
           run.T_camera0_camera, std::move(inputs), archive.records(), std::move(extra)};
@@ -139,6 +141,8 @@ mapSequence(const MapArguments& arguments)
                         archive.store());
   if (labelling.calibration)
     mapper.setLabelCalibration(*labelling.calibration);
+  if (labelling.clique_calibration)
+    mapper.setCliqueCalibration(*labelling.clique_calibration);
   MappingOutput output = makeOutput(arguments, run, chosen, archive, std::move(extra));
   archive.resume(mapper);
   mapFrames(sequence, run, arguments.sequence.strict, mapper, archive, output);

@@ -35,6 +35,9 @@ describeOptions(MapArguments& arguments)
       "model", po::value(&arguments.model), "the network itself (.onnx)")(
       "label-calibration", po::value(&arguments.label_calibration),
       "what the labels are worth, as pcl_semantic_calibrate writes it (.yaml)")(
+      "clique-calibration", po::value(&arguments.clique_calibration),
+      "what cliques are worth, as pcl_semantic_calibrate --clique-config writes it "
+      "(.yaml)")(
       "poses", po::value(&arguments.poses)->default_value("auto"),
       "KITTI or TUM trajectory file, 'sequence' for its own poses.txt, 'odometry' to "
       "find them in the images, 'auto': its own or else odometry")(

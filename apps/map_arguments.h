@@ -19,7 +19,7 @@ namespace pcl_semantic::tool {
 struct MapArguments {
   SequenceOptions sequence;
   std::string output, labels, label_set, network, model, poses, config;
-  std::string label_calibration;
+  std::string label_calibration, clique_calibration;
   std::string frames = ":";
   std::string also; ///< measured, depth, scans: see makeExtras()
   double scan_within = 0.0;

@@ -42,6 +42,9 @@ makeLabelling(const MapArguments& arguments)
   if (!arguments.label_calibration.empty())
     labelling.calibration =
         readCalibration(arguments.label_calibration, labelling.label_set);
+  if (!arguments.clique_calibration.empty())
+    labelling.clique_calibration =
+        readCalibration(arguments.clique_calibration, labelling.label_set, "cliques");
   return labelling;
 }
 

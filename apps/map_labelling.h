@@ -23,6 +23,7 @@ struct Labelling {
   std::unique_ptr<LabelPredictor> predictor;
   std::string model; ///< path; empty without a network
   std::optional<LabelCalibration> calibration{};
+  std::optional<LabelCalibration> clique_calibration{};
 };
 
 /** \throws BadInputException, BadModelException */

@@ -28,6 +28,7 @@ struct Options {
   std::vector<std::string> sequences;
   std::string grid, start, labels, truth, label_set, output, runs, calibration;
   std::string method = "coordinate", score = "exclusive", view = "both";
+  std::string frames = ":";
   double memory = 6.0; // [GB]
   TuningOptions tuning;
 };
@@ -83,6 +84,8 @@ parse(int argc, char** argv, Options& options)
       "classes (default: label_sets/kitti11.yaml)")(
       "runs", po::value(&options.runs),
       "file that keeps every run, to go on with (default: runs.jsonl in --output)");
+  tool::addOption(description, "frames", options.frames,
+                  "A:B, frames numbered A <= n < B, of each sequence");
   tool::addOption(description, "search", options.method,
                   "coordinate: one parameter after the other until none gets better; "
                   "grid: everything; random");
@@ -130,7 +133,8 @@ tune(const Options& options)
     sequences.push_back(std::make_shared<TuningSequence>(
         TuningFolders{folder, tool::filledIn(options.labels, folder),
                       tool::filledIn(options.truth, folder),
-                      tool::filledIn(options.calibration, folder)},
+                      tool::filledIn(options.calibration, folder),
+                      parseFrameRange(options.frames)},
         label_set.size()));
     names.push_back(sequences.back()->name());
   }

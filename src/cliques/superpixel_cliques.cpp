@@ -5,11 +5,11 @@
  */
 
 #include "organized_image.h"
-#include "voxel_table.h"
 #include "voxel_votes.h"
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/voxel_table.h>
 
 #include <pcl/common/point_tests.h>
 

@@ -6,10 +6,9 @@
 
 #include "voxel_votes.h"
 
-#include "voxel_table.h"
-
 #include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/core/quantized_point.h>
+#include <pcl_semantic/core/voxel_table.h>
 
 #include <algorithm>
 #include <cstdint>

@@ -40,6 +40,9 @@ RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
     setCosts(c, costs);
   softMax(costs_.column(0), messages_.column(0), marginals_.column(0),
           std::size_t(count), std::size_t(costs_.stride()));
+  if (!potential_.hears_members)
+    for (Eigen::Index c = 0; c < count; ++c)
+      speak(c);
 }
 
 void
@@ -145,6 +148,8 @@ RobustTerm::speak(Eigen::Index c)
 double
 RobustTerm::update(const PaddedColumns& marginals)
 {
+  if (!potential_.hears_members)
+    return 0.0;
   hear({});
   float change = 0.0f;
   const Eigen::Index count = marginals_.columns();
@@ -157,6 +162,8 @@ RobustTerm::update(const PaddedColumns& marginals)
 double
 RobustTerm::updateSequentially(const PaddedColumns& marginals)
 {
+  if (!potential_.hears_members)
+    return 0.0;
   VariableMask active(potential_.cliques->size(), 0);
   float change = 0.0f;
   for (Eigen::Index c = 0; c < marginals_.columns(); ++c) {

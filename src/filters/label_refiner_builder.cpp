@@ -257,6 +257,7 @@ LabelRefiner::Builder::addCliques(CrfModel& model)
     potential.type = CliquePotential::Type::robust;
     potential.free_label = parameters_.free_label;
     potential.truncation = float(parameters_.clique_truncation);
+    potential.hears_members = parameters_.cliques_hear_members;
     potential.members_hear_map = parameters_.members_hear_map;
     potential.unary = keptColumns(refiner_.clique_costs_, all, kept, "costs");
     potential.kernels = cliqueKernels(cliques);

@@ -17,16 +17,6 @@ namespace pcl_semantic {
 
 namespace {
 
-// What a calibration has curves over, by name.
-template <typename Calibration>
-auto
-curvesOf(Calibration& calibration)
-{
-  return std::array{std::pair("height", &calibration.height),
-                    std::pair("distance", &calibration.distance),
-                    std::pair("level", &calibration.level)};
-}
-
 Label
 labelOf(const YamlMap& map, const std::string& key, const std::string& name,
         const LabelSet& label_set)
@@ -46,32 +36,41 @@ readClass(const YamlMap& entry, Label label, LabelCalibration& calibration)
   entry.get("bias", bias);
   calibration.bias[label - 1] = static_cast<float>(bias);
   calibration.fitted[label - 1u] = true;
-  for (const auto& [name, curves] : curvesOf(calibration)) {
+  for (ClassCurves& curves : calibration.curves) {
+    const char* const name = nameOf(curves.feature);
     std::vector<double> values;
     if (!entry.get(name, values))
       continue;
-    if (values.size() != curves->knots.size())
+    if (values.size() != curves.knots.size())
       PCL_THROW_EXCEPTION(BadInputException, entry.where(name)
                                                  << ": " << name << " has "
                                                  << values.size() << " values for "
-                                                 << curves->knots.size() << " knots");
+                                                 << curves.knots.size() << " knots");
     for (std::size_t i = 0; i < values.size(); ++i)
-      curves->values(label - 1, Eigen::Index(i)) = static_cast<float>(values[i]);
+      curves.values(label - 1, Eigen::Index(i)) = static_cast<float>(values[i]);
   }
   entry.refuseUnknownKeys();
 }
 
-void
-readKnots(const YamlMap& knots, const char* name, int classes, ClassCurves& curves)
+// Curves of zero at the knots of each feature.
+std::vector<ClassCurves>
+readKnots(const YamlMap& knots, int classes)
 {
-  std::vector<double> values;
-  if (!knots.get(name, values))
-    return;
-  curves.knots.assign(values.begin(), values.end());
-  if (values.empty() || !areKnots(curves.knots))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        knots.where(name) << ": expected two or more rising knots");
-  curves.values = Eigen::MatrixXf::Zero(classes, Eigen::Index(values.size()));
+  std::vector<ClassCurves> curves;
+  for (std::size_t f = 0; f < feature_count; ++f) {
+    std::vector<double> values;
+    if (!knots.get(feature_names[f], values))
+      continue;
+    curves.push_back({Feature(f),
+                      {values.begin(), values.end()},
+                      Eigen::MatrixXf::Zero(classes, Eigen::Index(values.size()))});
+    if (!areKnots(curves.back().knots))
+      PCL_THROW_EXCEPTION(BadInputException, knots.where(feature_names[f])
+                                                 << ": expected two or more rising "
+                                                    "knots");
+  }
+  knots.refuseUnknownKeys();
+  return curves;
 }
 
 std::string
@@ -88,11 +87,16 @@ listOf(const float* values, std::size_t count, std::ptrdiff_t stride)
 } // namespace
 
 LabelCalibration
-readCalibration(const std::string& path, const LabelSet& label_set)
+readCalibration(const std::string& path, const LabelSet& label_set,
+                const std::string& of)
 {
   const YamlMap file = YamlMap::load(path);
   LabelCalibration calibration = LabelCalibration::identity(label_set.size());
   calibration.fitted.assign(calibration.fitted.size(), false);
+  if (file.get("of", calibration.of) && calibration.of != of)
+    PCL_THROW_EXCEPTION(BadInputException, file.where("of") << ": is a calibration of '"
+                                                            << calibration.of
+                                                            << "', expected of " << of);
   calibration.sharpness = static_cast<float>(file.require<double>("sharpness"));
   if (!(calibration.sharpness >= 0.0f))
     PCL_THROW_EXCEPTION(BadInputException, file.where("sharpness")
@@ -101,10 +105,7 @@ readCalibration(const std::string& path, const LabelSet& label_set)
                                                << ", expected 0 or more");
   for (const std::string& name : file.require<std::vector<std::string>>("ground"))
     calibration.ground.push_back(labelOf(file, "ground", name, label_set));
-  const YamlMap knots = file.requireMap("knots");
-  for (const auto& [name, curves] : curvesOf(calibration))
-    readKnots(knots, name, label_set.size(), *curves);
-  knots.refuseUnknownKeys();
+  calibration.curves = readKnots(file.requireMap("knots"), label_set.size());
   const YamlMap classes = file.requireMap("classes");
   for (const std::string& name : classes.keys())
     readClass(classes.requireMap(name), labelOf(classes, name, name, label_set),
@@ -124,26 +125,26 @@ printCalibration(const LabelCalibration& calibration, const LabelSet& label_set)
 {
   std::ostringstream text;
   text.precision(std::numeric_limits<float>::max_digits10);
+  if (!calibration.of.empty())
+    text << "of: " << calibration.of << "\n";
   text << "sharpness: " << calibration.sharpness << "\nground: [";
   for (std::size_t i = 0; i < calibration.ground.size(); ++i)
     text << (i ? ", " : "") << label_set[calibration.ground[i]].name;
-  text << "]\nknots:\n";
-  for (const auto& [name, curves] : curvesOf(calibration))
-    if (!curves->knots.empty())
-      text << "  " << name << ": "
-           << listOf(curves->knots.data(), curves->knots.size(), 1) << "\n";
+  text << "]\nknots:" << (calibration.curves.empty() ? " {}\n" : "\n");
+  for (const ClassCurves& curves : calibration.curves)
+    text << "  " << nameOf(curves.feature) << ": "
+         << listOf(curves.knots.data(), curves.knots.size(), 1) << "\n";
   text << "classes:\n";
   for (int l = 0; l < calibration.classes(); ++l) {
     if (!calibration.fitted[std::size_t(l)])
       continue;
     text << "  " << label_set[Label(l + 1)].name
          << ":\n    bias: " << calibration.bias[l] << "\n";
-    for (const auto& [name, curves] : curvesOf(calibration))
-      if (!curves->knots.empty())
-        text << "    " << name << ": "
-             << listOf(curves->values.data() + l, curves->knots.size(),
-                       calibration.classes())
-             << "\n";
+    for (const ClassCurves& curves : calibration.curves)
+      text << "    " << nameOf(curves.feature) << ": "
+           << listOf(curves.values.data() + l, curves.knots.size(),
+                     calibration.classes())
+           << "\n";
   }
   return text.str();
 }

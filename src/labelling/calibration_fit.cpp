@@ -19,8 +19,8 @@ namespace {
 // What a sample's class scores are linear in, but for the sharpness: a constant, and
 // its two places on each of the curves.
 struct SparseRow {
-  std::array<int, 7> columns{};
-  std::array<double, 7> values{};
+  std::array<int, 1 + 2 * feature_count> columns{};
+  std::array<double, 1 + 2 * feature_count> values{};
   int count = 0;
 
   void
@@ -80,6 +80,12 @@ counts(const CalibrationSamples& samples, std::size_t i)
          samples.network.mapLabel(Eigen::Index(i)) != kUnlabelled;
 }
 
+double
+weightOf(const CalibrationSamples& samples, std::size_t i)
+{
+  return samples.weights.empty() ? 1.0 : double(samples.weights[i]);
+}
+
 // The classes of the samples that count.
 std::vector<Label>
 classesOf(const CalibrationSamples& samples)
@@ -99,25 +105,25 @@ classesOf(const CalibrationSamples& samples)
 int
 columnsOf(const CalibrationOptions& options)
 {
-  return 1 +
-         int(options.height.size() + options.distance.size() + options.level.size());
+  int columns = 1;
+  for (const FeatureKnots& each : options.curves)
+    columns += int(each.knots.size());
+  return columns;
 }
 
 SparseRow
-rowOf(const CalibrationOptions& options, const PointGeometry& geometry)
+rowOf(const CalibrationOptions& options, const PointFeatures& features)
 {
   SparseRow row;
   row.add(0, 1.0);
   int first = 1;
-  for (const auto& [knots, value] : {std::pair(&options.height, geometry.height),
-                                     std::pair(&options.distance, geometry.distance),
-                                     std::pair(&options.level, geometry.level)}) {
-    const CurvePlace place = placeOn(*knots, value);
+  for (const auto& [feature, knots] : options.curves) {
+    const CurvePlace place = placeOn(knots, features[feature]);
     if (place.first >= 0) {
       row.add(first + place.first, 1.0 - place.share);
       row.add(first + place.first + 1, place.share);
     }
-    first += int(knots->size());
+    first += int(knots.size());
   }
   return row;
 }
@@ -135,7 +141,7 @@ Likelihood::Likelihood(const CalibrationSamples& samples,
   for (std::size_t i = 0; i < samples.truth.size(); ++i)
     if (counts(samples, i)) {
       chosen.push_back(i);
-      sizes[std::size_t(number[samples.truth[i]])] += 1.0;
+      sizes[std::size_t(number[samples.truth[i]])] += weightOf(samples, i);
     }
   logs_.resize(classes(), Eigen::Index(chosen.size()));
   std::vector<float> logs(std::size_t(samples.network.classes()));
@@ -147,9 +153,10 @@ Likelihood::Likelihood(const CalibrationSamples& samples,
     for (int k = 0; k < classes(); ++k)
       logs_(k, column) = logs[labels_[std::size_t(k)] - 1u];
     truth_.push_back(number[samples.truth[i]]);
-    weights_.push_back(std::pow(sizes[std::size_t(truth_.back())], -options.balance));
+    weights_.push_back(weightOf(samples, i) *
+                       std::pow(sizes[std::size_t(truth_.back())], -options.balance));
     total += weights_.back();
-    rows_.push_back(rowOf(options, samples.geometry[i]));
+    rows_.push_back(rowOf(options, samples.features[i]));
   }
   for (double& weight : weights_)
     weight /= total;
@@ -222,17 +229,15 @@ Likelihood::calibration(const double* x, int all_classes,
   LabelCalibration result = LabelCalibration::identity(all_classes);
   result.fitted.assign(result.fitted.size(), false);
   result.sharpness = static_cast<float>(x[0]);
-  result.height.knots = options.height;
-  result.distance.knots = options.distance;
-  result.level.knots = options.level;
   const Eigen::Map<const Eigen::MatrixXd> values(x + 1, classes(), columns_);
   int first = 1;
-  for (ClassCurves* curves : {&result.height, &result.distance, &result.level}) {
-    const auto count = static_cast<Eigen::Index>(curves->knots.size());
-    curves->values = Eigen::MatrixXf::Zero(all_classes, count);
+  for (const auto& [feature, knots] : options.curves) {
+    const auto count = static_cast<Eigen::Index>(knots.size());
+    ClassCurves curves{feature, knots, Eigen::MatrixXf::Zero(all_classes, count)};
     for (int k = 0; k < classes(); ++k)
-      curves->values.row(labels_[std::size_t(k)] - 1) =
+      curves.values.row(labels_[std::size_t(k)] - 1) =
           values.block(k, first, 1, count).cast<float>();
+    result.curves.push_back(std::move(curves));
     first += int(count);
   }
   for (int k = 0; k < classes(); ++k) {
@@ -248,19 +253,7 @@ LabelCalibration
 fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& options)
 {
   options.validate();
-  const std::size_t count = samples.truth.size();
-  if (samples.geometry.size() != count || std::size_t(samples.network.size()) != count)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: " << count << " labels for "
-                                        << samples.network.size()
-                                        << " distributions and "
-                                        << samples.geometry.size() << " places");
-  for (const Label label : samples.truth)
-    if (label > samples.network.classes())
-      PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: truth "
-                                                         << int(label) << " of "
-                                                         << samples.network.classes()
-                                                         << " classes");
+  samples.validate();
   if (classesOf(samples).size() < 2)
     PCL_THROW_EXCEPTION(BadInputException,
                         "calibration: expected truth of two classes or more");
@@ -279,7 +272,10 @@ fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& opti
     start[0] = 0.0;
     best = minimizeConvex(blind, start, options.iterations, tolerance);
   }
-  return likelihood.calibration(best.data(), samples.network.classes(), options);
+  LabelCalibration result =
+      likelihood.calibration(best.data(), samples.network.classes(), options);
+  result.of = samples.of;
+  return result;
 }
 
 } // namespace pcl_semantic

@@ -9,7 +9,6 @@
 #include <pcl_semantic/labelling/label_calibration.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace pcl_semantic {
@@ -22,11 +21,11 @@ struct CurvePlace {
   float share = 0.0f;
 };
 
-/** \brief Whether there are none, or two or more that rise. */
+/** \brief Whether there are two or more, and they rise. */
 inline bool
 areKnots(const std::vector<float>& knots)
 {
-  bool is_fine = knots.size() != 1;
+  bool is_fine = knots.size() > 1;
   for (std::size_t i = 0; i < knots.size(); ++i)
     is_fine &= std::isfinite(knots[i]) && (i == 0 || knots[i] > knots[i - 1]);
   return is_fine;
@@ -35,7 +34,7 @@ areKnots(const std::vector<float>& knots)
 inline CurvePlace
 placeOn(const std::vector<float>& knots, float value)
 {
-  if (knots.empty() || !std::isfinite(value))
+  if (!std::isfinite(value))
     return {};
   const float inside = std::clamp(value, knots.front(), knots.back());
   const auto next = std::upper_bound(knots.begin() + 1, knots.end() - 1, inside);
@@ -52,13 +51,15 @@ clampedLog(const float* distribution, int classes, float* logs)
     logs[l] = std::log(std::max(distribution[l], least_probability));
 }
 
-/** \brief The curves of a calibration and of what they are over. */
-inline std::array<std::pair<const ClassCurves*, float>, 3>
-curvesAt(const LabelCalibration& calibration, const PointGeometry& geometry)
+/** \brief Whether each feature of a list of curves or knots comes once, in order. */
+template <typename Curves>
+bool
+areInOrder(const Curves& curves)
 {
-  return {{{&calibration.height, geometry.height},
-           {&calibration.distance, geometry.distance},
-           {&calibration.level, geometry.level}}};
+  return std::adjacent_find(curves.begin(), curves.end(),
+                            [](const auto& a, const auto& b) {
+                              return a.feature >= b.feature;
+                            }) == curves.end();
 }
 
 } // namespace pcl_semantic

@@ -14,19 +14,28 @@ namespace pcl_semantic {
 
 namespace {
 
+// Of values in logarithms: sums of them, times a logarithm, are finite.
+constexpr float largest_value = 1e6f;
+
+bool
+areSmall(const Eigen::Ref<const Eigen::MatrixXf>& values)
+{
+  return (values.array().abs() <= largest_value).all(); // false for NaN
+}
+
 void
-requireCurves(const ClassCurves& curves, int classes, const char* name)
+requireCurves(const ClassCurves& curves, int classes)
 {
   const auto& knots = curves.knots;
-  const bool fits =
-      knots.empty() ||
-      (curves.values.rows() == classes &&
-       curves.values.cols() == Eigen::Index(knots.size()) && curves.values.allFinite());
+  const bool fits = curves.values.rows() == classes &&
+                    curves.values.cols() == Eigen::Index(knots.size()) &&
+                    areSmall(curves.values);
   if (!fits || !areKnots(knots))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "calibration: the curves of "
-                            << name << " need two or more rising knots and " << classes
-                            << " finite values at each");
+                            << nameOf(curves.feature)
+                            << " need two or more rising knots and " << classes
+                            << " values at each, -1e6 to 1e6");
 }
 
 // Works on one column after the other, with room for L values.
@@ -37,7 +46,7 @@ public:
   {}
 
   void
-  apply(const PointGeometry& geometry, float* distribution)
+  apply(const PointFeatures& features, float* distribution)
   {
     const int classes = calibration_.classes();
     float kept = 0.0f, sum = 0.0f;
@@ -49,11 +58,11 @@ public:
       return;
     clampedLog(distribution, classes, logs_.data());
     logs_ = calibration_.sharpness * logs_ + calibration_.bias;
-    for (const auto& [curves, value] : curvesAt(calibration_, geometry)) {
-      const CurvePlace place = placeOn(curves->knots, value);
+    for (const ClassCurves& curves : calibration_.curves) {
+      const CurvePlace place = placeOn(curves.knots, features[curves.feature]);
       if (place.first >= 0)
-        logs_ += (1.0f - place.share) * curves->values.col(place.first) +
-                 place.share * curves->values.col(place.first + 1);
+        logs_ += (1.0f - place.share) * curves.values.col(place.first) +
+                 place.share * curves.values.col(place.first + 1);
     }
     shareOut(sum - kept, distribution);
   }
@@ -93,41 +102,44 @@ LabelCalibration::identity(int classes)
 void
 LabelCalibration::validate() const
 {
-  if (bias.size() != classes() || !bias.allFinite() || !std::isfinite(sharpness) ||
-      sharpness < 0.0f)
+  if (bias.size() != classes() || !areSmall(bias) ||
+      !(sharpness >= 0.0f && sharpness <= largest_value))
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: expected a finite bias for each of "
-                            << classes() << " classes and a sharpness of 0 or more");
+                        "calibration: expected a bias for each of "
+                            << classes()
+                            << " classes, -1e6 to 1e6, and a sharpness of 0 to 1e6");
   for (const Label label : ground)
     if (label < 1 || label > classes())
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           "calibration: ground label " << int(label) << " is not 1 to "
                                                        << classes());
-  requireCurves(height, classes(), "height");
-  requireCurves(distance, classes(), "distance");
-  requireCurves(level, classes(), "level");
+  for (const ClassCurves& each : curves)
+    requireCurves(each, classes());
+  if (!areInOrder(curves))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "calibration: a feature has two curves, or comes out of order");
 }
 
 LabelDistributions
 calibrate(const LabelCalibration& calibration, const LabelDistributions& distributions,
-          const std::vector<PointGeometry>& geometry)
+          const std::vector<PointFeatures>& features)
 {
   calibration.validate();
   if (distributions.classes() != calibration.classes() ||
-      (!geometry.empty() && Eigen::Index(geometry.size()) != distributions.size()))
+      (!features.empty() && Eigen::Index(features.size()) != distributions.size()))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "calibration of " << calibration.classes() << " classes: got "
                                           << distributions.classes() << " classes of "
                                           << distributions.size()
-                                          << " points, geometry of "
-                                          << geometry.size());
+                                          << " points, features of "
+                                          << features.size());
   LabelDistributions result = distributions;
 #pragma omp parallel
   {
     Calibrator calibrator(calibration);
 #pragma omp for
     for (Eigen::Index i = 0; i < result.size(); ++i)
-      calibrator.apply(geometry.empty() ? PointGeometry{} : geometry[std::size_t(i)],
+      calibrator.apply(features.empty() ? PointFeatures{} : features[std::size_t(i)],
                        result.column(i));
   }
   return result;

@@ -80,6 +80,20 @@ keep(const VoxelIndex& index, VoxelBlock& block, BlockStore& store)
   block.changed = false;
 }
 
+// Replaces a fused distribution, see VoxelBlock::measured; one that says nothing, of a
+// voxel without labels, leaves it.
+void
+replaceMeasured(const float* distribution, int classes, double max_ratio,
+                float* log_distribution)
+{
+  const float largest = *std::max_element(distribution, distribution + classes);
+  if (!(largest > 0.0f))
+    return;
+  for (int k = 0; k < classes; ++k)
+    log_distribution[k] =
+        float(std::log(std::max(double(distribution[k] / largest), 1.0 / max_ratio)));
+}
+
 } // namespace
 
 SemanticVoxelMap::SemanticVoxelMap(const LabelSet& label_set,
@@ -194,7 +208,7 @@ SemanticVoxelMap::updateBlocks(const Scan& scan)
 
 void
 SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
-                             const LabelDistributions& refined)
+                             const LabelDistributions& refined, bool as_measured)
 {
   const int classes = label_set_.size();
   if (std::size_t(refined.size()) != voxels.size() || refined.classes() != classes)
@@ -216,8 +230,11 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
     const int record = block->recordAt(voxelInBlock(voxel));
     if (record == VoxelBlock::kNoRecord)
       continue;
-    std::copy_n(refined.column(Eigen::Index(i)), classes,
-                block->refined.data() + record * classes);
+    const float* const distribution = refined.column(Eigen::Index(i));
+    std::copy_n(distribution, classes, block->refined.data() + record * classes);
+    if (as_measured)
+      replaceMeasured(distribution, classes, parameters_.fusion.label_max_ratio,
+                      block->measured.data() + record * classes);
     block->changed = true;
   }
 }

@@ -16,7 +16,7 @@ namespace {
 // Columns of the pixels that have truth.
 void
 appendSamples(const cv::Mat& truth, const LabelDistributions& network,
-              const std::vector<PointGeometry>& geometry, CalibrationSamples& samples)
+              const std::vector<PointFeatures>& features, CalibrationSamples& samples)
 {
   std::vector<Eigen::Index> pixels;
   for (Eigen::Index i = 0; i < network.size(); ++i)
@@ -27,7 +27,7 @@ appendSamples(const cv::Mat& truth, const LabelDistributions& network,
   all.conservativeResize(network.classes(), before + Eigen::Index(pixels.size()));
   for (std::size_t k = 0; k < pixels.size(); ++k) {
     all.col(before + Eigen::Index(k)) = network.matrix().col(pixels[k]);
-    samples.geometry.push_back(geometry[std::size_t(pixels[k])]);
+    samples.features.push_back(features[std::size_t(pixels[k])]);
     samples.truth.push_back(truth.data[pixels[k]]);
   }
 }
@@ -36,12 +36,14 @@ CalibrationSamples
 pooled(const std::vector<CalibrationSamples>& sequences, std::size_t left_out)
 {
   CalibrationSamples pool;
+  pool.of = sequences.front().of;
   Eigen::Index count = 0;
   for (std::size_t s = 0; s < sequences.size(); ++s)
     if (s != left_out) {
       const CalibrationSamples& each = sequences[s];
-      pool.geometry.insert(pool.geometry.end(), each.geometry.begin(),
-                           each.geometry.end());
+      pool.features.insert(pool.features.end(), each.features.begin(),
+                           each.features.end());
+      pool.weights.insert(pool.weights.end(), each.weights.begin(), each.weights.end());
       pool.truth.insert(pool.truth.end(), each.truth.begin(), each.truth.end());
       count += each.network.size();
     }
@@ -57,11 +59,12 @@ pooled(const std::vector<CalibrationSamples>& sequences, std::size_t left_out)
 }
 
 void
-count(const LabelDistributions& distributions, const std::vector<Label>& truth,
+count(const LabelDistributions& distributions, const CalibrationSamples& samples,
       ConfusionMatrix& confusion)
 {
-  for (std::size_t i = 0; i < truth.size(); ++i)
-    confusion.add(truth[i], distributions.mapLabel(Eigen::Index(i)), 1);
+  for (std::size_t i = 0; i < samples.truth.size(); ++i)
+    confusion.add(samples.truth[i], distributions.mapLabel(Eigen::Index(i)),
+                  samples.weights.empty() ? 1 : std::uint64_t(samples.weights[i]));
 }
 
 } // namespace
@@ -82,7 +85,7 @@ calibrationSamples(const TuningSequence& sequence, const MapperConfig& config,
     eraseUnsure(image, config.max_deviation);
     const LabelDistributions network = predictor->predict(frame);
     const auto cloud = disparityToCloud(image.disparity, frame.left, sequence.camera());
-    appendSamples(sequence.truth(i), network, frameGeometry(*cloud, network, ground),
+    appendSamples(sequence.truth(i), network, frameFeatures(*cloud, network, ground),
                   samples);
   }
   return samples;
@@ -108,12 +111,12 @@ tryCalibration(const std::vector<CalibrationSamples>& sequences,
   trial.all = fitTo(sequences.size());
   for (std::size_t s = 0; s < sequences.size(); ++s) {
     const CalibrationSamples& each = sequences[s];
-    count(each.network, each.truth, trial.network);
-    count(calibrate(trial.all, each.network, each.geometry), each.truth, trial.fitted);
+    count(each.network, each, trial.network);
+    count(calibrate(trial.all, each.network, each.features), each, trial.fitted);
     if (sequences.size() < 2)
       continue;
     trial.without.push_back(fitTo(s));
-    count(calibrate(trial.without.back(), each.network, each.geometry), each.truth,
+    count(calibrate(trial.without.back(), each.network, each.features), each,
           trial.held_out);
   }
   return trial;

@@ -26,6 +26,8 @@ cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
           {"clique_free_label", "a clique may let go of its members", &crf.free_label},
           {"clique_truncation", "share of members that may differ before it does",
            &crf.clique_truncation},
+          {"clique_hears_members", "it does not keep to what its own costs say",
+           &crf.cliques_hear_members},
           {"clique_members_hear_map", "its MAP label alone, not its distribution",
            &crf.members_hear_map},
           {"clique_smoothness_weight", "of the kernel of the cliques' mean positions",

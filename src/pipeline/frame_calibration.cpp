@@ -6,18 +6,18 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/pipeline/frame_calibration.h>
-#include <pcl_semantic/stereo/cloud_geometry.h>
+#include <pcl_semantic/stereo/cloud_features.h>
 #include <pcl_semantic/stereo/ground_plane.h>
 
 namespace pcl_semantic {
 
-std::vector<PointGeometry>
-frameGeometry(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-              const LabelDistributions& distributions, const std::vector<Label>& ground)
+std::optional<Eigen::Hyperplane<double, 3>>
+frameGround(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+            const LabelDistributions& distributions, const std::vector<Label>& ground)
 {
   if (Eigen::Index(cloud.size()) != distributions.size())
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "frame geometry: " << distributions.size()
+                        "frame features: " << distributions.size()
                                            << " distributions for " << cloud.size()
                                            << " points");
   constexpr float sure = 0.5f;
@@ -26,9 +26,14 @@ frameGeometry(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
   for (std::size_t i = 0; i < cloud.size(); ++i)
     for (const Label label : ground)
       is_ground[i] |= distributions.column(Eigen::Index(i))[label - 1] > sure;
-  const auto plane = fitGroundPlane(cloud, is_ground);
-  return plane ? cloudGeometry(cloud, *plane)
-               : std::vector<PointGeometry>(cloud.size());
+  return fitGroundPlane(cloud, is_ground);
+}
+
+std::vector<PointFeatures>
+frameFeatures(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+              const LabelDistributions& distributions, const std::vector<Label>& ground)
+{
+  return cloudFeatures(cloud, frameGround(cloud, distributions, ground));
 }
 
 } // namespace pcl_semantic

@@ -54,9 +54,16 @@ MapperConfig::validate()
     if (!(value >= 0.0 && value <= 100.0))
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           name << " is " << value << ", expected 0 to 100");
+  if (!(hit_share >= 0.0 && hit_share <= 1.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "hit_share is " << hit_share << ", expected 0 to 1");
   if (crf_every < 1)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "crf_every is " << crf_every << ", expected 1 or more");
+  if (!(clique_leaves_out_above >= 0.0 && clique_leaves_out_above <= 1.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "clique_leaves_out_above is "
+                                                       << clique_leaves_out_above
+                                                       << ", expected 0 to 1");
   if (!(label_confidence > 0.0 && label_confidence <= 1.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "label_confidence is " << label_confidence
@@ -77,6 +84,10 @@ parametersOf(MapperConfig& config)
       {"deviation_scale",
        "nothing is cleared within two deviations of a depth, times this; 0 = always",
        &config.deviation_scale},
+      {"hit_share",
+       "share of the pixels that see a voxel or look past it that must hit it; 0 = one "
+       "does",
+       &config.hit_share},
       {"label_confidence", "probability of the class that a stored .png states",
        &config.label_confidence},
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
@@ -103,10 +114,20 @@ parametersOf(MapperConfig& config)
       {"crf", "model: " + joinWords(crf_models), &config.crf},
       {"crf_every", "the CRF runs at the first and every N-th frame after it",
        &config.crf_every},
+      {"crf_write_back",
+       "what the CRF concludes takes the place of what was measured: true or false",
+       &config.crf_write_back},
       {"cliques",
        "of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] (of a frame) "
        "or supervoxel[:SEEDS' DISTANCE [m]]",
-       &config.cliques}};
+       &config.cliques},
+      {"clique_leaves_out",
+       "none, or classes with commas between: voxels that are likely one of them are "
+       "in no "
+       "clique",
+       &config.clique_leaves_out},
+      {"clique_leaves_out_above", "probability of these classes, in that",
+       &config.clique_leaves_out_above}};
   for (ConfigParameter& parameter : parametersOf(config.clique_parameters))
     parameters.push_back(std::move(parameter));
   for (ConfigParameter& parameter : parametersOf(config.crf_parameters, "crf_", "m"))

@@ -7,6 +7,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/map/seen_through.h>
 #include <pcl_semantic/pipeline/frame_calibration.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
@@ -33,9 +34,7 @@ SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label
     : camera_(camera), config_(validated(std::move(config))),
       stereo_(makeDisparityEstimator(config_.stereo, config_.disparities)),
       predictor_(std::move(predictor)), poses_(std::move(poses)),
-      map_(label_set, config_.map, std::move(store)),
-      cliques_(makeCliqueGenerator(config_.cliques, config_.clique_parameters)),
-      superpixels_(std::dynamic_pointer_cast<SuperpixelCliques>(cliques_))
+      map_(label_set, config_.map, std::move(store)), cliques_(config_, label_set)
 {
   camera_.validate();
   setNumberOfThreads(config_.threads);
@@ -51,6 +50,16 @@ SemanticMapper::setLabelCalibration(LabelCalibration calibration)
                                                        << " classes for a map of "
                                                        << map_.labelSet().size());
   calibration_ = std::move(calibration);
+}
+
+void
+SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
+{
+  if (config_.crf != "hierarchical")
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a clique calibration is for the model hierarchical, not "
+                            << config_.crf);
+  cliques_.setCalibration(std::move(calibration));
 }
 
 void
@@ -87,7 +96,7 @@ SemanticMapper::process(const StereoFrame& frame)
     result.calibrated = times.measure("calibration", [&] {
       return calibrate(
           *calibration_, result.network,
-          frameGeometry(*result.cloud, result.network, calibration_->ground));
+          frameFeatures(*result.cloud, result.network, calibration_->ground));
     });
   result.counts = times.measure("map", [&] { return integrate(result); });
   result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
@@ -95,7 +104,7 @@ SemanticMapper::process(const StereoFrame& frame)
   if (config_.crf != "none" && refined_)
     times.measure("crf", [&] {
       refine(result);
-      map_.setRefined(result.voxels, result.voxels.refined);
+      map_.setRefined(result.voxels, result.voxels.refined, config_.crf_write_back);
     });
   else
     setFrameOfCliques(result); // for finish()
@@ -116,6 +125,18 @@ SemanticMapper::finish()
   refined_ = true;
 }
 
+// The cloud without the points that make things fatter than they are.
+pcl::PointCloud<pcl::PointXYZRGB>::ConstPtr
+SemanticMapper::withoutSeenThrough(const MappedFrame& mapped) const
+{
+  if (config_.hit_share == 0.0)
+    return mapped.cloud;
+  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(*mapped.cloud);
+  eraseSeenThrough(*cloud, camera_, mapped.T_world_camera, map_.parameters().voxel_size,
+                   config_.hit_share);
+  return cloud;
+}
+
 ScanCounts
 SemanticMapper::integrate(const MappedFrame& mapped)
 {
@@ -124,7 +145,8 @@ SemanticMapper::integrate(const MappedFrame& mapped)
     deviations = distanceDeviations(*mapped.cloud, camera_, mapped.disparity.deviation,
                                     config_.deviation_scale);
   try {
-    return map_.integrate(*mapped.cloud, mapped.T_world_camera,
+    const auto cloud = withoutSeenThrough(mapped);
+    return map_.integrate(*cloud, mapped.T_world_camera,
                           calibration_ ? mapped.calibrated : mapped.network,
                           deviations);
   }
@@ -137,8 +159,7 @@ SemanticMapper::integrate(const MappedFrame& mapped)
 void
 SemanticMapper::setFrameOfCliques(const MappedFrame& mapped)
 {
-  if (superpixels_)
-    superpixels_->setFrame(mapped.cloud, mapped.T_world_camera);
+  cliques_.setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
 }
 
 void
@@ -154,9 +175,11 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
 {
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config_.crfModel());
-  if (superpixels_)
-    superpixels_->setVoxels(voxels.indices, voxels.voxel_size);
-  crf.setCliqueGenerator(cliques_);
+  if (config_.crf != "dense") {
+    const MapCliques::Result groups = cliques_.generate(voxels);
+    crf.setCliques(groups.cliques);
+    crf.setCliqueCosts(groups.costs);
+  }
   crf.setParameters(config_.crf_parameters);
   crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);

@@ -39,7 +39,8 @@ std::set<std::string>
 namesOfTheCrf()
 {
   SemanticCRFParameters parameters;
-  std::set<std::string> names = {"crf", "cliques", "threads"};
+  std::set<std::string> names = {"crf", "cliques", "clique_leaves_out",
+                                 "clique_leaves_out_above", "threads"};
   for (const ConfigParameter& parameter : parametersOf(parameters, "crf_", "m"))
     names.insert(parameter.name);
   CliqueParameters cliques;
@@ -52,7 +53,7 @@ namesOfTheCrf()
 bool
 refinesEveryFrameAfresh(const MapperConfig& config)
 {
-  return config.crf_every == 1;
+  return config.crf_every == 1 && !config.crf_write_back;
 }
 
 } // namespace

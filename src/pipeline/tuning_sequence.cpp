@@ -7,7 +7,6 @@
 #include "digest.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
@@ -70,10 +69,10 @@ TuningSequence::TuningSequence(const TuningFolders& folders, int classes)
                                                << ": has no poses.txt; write it with "
                                                   "pcl_semantic_odometry");
   trajectory_ = readKittiTrajectory(poses);
-  for (std::size_t i = 0; i < sequence_.size(); ++i)
+  const std::vector<std::size_t> chosen = selectFrames(sequence_, folders.frames);
+  for (const std::size_t i : chosen)
     frames_.push_back(sequence_.frame(i));
-  makePoses()->requirePoses(
-      frameTimes(sequence_, selectFrames(sequence_, FrameRange())));
+  makePoses()->requirePoses(frameTimes(sequence_, chosen));
   readTruth();
   digest_ = digestOfData();
 }

@@ -90,4 +90,11 @@ fitGroundPlane(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
   return Eigen::Hyperplane<double, 3>(normal.normalized(), plane[2] / normal.norm());
 }
 
+Eigen::Vector3d
+rightAlong(const Eigen::Hyperplane<double, 3>& ground)
+{
+  const Eigen::Vector3d right = Eigen::Vector3d::UnitX();
+  return (right - right.dot(ground.normal()) * ground.normal()).normalized();
+}
+
 } // namespace pcl_semantic

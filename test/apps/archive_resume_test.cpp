@@ -195,6 +195,19 @@ TEST_F(ArchivedRun, ADifferentNumberOfThreadsMayGoOn)
   EXPECT_TRUE(exportOf(archive) == exportOf(whole_archive_));
 }
 
+TEST_F(ArchivedRun, WhatTheCrfWroteBackIsInTheArchive)
+{
+  const std::string more = "--crf-write-back true";
+  const std::string whole = folder_.path("back.map");
+  ASSERT_EQ(runTool(mapCommand(folder_.path("back"), whole, more)).code, 0);
+  EXPECT_FALSE(exportOf(whole) == exportOf(whole_archive_));
+  const std::string output = folder_.path("out"), archive = folder_.path("run.map");
+  runShell("timeout -s KILL " + std::to_string(0.7 * seconds_) + " " +
+           shellCommand(mapCommand(output, archive, more)) + " 2>&1");
+  ASSERT_EQ(runTool(mapCommand(output, archive, "--resume " + more)).code, 0);
+  EXPECT_TRUE(exportOf(archive) == exportOf(whole));
+}
+
 TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
 {
   const TemporaryFolder copies;

@@ -10,7 +10,7 @@
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/labelling/label_calibration.h>
+#include <pcl_semantic/labelling/calibration_fit.h>
 
 #include <gtest/gtest.h>
 
@@ -96,6 +96,33 @@ TEST_F(CalibrateTool, WritesWhatItLearned)
             bytesOf(folder_.path("out/without_two.yaml")));
 }
 
+TEST_F(CalibrateTool, TakesFeatures)
+{
+  const LabelSet label_set = readLabelSet(label_set_path);
+  const auto features = [&](const std::string& options) {
+    EXPECT_EQ(calibrateStreets(options).code, 0);
+    std::vector<Feature> all;
+    const std::string path = folder_.path("out/calibration.yaml");
+    const bool of_cliques = options.find("--clique-config") != std::string::npos;
+    for (const ClassCurves& curves :
+         readCalibration(path, label_set, of_cliques ? "cliques" : "pixels").curves)
+      all.push_back(curves.feature);
+    return all;
+  };
+  EXPECT_EQ(features(""), pixelFeatures());
+  EXPECT_TRUE(
+      holds(bytesOf(folder_.path("out/report.md")), "Features: height,distance,level"));
+  EXPECT_EQ(features("--features red,side"),
+            (std::vector<Feature>{Feature::side, Feature::red}));
+  EXPECT_TRUE(holds(bytesOf(folder_.path("out/report.md")), "Features: red,side"));
+  EXPECT_TRUE(features("--features none").empty());
+  folder_.write("map.yaml", "crf: hierarchical\ncliques: \"superpixel:50\"\n");
+  const std::string config = "--clique-config " + folder_.path("map.yaml ");
+  EXPECT_EQ(features(config), cliqueFeatures());
+  EXPECT_EQ(features(config + "--features extent"),
+            (std::vector<Feature>{Feature::extent}));
+}
+
 TEST_F(CalibrateTool, ItsReportAgreesWithPclSemanticEvaluate)
 {
   ASSERT_EQ(calibrateStreets("--threads 1").code, 0);
@@ -144,6 +171,77 @@ TEST_F(CalibrateTool, TheMapTakesIt)
             bytesOf(folder_.path("same/map.pcd")));
 }
 
+TEST_F(CalibrateTool, LearnsWhatCliquesAreWorth)
+{
+  folder_.write("map.yaml", "crf: hierarchical\ncliques: \"superpixel:50\"\n"
+                            "clique_hears_members: false\nclique_leaves_out: pole\n");
+  const std::string config = " --clique-config " + folder_.path("map.yaml");
+  const ToolResult result = calibrateStreets(config);
+  ASSERT_EQ(result.code, 0) << result.text;
+  EXPECT_EQ(filesIn(folder_.path("out")),
+            (std::set<std::string>{"calibration.yaml", "report.md", "without_one.yaml",
+                                   "without_two.yaml"}));
+  const std::string of_cliques = bytesOf(folder_.path("out/calibration.yaml"));
+  const std::vector<double> members = rowOf("the mean of the clique's members");
+  const std::vector<double> calibrated = rowOf("calibrated, learned from all");
+  ASSERT_GT(members.size(), 4u);
+  EXPECT_GT(calibrated[members.size() - 4], members[members.size() - 4]);
+
+  const std::string street = folder_.path("one");
+  const std::string map = "--config " + folder_.path("map.yaml");
+  mapStreet(street, folder_.path("plain"), map);
+  mapStreet(street, folder_.path("calibrated"),
+            map + " --clique-calibration " + folder_.path("out/calibration.yaml"));
+  EXPECT_NE(bytesOf(folder_.path("plain/labels/000002.png")),
+            bytesOf(folder_.path("calibrated/labels/000002.png")));
+  EXPECT_EQ(
+      readJson(folder_.path("calibrated/summary.json"))["inputs"]["clique_calibration"],
+      folder_.path("out/calibration.yaml"));
+  const ToolResult swapped =
+      runTool("map " + street + " --labels " + street + "/labels --output " +
+              folder_.path("x") + " --label-calibration " +
+              folder_.path("out/calibration.yaml"));
+  EXPECT_EQ(swapped.code, 3);
+  EXPECT_TRUE(holds(swapped.text, "line 1: is a calibration of 'cliques'"));
+  // The labels of the maps that it learns from can be calibrated.
+  ASSERT_EQ(calibrateStreets().code, 0);
+  fs::rename(folder_.path("out"), folder_.path("pixels"));
+  ASSERT_EQ(calibrateStreets(config + " --label-calibration " +
+                             folder_.path("pixels/without_'{name}'.yaml"))
+                .code,
+            0);
+  EXPECT_NE(bytesOf(folder_.path("out/calibration.yaml")), of_cliques);
+}
+
+TEST_F(CalibrateTool, OptionsOverrideTheConfigurationOfTheMaps)
+{
+  std::vector<std::string> learned;
+  for (const std::string engine : {"sgm", "sgbm"}) {
+    folder_.write("map.yaml", "crf: hierarchical\nstereo: " + engine + "\n");
+    for (const char* const option : {"", " --stereo sgbm"}) {
+      ASSERT_EQ(
+          calibrateStreets("--clique-config " + folder_.path("map.yaml") + option).code,
+          0);
+      learned.push_back(bytesOf(folder_.path("out/calibration.yaml")));
+    }
+  }
+  EXPECT_NE(learned[0], learned[1]);
+  EXPECT_EQ(learned[1], learned[2]);
+  EXPECT_EQ(learned[2], learned[3]);
+}
+
+TEST_F(CalibrateTool, TakesTheFramesOfARangeAndLeavesNothingOfAnEarlierRun)
+{
+  ASSERT_EQ(calibrateStreets().code, 0);
+  const std::string of_last_frame = bytesOf(folder_.path("out/without_one.yaml"));
+  const ToolResult result = runTool("calibrate " + folder_.path("one") + folders +
+                                    "--frames 2:3 --output " + folder_.path("out"));
+  ASSERT_EQ(result.code, 0) << result.text;
+  EXPECT_EQ(bytesOf(folder_.path("out/calibration.yaml")), of_last_frame);
+  EXPECT_EQ(filesIn(folder_.path("out")),
+            (std::set<std::string>{"calibration.yaml", "report.md"}));
+}
+
 TEST_F(CalibrateTool, TuningTakesOneForEachStreet)
 {
   ASSERT_EQ(calibrateStreets().code, 0);
@@ -187,6 +285,10 @@ TEST(CalibrateToolUsage, BadInput)
            {"engine", 2, "stereo", all + "--stereo best"},
            {"ground", 2, "--ground: class 'lawn' is not in the label set",
             all + "--ground road,lawn"},
+           {"no feature", 2, "--features: 'smell' is none",
+            all + "--features height,smell"},
+           {"of cliques alone", 2, "--features: 'lowest' is not known of pixels",
+            all + "--features lowest"},
            {"one twice", 2, "two sequences are called street",
             "calibrate STREET STREET --output OUT" + folders},
            {"no truth", 3, "street/none",
@@ -195,6 +297,10 @@ TEST(CalibrateToolUsage, BadInput)
            {"no labels", 3, "x/street: is no folder of stored labels",
             "calibrate STREET --output OUT --labels 'TEMP/x/{name}' --truth "
             "'{sequence}/gt'"},
+           {"frames", 2, "expected A:B", all + "--frames 3"},
+           {"no such frames", 3, "has no truth image", all + "--frames 7:9"},
+           {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
+            all + "--clique-config STREET/c.yaml", calibration("crf: dense\n")},
            {"one class", 3, "expected truth of two classes or more", all,
             [](const std::string& street) {
               for (const char* const frame : {"000000", "000001", "000002"})
@@ -204,6 +310,20 @@ TEST(CalibrateToolUsage, BadInput)
            {"no output", 5, "poses.txt",
             "calibrate STREET --output STREET/poses.txt" + folders},
            {"no calibration", 3, "c.yaml", map},
+           {"labels of no maps", 2, "is for maps, with --clique-config",
+            all + "--label-calibration STREET/c.yaml"},
+           {"no such parameter", 3, "c.yaml line 1",
+            all + "--clique-config STREET/c.yaml", calibration("clique_size: 1\n")},
+           {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
+            "--labels STREET/labels --clique-calibration STREET/c.yaml",
+            calibration("of: pixels\nsharpness: 1\nground: []\n")},
+           {"cliques of another model", 2, "is for the model hierarchical, not dense",
+            "--labels STREET/labels --clique-calibration STREET/c.yaml",
+            calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
+           {"cliques leave out", 2, "class 'lawn' is not in the label set",
+            "--labels STREET/labels --clique-leaves-out lawn"},
+           {"no likelihood", 2, "clique_leaves_out_above is 2, expected 0 to 1",
+            "--labels STREET/labels --clique-leaves-out-above 2"},
            {"unknown class", 3, "c.yaml line 4: class 'lawn' is not in the label set",
             map,
             calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {lawn: {}}\n")},

@@ -43,6 +43,8 @@ TEST(Help, ItsExamplesRunWhenPasted)
   fs::create_directories(folder.path("sequences"));
   copyStreet(folder.path("sequences/05"));
   addScan(folder.path("sequences/05"));
+  fs::create_directory_symlink(folder.path("sequences/05/labels"),
+                               folder.path("labels_05"));
   folder.write("city.onnx", cityNetwork());
   fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/data", folder.path("data"));
   const std::string begin = "cd " + folder.path() +

@@ -83,6 +83,37 @@ TEST(MeanField, UpdatesWhereMembersHearTheMapEqualAPlainImplementation)
     }
 }
 
+TEST(MeanField, CliquesThatAreKnownStayAsTheirCostsSay)
+{
+  for (const int labels : {2, 6, 11})
+    for (NamedCrf& model : makeEveryModel(40, labels, 9, 3.0f, 70)) {
+      SCOPED_TRACE(model.name + ", " + std::to_string(labels) + " labels");
+      for (PlainCliques& cliques : model.crf.cliques) {
+        if (!cliques.isRobust())
+          continue;
+        cliques.hears_members = false;
+        cliques.kernels.clear();
+        cliques.unary =
+            makeRandomMatrix(labels, Eigen::Index(cliques.members.size()), 0, 2, 71);
+      }
+      expectSameUpdates(model.crf, 4);
+    }
+}
+
+TEST(MeanField, CliquesThatHearNobodyHaveNoKernels)
+{
+  PlainCrf crf;
+  crf.unary = makeRandomMatrix(3, 4, 0.0f, 1.0f, 1);
+  crf.cliques.emplace_back();
+  crf.cliques[0].members = {{0, 1}, {2, 3}};
+  crf.cliques[0].hears_members = false;
+  EXPECT_NO_THROW(MeanField{makeModel(crf)});
+  crf.cliques[0].kernels.push_back(makeRandomMatrix(2, 2, 0.0f, 1.0f, 2));
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] { MeanField{makeModel(crf)}; }),
+      "do not hear each other"));
+}
+
 TEST(MeanField, UpdatesWithKernelsAndCompatibilitiesThatAreNotSymmetric)
 {
   PlainCrf crf;

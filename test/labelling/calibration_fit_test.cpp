@@ -26,9 +26,9 @@ drawnFrom(const LabelCalibration& calibration, std::size_t count, unsigned seed)
 {
   CalibrationSamples samples;
   samples.network = randomNetwork(calibration.classes(), Eigen::Index(count), seed);
-  samples.geometry = randomPlaces(count, seed + 1);
+  samples.features = randomFeatures(count, seed + 1);
   const Eigen::MatrixXd chances =
-      plainCalibrate(calibration, samples.network, samples.geometry);
+      plainCalibrate(calibration, samples.network, samples.features);
   std::mt19937 random(seed + 2);
   for (Eigen::Index i = 0; i < chances.cols(); ++i) {
     const Eigen::VectorXd column = chances.col(i);
@@ -74,7 +74,7 @@ plainLoss(const LabelCalibration& calibration, const CalibrationSamples& samples
     for (const auto& [label, size] : sizes) {
       const double weight = plainWeight(
           calibration, label - 1, samples.network.column(Eigen::Index(i))[label - 1],
-          samples.geometry[i]);
+          samples.features[i]);
       total += weight;
       of_truth += label == samples.truth[i] ? weight : 0.0;
     }
@@ -83,9 +83,8 @@ plainLoss(const LabelCalibration& calibration, const CalibrationSamples& samples
     weights += weight;
   }
   double curves = 0.0;
-  for (const ClassCurves* const each :
-       {&calibration.height, &calibration.distance, &calibration.level})
-    curves += each->values.cast<double>().squaredNorm();
+  for (const ClassCurves& each : calibration.curves)
+    curves += each.values.cast<double>().squaredNorm();
   return loss / weights +
          options.bias_penalty * calibration.bias.cast<double>().squaredNorm() +
          options.curve_penalty * curves;
@@ -100,10 +99,9 @@ parametersOf(LabelCalibration& calibration)
     if (!calibration.fitted[std::size_t(l)])
       continue;
     parameters.push_back(&calibration.bias[l]);
-    for (ClassCurves* const curves :
-         {&calibration.height, &calibration.distance, &calibration.level})
-      for (Eigen::Index k = 0; k < curves->values.cols(); ++k)
-        parameters.push_back(&curves->values(l, k));
+    for (ClassCurves& curves : calibration.curves)
+      for (Eigen::Index k = 0; k < curves.values.cols(); ++k)
+        parameters.push_back(&curves.values(l, k));
   }
   return parameters;
 }
@@ -129,27 +127,40 @@ expectMinimum(LabelCalibration calibration, const CalibrationSamples& samples,
 
 TEST(CalibrationFit, IsTheMinimumOfThePenalisedLoss)
 {
-  const CalibrationSamples samples = someSamples(1000);
+  const CalibrationSamples samples = someSamples(500);
   for (const double balance : {0.0, 0.5, 1.0}) {
     CalibrationOptions options;
     options.balance = balance;
+    options.curves = streetKnots(everyFeature());
     const LabelCalibration calibration = fitCalibration(samples, options);
-    EXPECT_EQ(calibration.height.knots, options.height);
-    EXPECT_EQ(calibration.distance.knots, options.distance);
-    EXPECT_EQ(calibration.level.knots, options.level);
+    ASSERT_EQ(calibration.curves.size(), options.curves.size());
+    for (std::size_t i = 0; i < options.curves.size(); ++i) {
+      EXPECT_EQ(calibration.curves[i].feature, options.curves[i].feature);
+      EXPECT_EQ(calibration.curves[i].knots, options.curves[i].knots);
+    }
     expectMinimum(calibration, samples, options);
   }
+}
+
+TEST(CalibrationFit, StreetKnotsComeInOrderAndOnce)
+{
+  const auto all = streetKnots({Feature::green, Feature::side, Feature::green});
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].feature, Feature::side);
+  EXPECT_EQ(all[1].feature, Feature::green);
+  CalibrationOptions options;
+  options.curves = streetKnots(everyFeature());
+  EXPECT_EQ(options.curves.size(), feature_count);
+  EXPECT_NO_THROW(options.validate());
 }
 
 TEST(CalibrationFit, FitsWithoutCurves)
 {
   const CalibrationSamples samples = someSamples(1000);
   CalibrationOptions options;
-  options.height.clear();
-  options.distance.clear();
-  options.level.clear();
+  options.curves.clear();
   const LabelCalibration calibration = fitCalibration(samples, options);
-  EXPECT_TRUE(calibration.height.knots.empty());
+  EXPECT_TRUE(calibration.curves.empty());
   expectMinimum(calibration, samples, options);
 }
 
@@ -159,15 +170,15 @@ TEST(CalibrationFit, FindsTheCalibrationThatTruthWasDrawnFrom)
   CalibrationOptions options;
   options.balance = 0.0; // others weigh the classes, which moves biases
   options.bias_penalty = options.curve_penalty = 1e-6;
-  options.height = known.height.knots;
-  options.distance = known.distance.knots;
-  options.level = known.level.knots;
+  options.curves.clear();
+  for (const ClassCurves& curves : known.curves)
+    options.curves.push_back({curves.feature, curves.knots});
   const LabelCalibration found = fitCalibration(drawnFrom(known, 40000, 22), options);
   EXPECT_NEAR(found.sharpness, known.sharpness, 0.02f);
   // Parameters that make no difference are free, so probabilities are compared, there
   // and elsewhere.
   const LabelDistributions network = randomNetwork(4, 5000, 31);
-  const std::vector<PointGeometry> places = randomPlaces(5000, 32);
+  const std::vector<PointFeatures> places = randomFeatures(5000, 32);
   const Eigen::MatrixXd wanted = plainCalibrate(known, network, places);
   const auto difference = [&](const LabelDistributions& other) {
     return (other.matrix().cast<double>() - wanted).cwiseAbs().mean();
@@ -181,7 +192,8 @@ TEST(CalibrationFit, ClassesWithoutTruthAreNotFitted)
   const LabelCalibration calibration = fitCalibration(someSamples(500), {});
   EXPECT_EQ(calibration.fitted, (std::vector<bool>{true, true, false, true}));
   EXPECT_EQ(calibration.bias[2], 0.0f);
-  EXPECT_TRUE(calibration.height.values.row(2).isZero(0.0f));
+  ASSERT_FALSE(calibration.curves.empty());
+  EXPECT_TRUE(calibration.curves[0].values.row(2).isZero(0.0f));
   EXPECT_TRUE(calibration.ground.empty());
 }
 
@@ -189,7 +201,7 @@ TEST(CalibrationFit, ANetworkThatIsMostlyWrongIsNotHeard)
 {
   CalibrationSamples samples;
   samples.network = randomNetwork(3, 600, 41);
-  samples.geometry = randomPlaces(600, 42);
+  samples.features = randomFeatures(600, 42);
   for (Eigen::Index i = 0; i < 600; ++i) {
     Eigen::Index least;
     samples.network.matrix().col(i).minCoeff(&least);
@@ -197,8 +209,33 @@ TEST(CalibrationFit, ANetworkThatIsMostlyWrongIsNotHeard)
   }
   const LabelCalibration calibration = fitCalibration(samples, {});
   EXPECT_EQ(calibration.sharpness, 0.0f);
-  EXPECT_NO_THROW(calibrate(calibration, samples.network, samples.geometry));
+  EXPECT_NO_THROW(calibrate(calibration, samples.network, samples.features));
   expectMinimum(calibration, samples, {});
+}
+
+TEST(CalibrationFit, AWeightCountsASampleSoOften)
+{
+  CalibrationSamples weighted = someSamples(300), repeated = weighted;
+  weighted.weights.assign(300, 1.0f);
+  for (std::size_t i = 0; i < 300; i += 3) {
+    weighted.weights[i] = 3.0f;
+    for (int copy = 0; copy < 2; ++copy) {
+      const Eigen::Index end = repeated.network.size();
+      repeated.network.matrix().conservativeResize(4, end + 1);
+      repeated.network.matrix().col(end) =
+          weighted.network.matrix().col(Eigen::Index(i));
+      repeated.features.push_back(weighted.features[i]);
+      repeated.truth.push_back(weighted.truth[i]);
+    }
+  }
+  const LabelCalibration one = fitCalibration(weighted, {});
+  const LabelCalibration other = fitCalibration(repeated, {});
+  EXPECT_NEAR(one.sharpness, other.sharpness, 1e-3);
+  EXPECT_LT((one.bias - other.bias).cwiseAbs().maxCoeff(), 1e-3f);
+  EXPECT_LT((one.curves[0].values - other.curves[0].values).cwiseAbs().maxCoeff(),
+            1e-3f);
+  weighted.weights.clear();
+  EXPECT_GT((fitCalibration(weighted, {}).bias - one.bias).norm(), 1e-2f);
 }
 
 TEST(CalibrationFit, IsTheSameForAnyNumberOfThreads)
@@ -228,7 +265,9 @@ TEST(CalibrationFit, RefusesBadSamples)
     return thrownMessage<InvalidParameterException>([&] { change(how); });
   };
   EXPECT_TRUE(holds(size([](auto& s) { s.truth.pop_back(); }), "99 labels for 100"));
-  EXPECT_TRUE(holds(size([](auto& s) { s.geometry.pop_back(); }), "99 places"));
+  EXPECT_TRUE(holds(size([](auto& s) { s.features.pop_back(); }), "99 lists"));
+  EXPECT_TRUE(holds(size([](auto& s) { s.weights.assign(99, 1.0f); }), "99 weights"));
+  EXPECT_TRUE(holds(size([](auto& s) { s.weights.assign(100, 0.0f); }), "weight is 0"));
   EXPECT_TRUE(holds(size([](auto& s) { s.truth[5] = 5; }), "truth 5 of 4 classes"));
   const std::string few = "expected truth of two classes or more";
   const auto input = [&](auto&& how) {
@@ -253,11 +292,16 @@ TEST(CalibrationFit, RefusesBadOptions)
   EXPECT_TRUE(
       holds(refusal([](auto& o) { o.curve_penalty = std::nan(""); }), "curve_penalty"));
   EXPECT_TRUE(holds(refusal([](auto& o) { o.iterations = 0; }), "iterations is 0"));
-  EXPECT_TRUE(holds(refusal([](auto& o) { o.height = {1.0f}; }), "knots of height"));
+  EXPECT_TRUE(
+      holds(refusal([](auto& o) { o.curves[0].knots = {1.0f}; }), "knots of height"));
   EXPECT_TRUE(holds(refusal([](auto& o) {
-                      o.level = {0.0f, 0.0f};
+                      o.curves[2].knots = {0.0f, 0.0f};
                     }),
                     "knots of level"));
+  EXPECT_TRUE(
+      holds(refusal([](auto& o) { o.curves[0].knots.clear(); }), "knots of height"));
+  EXPECT_TRUE(holds(refusal([](auto& o) { std::swap(o.curves[0], o.curves[1]); }),
+                    "a feature comes twice, or out of order"));
 }
 
 TEST(MinimizeConvex, SolvesAQuadraticAsEigenDoes)

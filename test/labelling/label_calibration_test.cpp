@@ -44,10 +44,10 @@ largestDifference(const LabelDistributions& a, const Eigen::MatrixXd& b)
 TEST(LabelCalibration, AgreesWithThePlainFormula)
 {
   const LabelDistributions network = randomNetwork(5, 3000, 1);
-  const std::vector<PointGeometry> geometry = randomPlaces(3000, 2);
+  const std::vector<PointFeatures> features = randomFeatures(3000, 2);
   const LabelCalibration calibration = makeCalibration();
-  const LabelDistributions result = calibrate(calibration, network, geometry);
-  EXPECT_LT(largestDifference(result, plainCalibrate(calibration, network, geometry)),
+  const LabelDistributions result = calibrate(calibration, network, features);
+  EXPECT_LT(largestDifference(result, plainCalibrate(calibration, network, features)),
             2e-6);
   EXPECT_GT((result.matrix() - network.matrix()).cwiseAbs().maxCoeff(), 0.3f);
 }
@@ -58,7 +58,7 @@ TEST(LabelCalibration, KeepsWhatItWasNotFittedFor)
   network.matrix().col(7).setZero();
   network.setLabel(8, 4, 1.0f); // nothing is left to share
   const LabelDistributions result =
-      calibrate(makeCalibration(), network, randomPlaces(500, 5));
+      calibrate(makeCalibration(), network, randomFeatures(500, 5));
   EXPECT_EQ(result.matrix().row(3), network.matrix().row(3));
   EXPECT_EQ(result.matrix().col(7), network.matrix().col(7));
   EXPECT_EQ(result.matrix().col(8), network.matrix().col(8));
@@ -76,18 +76,19 @@ TEST(LabelCalibration, LeavesOutCurvesOverWhatIsNotKnown)
   const LabelDistributions network = randomNetwork(5, 200, 6);
   const LabelCalibration calibration = makeCalibration();
   LabelCalibration no_height = calibration, no_curves = calibration;
-  no_height.height = {};
-  no_curves.height = no_curves.distance = no_curves.level = {};
-  std::vector<PointGeometry> places(200, {0.7f, 12.0f, 0.4f}), without = places;
-  for (PointGeometry& place : without)
-    place.height = unknown;
+  no_height.curves.erase(no_height.curves.begin());
+  no_curves.curves.clear();
+  std::vector<PointFeatures> places(200, featuresAt(0.7f, 12.0f, 0.4f)),
+      without = places;
+  for (PointFeatures& place : without)
+    place[Feature::height] = unknown;
   EXPECT_EQ(calibrate(calibration, network, without).matrix(),
             calibrate(no_height, network, places).matrix());
   EXPECT_NE(calibrate(calibration, network, without).matrix(),
             calibrate(calibration, network, places).matrix());
   const LabelDistributions nowhere = calibrate(no_curves, network, places);
   EXPECT_EQ(calibrate(calibration, network, {}).matrix(), nowhere.matrix());
-  EXPECT_EQ(calibrate(calibration, network, std::vector<PointGeometry>(200)).matrix(),
+  EXPECT_EQ(calibrate(calibration, network, std::vector<PointFeatures>(200)).matrix(),
             nowhere.matrix());
 }
 
@@ -96,13 +97,14 @@ TEST(LabelCalibration, IsLevelBeyondTheKnots)
   const LabelDistributions network = randomNetwork(5, 100, 8);
   const LabelCalibration calibration = makeCalibration();
   const auto at = [&](float height, float distance) {
-    return calibrate(calibration, network,
-                     std::vector<PointGeometry>(100, {height, distance, 0.5f}))
+    return calibrate(
+               calibration, network,
+               std::vector<PointFeatures>(100, featuresAt(height, distance, 0.5f)))
         .matrix();
   };
-  const float low = calibration.height.knots.front();
-  const float high = calibration.height.knots.back();
-  const float far = calibration.distance.knots.back();
+  const float low = calibration.curves[0].knots.front();
+  const float high = calibration.curves[0].knots.back();
+  const float far = calibration.curves[1].knots.back();
   EXPECT_EQ(at(low - 100.0f, far + 1.0f), at(low, far));
   EXPECT_EQ(at(high + 0.01f, far + 1e6f), at(high, far));
   EXPECT_NE(at(low, far), at(high, far));
@@ -112,7 +114,7 @@ TEST(LabelCalibration, TheIdentityOnlyClamps)
 {
   const LabelDistributions network = randomNetwork(5, 1000, 9);
   const LabelDistributions result =
-      calibrate(LabelCalibration::identity(5), network, randomPlaces(1000, 10));
+      calibrate(LabelCalibration::identity(5), network, randomFeatures(1000, 10));
   Eigen::MatrixXf clamped = network.matrix().cwiseMax(1e-4f);
   clamped.array().rowwise() /= clamped.colwise().sum().eval().array();
   EXPECT_LT((result.matrix() - clamped).cwiseAbs().maxCoeff(), 1e-6f);
@@ -122,11 +124,11 @@ TEST(LabelCalibration, TheIdentityOnlyClamps)
 TEST(LabelCalibration, IsTheSameForAnyNumberOfThreads)
 {
   const LabelDistributions network = randomNetwork(5, 5000, 11);
-  const std::vector<PointGeometry> geometry = randomPlaces(5000, 12);
+  const std::vector<PointFeatures> features = randomFeatures(5000, 12);
   setNumberOfThreads(1);
-  const LabelDistributions one = calibrate(makeCalibration(), network, geometry);
+  const LabelDistributions one = calibrate(makeCalibration(), network, features);
   setNumberOfThreads(4);
-  EXPECT_EQ(calibrate(makeCalibration(), network, geometry).matrix(), one.matrix());
+  EXPECT_EQ(calibrate(makeCalibration(), network, features).matrix(), one.matrix());
   setNumberOfThreads(0);
 }
 
@@ -135,11 +137,11 @@ TEST(LabelCalibration, RefusesWhatDoesNotFit)
   const auto refusal = [](const LabelCalibration& calibration, int classes,
                           std::size_t places) {
     return thrownMessage<InvalidParameterException>([&] {
-      calibrate(calibration, randomNetwork(classes, 10, 1), randomPlaces(places, 2));
+      calibrate(calibration, randomNetwork(classes, 10, 1), randomFeatures(places, 2));
     });
   };
   EXPECT_TRUE(holds(refusal(makeCalibration(), 4, 10), "of 5 classes: got 4 classes"));
-  EXPECT_TRUE(holds(refusal(makeCalibration(), 5, 9), "10 points, geometry of 9"));
+  EXPECT_TRUE(holds(refusal(makeCalibration(), 5, 9), "10 points, features of 9"));
   const auto changed = [&](auto&& change) {
     LabelCalibration calibration = makeCalibration();
     change(calibration);
@@ -148,39 +150,78 @@ TEST(LabelCalibration, RefusesWhatDoesNotFit)
   EXPECT_TRUE(holds(changed([](auto& c) { c.bias.conservativeResize(4); }), "bias"));
   EXPECT_TRUE(holds(changed([](auto& c) { c.bias[2] = unknown; }), "bias"));
   EXPECT_TRUE(holds(changed([](auto& c) { c.sharpness = -0.1f; }), "sharpness"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.ground = {6}; }), "ground label 6"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.height.knots[1] = c.height.knots[0]; }),
+  EXPECT_TRUE(holds(changed([](auto& c) { c.sharpness = 2e6f; }), "0 to 1e6"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.bias[1] = -3e38f; }), "-1e6 to 1e6"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.curves[0].values(0, 1) = 3e38f; }),
                     "curves of height"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.distance.values(0, 0) = unknown; }),
+  EXPECT_TRUE(holds(changed([](auto& c) { c.ground = {6}; }), "ground label 6"));
+  EXPECT_TRUE(
+      holds(changed([](auto& c) { c.curves[0].knots[1] = c.curves[0].knots[0]; }),
+            "curves of height"));
+  EXPECT_TRUE(holds(changed([](auto& c) { c.curves[1].values(0, 0) = unknown; }),
                     "curves of distance"));
   EXPECT_TRUE(holds(changed([](auto& c) {
-                      c.level.knots.resize(1);
-                      c.level.values.conservativeResize(5, 1);
+                      c.curves[2].knots.resize(1);
+                      c.curves[2].values.conservativeResize(5, 1);
                     }),
                     "curves of level"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.level.values.conservativeResize(4, 3); }),
-                    "curves of level"));
+  EXPECT_TRUE(
+      holds(changed([](auto& c) { c.curves[2].values.conservativeResize(4, 3); }),
+            "curves of level"));
+  EXPECT_TRUE(
+      holds(changed([](auto& c) { c.curves[4].knots.clear(); }), "curves of red"));
+  const std::string order = "a feature has two curves, or comes out of order";
+  EXPECT_TRUE(
+      holds(changed([](auto& c) { std::swap(c.curves[1], c.curves[2]); }), order));
+  EXPECT_TRUE(
+      holds(changed([](auto& c) { c.curves.push_back(c.curves.back()); }), order));
 }
 
 TEST(LabelCalibrationFile, ComesBackBitByBit)
 {
   const TemporaryFolder folder;
   LabelCalibration written = makeCalibration();
-  written.level = {}; // a file need not have all curves
-  const LabelCalibration read = readCalibration(
-      folder.write("a.yaml", printCalibration(written, fiveClasses())), fiveClasses());
+  written.of = "cliques";
+  const std::string path =
+      folder.write("a.yaml", printCalibration(written, fiveClasses()));
+  const LabelCalibration read = readCalibration(path, fiveClasses(), "cliques");
+  EXPECT_EQ(read.of, "cliques");
+  EXPECT_THROW(readCalibration(path, fiveClasses()), BadInputException);
   EXPECT_EQ(read.fitted, written.fitted);
   EXPECT_EQ(read.ground, written.ground);
   EXPECT_EQ(read.sharpness, written.sharpness);
-  for (const auto& [a, b] : {std::pair(&read.height, &written.height),
-                             std::pair(&read.distance, &written.distance)}) {
-    EXPECT_EQ(a->knots, b->knots);
+  ASSERT_EQ(read.curves.size(), written.curves.size());
+  for (std::size_t i = 0; i < read.curves.size(); ++i) {
+    EXPECT_EQ(read.curves[i].feature, written.curves[i].feature);
+    EXPECT_EQ(read.curves[i].knots, written.curves[i].knots);
     for (const int l : {0, 1, 2, 4})
-      EXPECT_EQ(a->values.row(l), b->values.row(l));
+      EXPECT_EQ(read.curves[i].values.row(l), written.curves[i].values.row(l));
   }
   for (const int l : {0, 1, 2, 4})
     EXPECT_EQ(read.bias[l], written.bias[l]);
-  EXPECT_TRUE(read.level.knots.empty());
+  written.curves.clear();
+  EXPECT_TRUE(
+      readCalibration(folder.write("b.yaml", printCalibration(written, fiveClasses())),
+                      fiveClasses(), "cliques")
+          .curves.empty());
+}
+
+TEST(LabelCalibrationFile, TakesAnyFeatureInAnyOrder)
+{
+  const TemporaryFolder folder;
+  std::string text = "sharpness: 1\nground: []\nknots:\n";
+  for (std::size_t f = feature_count; f-- > 0;)
+    text +=
+        std::string("  ") + feature_names[f] + ": [0, " + std::to_string(f + 1) + "]\n";
+  const LabelCalibration read =
+      readCalibration(folder.write("a.yaml", text + "classes: {}\n"), fiveClasses());
+  ASSERT_EQ(read.curves.size(), feature_count);
+  for (std::size_t f = 0; f < feature_count; ++f) {
+    EXPECT_EQ(read.curves[f].feature, Feature(f));
+    EXPECT_EQ(read.curves[f].knots[1], float(f + 1));
+    EXPECT_EQ(findFeature(nameOf(Feature(f))), Feature(f));
+  }
+  EXPECT_FALSE(findFeature("smell"));
 }
 
 TEST(LabelCalibrationFile, BadOnesAreRefusedWithTheirLine)
@@ -193,7 +234,7 @@ TEST(LabelCalibrationFile, BadOnesAreRefusedWithTheirLine)
   const auto read = [&](const std::string& text) {
     return readCalibration(folder.write("a.yaml", text), fiveClasses());
   };
-  EXPECT_EQ(read(good).height.values(1, 2), 3.0f);
+  EXPECT_EQ(read(good).curves.at(0).values(1, 2), 3.0f);
   EXPECT_EQ(read(good).fitted, (std::vector<bool>{false, true, false, false, true}));
   for (const auto& [from, to, says] : std::vector<std::array<std::string, 3>>{
            {"  post:", "  mast:", "line 9: class 'mast' is not in the label set"},
@@ -202,7 +243,7 @@ TEST(LabelCalibrationFile, BadOnesAreRefusedWithTheirLine)
            {"  height: [0", "  heights: [0", "line 4: key 'heights' is not known"},
            {"sharpness: 0.5", "sharpness: 0.5\nblunt: 1", "line 2: key 'blunt'"},
            {"[1, 2, 3]", "[1, 2]", "line 8: height has 2 values for 3 knots"},
-           {"height: [1", "level: [1", "line 8: level has 3 values for 0 knots"},
+           {"height: [1", "level: [1", "line 8: key 'level' is not known"},
            {"[0, 1, 2]", "[0, 2, 2]", "line 4: expected two or more rising knots"},
            {"[0, 1, 2]", "[0]", "line 4: expected two or more rising knots"},
            {"[0, 1, 2]", "[0, 1, .nan]", "line 4: "},

@@ -325,6 +325,36 @@ TEST(SemanticVoxelMap, RefinedDistributionsAreReadAndMeasurementsKept)
   EXPECT_TRUE(map.occupied().refined.matrix() == refined.matrix());
 }
 
+TEST(SemanticVoxelMap, RefinedDistributionsTakeThePlaceOfMeasurementsOnRequest)
+{
+  const LabelledScan scan = makeScanOfOneClass();
+  MapParameters parameters = smallWindow();
+  parameters.fusion.label_max_ratio = 100.0;
+  SemanticVoxelMap map(threeClasses(), parameters);
+  map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  const VoxelCloud before = map.occupied();
+  ASSERT_GT(before.size(), 2u);
+  LabelDistributions refined(3, Eigen::Index(before.size()));
+  refined.matrix().colwise() = Eigen::Vector3f(0.25f, 0.75f, 0.0f);
+  refined.matrix().col(1).setZero(); // the CRF has no label for it
+  map.setRefined(before, refined, true);
+  const VoxelCloud after = map.occupied();
+  EXPECT_EQ(after.refined.matrix().col(0), refined.matrix().col(0));
+  EXPECT_EQ(after.measured.matrix().col(1), before.measured.matrix().col(1));
+  // 0 is raised to a hundredth of the largest.
+  const Eigen::Vector3f expected =
+      Eigen::Vector3f(0.25f, 0.75f, 0.0075f) / (0.25f + 0.75f + 0.0075f);
+  EXPECT_LT((after.measured.matrix().col(0) - expected).cwiseAbs().maxCoeff(), 1e-5f);
+
+  // It is the prior of the next scan: eq. (1) by hand.
+  map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
+  const Eigen::Vector3f likelihood = before.measured.matrix().col(0);
+  Eigen::Vector3f product = expected.cwiseProduct(likelihood);
+  product /= product.sum();
+  EXPECT_LT((map.occupied().measured.matrix().col(0) - product).cwiseAbs().maxCoeff(),
+            1e-4f);
+}
+
 TEST(SemanticVoxelMap, ANewMeasurementVoidsTheRefinement)
 {
   const LabelledScan scan = makeScanOfOneClass();

@@ -14,6 +14,7 @@
 #include <pcl_semantic/evaluation/label_reprojection.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/map/seen_through.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <gtest/gtest.h>
@@ -165,6 +166,52 @@ TEST_F(Street, TheCrfRunsEveryNthFrameAndKeepsTheMeasurements)
   }
   EXPECT_GT(unrefined_before, int(after.size()) / 4);
   EXPECT_LT(unrefined_after, int(after.size()) / 100);
+}
+
+TEST_F(Street, TheCrfWritesBackWhatItConcludesOnRequest)
+{
+  MapperConfig config;
+  SemanticMapper apart = makeMapper(config);
+  config.crf_write_back = true;
+  SemanticMapper back = makeMapper(config);
+  const MappedFrame first_apart = apart.process(frame(0));
+  const MappedFrame first = back.process(frame(0));
+  // A frame's CRF starts from the same measurements; what the map then holds differs.
+  EXPECT_TRUE(first.voxels.measured.matrix() == first_apart.voxels.measured.matrix());
+  EXPECT_TRUE(first.voxels.refined.matrix() == first_apart.voxels.refined.matrix());
+  const VoxelCloud kept = back.map().occupied();
+  EXPECT_LT((kept.measured.matrix() - kept.refined.matrix()).cwiseAbs().maxCoeff(),
+            0.002f); // but for the clamp
+  EXPECT_TRUE(apart.map().occupied().measured.matrix() ==
+              first_apart.voxels.measured.matrix());
+
+  const MappedFrame second_apart = apart.process(frame(1));
+  const MappedFrame second = back.process(frame(1));
+  ASSERT_EQ(second.voxels.indices, second_apart.voxels.indices);
+  EXPECT_FALSE(second.voxels.measured.matrix() ==
+               second_apart.voxels.measured.matrix());
+}
+
+TEST_F(Street, RimsThatAreLookedPastAreNotMapped)
+{
+  MapperConfig config;
+  config.crf = "none";
+  config.hit_share = 0.0;
+  const MappedFrame all = makeMapper(config).process(frame(0));
+  config.hit_share = 0.33;
+  const MappedFrame fewer = makeMapper(config).process(frame(0));
+  auto rest = *all.cloud;
+  eraseSeenThrough(rest, renderer_->camera(), all.T_world_camera, config.map.voxel_size,
+                   0.33);
+  SemanticVoxelMap expected(
+      readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"),
+      config.map);
+  expected.integrate(rest, all.T_world_camera, all.network);
+  EXPECT_LT(fewer.voxels.size(), all.voxels.size());
+  EXPECT_EQ(fewer.voxels.indices, expected.occupied().indices);
+  // The frame itself stays as it was measured: its pixels still look up the map.
+  for (std::size_t i = 0; i < all.cloud->size(); ++i)
+    EXPECT_EQ(std::isnan((*fewer.cloud)[i].z), std::isnan((*all.cloud)[i].z));
 }
 
 TEST_F(Street, EveryModelOfTheCrf)

@@ -160,6 +160,25 @@ TEST_F(TuningStreet, SharedMapsCountAsMapsOfTheirOwn)
              mappedAndCompared(*street, labelSet(), configs[1]));
 }
 
+// Its fused labels are those of a map that earlier CRFs have changed.
+TEST_F(TuningStreet, WhatIsWrittenBackIsMappedFromTheStart)
+{
+  const auto street = open();
+  MapperConfig config = coarse();
+  TuningRunner runner({street}, labelSet(), 1000000000);
+  const TuningResult apart = runner.run(config, 0);
+  config.crf_write_back = true;
+  const TuningResult fast = runner.run(config, 0);
+  const TuningResult plain = mappedAndCompared(*street, labelSet(), config);
+  expectSame(fast.at_depth.refined, plain.at_depth.refined);
+  expectSame(fast.rendered.refined, plain.rendered.refined);
+  int differing = 0;
+  for (int label = 1; label <= labelSet().size(); ++label)
+    differing += fast.at_depth.refined(3, Label(label)) !=
+                 apart.at_depth.refined(3, Label(label));
+  EXPECT_GT(differing, 0);
+}
+
 TEST_F(TuningStreet, WithoutMemoryAndWithThreadsNothingChanges)
 {
   const auto street = open();

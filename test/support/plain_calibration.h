@@ -6,7 +6,7 @@
 
 #pragma once
 
-#include <pcl_semantic/labelling/label_calibration.h>
+#include <pcl_semantic/labelling/calibration_fit.h>
 
 #include <cmath>
 #include <limits>
@@ -19,7 +19,7 @@ inline double
 plainCurve(const ClassCurves& curves, int l, double value)
 {
   const std::vector<float>& knots = curves.knots;
-  if (knots.empty() || std::isnan(value))
+  if (std::isnan(value))
     return 0.0;
   if (value <= knots.front())
     return curves.values(l, 0);
@@ -35,19 +35,19 @@ plainCurve(const ClassCurves& curves, int l, double value)
 /** \brief exp of a class's score, as the formula of LabelCalibration has it. */
 inline double
 plainWeight(const LabelCalibration& calibration, int l, double probability,
-            const PointGeometry& place)
+            const PointFeatures& features)
 {
+  double score = calibration.bias[l];
+  for (const ClassCurves& curves : calibration.curves)
+    score += plainCurve(curves, l, features[curves.feature]);
   return std::pow(std::max(probability, 1e-4), double(calibration.sharpness)) *
-         std::exp(calibration.bias[l] +
-                  plainCurve(calibration.height, l, place.height) +
-                  plainCurve(calibration.distance, l, place.distance) +
-                  plainCurve(calibration.level, l, place.level));
+         std::exp(score);
 }
 
 /** \brief calibrate() point by point and class by class, in double. */
 inline Eigen::MatrixXd
 plainCalibrate(const LabelCalibration& calibration, const LabelDistributions& network,
-               const std::vector<PointGeometry>& geometry)
+               const std::vector<PointFeatures>& features)
 {
   Eigen::MatrixXd result = network.matrix().cast<double>();
   for (Eigen::Index i = 0; i < result.cols(); ++i) {
@@ -55,7 +55,7 @@ plainCalibrate(const LabelCalibration& calibration, const LabelDistributions& ne
     for (int l = 0; l < calibration.classes(); ++l)
       if (calibration.fitted[std::size_t(l)]) {
         mass += result(l, i);
-        total += plainWeight(calibration, l, result(l, i), geometry[std::size_t(i)]);
+        total += plainWeight(calibration, l, result(l, i), features[std::size_t(i)]);
       }
     if (mass == 0.0)
       continue;
@@ -63,9 +63,18 @@ plainCalibrate(const LabelCalibration& calibration, const LabelDistributions& ne
       if (calibration.fitted[std::size_t(l)])
         result(l, i) =
             mass / total *
-            plainWeight(calibration, l, result(l, i), geometry[std::size_t(i)]);
+            plainWeight(calibration, l, result(l, i), features[std::size_t(i)]);
   }
   return result;
+}
+
+inline std::vector<Feature>
+everyFeature()
+{
+  std::vector<Feature> features;
+  for (std::size_t f = 0; f < feature_count; ++f)
+    features.push_back(Feature(f));
+  return features;
 }
 
 /** \brief Distributions between even and sure, with probabilities down to 1e-9. */
@@ -79,24 +88,38 @@ randomNetwork(int classes, Eigen::Index count, unsigned seed)
                             }).eval());
 }
 
-/** \brief Places within and beyond the knots; of one in ten each is not known. */
-inline std::vector<PointGeometry>
-randomPlaces(std::size_t count, unsigned seed)
+/** \brief Features within and beyond the knots of any feature; of one in ten each is
+ * not known. */
+inline std::vector<PointFeatures>
+randomFeatures(std::size_t count, unsigned seed)
 {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> height(-1.0f, 4.0f), distance(1.0f, 50.0f),
-      level(0.0f, 1.0f), chance(0.0f, 1.0f);
-  std::vector<PointGeometry> places(count);
-  for (PointGeometry& place : places) {
-    place = {height(random), distance(random), level(random)};
-    for (float* const value : {&place.height, &place.distance, &place.level})
-      if (chance(random) < 0.1f)
-        *value = std::numeric_limits<float>::quiet_NaN();
-  }
-  return places;
+  std::uniform_real_distribution<float> chance(0.0f, 1.0f);
+  std::vector<PointFeatures> points(count);
+  for (PointFeatures& features : points)
+    for (const auto& [feature, knots] : streetKnots(everyFeature())) {
+      const float beyond = 0.1f * (knots.back() - knots.front());
+      std::uniform_real_distribution<float> value(knots.front() - beyond,
+                                                  knots.back() + beyond);
+      if (chance(random) > 0.1f)
+        features[feature] = value(random);
+    }
+  return points;
 }
 
-/** \brief One with all curves, of three or four knots. */
+/** \brief A point of which no more is known. */
+inline PointFeatures
+featuresAt(float height, float distance, float level)
+{
+  PointFeatures features;
+  features[Feature::height] = height;
+  features[Feature::distance] = distance;
+  features[Feature::level] = level;
+  return features;
+}
+
+/** \brief One with curves over height, distance, level, side and red, of three or four
+ * knots. */
 inline LabelCalibration
 randomCalibration(int classes, unsigned seed)
 {
@@ -106,13 +129,14 @@ randomCalibration(int classes, unsigned seed)
   LabelCalibration calibration = LabelCalibration::identity(classes);
   calibration.sharpness = 0.7f;
   calibration.bias = Eigen::VectorXf::NullaryExpr(classes, any);
-  calibration.height.knots = {-0.5f, 0.1f, 0.8f, 3.0f};
-  calibration.distance.knots = {5.0f, 15.0f, 40.0f};
-  calibration.level.knots = {0.0f, 0.6f, 1.0f};
-  for (ClassCurves* const curves :
-       {&calibration.height, &calibration.distance, &calibration.level})
-    curves->values =
-        Eigen::MatrixXf::NullaryExpr(classes, Eigen::Index(curves->knots.size()), any);
+  calibration.curves = {{Feature::height, {-0.5f, 0.1f, 0.8f, 3.0f}, {}},
+                        {Feature::distance, {5.0f, 15.0f, 40.0f}, {}},
+                        {Feature::level, {0.0f, 0.6f, 1.0f}, {}},
+                        {Feature::side, {0.0f, 4.0f, 12.0f}, {}},
+                        {Feature::red, {0.3f, 0.34f, 0.4f}, {}}};
+  for (ClassCurves& curves : calibration.curves)
+    curves.values =
+        Eigen::MatrixXf::NullaryExpr(classes, Eigen::Index(curves.knots.size()), any);
   return calibration;
 }
 

@@ -28,6 +28,7 @@ struct PlainCliques {
   Eigen::MatrixXf unary; // L x C or empty
   std::vector<Eigen::MatrixXf> kernels;
   bool members_hear_map = false;
+  bool hears_members = true;
 
   bool
   isRobust() const
@@ -94,6 +95,7 @@ makeModel(const PlainCrf& crf)
     for (const Eigen::MatrixXf& kernel : cliques.kernels)
       potential.kernels.push_back(std::make_shared<MatrixKernel>(kernel));
     potential.members_hear_map = cliques.members_hear_map;
+    potential.hears_members = cliques.hears_members;
     model.cliques.push_back(potential);
   }
   return model;

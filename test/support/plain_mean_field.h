@@ -39,7 +39,7 @@ public:
   update()
   {
     for (std::size_t p = 0; p < crf_.cliques.size(); ++p)
-      if (crf_.cliques[p].isRobust())
+      if (crf_.cliques[p].isRobust() && crf_.cliques[p].hears_members)
         updateCliques(crf_.cliques[p], q_cliques[p]);
     Eigen::MatrixXd costs(q.rows(), q.cols());
     for (int i = 0; i < q.cols(); ++i)

@@ -41,6 +41,7 @@ struct SemanticCRFParameters {
   double clique_weight = 1.0;     ///< k_c, eq. (8)
   bool free_label = true;         ///< a clique may let go of its members
   double clique_truncation = 0.3; ///< q, the share of members that may disagree before
+  bool cliques_hear_members = true; ///< else they keep to what their costs say
   bool members_hear_map = false; ///< the clique's MAP label instead of its distribution
 
   // Kernels between cliques, over the mean position and colour of their members.

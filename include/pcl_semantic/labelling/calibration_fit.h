@@ -13,9 +13,31 @@ namespace pcl_semantic {
 /** \brief Points whose class is known. */
 struct CalibrationSamples {
   LabelDistributions network; ///< L x N
-  std::vector<PointGeometry> geometry;
-  std::vector<Label> truth; ///< kUnlabelled ones do not count
+  std::vector<PointFeatures> features;
+  std::vector<Label> truth;   ///< kUnlabelled ones do not count
+  std::vector<float> weights; ///< how often each counts, more than 0; empty = once
+  std::string of = "pixels";  ///< what they are, see LabelCalibration
+
+  /** \throws InvalidParameterException if sizes do not fit, a label is not one of the
+   * classes, or a weight cannot be */
+  void validate() const;
 };
+
+/** \brief Where the curves over a feature bend. */
+struct FeatureKnots {
+  Feature feature;
+  std::vector<float> knots; ///< rising, two or more
+};
+
+/** \brief The features of pixels that are worth a curve (doc/calibration.md). */
+const std::vector<Feature>& pixelFeatures();
+
+/** \brief Those of cliques. */
+const std::vector<Feature>& cliqueFeatures();
+
+/** \brief Knots that are dense where a feature tells the classes of a street apart, for
+ * features in any order; one that comes twice counts once. */
+std::vector<FeatureKnots> streetKnots(const std::vector<Feature>& features);
 
 struct CalibrationOptions {
   /// Each class weighs as its number of samples to the power of 1 - balance: 0 = every
@@ -23,10 +45,7 @@ struct CalibrationOptions {
   double balance = 0.5;
   double bias_penalty = 0.01;   ///< on b^2, in mean log-likelihood
   double curve_penalty = 0.003; ///< on the squared values of the curves
-  std::vector<float> height{-0.5f, -0.15f, 0.0f, 0.1f, 0.2f, 0.4f,
-                            0.8f,  1.4f,   2.0f, 3.0f, 5.0f};           ///< knots [m]
-  std::vector<float> distance{5.0f, 10.0f, 15.0f, 20.0f, 30.0f, 40.0f}; ///< knots [m]
-  std::vector<float> level{0.0f, 0.3f, 0.6f, 0.85f, 1.0f};              ///< knots
+  std::vector<FeatureKnots> curves = streetKnots(pixelFeatures()); ///< by feature
   int iterations = 300; ///< of the optimisation, at most
 
   /** \throws InvalidParameterException that names the option and its range */

@@ -8,37 +8,37 @@
 
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/label_set.h>
-#include <pcl_semantic/core/point_geometry.h>
+#include <pcl_semantic/core/point_features.h>
 
-#include <array>
 #include <string>
 #include <vector>
 
 namespace pcl_semantic {
 
-/** \brief A curve for each class, linear between knots and level beyond them. */
+/** \brief A curve for each class over a feature, linear between knots and level beyond
+ * them. */
 struct ClassCurves {
-  std::vector<float> knots; ///< rising, two or more; none = no curves
+  Feature feature;
+  std::vector<float> knots; ///< rising, two or more
   Eigen::MatrixXf values;   ///< L x knots
 };
 
-/** \brief What a network's probabilities p are worth in a place: multinomial logistic
- * regression,
+/** \brief What a network's probabilities p are worth, given features z of a point:
+ * multinomial logistic regression,
  *
- *   p'(l) ~ p(l)^s exp(b_l + f_l(height) + g_l(distance) + h_l(level)),
+ *   p'(l) ~ p(l)^s exp(b_l + sum_z f_lz(z)),
  *
  * temperature and bias as in vector scaling (Guo et al. 2017, "On calibration of modern
- * neural networks") and curves over what geometry says. Classes that it was not fitted
- * for keep their probability, and the others share what is left. fitCalibration() makes
- * one from truth. */
+ * neural networks") and curves over features. Classes that it was not fitted for keep
+ * their probability, and the others share what is left. fitCalibration() makes one from
+ * truth. */
 struct LabelCalibration {
-  std::vector<bool> fitted;  ///< of each class
-  std::vector<Label> ground; ///< classes that the ground is made of
-  float sharpness = 1.0f;    ///< s
-  Eigen::VectorXf bias;      ///< b, L
-  ClassCurves height;        ///< f [m]
-  ClassCurves distance;      ///< g [m]
-  ClassCurves level;         ///< h
+  std::string of;                  ///< "pixels" or "cliques"; empty = of either
+  std::vector<bool> fitted;        ///< of each class
+  std::vector<Label> ground;       ///< classes that the ground is made of
+  float sharpness = 1.0f;          ///< s
+  Eigen::VectorXf bias;            ///< b, L
+  std::vector<ClassCurves> curves; ///< f, of any features in the order of Feature
 
   int
   classes() const
@@ -49,22 +49,24 @@ struct LabelCalibration {
   /** \brief One for L classes that changes nothing. */
   static LabelCalibration identity(int classes);
 
-  /** \throws InvalidParameterException if sizes do not fit or a value is not finite */
+  /** \throws InvalidParameterException if sizes do not fit or a value is not finite, or
+   * beyond 1e6 */
   void validate() const;
 };
 
 /** \brief Calibrates distributions; the same for any number of threads. Unlabelled
- * columns stay so; where something of the geometry is not known its curves are left
- * out.
- * \param[in] geometry one a column, or empty: nothing is known
+ * columns stay so; where a feature is not known its curves are left out.
+ * \param[in] features one a column, or empty: nothing is known
  * \throws InvalidParameterException if sizes do not fit */
 LabelDistributions calibrate(const LabelCalibration& calibration,
                              const LabelDistributions& distributions,
-                             const std::vector<PointGeometry>& geometry);
+                             const std::vector<PointFeatures>& features);
 
 /** \brief Reads a calibration: YAML with classes by name (doc/formats.md).
+ * \param[in] of what it has to be of, unless it does not say so
  * \throws BadInputException with file and line */
-LabelCalibration readCalibration(const std::string& path, const LabelSet& label_set);
+LabelCalibration readCalibration(const std::string& path, const LabelSet& label_set,
+                                 const std::string& of = "pixels");
 
 /** \brief A calibration as YAML that readCalibration() takes, without loss. */
 std::string printCalibration(const LabelCalibration& calibration,

@@ -70,7 +70,6 @@ public:
 
   /** \brief The occupied voxels: of the window, and also of what left it. */
   VoxelCloud occupied() const;
-
   VoxelCloud occupiedEverywhere() const;
 
   /** \brief Visits every block, those that left the window too, by z, y, x of their
@@ -86,12 +85,14 @@ public:
 
   void setCloudOrigin(const Eigen::Vector3d& origin);
 
-  /** \brief Takes back refined distributions; the measurements stay as they are. They
-   * hold until the voxel is measured again.
+  /** \brief Takes back refined distributions. They hold until the voxel is measured
+   * again; the measurements stay as they are.
    * \param[in] voxels as occupied() gave them
    * \param[in] refined L x voxels.size()
+   * \param[in] as_measured they also take the place of the labels measured so far
    * \throws InvalidParameterException for other sizes, or what is no probability */
-  void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined);
+  void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined,
+                  bool as_measured = false);
 
   /** \brief Queries of the window, world frame [m]; what lies outside is unknown. */
   Occupancy occupancy(const Eigen::Vector3d& point) const;
@@ -130,7 +131,6 @@ private:
   void centreWindow(const Eigen::Vector3d& centre);
 
   const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& place) const;
-
   void visitBlocks(const VisitBlock& visit) const;
 
   LabelSet label_set_;

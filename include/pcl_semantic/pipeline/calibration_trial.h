@@ -16,7 +16,7 @@
 namespace pcl_semantic {
 
 /** \brief The truth pixels of a sequence: what the network says there, and where they
- * are (frameGeometry).
+ * are (frameFeatures).
  * \param[in] config its disparity engine and max_deviation are used
  * \param[in] ground the classes of the ground */
 CalibrationSamples calibrationSamples(const TuningSequence& sequence,

@@ -19,14 +19,19 @@ struct MapperConfig {
   std::string stereo = "sgm"; ///< engine, one of disparityEngines()
   int disparities = 128;      ///< range of the stereo search [px]
   double max_deviation = 0.0; ///< less sure disparities give no depth [px]; 0 = all do
-  double deviation_scale = 0.0;  ///< of the depth-deviation model; 0 = none
+  double deviation_scale = 0.0; ///< of the depth-deviation model; 0 = none
+  double hit_share = 0.33; ///< of a voxel's pixels must hit it, see eraseSeenThrough
   double label_confidence = 0.8; ///< probability of the class a stored `.png` states
   SemanticVoxelMap::Parameters map;
   std::string pixel_fusion = "mean"; ///< PixelFusion by name
   std::string crf = "dense";         ///< none, dense, pn-potts or hierarchical
-  int crf_every = 1; ///< 1 = the CRF runs at each frame, 2 = at every other
+  int crf_every = 1;           ///< 1 = the CRF runs at each frame, 2 = at every other
+  bool crf_write_back = false; ///< what it concludes is the prior of later frames
   std::string cliques = "cubes:1"; ///< of the last two, as makeCliqueGenerator takes
   CliqueParameters clique_parameters;
+  std::string clique_leaves_out = "none"; ///< classes with commas between: voxels that
+                                          ///< are likely one of them are in no clique
+  double clique_leaves_out_above = 0.3;   ///< this likely
   SemanticCRFParameters crf_parameters;
   int threads = 0; ///< 0 = all processors
 

@@ -6,13 +6,13 @@
 
 #pragma once
 
-#include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/labelling/label_predictor.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/pipeline/map_cliques.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/pipeline/stage_times.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
@@ -78,6 +78,12 @@ public:
    * \throws InvalidParameterException if it is not one of the map's classes */
   void setLabelCalibration(LabelCalibration calibration);
 
+  /** \brief Has cliques' costs psi_c(l), eq. (7), from what they are instead of the
+   * mean of their members'.
+   * \throws InvalidParameterException if it is not one of the map's classes, or the
+   * model has no such costs */
+  void setCliqueCalibration(LabelCalibration calibration);
+
   /** \brief Takes in one frame: disparity, cloud, labels, pose, map, CRF.
    * \throws BadInputException or BadModelException that names the frame */
   MappedFrame process(const StereoFrame& frame);
@@ -106,6 +112,9 @@ public:
 private:
   bool isRefinedAt(int frame) const;
 
+  pcl::PointCloud<pcl::PointXYZRGB>::ConstPtr
+  withoutSeenThrough(const MappedFrame& mapped) const;
+
   ScanCounts integrate(const MappedFrame& mapped);
 
   void setFrameOfCliques(const MappedFrame& mapped);
@@ -119,8 +128,7 @@ private:
   std::unique_ptr<PoseSource> poses_;
   std::optional<LabelCalibration> calibration_;
   SemanticVoxelMap map_;
-  CliqueGenerator::Ptr cliques_;
-  std::shared_ptr<SuperpixelCliques> superpixels_; // cliques_, if it is some
+  MapCliques cliques_;
   Callback callback_;
   int frames_ = 0;
   bool refined_ = true; // the CRF has seen the last frame

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/labelling/label_predictor.h>
@@ -29,6 +30,7 @@ struct TuningFolders {
   std::string labels;        ///< stored label distributions, see StoredPredictor
   std::string truth;         ///< label images (000012.png), 0 = no truth
   std::string calibration{}; ///< of the labels (readCalibration); empty = none
+  FrameRange frames{};       ///< that are read, by their numbers
 };
 
 /** \brief A sequence with truth, ready to be mapped many times: images and truth are

@@ -33,7 +33,7 @@ public:
     int smoothing_radius = 5;     ///< along row and column [px]; 0 = none
     double smoothing_range = 4.0; ///< what differs by more does not count [px]
     int gap_width = 10000;        ///< longer gaps in a row stay [px]; 0 fills none
-    double gap_step = 6.0;        ///< of the two ends of a gap [px], see fillGaps
+    double gap_step = 1.0;        ///< of the two ends of a gap [px], see fillGaps
 
     /** \throws InvalidParameterException that names the parameter and its range */
     void validate() const;

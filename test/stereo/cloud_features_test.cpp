@@ -9,7 +9,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/stereo/cloud_geometry.h>
+#include <pcl_semantic/stereo/cloud_features.h>
 
 #include <gtest/gtest.h>
 
@@ -20,11 +20,11 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZRGB>;
 
-TEST(CloudGeometry, HeightDistanceAndLevelOfAStreet)
+TEST(CloudFeatures, HeightDistanceAndLevelOfAStreet)
 {
   const TiltedStreet street(turned(4.0));
-  const auto geometry = cloudGeometry(street.cloud, street.ground);
-  ASSERT_EQ(geometry.size(), street.cloud.size());
+  const auto features = cloudFeatures(street.cloud, street.ground);
+  ASSERT_EQ(features.size(), street.cloud.size());
   // Whether all pixels that the normal is made of are of one surface.
   const auto is_inside = [&](int u, int v) {
     for (int y = v - 8; y <= v + 8; ++y)
@@ -41,16 +41,18 @@ TEST(CloudGeometry, HeightDistanceAndLevelOfAStreet)
       const auto i = std::size_t(v * TiltedStreet::width + u);
       const Surface surface = street.surfaces[i];
       if (surface == Surface::none) {
-        EXPECT_TRUE(std::isnan(geometry[i].height) &&
-                    std::isnan(geometry[i].distance) && std::isnan(geometry[i].level));
+        for (const Feature feature :
+             {Feature::height, Feature::distance, Feature::level, Feature::side})
+          EXPECT_TRUE(std::isnan(features[i][feature]));
         continue;
       }
-      EXPECT_NEAR(geometry[i].height, street.heights[i], 2e-5);
-      EXPECT_EQ(geometry[i].distance, street.cloud[i].z);
+      EXPECT_NEAR(features[i][Feature::height], street.heights[i], 2e-5);
+      EXPECT_EQ(features[i][Feature::distance], street.cloud[i].z);
       if (!is_inside(u, v))
         continue;
       ++inside[std::size_t(surface)];
-      EXPECT_NEAR(geometry[i].level, surface == Surface::wall ? 0.0f : 1.0f, 1e-3f)
+      EXPECT_NEAR(features[i][Feature::level], surface == Surface::wall ? 0.0f : 1.0f,
+                  1e-3f)
           << u << " " << v;
     }
   EXPECT_GT(inside[std::size_t(Surface::ground)], 1000);
@@ -72,7 +74,7 @@ plainMean(const Cloud& cloud, int u, int v)
   return sum / count;
 }
 
-TEST(CloudGeometry, LevelAgreesWithPlainDifferences)
+TEST(CloudFeatures, LevelAgreesWithPlainDifferences)
 {
   Cloud cloud(40, 30);
   std::mt19937 random(5);
@@ -87,7 +89,7 @@ TEST(CloudGeometry, LevelAgreesWithPlainDifferences)
   cloud(39, 29).getVector3fMap() = Eigen::Vector3f(1, 2, 3); // alone
   const Eigen::Hyperplane<double, 3> ground(
       Eigen::Vector3d(0.1, -1.0, 0.2).normalized(), 1.5);
-  const auto geometry = cloudGeometry(cloud, ground);
+  const auto features = cloudFeatures(cloud, ground);
   for (int v = 0; v < 30; ++v)
     for (int u = 0; u < 40; ++u) {
       const auto i = std::size_t(v * 40 + u);
@@ -100,24 +102,64 @@ TEST(CloudGeometry, LevelAgreesWithPlainDifferences)
                      plainMean(cloud, u, std::max(v - 5, 0)));
       const double level = std::abs(normal.normalized().dot(ground.normal()));
       if (std::isnan(level)) {
-        EXPECT_TRUE(std::isnan(geometry[i].level)) << u << " " << v;
+        EXPECT_TRUE(std::isnan(features[i][Feature::level])) << u << " " << v;
         continue;
       }
-      EXPECT_NEAR(geometry[i].level, level, 1e-3) << u << " " << v;
+      EXPECT_NEAR(features[i][Feature::level], level, 1e-3) << u << " " << v;
     }
-  EXPECT_TRUE(std::isnan(geometry.back().level));
-  EXPECT_EQ(geometry.back().distance, 3.0f);
+  EXPECT_TRUE(std::isnan(features.back()[Feature::level]));
+  EXPECT_EQ(features.back()[Feature::distance], 3.0f);
 }
 
-TEST(CloudGeometry, IsTheSameForAnyNumberOfThreads)
+TEST(CloudFeatures, SideIsAlongTheGround)
+{
+  Cloud cloud(3, 2);
+  for (pcl::PointXYZRGB& point : cloud)
+    point.getVector3fMap() = Eigen::Vector3f(3.0f, -1.0f, 7.0f);
+  cloud[4].x = -3.0f;
+  const double roll = 0.2;
+  const Eigen::Hyperplane<double, 3> rolled(
+      Eigen::Vector3d(std::sin(roll), -std::cos(roll), 0.0), 1.5);
+  const auto features = cloudFeatures(cloud, rolled);
+  EXPECT_NEAR(features[0][Feature::side], 3.0 * std::cos(roll) - std::sin(roll), 1e-5);
+  EXPECT_NEAR(features[4][Feature::side], 3.0 * std::cos(roll) + std::sin(roll), 1e-5);
+  // Pitch does not move what is to the right.
+  const Eigen::Hyperplane<double, 3> pitched(
+      Eigen::Vector3d(0.0, -std::cos(roll), std::sin(roll)), 1.5);
+  EXPECT_NEAR(cloudFeatures(cloud, pitched)[0][Feature::side], 3.0, 1e-5);
+}
+
+TEST(CloudFeatures, ColoursAreKnownEverywhere)
+{
+  Cloud cloud(2, 2); // without depth
+  for (pcl::PointXYZRGB& point : cloud) {
+    point.getVector3fMap().setConstant(std::numeric_limits<float>::quiet_NaN());
+    point.r = 30;
+    point.g = 90;
+    point.b = 180;
+  }
+  cloud[3].r = cloud[3].g = cloud[3].b = 0;
+  const auto features = cloudFeatures(cloud, {});
+  EXPECT_NEAR(features[0][Feature::brightness], 100.0 / 255.0, 1e-6);
+  EXPECT_NEAR(features[0][Feature::red], 0.1, 1e-6);
+  EXPECT_NEAR(features[0][Feature::green], 0.3, 1e-6);
+  EXPECT_EQ(features[3][Feature::brightness], 0.0f); // black has no other colour
+  EXPECT_TRUE(std::isnan(features[3][Feature::red]));
+  EXPECT_TRUE(std::isnan(features[3][Feature::green]));
+  for (const Feature feature : {Feature::height, Feature::distance, Feature::level,
+                                Feature::side, Feature::lowest, Feature::extent})
+    EXPECT_TRUE(std::isnan(features[0][feature])) << nameOf(feature);
+}
+
+TEST(CloudFeatures, IsTheSameForAnyNumberOfThreads)
 {
   const TiltedStreet street(turned(4.0));
   const auto values = [&](int threads) {
     setNumberOfThreads(threads);
     std::vector<float> all;
-    for (const PointGeometry& each : cloudGeometry(street.cloud, street.ground))
-      for (const float value : {each.height, each.distance, each.level})
-        all.push_back(std::isnan(value) ? -1000.0f : value);
+    for (const PointFeatures& each : cloudFeatures(street.cloud, street.ground))
+      for (std::size_t f = 0; f < feature_count; ++f)
+        all.push_back(std::isnan(each[Feature(f)]) ? -1000.0f : each[Feature(f)]);
     return all;
   };
   const std::vector<float> one = values(1);
@@ -125,13 +167,13 @@ TEST(CloudGeometry, IsTheSameForAnyNumberOfThreads)
   setNumberOfThreads(0);
 }
 
-TEST(CloudGeometry, RefusesCloudsThatAreNotOrganized)
+TEST(CloudFeatures, RefusesCloudsThatAreNotOrganized)
 {
   const Eigen::Hyperplane<double, 3> ground(Eigen::Vector3d(0, -1, 0), 1.5);
   EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                        [&] { cloudGeometry(Cloud(100, 1), ground); }),
+                        [&] { cloudFeatures(Cloud(100, 1), ground); }),
                     "need an organized cloud"));
-  EXPECT_TRUE(cloudGeometry(Cloud(), ground).empty());
+  EXPECT_TRUE(cloudFeatures(Cloud(), ground).empty());
 }
 
 } // namespace

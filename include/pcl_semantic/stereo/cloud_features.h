@@ -7,25 +7,27 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
-#include <pcl_semantic/core/point_geometry.h>
+#include <pcl_semantic/core/point_features.h>
 
 #include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
+#include <optional>
 #include <vector>
 
 namespace pcl_semantic {
 
-/** \brief Height, distance and levelness of the points of an organized cloud; the same
- * for any number of threads.
+/** \brief Colour, and above a ground height, distance, levelness and side of the points
+ * of an organized cloud; the same for any number of threads.
  *
  * Normals are those of the differences, five pixels to each side, of the cloud smoothed
  * over 7 x 7 pixels: coarse, but unbothered by the steps of a disparity.
- * \param[in] cloud organized, camera frame [m]; NaN = no depth: all is unknown there
- * \param[in] ground normal towards the camera
+ * \param[in] cloud organized, camera frame [m]; NaN = no depth: colour is known alone
+ * \param[in] ground normal towards the camera; nothing: colours are known alone
  * \throws InvalidParameterException if the cloud is not organized */
-std::vector<PointGeometry> cloudGeometry(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-                                         const Eigen::Hyperplane<double, 3>& ground);
+std::vector<PointFeatures>
+cloudFeatures(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+              const std::optional<Eigen::Hyperplane<double, 3>>& ground);
 
 } // namespace pcl_semantic

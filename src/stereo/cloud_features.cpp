@@ -5,7 +5,8 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/stereo/cloud_geometry.h>
+#include <pcl_semantic/stereo/cloud_features.h>
+#include <pcl_semantic/stereo/ground_plane.h>
 
 #include <opencv2/imgproc.hpp>
 
@@ -62,19 +63,13 @@ levelOf(const cv::Mat& sums, int u, int v, const Eigen::Vector3f& up)
   return std::abs(normal.dot(up)) / normal.norm(); // NaN if there is none
 }
 
-} // namespace
-
-std::vector<PointGeometry>
-cloudGeometry(const Cloud& cloud, const Eigen::Hyperplane<double, 3>& ground)
+void
+addGeometry(const Cloud& cloud, const Eigen::Hyperplane<double, 3>& ground,
+            std::vector<PointFeatures>& features)
 {
-  if (!cloud.isOrganized() && !cloud.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "normals from neighbours need an organized cloud");
-  std::vector<PointGeometry> geometry(cloud.size());
-  if (cloud.empty())
-    return geometry;
   const cv::Mat sums = windowSums(cloud);
   const Eigen::Vector3f up = ground.normal().cast<float>();
+  const Eigen::Vector3f right = rightAlong(ground).cast<float>();
   const auto offset = static_cast<float>(ground.offset());
 #pragma omp parallel for
   for (int v = 0; v < sums.rows; ++v)
@@ -82,10 +77,30 @@ cloudGeometry(const Cloud& cloud, const Eigen::Hyperplane<double, 3>& ground)
       const std::size_t i = std::size_t(v) * cloud.width + std::size_t(u);
       if (!std::isfinite(cloud[i].z))
         continue;
-      geometry[i] = {up.dot(cloud[i].getVector3fMap()) + offset, cloud[i].z,
-                     levelOf(sums, u, v, up)};
+      const Eigen::Vector3f place = cloud[i].getVector3fMap();
+      features[i][Feature::height] = up.dot(place) + offset;
+      features[i][Feature::distance] = place.z();
+      features[i][Feature::level] = levelOf(sums, u, v, up);
+      features[i][Feature::side] = std::abs(right.dot(place));
     }
-  return geometry;
+}
+
+} // namespace
+
+std::vector<PointFeatures>
+cloudFeatures(const Cloud& cloud,
+              const std::optional<Eigen::Hyperplane<double, 3>>& ground)
+{
+  if (!cloud.isOrganized() && !cloud.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "normals from neighbours need an organized cloud");
+  std::vector<PointFeatures> features(cloud.size());
+#pragma omp parallel for
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    features[i].setColour(cloud[i].r, cloud[i].g, cloud[i].b);
+  if (ground && !cloud.empty())
+    addGeometry(cloud, *ground, features);
+  return features;
 }
 
 } // namespace pcl_semantic

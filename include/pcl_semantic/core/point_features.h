@@ -1,0 +1,85 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief What tells classes apart whatever a network thinks. */
+enum class Feature {
+  height,     ///< above the ground, the mean of a clique [m]
+  distance,   ///< along the view [m]
+  level,      ///< |cosine| between its normal and the ground's; 1 = floor, 0 = wall
+  side,       ///< to the left or the right of the camera, along the ground [m]
+  lowest,     ///< height of the lowest member of a clique [m]
+  extent,     ///< from the lowest member of a clique to the highest [m]
+  brightness, ///< mean of red, green and blue, 0 to 1
+  red,        ///< share of red in the sum of red, green and blue
+  green,      ///< share of green likewise
+};
+
+/// Names of features, in their order.
+constexpr std::array feature_names{"height", "distance",   "level", "side", "lowest",
+                                   "extent", "brightness", "red",   "green"};
+
+constexpr std::size_t feature_count = feature_names.size();
+
+inline const char*
+nameOf(Feature feature)
+{
+  return feature_names[std::size_t(feature)];
+}
+
+inline std::optional<Feature>
+findFeature(const std::string& name)
+{
+  for (std::size_t f = 0; f < feature_count; ++f)
+    if (name == feature_names[f])
+      return Feature(f);
+  return {};
+}
+
+/** \brief The features of a pixel or a clique; NaN = not known. */
+class PointFeatures {
+public:
+  PointFeatures() { values_.fill(std::numeric_limits<float>::quiet_NaN()); }
+
+  float&
+  operator[](Feature feature)
+  {
+    return values_[std::size_t(feature)];
+  }
+
+  float
+  operator[](Feature feature) const
+  {
+    return values_[std::size_t(feature)];
+  }
+
+  /** \brief Sets brightness, red and green from a colour, 0 to 255 each. Black has a
+   * brightness only. */
+  void
+  setColour(float red, float green, float blue)
+  {
+    const float sum = red + green + blue;
+    (*this)[Feature::brightness] = sum / 765.0f;
+    if (!(sum > 0.0f))
+      return;
+    (*this)[Feature::red] = red / sum;
+    (*this)[Feature::green] = green / sum;
+  }
+
+private:
+  std::array<float, feature_count> values_;
+};
+
+} // namespace pcl_semantic

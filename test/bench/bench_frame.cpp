@@ -1,0 +1,215 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// Where the time of a frame goes, beside the paper's table of times (an i7-4790; its
+// network ran on a GPU and is not counted), with our defaults and in the paper's
+// window, and frames a second against the 10 Hz of KITTI's cameras: sequence 07 with a
+// network, or the synthetic street with labels that cost nothing. Medians over frames;
+// prints a table in Markdown.
+
+#include "bench/kitti_map.h"
+#include "bench/ratio.h"
+
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/dataset/synthetic_labels.h>
+#include <pcl_semantic/dataset/synthetic_renderer.h>
+#include <pcl_semantic/odometry/stereo_odometry.h>
+
+#include <array>
+#include <map>
+
+namespace {
+
+using namespace pcl_semantic;
+
+constexpr int street_frames = 10;
+constexpr double camera_rate = 10.0; // [Hz]
+
+// One sequence, however it comes about.
+struct Frames {
+  std::string name;
+  StereoCamera camera;
+  Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
+  std::vector<StereoFrame> frames;
+  std::vector<LabelDistributions> labels; // of each
+  double network = 0.0;                   // seconds a frame; 0 = there is none
+};
+
+// Gives the labels in the order of the frames.
+class KnownLabels : public LabelPredictor {
+public:
+  explicit KnownLabels(const std::vector<LabelDistributions>& labels) : labels_(labels)
+  {}
+
+  LabelDistributions
+  predict(const StereoFrame&) override
+  {
+    return labels_.at(next_++);
+  }
+
+private:
+  const std::vector<LabelDistributions>& labels_;
+  std::size_t next_ = 0;
+};
+
+double
+median(std::vector<double> values)
+{
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+std::string
+sourcePath(const std::string& name)
+{
+  return std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data/" + name;
+}
+
+LabelSet
+labelSet()
+{
+  return readLabelSet(sourcePath("label_sets/kitti11.yaml"));
+}
+
+Frames
+kittiFrames(const std::string& data)
+{
+  const KittiSequence sequence(data + "/kitti/07");
+  NetworkPredictor network(
+      readNetworkDescription(sourcePath("networks/espnetv2_city_1280x480.yaml")),
+      labelSet(), data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
+  Frames result;
+  result.name = "KITTI 07";
+  result.camera = sequence.camera();
+  result.T_camera0_camera = sequence.T_camera0_camera();
+  std::vector<double> seconds;
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    result.frames.push_back(sequence.frame(i));
+    seconds.push_back(secondsOf(
+        [&] { result.labels.push_back(network.predict(result.frames.back())); }));
+  }
+  result.network = median(seconds);
+  return result;
+}
+
+Frames
+streetFrames()
+{
+  const SyntheticRenderer street(SyntheticScene(1, street_frames), 1241, 376);
+  Frames result;
+  result.name = "the synthetic street";
+  result.camera = street.camera();
+  for (int i = 0; i < street_frames; ++i) {
+    const SyntheticView view = street.render(i);
+    result.frames.push_back({i, 0.1 * i, view.left, view.right});
+    result.labels.push_back(syntheticDistributions(view, 1));
+  }
+  return result;
+}
+
+// Median seconds of the paper's stages.
+struct Stages {
+  double disparity, pose, superpixels, occupancy, crf;
+
+  double
+  sum() const
+  {
+    return disparity + pose + superpixels + occupancy + crf;
+  }
+};
+
+Stages
+mapAll(const Frames& data, MapperConfig config, const std::string& crf)
+{
+  config.crf = crf;
+  config.cliques = "superpixel";
+  SemanticMapper mapper(
+      data.camera, labelSet(), config, std::make_unique<KnownLabels>(data.labels),
+      std::make_unique<StereoOdometry>(data.camera, data.T_camera0_camera));
+  std::map<std::string, std::vector<double>> seconds; // by the mapper's stages
+  for (const StereoFrame& frame : data.frames) {
+    const MappedFrame mapped = mapper.process(frame);
+    for (const auto& [stage, each] : mapped.times.seconds())
+      seconds[stage].push_back(each);
+    // Once more by themselves: the mapper makes them within its CRF.
+    const SlicParameters& slic = config.clique_parameters.superpixel.slic;
+    seconds["superpixels"].push_back(
+        secondsOf([&] { slicSuperpixels(frame.left, slic); }));
+  }
+  const auto of = [&](const char* stage) { return median(seconds.at(stage)); };
+  const double superpixels = crf == "hierarchical" ? of("superpixels") : 0.0;
+  return {of("stereo"), of("pose"), superpixels, of("cloud") + of("map") + of("voxels"),
+          of("crf") - superpixels};
+}
+
+const Stages paper_hierarchical = {0.416, 0.102, 0.115, 0.295, 0.53};
+const Stages paper_dense = {0.416, 0.102, 0.0, 0.295, 0.38};
+
+// The columns of the table: our defaults, the paper's window, the paper.
+using Columns = std::array<Stages, 3>;
+
+template <typename Figure>
+void
+printRow(const char* name, const Columns& columns, const Figure& figure)
+{
+  std::printf("| %s |", name);
+  for (const Stages& stages : columns)
+    std::printf(" %.3f |", figure(stages));
+  std::printf("\n");
+}
+
+void
+printTable(const Frames& data, const Columns& hierarchical, const Columns& dense)
+{
+  std::printf("| seconds a frame, %s | defaults, 84 m | paper's window, 25 m | paper "
+              "|\n|---|---:|---:|---:|\n",
+              data.name.c_str());
+  const auto row = [&](const char* name, double Stages::*stage) {
+    printRow(name, hierarchical, [&](const Stages& each) { return each.*stage; });
+  };
+  row("dense disparity", &Stages::disparity);
+  row("state estimation (odometry)", &Stages::pose);
+  row("superpixels", &Stages::superpixels);
+  row("occupancy mapping, with colours and labels", &Stages::occupancy);
+  row("hierarchical CRF", &Stages::crf);
+  printRow("dense CRF", dense, [](const Stages& each) { return each.crf; });
+  const auto sum = [](const Stages& each) { return each.sum(); };
+  printRow("**all, hierarchical**", hierarchical, sum);
+  printRow("**all, dense**", dense, sum);
+  const auto rate = [](const Stages& each) { return 1.0 / each.sum(); };
+  printRow("**frames a second, hierarchical** (the camera: 10)", hierarchical, rate);
+  printRow("**frames a second, dense**", dense, rate);
+  if (data.network > 0.0)
+    std::printf("| network (the paper's on a GPU, not counted) | %.3f | %.3f | |\n",
+                data.network, data.network);
+  std::printf("\n");
+  for (const auto& [name, stages] :
+       {std::pair("hierarchical", hierarchical), std::pair("dense", dense)}) {
+    const std::string start = std::string("frame_") + name;
+    printRatio(start + "_vs_10_hz", rate(stages[0]) / camera_rate, 1);
+    printRatio(start + "_in_papers_window_vs_10_hz", rate(stages[1]) / camera_rate, 1);
+    printRatio(start + "_in_papers_window_vs_paper", sum(stages[2]) / sum(stages[1]),
+               1);
+  }
+}
+
+} // namespace
+
+int
+main()
+{
+  const std::string folder = realDataFolder();
+  setNumberOfThreads(0);
+  const Frames data = folder.empty() ? streetFrames() : kittiFrames(folder);
+  MapperConfig paper;
+  readMapperConfig(sourcePath("presets/paper.yaml"), paper);
+  printTable(data,
+             {mapAll(data, MapperConfig(), "hierarchical"),
+              mapAll(data, paper, "hierarchical"), paper_hierarchical},
+             {mapAll(data, MapperConfig(), "dense"), mapAll(data, paper, "dense"),
+              paper_dense});
+  return 0;
+}
