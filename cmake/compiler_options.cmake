@@ -1,12 +1,20 @@
 # No -march or -mavx here, ever: code built with them that sees Eigen or PCL types
 # corrupts the objects of Debian's PCL. Fast paths pick their instructions at run time.
-function(pcl_semantic_compiler_options target)
+# pcl_semantic_compiler_options(<target> <group>): the targets of a group have the same
+# definitions, so that they share what is parsed once.
+function(pcl_semantic_compiler_options target group)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wshadow -Wpedantic -Werror -ffp-contract=off)
-  # PCL's heavy headers are parsed once a target.
-  target_precompile_headers(${target} PRIVATE
-    <pcl/point_cloud.h> <pcl/point_types.h> <opencv2/core.hpp> <Eigen/Geometry>
-    <algorithm> <cmath> <filesystem> <functional> <memory> <string> <vector>)
+  # PCL's heavy headers take 10 s: they are parsed once a group, by its first target.
+  get_property(first GLOBAL PROPERTY pcl_semantic_first_of_${group})
+  if(first)
+    target_precompile_headers(${target} REUSE_FROM ${first})
+  else()
+    set_property(GLOBAL PROPERTY pcl_semantic_first_of_${group} ${target})
+    target_precompile_headers(${target} PRIVATE
+      <pcl/point_cloud.h> <pcl/point_types.h> <opencv2/core.hpp> <Eigen/Geometry>
+      <algorithm> <cmath> <filesystem> <functional> <memory> <string> <vector>)
+  endif()
   if(PCL_SEMANTIC_SANITIZE)
     # Under the address sanitizer Eigen would take its own allocator, and memory that
     # passes between us and Debian's PCL would be freed by the wrong one.

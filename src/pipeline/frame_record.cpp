@@ -18,7 +18,7 @@ auto
 membersOf(Counts& counts)
 {
   return std::array{&counts.points, &counts.rays, &counts.invalid, &counts.sky,
-                    &counts.hit_voxels};
+                    &counts.seen_through, &counts.hit_voxels};
 }
 
 } // namespace

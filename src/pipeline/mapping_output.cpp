@@ -243,11 +243,14 @@ MappingOutput::writeSummary(const VoxelCloud& voxels) const
     total.rays += frame.counts.rays;
     total.sky += frame.counts.sky;
     total.invalid += frame.counts.invalid;
+    total.seen_through += frame.counts.seen_through;
     for (const auto& [stage, each] : frame.seconds)
       seconds[stage].push_back(each);
   }
-  summary["points"] = {
-      {"rays", total.rays}, {"sky", total.sky}, {"without_depth", total.invalid}};
+  summary["points"] = {{"rays", total.rays},
+                       {"sky", total.sky},
+                       {"without_depth", total.invalid},
+                       {"seen_through", total.seen_through}};
   summary["voxels"] = voxels.size();
   summary["voxel_size"] = voxels.voxel_size;
   summary["map_origin"] = toJson(voxels.origin);

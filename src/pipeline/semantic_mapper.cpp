@@ -125,18 +125,6 @@ SemanticMapper::finish()
   refined_ = true;
 }
 
-// The cloud without the points that make things fatter than they are.
-pcl::PointCloud<pcl::PointXYZRGB>::ConstPtr
-SemanticMapper::withoutSeenThrough(const MappedFrame& mapped) const
-{
-  if (config_.hit_share == 0.0)
-    return mapped.cloud;
-  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(*mapped.cloud);
-  eraseSeenThrough(*cloud, camera_, mapped.T_world_camera, map_.parameters().voxel_size,
-                   config_.hit_share);
-  return cloud;
-}
-
 ScanCounts
 SemanticMapper::integrate(const MappedFrame& mapped)
 {
@@ -145,10 +133,16 @@ SemanticMapper::integrate(const MappedFrame& mapped)
     deviations = distanceDeviations(*mapped.cloud, camera_, mapped.disparity.deviation,
                                     config_.deviation_scale);
   try {
-    const auto cloud = withoutSeenThrough(mapped);
-    return map_.integrate(*cloud, mapped.T_world_camera,
-                          calibration_ ? mapped.calibrated : mapped.network,
-                          deviations);
+    pcl::PointCloud<pcl::PointXYZRGB> cloud = *mapped.cloud;
+    const std::size_t erased =
+        eraseSeenThrough(cloud, camera_, mapped.T_world_camera,
+                         map_.parameters().voxel_size, config_.hit_share);
+    ScanCounts counts = map_.integrate(cloud, mapped.T_world_camera,
+                                       calibration_ ? mapped.calibrated : mapped.network,
+                                       deviations);
+    counts.invalid -= erased; // they had a depth
+    counts.seen_through = erased;
+    return counts;
   }
   catch (const BadInputException& error) { // a map knows nothing of frames
     PCL_THROW_EXCEPTION(BadInputException,

@@ -81,6 +81,7 @@ TEST(FrameRecord, SurvivesBytes)
                           Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized());
   record.counts.points = 5;
   record.counts.rays = 1ull << 40;
+  record.counts.seen_through = 2;
   record.counts.hit_voxels = 3;
   record.seconds = {{"stereo", 0.1}, {"map", 1.0 / 3.0}};
   std::vector<std::uint8_t> bytes = encodeFrameRecord(record);
@@ -89,6 +90,7 @@ TEST(FrameRecord, SurvivesBytes)
   EXPECT_EQ(read.T_world_camera.matrix(), record.T_world_camera.matrix());
   EXPECT_EQ(read.counts.points, 5u);
   EXPECT_EQ(read.counts.rays, 1ull << 40);
+  EXPECT_EQ(read.counts.seen_through, 2u);
   EXPECT_EQ(read.counts.hit_voxels, 3u);
   EXPECT_EQ(read.seconds, record.seconds);
   for (std::size_t size = 0; size < bytes.size(); ++size)

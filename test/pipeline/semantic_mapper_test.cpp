@@ -201,13 +201,16 @@ TEST_F(Street, RimsThatAreLookedPastAreNotMapped)
   config.hit_share = 0.33;
   const MappedFrame fewer = makeMapper(config).process(frame(0));
   auto rest = *all.cloud;
-  eraseSeenThrough(rest, renderer_->camera(), all.T_world_camera, config.map.voxel_size,
-                   0.33);
+  const std::size_t erased = eraseSeenThrough(
+      rest, renderer_->camera(), all.T_world_camera, config.map.voxel_size, 0.33);
   SemanticVoxelMap expected(
       readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"),
       config.map);
   expected.integrate(rest, all.T_world_camera, all.network);
   EXPECT_LT(fewer.voxels.size(), all.voxels.size());
+  EXPECT_EQ(all.counts.seen_through, 0u);
+  EXPECT_EQ(fewer.counts.seen_through, erased);
+  EXPECT_EQ(fewer.counts.invalid, all.counts.invalid); // those without depth
   EXPECT_EQ(fewer.voxels.indices, expected.occupied().indices);
   // The frame itself stays as it was measured: its pixels still look up the map.
   for (std::size_t i = 0; i < all.cloud->size(); ++i)

@@ -4,16 +4,13 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
-#include "support/temporary_folder.h"
 #include "support/thrown_message.h"
+#include "support/tuning_street.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_writer.h>
 #include <pcl_semantic/evaluation/depth_lookup.h>
 #include <pcl_semantic/evaluation/label_reprojection.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/pipeline/tuning_runner.h>
 
 #include <gtest/gtest.h>
@@ -23,59 +20,6 @@
 namespace pcl_semantic {
 
 namespace {
-
-constexpr int frames = 3;
-
-class TuningStreet : public testing::Test {
-protected:
-  static void
-  SetUpTestSuite()
-  {
-    folder_ = std::make_unique<TemporaryFolder>();
-    const SyntheticScene scene(5, frames);
-    const SyntheticRenderer renderer(scene, 208, 64);
-    const SyntheticWriter writer(folder_->path("street"));
-    writer.writeSequence(scene, renderer.camera());
-    for (int i = 0; i < frames; ++i) {
-      const SyntheticView view = renderer.render(i);
-      writer.writeFrame(view, syntheticDistributions(view, 5));
-    }
-    std::filesystem::remove(folder_->path("street/gt/000001.png"));
-  }
-
-  static void
-  TearDownTestSuite()
-  {
-    folder_.reset();
-  }
-
-  static LabelSet
-  labelSet()
-  {
-    return readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
-  }
-
-  static std::shared_ptr<const TuningSequence>
-  open()
-  {
-    return std::make_shared<TuningSequence>(
-        TuningFolders{folder_->path("street"), folder_->path("street/labels"),
-                      folder_->path("street/gt")},
-        labelSet().size());
-  }
-
-  static MapperConfig
-  coarse()
-  {
-    MapperConfig config;
-    config.map.voxel_size = 0.2;
-    return config;
-  }
-
-  static std::unique_ptr<TemporaryFolder> folder_;
-};
-
-std::unique_ptr<TemporaryFolder> TuningStreet::folder_;
 
 cv::Mat
 networkLabels(const MappedFrame& mapped)

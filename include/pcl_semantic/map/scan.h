@@ -78,6 +78,8 @@ struct ScanCounts {
   std::size_t rays = 0;       ///< cast
   std::size_t invalid = 0;    ///< at NaN, infinite or absurdly far: skipped
   std::size_t sky = 0;        ///< labelled as sky: skipped
+  /// Of a stereo image: erased before the scan was cast, see eraseSeenThrough.
+  std::size_t seen_through = 0;
   std::size_t hit_voxels = 0; ///< voxels with an end point
 };
 

@@ -112,9 +112,6 @@ public:
 private:
   bool isRefinedAt(int frame) const;
 
-  pcl::PointCloud<pcl::PointXYZRGB>::ConstPtr
-  withoutSeenThrough(const MappedFrame& mapped) const;
-
   ScanCounts integrate(const MappedFrame& mapped);
 
   void setFrameOfCliques(const MappedFrame& mapped);
