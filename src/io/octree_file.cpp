@@ -85,8 +85,16 @@ fill(Tree& tree, const VoxelScene& scene, Paint&& paint)
   tree.prune();
 }
 
-// The size of the voxels is a text in the file: six digits are too few for some.
-constexpr int kDigits = 15;
+// What the library's own writing begins with. That talks on standard error, and gives
+// the size of the voxels six digits, which are too few for some.
+void
+writeHeader(std::ostream& stream, const char* title,
+            const octomap::AbstractOcTree& tree)
+{
+  stream << "# Octomap OcTree " << title << "\nid " << tree.getTreeType() << "\nsize "
+         << tree.size() << "\nres " << std::setprecision(15) << tree.getResolution()
+         << "\ndata\n";
+}
 
 } // namespace
 
@@ -103,8 +111,8 @@ writeOctree(const std::string& path, const VoxelScene& scene)
   AtomicFile file(path);
   octomap::OcTree tree(scene.grid.size);
   fill(tree, scene, [](octomap::OcTreeNode&, std::size_t) {});
-  file.stream() << std::setprecision(kDigits);
-  tree.writeBinaryConst(file.stream());
+  writeHeader(file.stream(), "binary file", tree);
+  tree.writeBinaryData(file.stream());
   file.commit();
 }
 
@@ -121,10 +129,7 @@ writeColourOctree(const std::string& path, const VoxelScene& scene,
   fill(tree, scene, [&](octomap::ColorOcTreeNode& node, std::size_t i) {
     node.setColor(colours[i][2], colours[i][1], colours[i][0]);
   });
-  // As its write() does, which talks on standard error.
-  file.stream() << std::setprecision(kDigits) << "# Octomap OcTree file\nid "
-                << tree.getTreeType() << "\nsize " << tree.size() << "\nres "
-                << tree.getResolution() << "\ndata\n";
+  writeHeader(file.stream(), "file", tree);
   tree.writeData(file.stream());
   file.commit();
 }
