@@ -5,6 +5,7 @@
  */
 
 #include "export_arguments.h"
+#include "messages.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -14,7 +15,7 @@
 #include <pcl_semantic/io/ply_file.h>
 #include <pcl_semantic/io/voxel_colours.h>
 
-#include <iostream>
+#include <sstream>
 
 namespace {
 
@@ -22,6 +23,7 @@ using namespace pcl_semantic;
 using tool::ExportArguments;
 using tool::ExportFormat;
 using tool::MapInput;
+using tool::Results;
 
 void
 requireLabels(const MapInput& map)
@@ -88,25 +90,26 @@ gridOf(const ExportArguments& arguments, const MapInput& map)
   return traversabilityGrid(map.scene, parameters);
 }
 
-void
+Results
 writeGrid(const ExportArguments& arguments, const MapInput& map)
 {
   const OccupancyGrid grid = gridOf(arguments, map);
   writeOccupancyGrid(arguments.output, grid);
-  std::cout << "cells: " << grid.cells.cols << " x " << grid.cells.rows << "\n";
+  return {{"columns", std::size_t(grid.cells.cols)},
+          {"rows", std::size_t(grid.cells.rows)},
+          {"description", gridDescription(arguments.output)}};
 }
 
-void
+Results
 writeMesh(const ExportArguments& arguments, const MapInput& map)
 {
   const std::vector<cv::Vec3b> colours = coloursOf(arguments, map);
   const VoxelMesh mesh = blockyMesh(map.scene, colours);
   writePlyMesh(arguments.output, mesh, map.scene, colours);
-  std::cout << "vertices: " << mesh.corners.size() << "\nfaces: " << mesh.faces.size()
-            << "\n";
+  return {{"vertices", mesh.corners.size()}, {"faces", mesh.faces.size()}};
 }
 
-void
+Results
 writeTree(const ExportArguments& arguments, const MapInput& map)
 {
   const VoxelScene& scene = map.scene;
@@ -114,17 +117,19 @@ writeTree(const ExportArguments& arguments, const MapInput& map)
     writeOctree(arguments.output, scene);
   else
     writeColourOctree(arguments.output, scene, coloursOf(arguments, map));
-  if (scene.knows_free)
-    std::cout << "free voxels: " << scene.free.size() << "\n";
-  else
-    std::cout << "free voxels: not known, the map is no archive\n";
   const Eigen::Vector3d shift = octreeShift(scene);
-  if (shift.cwiseAbs().maxCoeff() > 1e-3 * scene.grid.size)
-    std::cout << "moved by: " << shift.x() << " " << shift.y() << " " << shift.z()
-              << " m, voxels of an octree begin at multiples of their size\n";
+  if (shift.cwiseAbs().maxCoeff() > 1e-3 * scene.grid.size) {
+    std::ostringstream text;
+    text << "the map is moved by " << shift.transpose()
+         << " m: voxels of an octree begin at multiples of their size";
+    tool::warn(text.str());
+  }
+  if (scene.knows_free)
+    return {{"free_voxels", scene.free.size()}};
+  return {{"free_space", std::string("not known, the map is no archive")}};
 }
 
-void
+Results
 write(const ExportArguments& arguments, const MapInput& map)
 {
   switch (arguments.format) {
@@ -132,7 +137,8 @@ write(const ExportArguments& arguments, const MapInput& map)
   case ExportFormat::colour_octree:
     return writeTree(arguments, map);
   case ExportFormat::points:
-    return writePlyPoints(arguments.output, map.scene, coloursOf(arguments, map));
+    writePlyPoints(arguments.output, map.scene, coloursOf(arguments, map));
+    break;
   case ExportFormat::mesh:
     return writeMesh(arguments, map);
   case ExportFormat::occupancy:
@@ -140,22 +146,27 @@ write(const ExportArguments& arguments, const MapInput& map)
     return writeGrid(arguments, map);
   case ExportFormat::statistics:
     requireLabels(map);
-    return writeClassStatistics(arguments.output,
-                                countClasses(map.scene, map.label_set), map.label_set);
+    writeClassStatistics(arguments.output, countClasses(map.scene, map.label_set),
+                         map.label_set);
+    break;
   }
+  return {};
 }
 
 int
 exportMap(const ExportArguments& arguments)
 {
   const MapInput map = tool::readMap(arguments.map, arguments.hints);
+  tool::note(std::to_string(map.scene.voxels.size()) + " voxels are read");
+  Results results = {{"file", arguments.output}, {"voxels", map.scene.voxels.size()}};
   try {
-    write(arguments, map);
+    for (const auto& result : write(arguments, map))
+      results.push_back(result);
   }
   catch (const BadInputException& error) {
     PCL_THROW_EXCEPTION(BadInputException, arguments.map << ": " << error.what());
   }
-  std::cout << "voxels: " << map.scene.voxels.size() << "\n";
+  tool::printResults(results);
   return tool::exit_done;
 }
 
