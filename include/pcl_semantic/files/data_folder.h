@@ -6,9 +6,11 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A file of the data that come with the module (label sets, networks, presets),
  * found beside the running program: `../share/pcl_semantic` when installed, `data` of

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/point_features.h>
@@ -13,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A curve for each class over a feature, linear between knots and level beyond
  * them. */

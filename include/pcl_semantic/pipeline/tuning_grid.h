@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A parameter that is searched. */
 struct TuningAxis {
