@@ -125,8 +125,8 @@ tune(const Options& options)
 {
   MapperConfig start;
   readMapperConfig(options.start, start);
-  const TuningGrid grid = readTuningGrid(options.grid, start);
   const LabelSet label_set = tool::readLabelSetOrDefault(options.label_set);
+  const TuningGrid grid = readTuningGrid(options.grid, start, label_set);
   std::vector<std::shared_ptr<const TuningSequence>> sequences;
   std::vector<std::string> names;
   for (const std::string& folder : options.sequences) {

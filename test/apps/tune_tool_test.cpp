@@ -139,6 +139,8 @@ TEST(TuneToolUsage, BadInput)
             grid("crf: [none, dense]\nspeed: [1, 2]\n")},
            {"bad value", 3, "grid.yaml line 1: smoothness_weight is -1", all,
             grid("smoothness_weight: [-1, 2]\n")},
+           {"unknown class", 3, "grid.yaml line 1: clique_leaves_out: class 'pol' is not",
+            all, grid("clique_leaves_out: [none, \"pole,pol\"]\n")},
            {"nothing to search", 3, "no parameter has a list", all,
             grid("crf: none\n")},
            {"search", 2, "--search is 'all', expected coordinate, grid or random",

@@ -16,6 +16,9 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
+/** \brief What is less than that counts as that: a network's zeros mean nothing. */
+constexpr float kLeastProbability = 1e-4f;
+
 /** \brief A curve for each class over a feature, linear between knots and level beyond
  * them. */
 struct ClassCurves {

@@ -29,7 +29,7 @@ struct GroundView {
 /** \brief What is known of cliques, a column or an entry each, in the form that a
  * LabelCalibration takes. */
 struct CliqueEvidence {
-  /// Geometric means of the members' measurements, each clamped at 1e-4; zero for
+  /// Geometric means of the members' measurements, each clamped at kLeastProbability; zero for
   /// cliques whose members have none.
   LabelDistributions distributions;
   /// Of the members' mean place, height, distance and side; levelness of their best
