@@ -53,7 +53,7 @@ private:
 VoxelCloud
 mapStreet(const LabelSet& classes)
 {
-  const SyntheticSequence street(4, 416, 128);
+  const SyntheticSequence street(4, 310, 94);
   return mapSequence(street, classes, std::make_unique<StreetLabels>(street));
 }
 

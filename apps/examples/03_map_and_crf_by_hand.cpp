@@ -82,7 +82,7 @@ try {
     }
   }
   else {
-    const SyntheticSequence street(4, 416, 128);
+    const SyntheticSequence street(4, 310, 94);
     for (std::size_t i = 0; i < street.size(); ++i)
       addFrame(street.frame(i), street.camera(), street.labels(i), street.pose(i), map);
   }

@@ -46,8 +46,7 @@ leftward()
   return T_rig_camera; // camera axes: x right, y down, z forward
 }
 
-// How many occupied voxels of a map lie to the left of where its view ends: where a
-// camera that looks forward sees nothing.
+// How many occupied voxels lie where a camera that looks forward sees nothing.
 std::size_t
 countBeside(const VoxelCloud& voxels)
 {
@@ -71,17 +70,17 @@ int
 main(int, char** argv)
 try {
   const LabelSet classes = readLabelSet(findDataFile("label_sets/kitti11.yaml"));
-  const SyntheticSequence front(4, 416, 128), left(4, 416, 128, leftward());
+  const SyntheticSequence front(3, 310, 94), left(3, 310, 94, leftward());
   SemanticVoxelMap::Parameters parameters;
   parameters.voxel_size = 0.2;
-  SemanticVoxelMap alone(classes, parameters), both(classes, parameters);
+  SemanticVoxelMap map(classes, parameters);
   for (std::size_t i = 0; i < front.size(); ++i) {
-    addFrame(front, i, alone);
-    addFrame(front, i, both);
-    addFrame(left, i, both); // one thread writes: one camera after the other
+    addFrame(front, i, map);
+    if (i == 0)
+      print("one frame of the front camera", map);
+    addFrame(left, i, map); // one thread writes: one camera after the other
   }
-  print("front camera", alone);
-  print("both", both);
+  print("all of both", map);
 }
 catch (const std::exception& error) {
   std::cerr << argv[0] << ": " << error.what() << "\n";

@@ -67,9 +67,9 @@ watch(Exchange& exchange, const SemanticVoxelMap& map)
     lock.unlock(); // the snapshot is ours
     if (!voxels)
       return;
-    std::cout << "snapshot of " << voxels->size() << " voxels; ten metres ahead: ";
-    const auto ahead = map.firstOccupied({10, 0, 0}, {10, 0, -5}); // of the live map
-    std::cout << (ahead ? map.labelSet()[ahead->label].name : "nothing") << std::endl;
+    const Eigen::Vector3d low(5.0, -2.0, -2.0), high(20.0, 2.0, 0.0); // ahead [m]
+    std::cout << "snapshot of " << voxels->size() << " voxels; the live map knows "
+              << map.states({low, high}).size() << " there" << std::endl;
   }
 }
 
@@ -79,7 +79,7 @@ int
 main(int, char** argv)
 try {
   const LabelSet classes = readLabelSet(findDataFile("label_sets/kitti11.yaml"));
-  const SyntheticSequence street(4, 416, 128);
+  const SyntheticSequence street(4, 310, 94);
   SemanticMapper mapper(
       street.camera(), classes, MapperConfig(), std::make_unique<StreetLabels>(street),
       std::make_unique<StereoOdometry>(street.camera(), street.T_camera0_camera()));
