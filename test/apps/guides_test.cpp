@@ -243,3 +243,16 @@ TEST(Guides, TheirCommandsOfDevExist)
     }
   EXPECT_GT(found, 0);
 }
+
+TEST(Reference, IsMadeWithoutWarnings)
+{
+  if (runShell("doxygen --version 2>/dev/null").code != 0)
+    GTEST_SKIP() << "doxygen is not installed";
+  const TemporaryFolder folder;
+  const ToolResult result = runShell("cd " PCL_SEMANTIC_SOURCE_DIR
+                                     "; { cat doc/Doxyfile; echo OUTPUT_DIRECTORY = " +
+                                     folder.path() + "; } | doxygen - 2>&1");
+  EXPECT_EQ(result.code, 0) << result.text;
+  EXPECT_TRUE(
+      fs::exists(folder.path("html/classpcl__semantic_1_1SemanticVoxelMap.html")));
+}
