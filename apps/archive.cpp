@@ -5,6 +5,7 @@
  */
 
 #include "archive_arguments.h"
+#include "messages.h"
 #include "progress_bar.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -50,24 +51,12 @@ onlyFile(const Arguments& arguments)
   return arguments.files[0];
 }
 
-void
-printHeader(const MapArchive& archive)
+std::string
+textOf(const Eigen::Vector3d& place)
 {
-  const ArchiveHeader& header = archive.header();
-  const ArchiveState state = archive.state();
-  const Eigen::Vector3d& origin = state.cloud_origin;
-  std::cout << "file:       " << archive.path() << ", "
-            << std::filesystem::file_size(archive.path()) << " bytes\n"
-            << "run:        " << (state.finished ? "finished" : "interrupted") << ", "
-            << state.frames << " frames";
-  if (state.frames > 0)
-    std::cout << ", the last is " << state.last_frame;
-  std::cout << "\nvoxel size: " << header.parameters.voxel_size
-            << " m\norigin:     " << origin.x() << " " << origin.y() << " "
-            << origin.z() << " m\nclasses:   ";
-  for (int label = 1; label <= header.label_set.size(); ++label)
-    std::cout << " " << header.label_set[Label(label)].name;
-  std::cout << "\n";
+  std::ostringstream text;
+  text << place.transpose();
+  return text.str();
 }
 
 int
@@ -75,13 +64,29 @@ info(const Arguments& arguments)
 {
   const MapArchive archive(onlyFile(arguments), ArchiveAccess::read);
   const ArchiveExtent extent = archiveExtent(archive, showProgress("reading"));
-  printHeader(archive);
-  std::cout << "blocks:     " << archive.state().blocks
-            << "\noccupied:   " << extent.voxels << " voxels\n";
-  if (extent.voxels > 0)
-    std::cout << "extent:     " << extent.box.min().transpose() << " to "
-              << extent.box.max().transpose() << " m\n";
-  std::cout << "made from:\n" << archive.header().configuration;
+  const ArchiveHeader& header = archive.header();
+  const ArchiveState state = archive.state();
+  std::string classes;
+  for (int label = 1; label <= header.label_set.size(); ++label)
+    classes += (label > 1 ? " " : "") + header.label_set[Label(label)].name;
+  tool::Results results = {
+      {"file", archive.path()},
+      {"bytes", std::size_t(std::filesystem::file_size(archive.path()))},
+      {"run", std::string(state.finished ? "finished" : "interrupted")},
+      {"frames", std::size_t(state.frames)}};
+  if (state.frames > 0)
+    results.push_back({"last_frame", std::size_t(state.last_frame)});
+  results.push_back({"voxel_size", header.parameters.voxel_size});
+  results.push_back({"origin", textOf(state.cloud_origin)});
+  results.push_back({"classes", classes});
+  results.push_back({"blocks", std::size_t(state.blocks)});
+  results.push_back({"occupied", std::size_t(extent.voxels)});
+  if (extent.voxels > 0) {
+    results.push_back({"from", textOf(extent.box.min())});
+    results.push_back({"to", textOf(extent.box.max())});
+  }
+  results.push_back({"made_from", header.configuration});
+  tool::printFigures(results);
   return tool::exit_done;
 }
 
@@ -95,7 +100,7 @@ verify(const Arguments& arguments)
   if (!faults.empty())
     PCL_THROW_EXCEPTION(BadInputException,
                         arguments.files[0] << ": " << faults.size() << " faults");
-  std::cout << "ok\n";
+  tool::printFigures("ok\n", "{\"faults\": 0}\n");
   return tool::exit_done;
 }
 
@@ -132,7 +137,7 @@ exportCloud(const Arguments& arguments)
   const std::size_t voxels =
       exportVoxels(archive, selection, arguments.files[1], VoxelColour::measured,
                    showProgress("exporting"));
-  std::cout << "voxels: " << voxels << "\n";
+  tool::printResults({{"voxels", voxels}, {"cloud", arguments.files[1]}});
   return tool::exit_done;
 }
 
@@ -147,7 +152,8 @@ merge(const Arguments& arguments)
   tool::refuseSameFiles({}, arguments.files);
   const std::uint64_t blocks =
       mergeArchives(inputs, arguments.files.back(), showProgress("merging"));
-  std::cout << "blocks: " << blocks << "\n";
+  tool::printResults(
+      {{"blocks", std::size_t(blocks)}, {"archive", arguments.files.back()}});
   return tool::exit_done;
 }
 

@@ -6,6 +6,7 @@
 
 #include "calibrate_arguments.h"
 #include "default_label_set.h"
+#include "messages.h"
 #include "progress_bar.h"
 #include "sequence_pattern.h"
 
@@ -18,8 +19,9 @@
 #include <pcl_semantic/pipeline/listed_labels.h>
 #include <pcl_semantic/pipeline/tuning_score.h>
 
+#include <nlohmann/json.hpp>
+
 #include <filesystem>
-#include <iostream>
 
 namespace {
 
@@ -46,6 +48,21 @@ report(const CalibrationTrial& trial, const tool::CalibrateArguments& options,
     text += scoresMarkdownRow(computeScores(trial.held_out, classes),
                               "calibrated, learned from the others");
   return text;
+}
+
+std::string
+jsonOf(const CalibrationTrial& trial, const LabelSet& label_set)
+{
+  const std::vector<Label> classes = classesThatCount(label_set);
+  const auto scores = [&](const ConfusionMatrix& confusion) {
+    return nlohmann::ordered_json::parse(
+        scoresJson(computeScores(confusion, classes), label_set));
+  };
+  nlohmann::ordered_json json = {{"network", scores(trial.network)},
+                                 {"learned_from_all", scores(trial.fitted)}};
+  if (!trial.without.empty())
+    json["learned_from_the_others"] = scores(trial.held_out);
+  return json.dump(2) + "\n";
 }
 
 // What an earlier run has learned from other sequences would be taken for ours.
@@ -95,7 +112,8 @@ calibrateSequences(const tool::CalibrateArguments& options)
                   printCalibration(trial.without[s], label_set));
   const std::string text = report(trial, options, label_set);
   writeTextFile(path + "report.md", text);
-  std::cout << text << "\ncalibration: " << path << "calibration.yaml\n";
+  tool::printFigures(text + "\ncalibration: " + path + "calibration.yaml\n",
+                     jsonOf(trial, label_set));
   return tool::exit_done;
 }
 

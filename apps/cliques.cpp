@@ -5,6 +5,7 @@
  */
 
 #include "clique_frame.h"
+#include "messages.h"
 #include "parameter_options.h"
 #include "tool.h"
 
@@ -15,8 +16,6 @@
 #include <pcl_semantic/pipeline/clique_config.h>
 
 #include <pcl/common/io.h>
-
-#include <iostream>
 
 namespace {
 
@@ -175,8 +174,10 @@ group(const Arguments& arguments)
     writeColourCloud(arguments.coloured, cloud);
   }
   writeCliques(arguments.output, read);
-  std::cout << arguments.output << ": " << read.cliques.size() << " cliques of "
-            << members << " of " << cloud.size() << " points\n";
+  tool::printResults({{"cliques", read.cliques.size()},
+                      {"members", members},
+                      {"points", cloud.size()},
+                      {"cloud", arguments.output}});
   return tool::exit_done;
 }
 

@@ -5,6 +5,7 @@
  */
 
 #include "default_label_set.h"
+#include "messages.h"
 #include "progress_bar.h"
 #include "tool.h"
 
@@ -16,7 +17,6 @@
 #include <pcl_semantic/io/label_sheet.h>
 
 #include <filesystem>
-#include <iostream>
 #include <sstream>
 
 namespace {
@@ -155,7 +155,7 @@ compare(const Arguments& arguments)
   const LabelSet label_set = tool::readLabelSetOrDefault(arguments.label_set);
   if (!isFolder(arguments.image)) {
     makeSheet(arguments, names, label_set, "");
-    std::cout << "sheet: " << arguments.output << "\n";
+    tool::printResults({{"sheet", arguments.output}});
     return tool::exit_done;
   }
   const std::vector<FrameFile> frames =
@@ -170,7 +170,7 @@ compare(const Arguments& arguments)
     makeSheet(arguments, names, label_set, fs::path(frame.path).filename());
     progress.step();
   }
-  std::cout << "sheets: " << arguments.output << "\n";
+  tool::printResults({{"sheets", arguments.output}});
   return tool::exit_done;
 }
 

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "parameter_options.h"
 #include "tool.h"
 
@@ -136,7 +137,7 @@ setEntropies(LabelledCloud& cloud)
 
 // Runs the filter over points with colour or without, and says what became of it.
 template <typename PointT>
-std::string
+tool::Results
 filter(const Arguments& arguments, LabelledCloud& input)
 {
   const auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
@@ -157,13 +158,13 @@ filter(const Arguments& arguments, LabelledCloud& input)
     (*input.cloud)[i].label = (*cloud)[i].label;
   input.distributions = crf.getLabelDistributions();
   const CRFReport& report = crf.getReport();
-  std::ostringstream text;
-  text << "points: " << cloud->size() << ", of which " << crf.getSkippedPoints()
-       << " without a place, " << report.unlabelled
-       << " without a measurement\ncliques: " << report.cliques << ", and "
-       << report.skipped_cliques
-       << " without a point that takes part\nupdates: " << report.updates << "\n";
-  return text.str();
+  return {{"points", cloud->size()},
+          {"without_place", crf.getSkippedPoints()},
+          {"without_measurement", report.unlabelled},
+          {"cliques", report.cliques},
+          {"cliques_without_points", report.skipped_cliques},
+          {"updates", std::size_t(report.updates)},
+          {"cloud", arguments.output}};
 }
 
 int
@@ -178,12 +179,12 @@ refine(const Arguments& arguments)
   config.requireFittingCliques();
   setNumberOfThreads(config.threads);
   LabelledCloud cloud = readLabelledCloud(arguments.input);
-  const std::string report = cloud.has_colour
-                                 ? filter<pcl::PointXYZRGBL>(arguments, cloud)
-                                 : filter<pcl::PointXYZL>(arguments, cloud);
+  const tool::Results report = cloud.has_colour
+                                   ? filter<pcl::PointXYZRGBL>(arguments, cloud)
+                                   : filter<pcl::PointXYZL>(arguments, cloud);
   setEntropies(cloud);
   writeLabelledCloud(arguments.output, cloud);
-  std::cout << report;
+  tool::printResults(report);
   return tool::exit_done;
 }
 

@@ -6,6 +6,7 @@
 
 #include "evaluated_classes.h"
 #include "evaluated_folders.h"
+#include "messages.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -75,7 +76,13 @@ parse(int argc, char** argv, Options& options)
       "row", po::value(&options.row), "print one row of a Markdown table of this name")(
       "header", po::bool_switch(&options.header), "print the header of such a table");
   po::variables_map values;
-  return tool::parseCommandLine(argc, argv, usage, description, {}, values);
+  if (!tool::parseCommandLine(argc, argv, usage, description, {}, values))
+    return false;
+  if (tool::manner().json && (options.header || !options.row.empty()))
+    tool::failUsage(usage, "--json and a table in Markdown exclude each other");
+  if (tool::manner().json && options.ranges.size() > 1)
+    tool::failUsage(usage, "--json takes the figures of one --range");
+  return true;
 }
 
 std::vector<tool::EvaluatedFolders>
@@ -123,8 +130,9 @@ report(const Options& options, const ConfusionMatrix& confusion,
     std::cout << scoresMarkdownRow(scores, range.empty() ? options.row
                                                          : options.row + ", " + range);
   if (!options.header && options.row.empty())
-    std::cout << (range.empty() ? "" : "\n" + range + "\n")
-              << scoresTable(scores, label_set);
+    tool::printFigures((range.empty() ? "" : "\n" + range + "\n") +
+                           scoresTable(scores, label_set),
+                       scoresJson(scores, label_set));
 }
 
 int

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "progress_bar.h"
 #include "tool.h"
 
@@ -87,6 +88,8 @@ parseOptions(int argc, char** argv, Options& options)
   if (!(options.parameters.behind >= 0.0))
     tool::failUsage(usage, "--behind is " + tool::shown(options.parameters.behind) +
                                ", expected 0 or more");
+  if (tool::manner().json && (options.header || !options.row.empty()))
+    tool::failUsage(usage, "--json and a table in Markdown exclude each other");
   options.parameters.bands = parseBands(options.bands);
   tool::requireExtension(options.output, ".json");
   return true;
@@ -121,14 +124,15 @@ evaluate(const Options& options)
   GeometrySamples samples;
   for (std::size_t i = 0; i < options.maps.size(); ++i)
     samples += measure(options.maps[i], options.sequences[i], options.parameters);
+  const std::string json = geometryJson(samples, options.parameters);
   if (!options.output.empty())
-    writeTextFile(options.output, geometryJson(samples, options.parameters));
+    writeTextFile(options.output, json);
   if (options.header)
     std::cout << geometryMarkdownHeader(options.parameters);
   if (!options.row.empty())
     std::cout << geometryMarkdownRow(samples, options.parameters, options.row);
   if (!options.header && options.row.empty())
-    std::cout << geometryTable(samples, options.parameters);
+    tool::printFigures(geometryTable(samples, options.parameters), json);
   return tool::exit_done;
 }
 

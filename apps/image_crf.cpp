@@ -5,6 +5,7 @@
  */
 
 #include "default_label_set.h"
+#include "messages.h"
 #include "parameter_options.h"
 #include "tool.h"
 
@@ -129,8 +130,8 @@ refine(const Arguments& arguments)
   if (!arguments.overlay.empty())
     writePng(arguments.overlay, drawOverlay(image, labels, label_set));
   writePng(arguments.output, labels);
-  std::cout << "updates: " << crf.getReport().updates
-            << "\nclasses: " << arguments.output << "\n";
+  tool::printResults({{"updates", std::size_t(crf.getReport().updates)},
+                      {"classes", arguments.output}});
   return tool::exit_done;
 }
 

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "pair_watch.h"
 #include "progress_bar.h"
 #include "sequence_options.h"
@@ -17,7 +18,6 @@
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include <filesystem>
-#include <iostream>
 
 using namespace pcl_semantic;
 
@@ -133,8 +133,10 @@ labelSequence(const Options& options)
       progress.step();
     }
   }
-  std::cout << options.output << ": labels of " << frames.size() << " frames, "
-            << label_set.size() << " classes (" << network.label_set_path << ")\n";
+  tool::printResults({{"frames", frames.size()},
+                      {"classes", std::size_t(label_set.size())},
+                      {"label_set", network.label_set_path},
+                      {"labels", options.output}});
   return tool::exit_done;
 }
 

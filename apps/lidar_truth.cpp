@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "progress_bar.h"
 #include "tool.h"
 
@@ -20,7 +21,6 @@
 #include <pcl_semantic/files/label_set_file.h>
 
 #include <filesystem>
-#include <iostream>
 
 namespace {
 
@@ -157,8 +157,7 @@ project(const Options& options)
                sequence.camera(), T_camera_velodyne);
     progress.step();
   }
-  std::cout << "wrote " << scans.size() << " truth images to " << options.output
-            << "\n";
+  tool::printResults({{"images", scans.size()}, {"truth", options.output}});
   return tool::exit_done;
 }
 

@@ -8,6 +8,7 @@
 #include "map_extras.h"
 #include "map_labelling.h"
 #include "map_poses.h"
+#include "messages.h"
 #include "pair_watch.h"
 #include "progress_bar.h"
 #include "tool.h"
@@ -74,13 +75,25 @@ makeOutput(const MapArguments& arguments, const MappingRun& run,
 void
 printResults(const MapArguments& arguments, const MappingArchive& archive)
 {
+  tool::Results results;
   if (!archive.records().empty())
-    std::cout << "resumed:  after " << archive.records().size() << " frames\n";
-  std::cout << "map:      " << arguments.output << "/map.pcd\n"
-            << "pictures: " << arguments.output << "/top_view.png, " << arguments.output
-            << "/overlay\nfigures:  " << arguments.output << "/summary.json\n";
+    results.push_back({"resumed_after", archive.records().size()});
+  results.push_back({"map", arguments.output + "/map.pcd"});
+  results.push_back({"top_view", arguments.output + "/top_view.png"});
+  results.push_back({"overlays", arguments.output + "/overlay"});
+  results.push_back({"figures", arguments.output + "/summary.json"});
   if (!arguments.archive.path.empty())
-    std::cout << "archive:  " << arguments.archive.path << "\n";
+    results.push_back({"archive", arguments.archive.path});
+  tool::printResults(results);
+}
+
+void
+noteTimes(const MappedFrame& mapped)
+{
+  std::string text = "frame " + std::to_string(mapped.frame.number);
+  for (const auto& [stage, seconds] : mapped.times.seconds())
+    text += ", " + stage + " " + std::to_string(std::lround(1e3 * seconds)) + " ms";
+  tool::note(text + ", " + std::to_string(mapped.voxels.size()) + " voxels");
 }
 
 // Maps what the run has and the archive does not hold yet.
@@ -100,6 +113,7 @@ mapFrames(const FrameSequence& sequence, const MappingRun& run, bool strict,
     const MappedFrame mapped = mapper.process(pair);
     output.writeFrame(mapped, mapper.map());
     archive.add(mapped, mapper);
+    noteTimes(mapped);
     progress.step();
   }
 }
@@ -114,9 +128,8 @@ judgeTracking(const MapArguments& arguments, const PoseSource& poses, int frames
   if (lost + 1 == frames)
     PCL_THROW_EXCEPTION(BadInputException, arguments.sequence.name()
                                                << ": no frame could be tracked");
-  tool::warn("pcl_semantic_map", std::to_string(lost) +
-                                     " frames could not be tracked: their poses are "
-                                     "predicted");
+  tool::warn(std::to_string(lost) +
+             " frames could not be tracked: their poses are predicted");
 }
 
 int
@@ -150,9 +163,8 @@ mapSequence(const MapArguments& arguments)
   archive.finish(mapper);
   output.finish(mapper.map());
   if (!archive.close())
-    std::cerr << "pcl_semantic_map: " << arguments.archive.path
-              << ": is being read by another program: " << arguments.archive.path
-              << "-wal still belongs to it\n";
+    tool::warn(arguments.archive.path + ": is being read by another program: " +
+               arguments.archive.path + "-wal still belongs to it");
   printResults(arguments, archive);
   return tool::interrupted() ? tool::exit_interrupted : tool::exit_done;
 }

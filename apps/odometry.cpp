@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "pair_watch.h"
 #include "progress_bar.h"
 #include "sequence_options.h"
@@ -16,7 +17,6 @@
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
 #include <filesystem>
-#include <iostream>
 #include <locale>
 #include <sstream>
 
@@ -140,12 +140,12 @@ writeResults(const Options& options, const Results& results)
   if (!options.report.empty())
     writeTextFile(options.report, results.report.str());
   if (!results.lost.empty())
-    tool::warn(usage.name, tool::shown(results.lost.size()) + " of " +
-                               tool::shown(frames) + " frames could not be tracked, " +
-                               "the first is " + tool::shown(results.lost.front()) +
-                               ": their poses are predicted");
-  std::cout << options.output << ": " << frames
-            << (frames > 1 ? " poses\n" : " pose\n");
+    tool::warn(tool::shown(results.lost.size()) + " of " + tool::shown(frames) +
+               " frames could not be tracked, the first is " +
+               tool::shown(results.lost.front()) + ": their poses are predicted");
+  tool::printResults({{"poses", std::size_t(frames)},
+                      {"predicted", results.lost.size()},
+                      {"trajectory", options.output}});
 }
 
 int

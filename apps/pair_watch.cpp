@@ -5,6 +5,7 @@
  */
 
 #include "pair_watch.h"
+#include "messages.h"
 #include "progress_bar.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -19,11 +20,11 @@ PairWatch::~PairWatch()
 {
   for (const auto& [fault, pairs] : warned_)
     if (pairs > 1)
-      warn(program_, std::to_string(pairs) + " pairs looked " +
-                         (fault == PairFault::blank       ? "blank"
-                          : fault == PairFault::identical ? "identical"
-                          : fault == PairFault::swapped   ? "swapped"
-                                                          : "unrelated"));
+      warn(std::to_string(pairs) + " pairs looked " +
+           (fault == PairFault::blank       ? "blank"
+            : fault == PairFault::identical ? "identical"
+            : fault == PairFault::swapped   ? "swapped"
+                                            : "unrelated"));
 }
 
 void
@@ -35,7 +36,7 @@ PairWatch::look(const StereoFrame& frame, const std::string& name)
   if (strict_)
     PCL_THROW_EXCEPTION(BadInputException, name << ": " << check_.reason());
   if (++warned_[fault] == 1)
-    warn(program_, name + ": " + check_.reason());
+    warn(name + ": " + check_.reason());
 }
 
 } // namespace pcl_semantic::tool

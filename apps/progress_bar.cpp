@@ -5,6 +5,7 @@
  */
 
 #include "progress_bar.h"
+#include "messages.h"
 
 #include <cstdio>
 
@@ -12,28 +13,23 @@
 
 namespace pcl_semantic::tool {
 
-namespace {
-
-bool bar_is_drawn = false; // there is one at a time
-
-} // namespace
-
 ProgressBar::ProgressBar(std::string what, std::size_t total, std::string unit)
     : what_(std::move(what)), total_(total), unit_(std::move(unit)),
-      terminal_(isatty(STDERR_FILENO) == 1)
+      terminal_(isatty(STDERR_FILENO) == 1 && !manner().quiet && !manner().verbose)
 {}
 
 ProgressBar::~ProgressBar()
 {
-  if (bar_is_drawn)
+  if (barIsDrawn())
     std::fprintf(stderr, "\n");
-  bar_is_drawn = false;
+  setBarIsDrawn(false);
 }
 
 void
 ProgressBar::step()
 {
   ++done_;
+  note(what_ + " " + std::to_string(done_) + " of " + std::to_string(total_));
   const Clock::time_point now = Clock::now();
   const bool is_last = done_ == total_;
   if (!terminal_ || now < (is_last ? start_ + std::chrono::seconds(1) : next_))
@@ -48,15 +44,7 @@ ProgressBar::step()
                std::string(width - filled, '.').c_str(), done_, total_, rate,
                unit_.c_str(), double(total_ - done_) / rate);
   std::fflush(stderr);
-  bar_is_drawn = true;
-}
-
-void
-warn(const std::string& name, const std::string& message)
-{
-  if (bar_is_drawn)
-    std::fputs("\r\033[K", stderr); // the bar comes back with its next step
-  std::fprintf(stderr, "%s: warning: %s\n", name.c_str(), message.c_str());
+  setBarIsDrawn(true);
 }
 
 } // namespace pcl_semantic::tool

@@ -12,8 +12,8 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief A progress bar on standard error: only on a terminal, and only for work that
- * takes longer than a second. */
+/** \brief A progress bar on standard error: only on a terminal, not with --quiet, and
+ * only for work that takes longer than a second. With --verbose a note a step. */
 class ProgressBar {
 public:
   /** \param[in] what "mapping"
@@ -36,9 +36,5 @@ private:
   Clock::time_point next_ = start_ + std::chrono::seconds(1);
   bool terminal_;
 };
-
-/** \brief Warns on standard error: "NAME: warning: MESSAGE", in a line of its own even
- * while a progress bar is there. */
-void warn(const std::string& name, const std::string& message);
 
 } // namespace pcl_semantic::tool

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "render_arguments.h"
 #include "tool.h"
 
@@ -12,8 +13,6 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/small_png.h>
 #include <pcl_semantic/io/voxel_picture.h>
-
-#include <iostream>
 
 namespace {
 
@@ -77,7 +76,7 @@ render(const RenderArguments& arguments)
   const cv::Mat picture = drawVoxels(map.scene, colours, view,
                                      arguments.view == "camera" ? SensorPath() : path);
   (arguments.small ? writeSmallPng : writePng)(arguments.output, picture);
-  std::cout << "picture: " << arguments.output << "\n";
+  tool::printResults({{"picture", arguments.output}});
   return tool::exit_done;
 }
 

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "pair_watch.h"
 #include "progress_bar.h"
 #include "tool.h"
@@ -22,7 +23,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 
 using namespace pcl_semantic;
 
@@ -176,10 +176,11 @@ processPairs(const Options& options)
       progress.step();
     }
   }
-  std::cout << options.output << ": " << pairs.size() << " cloud"
-            << (pairs.size() > 1 ? "s" : "") << " of " << pairs.camera().width << " x "
-            << pairs.camera().height << " points, "
-            << std::lround(100.0 * share / double(pairs.size())) << " % with depth\n";
+  tool::printResults({{"clouds", pairs.size()},
+                      {"width", std::size_t(pairs.camera().width)},
+                      {"height", std::size_t(pairs.camera().height)},
+                      {"share_with_depth", share / double(pairs.size())},
+                      {"output", options.output}});
   return tool::exit_done;
 }
 

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "progress_bar.h"
 #include "tool.h"
 
@@ -12,7 +13,6 @@
 #include <pcl_semantic/dataset/synthetic_writer.h>
 
 #include <cstdio>
-#include <iostream>
 
 using namespace pcl_semantic;
 
@@ -109,11 +109,10 @@ synthesize(int argc, char** argv)
     }
   }
   writer.writeSequence(scene, renderer.camera());
-  std::cout
-      << options.output << ": " << options.frames << " frames of " << size.width << "x"
-      << size.height
-      << ": image_2 image_3 calib.txt times.txt poses.txt, true disparity and gt, "
-         "labels\n";
+  tool::printResults({{"frames", std::size_t(options.frames)},
+                      {"width", std::size_t(size.width)},
+                      {"height", std::size_t(size.height)},
+                      {"sequence", options.output}});
   return tool::exit_done;
 }
 

@@ -5,6 +5,8 @@
  */
 
 #include "tool.h"
+#include "manual_page.h"
+#include "messages.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/version.h>
@@ -47,7 +49,15 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
                  po::variables_map& values)
 {
   po::options_description general("General");
-  general.add_options()("help,h", "print this help")("version", "print the version");
+  Manner& how = manner();
+  how.name = usage.name;
+  general.add_options()("help,h", "print this help")("version", "print the version")(
+      "quiet,q", po::bool_switch(&how.quiet),
+      "print errors, warnings and the figures that the program is for alone")(
+      "verbose,v", po::bool_switch(&how.verbose),
+      "tell of each step, with the time since the beginning")(
+      "json", po::bool_switch(&how.json), "print results as JSON")(
+      "man", "print this help as a manual page");
   po::options_description all;
   all.add(options).add(general);
   try {
@@ -65,11 +75,17 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
                 << all;
       return false;
     }
+    if (values.count("man")) {
+      std::cout << manualPage(usage, all);
+      return false;
+    }
     if (values.count("version")) {
       std::cout << usage.name << " " << PCL_SEMANTIC_VERSION << "\n";
       return false;
     }
     po::notify(values);
+    if (how.quiet && how.verbose)
+      failUsage(usage, "--quiet and --verbose exclude each other");
   }
   catch (const po::error& error) {
     failUsage(usage, error.what());

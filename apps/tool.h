@@ -37,9 +37,10 @@ struct Usage {
   std::string example;     ///< a command that works when pasted
 };
 
-/** \brief Parses the command line; adds `--help` and `--version`.
- * \return false if the help or the version was printed and nothing is left to do
- * \throws InvalidParameterException at unknown options, missing or unreadable values */
+/** \brief Parses the command line; adds `--help`, `--version`, and `--quiet`,
+ * `--verbose` and `--json`, which set manner(). \return false if the help or the
+ * version was printed and nothing is left to do \throws InvalidParameterException at
+ * unknown options, missing or unreadable values */
 bool parseCommandLine(int argc, char** argv, const Usage& usage,
                       const po::options_description& options,
                       const po::positional_options_description& positional,

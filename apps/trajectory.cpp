@@ -4,17 +4,15 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "messages.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/evaluation/trajectory_error.h>
 #include <pcl_semantic/evaluation/trajectory_picture.h>
+#include <pcl_semantic/evaluation/trajectory_report.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
-
-#include <cstdio>
-#include <iostream>
 
 using namespace pcl_semantic;
 
@@ -120,9 +118,9 @@ readMatched(const Options& options)
                readKittiTrajectory(options.estimate)};
     const std::size_t common = std::min(matched.first.size(), matched.second.size());
     if (matched.first.size() != matched.second.size())
-      std::cerr << usage.name << ": warning: " << matched.first.size() << " and "
-                << matched.second.size() << " poses: the first " << common
-                << " are compared, row by row\n";
+      tool::warn(tool::shown(matched.first.size()) + " and " +
+                 tool::shown(matched.second.size()) + " poses: the first " +
+                 tool::shown(common) + " are compared, row by row");
     matched.first.resize(common);
     matched.second.resize(common);
     return matched;
@@ -138,17 +136,10 @@ readMatched(const Options& options)
                                                << options.truth);
   const std::size_t common = matched.first.size();
   if (common < truth.size() || common < estimate.size())
-    std::cerr << usage.name << ": warning: " << truth.size() << " and "
-              << estimate.size() << " poses: the " << common
-              << " of the same times are compared\n";
+    tool::warn(tool::shown(truth.size()) + " and " + tool::shown(estimate.size()) +
+               " poses: the " + tool::shown(common) +
+               " of the same times are compared");
   return matched;
-}
-
-void
-print(const char* name, const AbsoluteErrors& errors)
-{
-  std::printf("%-16s mean %.4f m, rms %.4f m, largest %.4f m, last %.4f m\n", name,
-              errors.mean, errors.rms, errors.largest, errors.last);
 }
 
 int
@@ -156,27 +147,14 @@ compare(const Options& options)
 {
   const std::vector<double> lengths = parseLengths(options.lengths);
   const MatchedTrajectories matched = readMatched(options);
-  const std::vector<SegmentErrors> errors =
-      kittiErrors(matched.first, matched.second, lengths, options.step);
+  const TrajectoryErrors errors{
+      matched.first.size(), lengthOf(matched.first),
+      kittiErrors(matched.first, matched.second, lengths, options.step),
+      errorsFromStart(matched.first, matched.second),
+      errorsAligned(matched.first, matched.second)};
   if (!options.picture.empty())
     writePng(options.picture, drawTrajectories(matched.first, matched.second));
-  std::printf("%zu poses, %.1f m\n\n%8s %9s %14s %16s\n", matched.first.size(),
-              lengthOf(matched.first), "length", "pieces", "translation %",
-              "rotation deg/m");
-  for (const SegmentErrors& each : errors) {
-    const std::string name =
-        each.length > 0.0 ? tool::shown(each.length) + " m" : "all";
-    if (each.segments > 0)
-      std::printf("%8s %9zu %14.4f %16.5f\n", name.c_str(), each.segments,
-                  100.0 * each.translation, each.rotation * 180.0 / M_PI);
-    else
-      std::printf("%8s %9zu %14s %16s\n", name.c_str(), each.segments, "-", "-");
-  }
-  std::printf("\n");
-  print("from the start:", errorsFromStart(matched.first, matched.second));
-  print("aligned:", errorsAligned(matched.first, matched.second));
-  if (std::fflush(stdout) != 0)
-    PCL_THROW_EXCEPTION(OutputException, "standard output cannot be written");
+  tool::printFigures(trajectoryTable(errors), trajectoryJson(errors));
   return tool::exit_done;
 }
 

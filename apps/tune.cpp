@@ -5,6 +5,7 @@
  */
 
 #include "default_label_set.h"
+#include "messages.h"
 #include "progress_bar.h"
 #include "sequence_pattern.h"
 #include "tool.h"
@@ -16,7 +17,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <thread>
 
 namespace {
@@ -125,8 +125,8 @@ tune(const Options& options)
 {
   MapperConfig start;
   readMapperConfig(options.start, start);
-  const TuningGrid grid = readTuningGrid(options.grid, start);
   const LabelSet label_set = tool::readLabelSetOrDefault(options.label_set);
+  const TuningGrid grid = readTuningGrid(options.grid, start, label_set);
   std::vector<std::shared_ptr<const TuningSequence>> sequences;
   std::vector<std::string> names;
   for (const std::string& folder : options.sequences) {
@@ -165,14 +165,14 @@ tune(const Options& options)
   if (!finished)
     return tool::exit_interrupted;
   writeTuning(options.output, tuner, label_set, data);
-  std::cout << "runs:     " << tuner.runs() << " new, " << store.known() << " known\n"
-            << "score:    "
-            << tool::shown(tuning.score(tuner.pooled(grid.startChoice())))
-            << " at the start, "
-            << tool::shown(tuning.score(tuner.pooled(tuner.chosen()))) << " chosen, "
-            << tool::shown(tuning.score(tuner.heldOut()))
-            << " held out\nconfig:   " << options.output
-            << "/best.yaml\nreport:   " << options.output << "/report.md\n";
+  const auto scoreOf = [&](const TuningResult& result) { return tuning.score(result); };
+  tool::printFigures({{"new_runs", tuner.runs()},
+                      {"known_runs", store.known()},
+                      {"score_at_start", scoreOf(tuner.pooled(grid.startChoice()))},
+                      {"score_chosen", scoreOf(tuner.pooled(tuner.chosen()))},
+                      {"score_held_out", scoreOf(tuner.heldOut())},
+                      {"config", options.output + "/best.yaml"},
+                      {"report", options.output + "/report.md"}});
   return tool::exit_done;
 }
 

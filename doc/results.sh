@@ -5,7 +5,8 @@
 # Called by ./dev results; PCL_SEMANTIC_DATA holds kitti/{15,00,03,05,07,09} and nets/.
 # Labels of the network are computed once and kept in build/results. To try a change:
 # STREETS="00 05 07" ./dev results takes these alone, three or more, and leaves
-# doc/results.md as it is.
+# doc/results.md as it is. ./dev results tables writes the page and the pictures of what
+# an earlier run has mapped.
 # What is mapped is in doc/results_models.sh, what is said of it in doc/results_tables.sh.
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
@@ -102,6 +103,13 @@ make_truth() { # SEQUENCE
   [[ ! -d $kitti/$1/gt ]] || ln -sfn "$(realpath "$kitti/$1/gt")" "$out/$1/truth_images"
 }
 
+drawn_sequences() { # with hand-made truth
+  local sequence
+  for sequence in 15 "${streets[@]}"; do
+    [[ ! -d $out/$sequence/truth_images ]] || echo "$sequence"
+  done
+}
+
 pictures() { # SEQUENCES...: maps, changes and sheets of each; they stay untracked
   local sequence
   for sequence in "$@"; do
@@ -111,33 +119,41 @@ pictures() { # SEQUENCES...: maps, changes and sheets of each; they stay untrack
   done
 }
 
-load=$(cut -d' ' -f1 /proc/loadavg) # of other programs: the times suffer from it
-for sequence in 15 "${streets[@]}"; do
-  mkdir -p "$out/$sequence"
-  label_sequence "$sequence"
-  make_truth "$sequence"
-done
-say "calibration of the network"
-learn "$out/calibration" "${streets[*]}"
-for sequence in 15 "${streets[@]}"; do
-  learn_cliques "$sequence"
-done
-for sequence in 15 "${streets[@]}"; do
-  for model in none "${all_models[@]}"; do # none: for the pictures
-    map_sequence "$sequence" "$model"
+map_everything() {
+  local sequence model load
+  load=$(cut -d' ' -f1 /proc/loadavg) # of other programs: the times suffer from it
+  for sequence in 15 "${streets[@]}"; do
+    mkdir -p "$out/$sequence"
+    label_sequence "$sequence"
+    make_truth "$sequence"
   done
-done
-drawn=() # sequences with hand-made truth
-for sequence in 15 "${streets[@]}"; do
-  [[ -d $out/$sequence/truth_images ]] || continue
-  drawn+=("$sequence")
-  for model in "${image_models[@]}"; do
-    refine_images "$sequence" "$model"
+  say "calibration of the network"
+  learn "$out/calibration" "${streets[*]}"
+  for sequence in 15 "${streets[@]}"; do
+    learn_cliques "$sequence"
   done
-done
-say "times, with the network"
-build/bench/bench_frame >"$out/times.md"
+  for sequence in 15 "${streets[@]}"; do
+    for model in none "${all_models[@]}"; do # none: for the pictures
+      map_sequence "$sequence" "$model"
+    done
+  done
+  for sequence in $(drawn_sequences); do
+    for model in "${image_models[@]}"; do
+      refine_images "$sequence" "$model"
+    done
+  done
+  say "times, with the network"
+  build/bench/bench_frame >"$out/times.md"
+  printf 'Made on %s, %s x %s (load at the beginning %s), with the defaults of that day.\n' \
+    "$(date +%Y-%m-%d)" "$(nproc)" \
+    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$load" >"$out/made.md"
+}
 
+case ${1:-} in
+  "") map_everything ;;
+  tables) [[ -s $out/made.md ]] || { echo "results: no earlier run has ended" >&2; exit 2; } ;;
+  *) echo "results: '$1', expected nothing or tables" >&2; exit 2 ;;
+esac
 say "tables"
 write_page >"$out/results.md"
 [[ -n ${STREETS:-} ]] || cp "$out/results.md" doc/results.md

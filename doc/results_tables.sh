@@ -166,10 +166,11 @@ geometry_table() { # SEQUENCES...
 }
 
 write_page() {
+  local drawn
+  read -ra drawn <<<"$(drawn_sequences | xargs)"
   cat doc/results_head.md
-  printf '\nMade on %s, %s x %s (load at the beginning %s), with the defaults of that day.\n' \
-    "$(date +%Y-%m-%d)" "$(nproc)" \
-    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$load"
+  printf '\n'
+  cat "$out/made.md"
   printf '\n## Table I, models: sequences %s pooled, lidar truth to 40 m\n\n' "${streets[*]}"
   model_table "${streets[@]}"
   printf '\n## Table I, models: sequence 15, hand-made truth of frames 0 and 3\n\n'

@@ -96,7 +96,10 @@ scoresMarkdownHeader(const Scores& scores, const LabelSet& label_set)
 std::string
 scoresMarkdownRow(const Scores& scores, const std::string& name)
 {
-  std::string text = "| " + name + " |";
+  std::string text = "| ";
+  for (const char letter : name)
+    text += letter == '|' ? std::string("\\|") : std::string(1, letter); // of a cell
+  text += " |";
   for (const ClassScores& row : scores.classes)
     text += " " + percent(row.iou_exclusive) + " |";
   for (const double ratio : {scores.mean.iou_exclusive, scores.global_accuracy,

@@ -13,8 +13,6 @@
 
 namespace pcl_semantic {
 
-constexpr float least_probability = 1e-4f; // below it a network's zeros mean nothing
-
 /** \brief The two knots a value lies between, and how near it is to the second. */
 struct CurvePlace {
   int first = -1; ///< -1: not known, no curve
@@ -48,7 +46,7 @@ inline void
 clampedLog(const float* distribution, int classes, float* logs)
 {
   for (int l = 0; l < classes; ++l)
-    logs[l] = std::log(std::max(distribution[l], least_probability));
+    logs[l] = std::log(std::max(distribution[l], kLeastProbability));
 }
 
 /** \brief Whether each feature of a list of curves or knots comes once, in order. */

@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/pipeline/clique_evidence.h>
 #include <pcl_semantic/stereo/ground_plane.h>
 
@@ -16,8 +17,6 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr double least_probability = 1e-4; // as of a calibration
-
 // Zero if no member has a measurement.
 Eigen::VectorXd
 geometricMean(const LabelDistributions& measured, const pcl::Indices& members)
@@ -29,7 +28,7 @@ geometricMean(const LabelDistributions& measured, const pcl::Indices& members)
     const double total = column.sum();
     if (!(total > 0.0))
       continue;
-    sum += (column / total).max(least_probability).log();
+    sum += (column / total).max(double(kLeastProbability)).log();
     ++count;
   }
   if (count == 0)

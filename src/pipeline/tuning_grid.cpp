@@ -7,6 +7,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/yaml_config.h>
+#include <pcl_semantic/pipeline/listed_labels.h>
 #include <pcl_semantic/pipeline/tuning_grid.h>
 
 #include <algorithm>
@@ -52,13 +53,14 @@ parameterOf(MapperConfig& config, const std::string& name)
 // Sets a parameter and gives its value as this module writes it: 0.10 is 0.1.
 std::string
 setParameter(MapperConfig& config, const std::string& name, const std::string& text,
-             const std::string& where)
+             const LabelSet& label_set, const std::string& where)
 {
   ConfigParameter parameter = parameterOf(config, name);
   parameter.set(text, where);
   try {
     MapperConfig copy = config;
     copy.validate();
+    listedLabels(copy.clique_leaves_out, label_set, "clique_leaves_out");
   }
   catch (const InvalidParameterException& error) {
     PCL_THROW_EXCEPTION(BadInputException, where << ": " << error.what());
@@ -68,7 +70,8 @@ setParameter(MapperConfig& config, const std::string& name, const std::string& t
 
 TuningAxis
 makeAxis(const MapperConfig& start, const std::string& name,
-         const std::vector<std::string>& texts, const std::string& where)
+         const std::vector<std::string>& texts, const LabelSet& label_set,
+         const std::string& where)
 {
   TuningAxis axis;
   axis.name = name;
@@ -80,7 +83,7 @@ makeAxis(const MapperConfig& start, const std::string& name,
   axis.candidates.push_back(first);
   for (const std::string& text : texts) {
     MapperConfig with = start;
-    const std::string value = setParameter(with, name, text, where);
+    const std::string value = setParameter(with, name, text, label_set, where);
     if (!std::count(axis.candidates.begin(), axis.candidates.end(), value))
       axis.candidates.push_back(value);
   }
@@ -138,7 +141,8 @@ TuningGrid::isPossible(const TuningChoice& choice) const
 }
 
 TuningGrid
-readTuningGrid(const std::string& path, const MapperConfig& start)
+readTuningGrid(const std::string& path, const MapperConfig& start,
+               const LabelSet& label_set)
 {
   const YamlMap file = YamlMap::load(path);
   TuningGrid grid{start, {}};
@@ -153,11 +157,11 @@ readTuningGrid(const std::string& path, const MapperConfig& start)
     if (is_list)
       lists.emplace_back(key, texts);
     else
-      setParameter(grid.start, key, texts[0], file.where(key));
+      setParameter(grid.start, key, texts[0], label_set, file.where(key));
   }
   // After all fixed values, with which a candidate has to go.
   for (const auto& [name, texts] : lists)
-    grid.axes.push_back(makeAxis(grid.start, name, texts, file.where(name)));
+    grid.axes.push_back(makeAxis(grid.start, name, texts, label_set, file.where(name)));
   if (grid.axes.empty())
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": no parameter has a list of candidates");

@@ -141,7 +141,7 @@ TEST_F(ArchivedRun, KilledAtAnyMomentItGoesOn)
         longest = std::min(longest, seconds); // the machine has become faster
     }
     const ToolResult result = expectGoesOn(output, archive);
-    resumed += result.text.rfind("resumed:  after ", 0) == 0;
+    resumed += result.text.rfind("resumed_after: ", 0) == 0;
   }
   EXPECT_GE(resumed, 8);
 }
@@ -182,7 +182,7 @@ TEST_F(ArchivedRun, AFinishedRunStaysAsItIs)
   const std::string before = bytesOf(whole_ + "/map.pcd");
   fs::remove(whole_ + "/map.pcd");
   const ToolResult result = expectGoesOn(whole_, whole_archive_);
-  EXPECT_EQ(result.text.rfind("resumed:  after 11 frames\n", 0), 0u) << result.text;
+  EXPECT_EQ(result.text.rfind("resumed_after: 11\n", 0), 0u) << result.text;
   EXPECT_TRUE(bytesOf(whole_ + "/map.pcd") == before);
 }
 

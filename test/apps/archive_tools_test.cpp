@@ -42,7 +42,7 @@ protected:
     archive_ = folder_->path("street.map");
     const ToolResult result = runTool(mapCommand(output_, "--archive " + archive_));
     ASSERT_EQ(result.code, 0) << result.text;
-    EXPECT_TRUE(holds(result.text, "\narchive:  " + archive_ + "\n"));
+    EXPECT_TRUE(holds(result.text, "\narchive: " + archive_ + "\n"));
   }
 
   static void
@@ -70,13 +70,17 @@ TEST_F(StreetArchive, InfoAndVerify)
   const ToolResult info = runTool("archive info " + archive_);
   EXPECT_EQ(info.code, 0);
   for (const std::string& part :
-       {"file:       " + archive_ + ", " + std::to_string(fs::file_size(archive_)) +
-            " bytes\n",
-        std::string("run:        finished, 3 frames, the last is 2\n"),
-        std::string("voxel size: 0.2 m\n"), std::string("sidewalk car pedestrian"),
-        "occupied:   " + summary["voxels"].dump() + " voxels\n",
-        std::string("\nextent: "), std::string("\nvoxel_size: 0.2\n")})
+       {"file: " + archive_ + "\nbytes: " + std::to_string(fs::file_size(archive_)) +
+            "\n",
+        std::string("\nrun: finished\nframes: 3\nlast_frame: 2\nvoxel_size: 0.2\n"),
+        std::string("sidewalk car pedestrian"),
+        "\noccupied: " + summary["voxels"].dump() + "\nfrom: ",
+        std::string("\nmade_from:\n"), std::string("\nvoxel_size: 0.2\n")})
     EXPECT_TRUE(holds(info.text, part));
+  const auto json =
+      nlohmann::json::parse(runTool("archive info --json " + archive_).text);
+  EXPECT_EQ(json["bytes"], fs::file_size(archive_));
+  EXPECT_EQ(json["occupied"], summary["voxels"]);
   expectExit("archive verify " + archive_, 0, "ok\n");
 
   std::string bytes = bytesOf(archive_);
@@ -273,9 +277,8 @@ TEST_F(StreetArchive, AFullDiskLosesNothingCommitted)
       frames = MapArchive(archive, ArchiveAccess::read).state().frames;
     }
     most_frames = result.code == 5 ? std::max(most_frames, frames) : most_frames;
-    const std::string resumed =
-        "resumed:  after " + std::to_string(frames) + " frames\n";
-    expectExit(command, 0, result.code == 5 && frames > 0 ? resumed : "archive:  ");
+    const std::string resumed = "resumed_after: " + std::to_string(frames) + "\n";
+    expectExit(command, 0, result.code == 5 && frames > 0 ? resumed : "archive: ");
     EXPECT_TRUE(bytesOf(out + "/map.pcd") == bytesOf(output_ + "/map.pcd"));
   }
   EXPECT_GE(failed, 5);

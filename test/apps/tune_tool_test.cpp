@@ -48,7 +48,7 @@ TEST_F(TuneTool, WritesAConfigurationThatTheMapTakes)
 {
   const ToolResult result = tune("--workers 2");
   ASSERT_EQ(result.code, 0) << result.text;
-  EXPECT_TRUE(holds(result.text, "0 known\n"));
+  EXPECT_TRUE(holds(result.text, "known_runs: 0\n"));
   EXPECT_EQ(filesIn(folder_.path("out")),
             (std::set<std::string>{"best.yaml", "report.md", "runs.jsonl",
                                    "sensitivity.png", "table.tsv"}));
@@ -110,7 +110,7 @@ TEST_F(TuneTool, GoesOnWithWhatItKnows)
   const std::string report = bytesOf(folder_.path("out/report.md"));
   ToolResult result = tune("--budget 2 --workers 1");
   ASSERT_EQ(result.code, 0) << result.text;
-  EXPECT_TRUE(holds(result.text, "runs:     0 new, "));
+  EXPECT_TRUE(holds(result.text, "new_runs: 0\n"));
   EXPECT_EQ(linesOf(folder_.path("out/runs.jsonl")).size(), before);
   EXPECT_EQ(bytesOf(folder_.path("out/report.md")), report);
   // Other truth makes other runs.
@@ -139,6 +139,9 @@ TEST(TuneToolUsage, BadInput)
             grid("crf: [none, dense]\nspeed: [1, 2]\n")},
            {"bad value", 3, "grid.yaml line 1: smoothness_weight is -1", all,
             grid("smoothness_weight: [-1, 2]\n")},
+           {"unknown class", 3,
+            "grid.yaml line 1: clique_leaves_out: class 'pol' is not", all,
+            grid("clique_leaves_out: [none, \"pole,pol\"]\n")},
            {"nothing to search", 3, "no parameter has a list", all,
             grid("crf: none\n")},
            {"search", 2, "--search is 'all', expected coordinate, grid or random",

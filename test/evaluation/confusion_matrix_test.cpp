@@ -200,6 +200,7 @@ TEST(EvaluationReport, Texts)
             "coverage |\n|---|---:|---:|---:|---:|---:|---:|---:|\n");
   EXPECT_EQ(scoresMarkdownRow(scores, "x"),
             "| x | 50.0 | 100.0 | - | 75.0 | 66.7 | 66.7 | 75.0 |\n");
+  EXPECT_EQ(scoresMarkdownRow(scores, "x|y").substr(0, 9), "| x\\|y | ");
   const std::string table = scoresTable(scores, fourClasses());
   EXPECT_NE(table.find("building           50.0           33.3           50.0"
                        "          100.0           3\n"),

@@ -23,7 +23,8 @@ protected:
   TuningGrid
   read(const std::string& text)
   {
-    return readTuningGrid(folder_.write("grid.yaml", text), start_);
+    return readTuningGrid(folder_.write("grid.yaml", text), start_,
+                          LabelSet({{"road", {}}, {"pole", {}}}));
   }
 
   std::string

@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/synthetic_scene.h>
 
 #include <opencv2/core/mat.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What a stereo camera sees of the synthetic street, and the truth about it. */
 struct SyntheticView {

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The cubes that the points of a cloud fill. */
 struct VoxelGrid {

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/point_features.h>
 #include <pcl_semantic/core/voxel_cloud.h>
@@ -16,7 +17,7 @@
 #include <optional>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Where a camera was, and the ground before it. */
 struct GroundView {
@@ -28,7 +29,7 @@ struct GroundView {
 /** \brief What is known of cliques, a column or an entry each, in the form that a
  * LabelCalibration takes. */
 struct CliqueEvidence {
-  /// Geometric means of the members' measurements, each clamped at 1e-4; zero for
+  /// Geometric means of the members' measurements, each clamped at kLeastProbability; zero for
   /// cliques whose members have none.
   LabelDistributions distributions;
   /// Of the members' mean place, height, distance and side; levelness of their best

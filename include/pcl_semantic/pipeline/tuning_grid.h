@@ -6,13 +6,15 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A parameter that is searched. */
 struct TuningAxis {
@@ -47,8 +49,10 @@ struct TuningGrid {
  * fixed, or a list of candidates, of which the one of \a start is always one more. A
  * candidate for a triple is in quotes: `window: ["84,84,24", "40,40,8"]`.
  * \param[in] start the other parameters
+ * \param[in] label_set the classes that values may name
  * \throws BadInputException with file and line, at an unknown key, or a value that
  * cannot be with those of the start */
-TuningGrid readTuningGrid(const std::string& path, const MapperConfig& start);
+TuningGrid readTuningGrid(const std::string& path, const MapperConfig& start,
+                          const LabelSet& label_set);
 
 } // namespace pcl_semantic

@@ -1,0 +1,16 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "tool.h"
+
+namespace pcl_semantic::tool {
+
+/** \brief What `--help` says as a manual page, in the macros of man(7). */
+std::string manualPage(const Usage& usage, const po::options_description& options);
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,56 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace pcl_semantic::tool {
+
+/** \brief How a tool talks: --quiet, --verbose, --json. */
+struct Manner {
+  std::string name = "pcl_semantic"; ///< of the tool, before each message
+  bool quiet = false;
+  bool verbose = false;
+  bool json = false;
+};
+
+/** \brief That of this program; the command line sets it. */
+Manner& manner();
+
+/** \brief What became of a tool's work, by name. */
+using Results =
+    std::vector<std::pair<std::string, std::variant<std::string, double, std::size_t>>>;
+
+/** \brief Prints results on standard output: a line "name: value" each (values of
+ * several lines below their name), or one JSON object with --json. */
+void printFigures(const Results& results);
+
+/** \brief Likewise what is a table as text.
+ * \param[in] json an object, with its last line break */
+void printFigures(const std::string& text, const std::string& json);
+
+/** \brief As printFigures() what is no more than a word that all went well: with
+ * --quiet alone nothing. */
+void printResults(const Results& results);
+
+/** \brief Warns on standard error: "NAME: warning: MESSAGE", in a line of its own even
+ * while a progress bar is there. */
+void warn(const std::string& message);
+
+/** \brief With --verbose: "NAME: 12.3 s: MESSAGE", the time since the program began, on
+ * standard error. */
+void note(const std::string& message);
+
+/** \brief Makes room for a line where a progress bar may be drawn. */
+void setBarIsDrawn(bool is_drawn);
+bool barIsDrawn();
+
+} // namespace pcl_semantic::tool
