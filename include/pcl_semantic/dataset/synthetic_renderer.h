@@ -48,6 +48,10 @@ public:
   /** \throws InvalidParameterException if the scene has no such frame */
   SyntheticView render(int frame) const;
 
+  /** \brief What the pair sees from another place, as when it is mounted elsewhere.
+   * \param[in] T_world_camera pose of its left camera */
+  SyntheticView render(int frame, const Eigen::Isometry3d& T_world_camera) const;
+
 private:
   SyntheticScene scene_;
   StereoCamera camera_;
