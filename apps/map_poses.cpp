@@ -7,8 +7,7 @@
 #include "map_poses.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/odometry/timed_poses.h>
-#include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/odometry/pose_file.h>
 
 namespace pcl_semantic::tool {
 
@@ -39,11 +38,7 @@ makePoses(const std::string& chosen, const FrameSequence& sequence)
   const Eigen::Isometry3d& T_camera0_camera = sequence.T_camera0_camera();
   if (chosen == "odometry")
     return std::make_unique<StereoOdometry>(sequence.camera(), T_camera0_camera);
-  if (trajectoryFormatOf(chosen) == TrajectoryFormat::tum)
-    return std::make_unique<TimedPoses>(readTumTrajectory(chosen), T_camera0_camera,
-                                        chosen);
-  return std::make_unique<TrajectoryPoses>(readKittiTrajectory(chosen),
-                                           T_camera0_camera, chosen);
+  return readPoses(chosen, T_camera0_camera);
 }
 
 } // namespace pcl_semantic::tool

@@ -1,24 +1,22 @@
-# Shared by the build and by the installed package configuration.
+# What an installed package finds again: cmake/pcl_semantic-config.cmake.in.
 find_package(Eigen3 REQUIRED)
 find_package(PCL 1.13 REQUIRED COMPONENTS common filters)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn
   features2d video)
-find_package(OpenMP REQUIRED COMPONENTS CXX)
-
 set(PCL_SEMANTIC_PUBLIC_LIBRARIES Eigen3::Eigen pcl_common pcl_filters opencv_core)
-if(NOT PCL_SEMANTIC_CONSUMER)
-  # Its component would want VTK, MPI and a C compiler.
-  find_library(PCL_SEGMENTATION_LIBRARY pcl_segmentation REQUIRED)
-  find_package(yaml-cpp REQUIRED)
-  find_package(nlohmann_json REQUIRED)
-  find_package(Boost REQUIRED COMPONENTS program_options)
-  find_package(SQLite3 REQUIRED)
-  find_package(zstd REQUIRED)
-  find_package(octomap REQUIRED)
-  set(PCL_SEMANTIC_PRIVATE_LIBRARIES
-    pcl_kdtree pcl_octree pcl_search ${PCL_SEGMENTATION_LIBRARY}
-    opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
-    opencv_features2d opencv_video
-    OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json
-    SQLite::SQLite3 zstd::libzstd_shared ${OCTOMAP_LIBRARIES})
-endif()
+
+# Its component would want VTK, MPI and a C compiler.
+find_library(PCL_SEGMENTATION_LIBRARY pcl_segmentation REQUIRED)
+find_package(OpenMP REQUIRED COMPONENTS CXX)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(Boost REQUIRED COMPONENTS program_options)
+find_package(SQLite3 REQUIRED)
+find_package(zstd REQUIRED)
+find_package(octomap REQUIRED)
+set(PCL_SEMANTIC_PRIVATE_LIBRARIES
+  pcl_kdtree pcl_octree pcl_search ${PCL_SEGMENTATION_LIBRARY}
+  opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
+  opencv_features2d opencv_video
+  OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json
+  SQLite::SQLite3 zstd::libzstd_shared ${OCTOMAP_LIBRARIES})

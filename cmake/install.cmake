@@ -1,13 +1,18 @@
+# Four components: library (with its data), dev, tools (apps/CMakeLists.txt) and doc.
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcl_semantic)
 install(TARGETS pcl_semantic EXPORT pcl_semantic_targets
-  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY include/pcl_semantic DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev)
+install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_semantic
+  COMPONENT library)
+
+install(DIRECTORY include/pcl_semantic DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  COMPONENT dev)
 install(FILES ${PROJECT_BINARY_DIR}/include/pcl_semantic/version.h
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pcl_semantic)
-install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_semantic)
-install(EXPORT pcl_semantic_targets NAMESPACE pcl_semantic:: DESTINATION ${package_folder})
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pcl_semantic COMPONENT dev)
+install(EXPORT pcl_semantic_targets NAMESPACE pcl_semantic::
+  DESTINATION ${package_folder} COMPONENT dev)
 configure_package_config_file(cmake/pcl_semantic-config.cmake.in
   ${PROJECT_BINARY_DIR}/pcl_semantic-config.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/pcl_semantic-config-version.cmake
@@ -15,5 +20,17 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/pcl_semantic-config-versi
 install(FILES
   ${PROJECT_BINARY_DIR}/pcl_semantic-config.cmake
   ${PROJECT_BINARY_DIR}/pcl_semantic-config-version.cmake
-  cmake/dependencies.cmake
-  DESTINATION ${package_folder})
+  DESTINATION ${package_folder} COMPONENT dev)
+file(RELATIVE_PATH path_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(cmake/pcl_semantic.pc.in pcl_semantic.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/pcl_semantic.pc
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+
+if(PCL_SEMANTIC_BUILD_APPS)
+  install(EXPORT pcl_semantic_tools_targets NAMESPACE pcl_semantic::
+    DESTINATION ${package_folder} COMPONENT tools)
+endif()
+
+install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
+install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc
+  FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*_head.md" EXCLUDE)

@@ -188,6 +188,26 @@ TEST(House, IncludesPointDownward)
   }
 }
 
+// Without the macro what a header declares cannot be called from outside the library;
+// with the header comes the check of the consumer's flags.
+TEST(House, PublicHeadersExportWhatTheyDeclare)
+{
+  int checked = 0;
+  for (const auto& [room, path] : codeOfTheHouse()) {
+    if (path.extension() != ".h" || room == "apps" ||
+        path.string().find("/include/") == std::string::npos)
+      continue;
+    const std::string text = readText(path), name = path.filename().string();
+    EXPECT_EQ(text.find("\nnamespace pcl_semantic {"), std::string::npos)
+        << path << ": expected namespace PCL_SEMANTIC_EXPORT pcl_semantic {";
+    EXPECT_TRUE(name == "export.h" ||
+                text.find("#include <pcl_semantic/core/export.h>\n") != text.npos)
+        << path << ": expected #include <pcl_semantic/core/export.h>";
+    ++checked;
+  }
+  EXPECT_GT(checked, 100);
+}
+
 TEST(House, FilesAreSmall)
 {
   for (const auto& [room, path] : codeOfTheHouse())

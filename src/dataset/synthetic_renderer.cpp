@@ -183,10 +183,16 @@ SyntheticRenderer::pose(int frame) const
 SyntheticView
 SyntheticRenderer::render(int frame) const
 {
+  return render(frame, pose(frame));
+}
+
+SyntheticView
+SyntheticRenderer::render(int frame, const Eigen::Isometry3d& T_world_camera) const
+{
   SyntheticView view;
   view.frame = frame;
   view.camera = camera_;
-  view.T_world_camera = pose(frame);
+  view.T_world_camera = T_world_camera;
   const Eigen::Isometry3d right_pose =
       view.T_world_camera * Eigen::Translation3d(camera_.baseline, 0.0, 0.0);
   const std::uint32_t noise = synthetic::hash(scene_.seed(), frame, 0xca3);

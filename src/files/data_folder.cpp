@@ -7,23 +7,48 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/data_folder.h>
 
+#include <dlfcn.h>
+
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
 namespace pcl_semantic {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// The folders of the running program and of the library that holds this code; empty for
+// one that cannot be told.
+std::vector<fs::path>
+homes()
+{
+  std::error_code error;
+  std::vector<fs::path> folders = {
+      fs::read_symlink("/proc/self/exe", error).parent_path()};
+  static const char here = 0;
+  Dl_info library;
+  if (dladdr(&here, &library) != 0 && library.dli_fname != nullptr)
+    folders.push_back(fs::canonical(library.dli_fname, error).parent_path());
+  return folders;
+}
+
+} // namespace
+
 std::string
 findDataFile(const std::string& name)
 {
+  // beside bin or lib; beside lib/<architecture>; in a build
+  const char* const places[] = {"../share/pcl_semantic", "../../share/pcl_semantic",
+                                "../../data"};
   std::error_code error;
-  const fs::path programs = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (const char* folder : {"../share/pcl_semantic", "../../data"}) {
-    const fs::path path = (programs / folder / name).lexically_normal();
-    if (fs::exists(path, error))
-      return path.string();
-  }
+  for (const fs::path& home : homes())
+    for (const char* place : places) {
+      const fs::path path = (home / place / name).lexically_normal();
+      if (!home.empty() && fs::exists(path, error))
+        return path.string();
+    }
   PCL_THROW_EXCEPTION(BadInputException,
                       name << ": is not among the data of this installation");
 }

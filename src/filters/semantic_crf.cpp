@@ -10,8 +10,8 @@
 
 namespace pcl_semantic {
 
-template class SemanticCRF<pcl::PointXYZL>;
-template class SemanticCRF<pcl::PointXYZRGBL>;
-template class SemanticCRF<pcl::PointXYZLNormal>;
+template class PCL_SEMANTIC_EXPORT SemanticCRF<pcl::PointXYZL>;
+template class PCL_SEMANTIC_EXPORT SemanticCRF<pcl::PointXYZRGBL>;
+template class PCL_SEMANTIC_EXPORT SemanticCRF<pcl::PointXYZLNormal>;
 
 } // namespace pcl_semantic

@@ -8,6 +8,8 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/files/data_folder.h>
+#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/version.h>
@@ -66,6 +68,22 @@ checkErrors()
     check(std::string(error.what()).find("road") != std::string::npos,
           "the message names the class");
   }
+  try {
+    ps::readLabelSet("no/such.yaml");
+    check(false, "a label set that is not there was read");
+  }
+  catch (const pcl::PCLException& error) {
+    check(dynamic_cast<const ps::BadInputException*>(&error) != nullptr,
+          "PCL's exception is one of ours too");
+  }
+}
+
+// They lie beside the library, not beside this program.
+void
+checkData()
+{
+  const std::string path = ps::findDataFile("label_sets/kitti11.yaml");
+  check(ps::readLabelSet(path).size() == 11, "eleven classes of KITTI");
 }
 
 // A wall of points, all labelled 2 but one: into a map, and through the filter.
@@ -116,6 +134,7 @@ main()
 {
   checkDistributions();
   checkErrors();
+  checkData();
   checkMapAndFilter();
   std::cout << "downstream of pcl_semantic " << PCL_SEMANTIC_VERSION << ": "
             << (failures == 0 ? "works" : "fails") << "\n";

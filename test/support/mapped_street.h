@@ -16,7 +16,7 @@
 namespace pcl_semantic {
 
 /** \brief Maps a street with options; the run has to succeed and to print the
- * three lines that name its results, nothing else. */
+ * four lines that name its results, nothing else. */
 inline void
 mapStreet(const std::string& street, const std::string& output,
           const std::string& options)
@@ -24,7 +24,7 @@ mapStreet(const std::string& street, const std::string& output,
   const ToolResult result = runTool("map " + street + " --labels " + street +
                                     "/labels --output " + output + " " + options);
   EXPECT_EQ(result.code, 0) << result.text;
-  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 3) << result.text;
+  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 4) << result.text;
 }
 
 /** \brief All files below a folder, without its own path. */

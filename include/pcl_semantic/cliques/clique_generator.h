@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <pcl/PointIndices.h>
 #include <pcl/point_cloud.h>
@@ -15,7 +16,7 @@
 #include <memory>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Groups points that are likely to have one label: the cliques of the paper's
  * eq. (7).

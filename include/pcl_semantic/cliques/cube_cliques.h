@@ -7,8 +7,9 @@
 #pragma once
 
 #include <pcl_semantic/cliques/clique_generator.h>
+#include <pcl_semantic/core/export.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Cliques of the points that share a cube of a regular grid: the simplest that
  * work on any cloud.

@@ -7,10 +7,11 @@
 #pragma once
 
 #include <pcl_semantic/cliques/clique_generator.h>
+#include <pcl_semantic/core/export.h>
 
 #include <opencv2/core.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Where a superpixel ends although the colours go on. Two neighbouring pixels
  * see one surface if their points lie near each other, or if the line through both

@@ -7,13 +7,14 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <opencv2/core.hpp>
 #include <pcl/PointIndices.h>
 
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 struct SlicParameters {
   int superpixels = 150;     ///< about how many an image gets

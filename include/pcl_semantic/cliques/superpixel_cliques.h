@@ -9,13 +9,14 @@
 #include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/cliques/slic.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <Eigen/Geometry>
 
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 struct SuperpixelParameters {
   SlicParameters slic;

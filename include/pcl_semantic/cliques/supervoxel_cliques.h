@@ -7,13 +7,14 @@
 #pragma once
 
 #include <pcl_semantic/cliques/clique_generator.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Of pcl::SupervoxelClustering, with its defaults for the weights. */
 struct SupervoxelParameters {

@@ -6,11 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <pcl/exceptions.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Base of everything this module throws: `what()` is one line in the user's
  * terms that says what is wrong, where (file, line, frame) and what was expected. */

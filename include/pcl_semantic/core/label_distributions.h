@@ -7,11 +7,12 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 
 #include <Eigen/Core>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief One probability distribution over the classes for every point of a cloud or
  * pixel of an image.

@@ -6,12 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A class number: 0 is unlabelled, classes are 1..L with L from 1 to 255. */
 using Label = std::uint8_t;

@@ -6,10 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <exception>
 #include <mutex>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Carries an exception out of an OpenMP region, which none may leave by itself:
  * a lack of memory in a thread would end the program. */

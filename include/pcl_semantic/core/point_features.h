@@ -6,13 +6,15 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What tells classes apart whatever a network thinks. */
 enum class Feature {

@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <cstdint>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Bits of a voxel's edge that end points are quantised to. */
 constexpr int kQuantizationBits = 10;

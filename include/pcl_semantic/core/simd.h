@@ -6,7 +6,9 @@
 
 #pragma once
 
-namespace pcl_semantic {
+#include <pcl_semantic/core/export.h>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Instruction sets that the hot loops (`src/<room>/kernels/`) are compiled for.
  * Results within a tier are bit-identical for any number of threads. */

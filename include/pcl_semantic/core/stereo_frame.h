@@ -6,9 +6,11 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <opencv2/core/mat.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief One rectified stereo pair. */
 struct StereoFrame {

@@ -6,7 +6,9 @@
 
 #pragma once
 
-namespace pcl_semantic {
+#include <pcl_semantic/core/export.h>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Sets how many threads this module and OpenCV use from now on, for the calling
  * thread's loops; results do not depend on it.

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/voxel_index.h>
 
@@ -15,7 +16,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Occupied voxels as a labelled cloud, in the map's canonical order: blocks of
  * 8 x 8 x 8 by z, y, x, and their voxels likewise.

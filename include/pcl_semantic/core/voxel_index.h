@@ -7,13 +7,14 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <Eigen/Core>
 
 #include <cstddef>
 #include <cstdint>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Global integer coordinates of a voxel: it covers [index, index + 1) times the
  * voxel size in each axis of the world frame. */

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Finds the place of a voxel in a list; of one that is there several times, the
  * first. Open addressing: many times faster to make than a std::unordered_map. */

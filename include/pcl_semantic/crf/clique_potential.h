@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/clique_set.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
 #include <memory>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What the members of cliques pay for disagreeing, eqs. (7)-(9) of the paper.
  *

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/clique_potential.h>
 #include <pcl_semantic/crf/label_compatibility.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
@@ -13,7 +14,7 @@
 #include <memory>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A CRF over N variables and L labels, eqs. (3) and (9) of the paper: unary
  * costs, pairwise kernels and cliques. Each of the last two may be missing. */

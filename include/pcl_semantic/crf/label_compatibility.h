@@ -7,10 +7,11 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <Eigen/Core>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief mu(l, l'), what two linked variables pay for labels l and l', eq. (5) of the
  * paper. */

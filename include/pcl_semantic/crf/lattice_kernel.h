@@ -6,9 +6,10 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/permutohedral_lattice.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A weighted Gaussian over any features: w exp(-|f_i - f_j|^2 / 2). */
 struct LatticeTerm {

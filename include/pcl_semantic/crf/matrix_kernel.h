@@ -6,9 +6,10 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A kernel given as a matrix, for small graphs and for checks: a product costs
  * N^2. */

@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/crf_model.h>
 
 #include <memory>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Mean-field inference: the distribution Q(x, y) = prod Q_i(x_i) prod Q_c(y_c)
  * that comes near to P(x, y) ~ exp(-E(x, y)), by the updates of eqs. (10) and (11) of

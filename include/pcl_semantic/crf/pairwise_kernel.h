@@ -7,13 +7,14 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <Eigen/Core>
 
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief How a Gaussian kernel k is normalised, with D_i = sum over all j of k_ij, i
  * included: D^-1/2 K D^-1/2, D^-1 K, or not at all. */

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
@@ -15,7 +16,7 @@
 #include <memory>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief In which order a lattice is blurred along its directions. Where vertices are
  * missing the orders differ: from the first to the last, as the paper does, is not a

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/gaussian_term.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
@@ -13,7 +14,7 @@
 #include <memory>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 class PointRows;
 class SortedPoints;

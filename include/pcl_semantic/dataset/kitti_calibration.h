@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 
 #include <Eigen/Geometry>
@@ -13,7 +14,7 @@
 #include <optional>
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The pairs of cameras of a KITTI recording. */
 enum class KittiCameras {

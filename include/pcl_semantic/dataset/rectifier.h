@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/stereo_rig.h>
 
@@ -14,7 +15,7 @@
 
 #include <array>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Which image of a stereo pair. */
 enum class StereoSide { left = 0, right = 1 };

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Reads the labels of a scan as SemanticKITTI writes them (`labels/\*.label`:
  * uint32 a point, the lower 16 bits are the class, the upper ones the instance).

@@ -6,10 +6,11 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Share of the full label noise at which the default sequence is as hard as a
  * good network makes real streets. */

@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/synthetic_scene.h>
 
 #include <opencv2/core/mat.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What a stereo camera sees of the synthetic street, and the truth about it. */
 struct SyntheticView {
@@ -46,6 +47,10 @@ public:
 
   /** \throws InvalidParameterException if the scene has no such frame */
   SyntheticView render(int frame) const;
+
+  /** \brief What the pair sees from another place, as when it is mounted elsewhere.
+   * \param[in] T_world_camera pose of its left camera */
+  SyntheticView render(int frame, const Eigen::Isometry3d& T_world_camera) const;
 
 private:
   SyntheticScene scene_;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 
 #include <Eigen/Geometry>
@@ -14,7 +15,7 @@
 #include <cstdint>
 #include <memory>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 namespace synthetic {
 class Street;

@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes the synthetic street as a sequence of KITTI's odometry benchmark:
  * `image_2 image_3 calib.txt times.txt poses.txt`, with the truth beside it:

@@ -7,13 +7,14 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Reads a scan of KITTI's Velodyne (`velodyne/\*.bin`: float32 x, y, z,
  * reflectance a point).

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 
 #include <opencv2/core/mat.hpp>
@@ -13,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Counts of pixels by true and predicted label, 0 (no truth, not covered)
  * included. Pooling is adding matrices. */

@@ -6,12 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <opencv2/core/mat.hpp>
 
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes depths as KITTI's benchmarks do: 16-bit PNG, 256 times the depth.
  * \param[in] depth CV_32FC1 [m]; 0 = none; more than 255.99 m is written as that

@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <opencv2/core/mat.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The label of the voxel that holds each pixel's own measured point: the way of
  * the paper's released code, and the only one to compare with its figures.

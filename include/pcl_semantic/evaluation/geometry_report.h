@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/evaluation/map_geometry.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The geometry of maps as text, a figure a line. */
 std::string geometryTable(const GeometrySamples& samples,

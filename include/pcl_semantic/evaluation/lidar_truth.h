@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/stereo_camera.h>
 
@@ -17,7 +18,7 @@
 #include <optional>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What projectLidarTruth keeps. The window covers the gaps between the beams of
  * a 64-beam scanner (0.5 degrees) in KITTI's images. */

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 
@@ -17,7 +18,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What MapGeometry counts. The window covers the gaps between the beams of a
  * 64-beam scanner in KITTI's images. */

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Errors of the pieces of one length, or of all. */
 struct SegmentErrors {

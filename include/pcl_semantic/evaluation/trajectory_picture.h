@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <opencv2/core/mat.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Two paths seen from above, forward is up: the first grey, the second red, the
  * beginning a circle, a bar for the scale. The second is moved so that the first poses

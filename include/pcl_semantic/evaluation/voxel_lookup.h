@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 
 #include <Eigen/Core>
@@ -16,7 +17,7 @@
 #include <unordered_set>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Finds the occupied voxels at points, as scans would hit them. */
 class VoxelLookup {

@@ -6,11 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <fstream>
 #include <functional>
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A file that appears under its name whole or not at all.
  *

@@ -7,9 +7,10 @@
 #pragma once
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/files/byte_writer.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Reads what ByteWriter wrote; never beyond the end.
  * Every method throws BadInputException if there are too few bytes. */

@@ -6,6 +6,8 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -13,7 +15,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 using Bytes = std::vector<std::uint8_t>;
 

@@ -6,6 +6,8 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <pcl/PointIndices.h>
 
 #include <cstddef>
@@ -13,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Reads cliques that may overlap from a text file: the indices of one a line,
  * from 0, blank-separated. Empty lines and what follows a `#` are passed over.

@@ -6,11 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <opencv2/core/mat.hpp>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What an image file has to hold. */
 enum class ImageKind {

@@ -6,12 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The bytes of a file. \throws BadInputException if it cannot be read */
 std::vector<std::uint8_t> readBytes(const std::string& path);

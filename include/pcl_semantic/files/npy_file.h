@@ -6,10 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A NumPy array of three axes, row-major. */
 struct NpyArray {

@@ -6,13 +6,15 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A field of a point in a `.pcd` file, in PCL's terms. */
 struct PcdField {

@@ -6,11 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <opencv2/core/mat.hpp>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes a picture for pages and mails: colours in steps of 8 and packed as
  * hard as PNG goes, about half the bytes of writePng(). Not for labels or measurements.

@@ -7,13 +7,14 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <Eigen/Geometry>
 
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Poses as KITTI writes them: row = frame number, camera 0 (x right, y down,
  * z forward) in the frame of the first camera 0 [m]. */

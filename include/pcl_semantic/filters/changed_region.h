@@ -7,13 +7,14 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <Eigen/Core>
 
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What one update of a dense CRF has to compute anew of a cloud of which a part
  * changed. A changed point reaches the kernel sums of points within the kernel's

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/filters/label_refiner.h>
 
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The part of SemanticCRF that does not know the type of the points. */
 class CloudRefiner : public LabelRefiner {

@@ -6,9 +6,10 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/gaussian_kernels.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The models of the paper's comparison, each with the terms of the one before
  * it, but for the last two, which differ in the term of the cliques. */

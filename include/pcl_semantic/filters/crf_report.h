@@ -6,9 +6,11 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <cstddef>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What became of a run of SemanticCRF or ImageCRF. */
 struct CRFReport {

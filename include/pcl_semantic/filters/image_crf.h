@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/filters/label_refiner.h>
 
 #include <opencv2/core/mat.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Makes the labels of an image consistent: the models of SemanticCRF over its
  * pixels, the paper's use in 2D. Pixel (column x, row y) is element y * width + x.

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/cliques/clique_generator.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/crf/label_compatibility.h>
 #include <pcl_semantic/filters/crf_parameters.h>
@@ -18,7 +19,7 @@
 #include <memory>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 class DenseHistory;
 

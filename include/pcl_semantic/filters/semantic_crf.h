@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/filters/cloud_refiner.h>
 
 #include <pcl/filters/filter.h>
 
 #include <memory>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Makes the labels of a cloud consistent: mean field in a CRF over its points
  * (section IV of the paper; doc/crf.md).

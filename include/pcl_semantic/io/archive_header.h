@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/map/map_parameters.h>
 
@@ -14,7 +15,7 @@
 #include <cstdint>
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What a map archive is from its beginning. */
 struct ArchiveHeader {

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/map_archive.h>
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Joins maps of the same frame of reference, voxel size, label set and fusion
  * parameters into a new archive, which does not depend on their order. Where several

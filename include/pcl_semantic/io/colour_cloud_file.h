@@ -6,12 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes a cloud as a binary `.pcd` with x y z rgb, whole or not at all.
  * Organized clouds stay organized, points at NaN keep their place and colour.

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/archive_header.h>
 #include <pcl_semantic/map/block_store.h>
 
@@ -15,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 enum class ArchiveAccess { read, write };
 

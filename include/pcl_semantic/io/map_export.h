@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 
@@ -14,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Which voxels of a map are meant. */
 struct VoxelSelection {

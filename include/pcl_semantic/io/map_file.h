@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <memory>
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes a whole map into a new archive (see MapArchive).
  * \throws OutputException also if the file is there already */

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/voxel_scene.h>
 
 #include <opencv2/core/mat.hpp>
@@ -13,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief How far a scene had to be moved for an octree, whose voxels begin at
  * multiples of their size: at most half a voxel in each axis [m], 0 for a map whose

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/io/voxel_scene.h>
 
@@ -14,7 +15,7 @@
 
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief From where a picture of a scene is taken. Its world is that of the scene's
  * indices: cube 0 begins at the origin, z is up. */

@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/voxel_mesh.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes the centres of voxels as binary `.ply`: a vertex has x y z (float,
  * relative to VoxelScene::origin, which the header has as a comment) [m], red green

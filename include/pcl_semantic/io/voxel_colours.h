@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/io/picture_parts.h>
 #include <pcl_semantic/io/voxel_scene.h>
@@ -15,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What voxels are painted with, and what that means. */
 struct VoxelColours {

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/voxel_scene.h>
 
 #include <opencv2/core/mat.hpp>
@@ -14,7 +15,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The surface of voxels: the faces between an occupied voxel and one that is
  * not.

@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/picture_view.h>
 #include <pcl_semantic/io/voxel_colours.h>
 
 #include <opencv2/core/mat.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Draws voxels as solid, shaded cubes on a light background, with the sensor's
  * path, a grid on the ground (a scale without perspective) and a legend below.

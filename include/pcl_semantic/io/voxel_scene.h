@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
@@ -13,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The cubes that the points of a cloud fill. */
 struct VoxelGrid {

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/point_features.h>
@@ -13,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What is less than that counts as that: a network's zeros mean nothing. */
 constexpr float kLeastProbability = 1e-4f;

@@ -6,10 +6,11 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/stereo_frame.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Gives the class distributions of every pixel of a frame's left image. */
 class LabelPredictor {

@@ -6,11 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <array>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What has to be known of a segmentation network (`data/networks`). */
 struct NetworkDescription {

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/labelling/label_predictor.h>
 #include <pcl_semantic/labelling/logits_to_distributions.h>
@@ -14,7 +15,7 @@
 #include <memory>
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Runs a segmentation network (ONNX) on the left image by OpenCV's dnn module,
  * on the CPU.

@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/labelling/label_predictor.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Takes the label distributions of a frame from a folder: NNNNNN.bin, .npy or
  * .png, in the formats of readDistributions(). */

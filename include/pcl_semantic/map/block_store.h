@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
 #include <functional>
 #include <memory>
 #include <unordered_map>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Where blocks go that leave the window, and come back from.
  *

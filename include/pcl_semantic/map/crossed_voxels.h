@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/map/scrolling_voxel_grid.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
@@ -13,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The voxels of a window that the rays of one scan cross: a bit a voxel.
  * Several threads may add voxels; who comes first does not matter. */

@@ -6,11 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <Eigen/Core>
 
 #include <cstdint>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief End of a ray from its start, in units of 2^-10 voxel. */
 using RayDelta = Eigen::Matrix<std::int32_t, 3, 1>;

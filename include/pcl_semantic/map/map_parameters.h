@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/map/voxel_fusion.h>
 
 #include <Eigen/Core>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Parameters of SemanticVoxelMap. */
 struct MapParameters {

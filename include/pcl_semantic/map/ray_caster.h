@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/map/crossed_voxels.h>
 #include <pcl_semantic/map/directed_ray.h>
@@ -18,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 namespace kernels {
 struct RayBatch;

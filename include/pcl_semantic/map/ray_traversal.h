@@ -6,9 +6,10 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/quantized_point.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Visits the voxels that the closed segment crosses, from that on which enters
  * slab \a slab: the one that lies \a slab voxels from the start along \a axis. In

@@ -6,10 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <mutex>
 #include <shared_mutex>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief One writer or any number of readers. Readers that come while a writer waits
  * stand behind it: however often they look, they cannot hold it up. */

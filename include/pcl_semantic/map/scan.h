@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 
 #include <Eigen/Core>
@@ -14,7 +15,7 @@
 #include <cstring>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Values that lie in memory at equal distances, as a field of a cloud. */
 template <typename T> class FieldView {
@@ -74,10 +75,10 @@ struct Scan {
 
 /** \brief Counts of one scan. */
 struct ScanCounts {
-  std::size_t points = 0;     ///< in the cloud
-  std::size_t rays = 0;       ///< cast
-  std::size_t invalid = 0;    ///< at NaN, infinite or absurdly far: skipped
-  std::size_t sky = 0;        ///< labelled as sky: skipped
+  std::size_t points = 0;  ///< in the cloud
+  std::size_t rays = 0;    ///< cast
+  std::size_t invalid = 0; ///< at NaN, infinite or absurdly far: skipped
+  std::size_t sky = 0;     ///< labelled as sky: skipped
   /// Of a stereo image: erased before the scan was cast, see eraseSeenThrough.
   std::size_t seen_through = 0;
   std::size_t hit_voxels = 0; ///< voxels with an end point

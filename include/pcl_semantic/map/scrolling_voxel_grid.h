@@ -7,13 +7,14 @@
 #pragma once
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <cstdlib>
 #include <memory>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A window of blocks that moves through an unbounded grid without copying what
  * stays: a block keeps its place in a ring of slots for as long as it is inside.

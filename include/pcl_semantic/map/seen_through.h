@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 
 #include <Eigen/Geometry>
@@ -14,7 +15,7 @@
 
 #include <cstddef>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Erases the points of voxels that most rays of the same image pass through.
  *

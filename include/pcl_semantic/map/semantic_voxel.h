@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/voxel_index.h>
 
@@ -14,7 +15,7 @@
 #include <limits>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 constexpr int kBlockBits = 3;
 constexpr int kBlockEdge = 1 << kBlockBits;                        ///< voxels

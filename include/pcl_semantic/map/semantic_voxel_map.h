@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/map/block_reader.h>
@@ -23,7 +24,7 @@
 #include <optional>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A semantic occupancy map in a window that moves with the sensor.
  *
@@ -125,9 +126,7 @@ public:
 
 private:
   ScanCounts integrateScan(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
-
   std::size_t updateBlocks(const Scan& scan);
-
   void centreWindow(const Eigen::Vector3d& centre);
 
   const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& place) const;

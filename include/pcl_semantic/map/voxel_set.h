@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <array>
@@ -13,7 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Which voxels there are, a bit each: answers millions of questions for
  * neighbours a second. */

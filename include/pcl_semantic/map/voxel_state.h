@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_index.h>
 
@@ -13,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What is known of a place. */
 enum class Occupancy { unknown, free, occupied };

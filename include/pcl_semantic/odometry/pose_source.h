@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_frame.h>
 
 #include <Eigen/Geometry>
 
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The one rotation between KITTI's frames and ours: takes points in the frame
  * of the first camera 0 (x right, y down, z forward) to the world (x forward, y left,

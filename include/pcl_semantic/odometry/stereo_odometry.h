@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/odometry/pose_source.h>
 
@@ -13,7 +14,7 @@
 
 #include <memory>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What StereoOdometry found out about one frame. */
 struct OdometryResult {

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 #include <pcl_semantic/pipeline/tuning_sequence.h>
@@ -13,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The truth pixels of a sequence: what the network says there, and where they
  * are (frameFeatures).

@@ -8,11 +8,12 @@
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/pipeline/config_parameter.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What can be set of cliques besides the number that their word has. */
 struct CliqueParameters {

@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 #include <pcl_semantic/pipeline/tuning_sequence.h>
 
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The cliques of a sequence's map as tryCalibration() takes them: the truth
  * pixels of a frame are looked up at their own depth and as the map is seen from there

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/filters/crf_parameters.h>
 #include <pcl_semantic/pipeline/clique_config.h>
 #include <pcl_semantic/pipeline/config_parameter.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The parameters of a CRF.
  * \param[in] prefix of the names that would say too little among others: "crf_" makes

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/evaluation/label_reprojection.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
@@ -13,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What a run writes beyond the map and its images: for evaluation. */
 struct ExtraOptions {

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 
 #include <Eigen/Geometry>
@@ -14,7 +15,7 @@
 
 #include <optional>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The ground before a camera, as a frame's depths and labels show it: the plane
  * of fitGroundPlane() through points of more than 0.5 in one of its classes.

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <Eigen/Geometry>
@@ -15,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What is kept of a frame that went into a map. */
 struct FrameRecord {

@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The labels of class names with commas between them; of "none" there are none.
  * \param[in] what has the list, for messages: "--ground"

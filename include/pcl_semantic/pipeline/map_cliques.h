@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/pipeline/clique_evidence.h>
@@ -15,7 +16,7 @@
 #include <memory>
 #include <optional>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The cliques of a map's voxels as a MapperConfig has them, and what a
  * calibration says of each. */

@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/pipeline/crf_config.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Everything that can be set of SemanticMapper. doc/parameters.md has the
  * reasons for the defaults. */

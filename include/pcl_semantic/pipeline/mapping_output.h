@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/pipeline/extra_output.h>
 #include <pcl_semantic/pipeline/frame_record.h>
@@ -14,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes what mapping a sequence leaves behind into a folder: pictures and
  * label images a frame, the map and its summary at the end (README, "What it writes").

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
@@ -17,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What the result of a run depends on. */
 struct MappingRun {

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/labelling/label_calibration.h>
@@ -21,7 +22,7 @@
 #include <memory>
 #include <optional>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What became of one frame. */
 struct MappedFrame {

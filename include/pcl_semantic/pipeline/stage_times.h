@@ -6,12 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Seconds of each stage of one frame, in the order they ran. */
 class StageTimes {

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/pipeline/tuning_search.h>
 #include <pcl_semantic/pipeline/tuning_store.h>
 
@@ -14,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief How parameters are searched and judged. */
 struct TuningOptions {

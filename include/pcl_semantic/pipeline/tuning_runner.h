@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/pipeline/tuning_sequence.h>
 #include <pcl_semantic/pipeline/tuning_view.h>
 
@@ -16,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Maps sequences with configurations and counts what is right.
  *

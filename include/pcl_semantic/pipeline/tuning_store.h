@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/pipeline/tuning_score.h>
 
@@ -15,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Keeps the result of every run in a file of its own line (JSON), so that a
  * search that was ended goes on where it was, and another search of the same data does

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 #include <pcl_semantic/pipeline/tuning_score.h>
 
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A mapped frame and which of its voxels the pixels of its truth see. The
  * labels of the voxels may change: counting is then all that is left to do. */

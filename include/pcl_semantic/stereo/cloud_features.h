@@ -7,6 +7,7 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/point_features.h>
 
 #include <Eigen/Geometry>
@@ -16,7 +17,7 @@
 #include <optional>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Colour, and above a ground height, distance, levelness and side of the points
  * of an organized cloud; the same for any number of threads.

@@ -6,13 +6,14 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
 #include <memory>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Names of the engines, the best first: `sgm` (SemiGlobalMatcher), `elas`
  * (Elas) and `sgbm` (Sgbm, OpenCV's). */

@@ -6,9 +6,11 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <opencv2/core/mat.hpp>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Disparities as colours: far is blue, near is red, none is black.
  * \param[in] disparity CV_32FC1 [px], 0 = none

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 
 #include <pcl/point_cloud.h>
@@ -15,7 +16,7 @@
 
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Triangulates a disparity image: Z = f b / d.
  * \param[in] disparity CV_32FC1 [px], 0 = none

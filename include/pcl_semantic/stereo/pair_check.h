@@ -7,12 +7,13 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <opencv2/core/mat.hpp>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What can be wrong with a rectified pair although both images can be read. */
 enum class PairFault {

@@ -6,9 +6,10 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Semi-global matching (H. Hirschmueller, Stereo processing by semiglobal
  * matching and mutual information, PAMI 2008) of census signatures (R. Zabih and J.

@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
 #include <memory>
@@ -14,7 +15,7 @@ namespace cv {
 class StereoSGBM;
 }
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Semi-global matching (H. Hirschmueller, Stereo processing by semiglobal
  * matching and mutual information, PAMI 2008) as OpenCV implements it.

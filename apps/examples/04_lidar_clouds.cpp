@@ -1,0 +1,98 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+// 04: labelled clouds of any sensor, with their poses, become a map.
+//
+//   04_lidar_clouds                      a simulated laser on the synthetic street
+//   04_lidar_clouds FOLDER [MAP.pcd]     FOLDER/*.pcd with x y z label (or
+//   probability),
+//       in the sensor's frame; line n of FOLDER/poses.txt is T_world_sensor of the n-th
+//       of them in natural order, the upper 3 x 4 row by row
+
+#include <pcl_semantic/dataset/synthetic_scene.h>
+#include <pcl_semantic/files/data_folder.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/io/voxel_cloud_file.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
+#include <pcl_semantic/odometry/pose_source.h>
+
+#include <iostream>
+
+using namespace pcl_semantic;
+
+namespace {
+
+// Any point type with x y z will do, and any distributions; without them a cloud
+// updates occupancy and colour alone.
+template <typename PointT>
+void
+addCloud(const pcl::PointCloud<PointT>& cloud, const Eigen::Isometry3d& T_world_sensor,
+         SemanticVoxelMap& map)
+{
+  LabelDistributions labels(map.labelSet().size(), Eigen::Index(cloud.size()));
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    labels.setLabel(Eigen::Index(i), Label(cloud[i].label), 0.8f); // right with 80 %
+  map.integrate(cloud, T_world_sensor, labels);
+}
+
+void
+addFolder(const std::string& folder, SemanticVoxelMap& map)
+{
+  const Trajectory poses = readKittiTrajectory(folder + "/poses.txt");
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::string path = folder + "/" + std::to_string(i) + ".pcd";
+    addCloud(*readLabelledCloud(path).cloud, poses[i], map);
+  }
+}
+
+// 32 rings of 720 rays, x forward, y left, z up, that know what they hit.
+pcl::PointCloud<pcl::PointXYZL>
+scan(const SyntheticScene& street, const Eigen::Isometry3d& T_world_sensor)
+{
+  pcl::PointCloud<pcl::PointXYZL> cloud;
+  for (int ring = 0; ring < 32; ++ring)
+    for (int step = 0; step < 720; ++step) {
+      const double up = 0.01 * ring - 0.25, turn = M_PI / 360.0 * step;
+      const Eigen::Vector3d ray(std::cos(turn) * std::cos(up),
+                                std::sin(turn) * std::cos(up), std::sin(up));
+      const SyntheticHit hit =
+          street.intersect(T_world_sensor.translation(), T_world_sensor.linear() * ray);
+      const Eigen::Vector3f point = (ray * hit.distance).cast<float>();
+      if (hit.label != synthetic_sky) // nothing comes back
+        cloud.emplace_back(point.x(), point.y(), point.z(), hit.label);
+    }
+  return cloud;
+}
+
+} // namespace
+
+int
+main(int argc, char** argv)
+try {
+  SemanticVoxelMap::Parameters parameters;
+  parameters.voxel_size = 0.2;
+  parameters.max_range = 25.0;
+  SemanticVoxelMap map(readLabelSet(findDataFile("label_sets/kitti11.yaml")),
+                       parameters);
+  if (argc > 1)
+    addFolder(argv[1], map);
+  const SyntheticScene street(1, 4);
+  for (int frame = 0; argc < 2 && frame < street.frames(); ++frame) {
+    const Eigen::Isometry3d T_world_sensor =
+        street.pose(frame) * worldFromFirstCamera().inverse(); // the axes of a laser
+    addCloud(scan(street, T_world_sensor), T_world_sensor, map);
+  }
+  const VoxelCloud voxels = map.occupiedEverywhere();
+  std::cout << voxels.size() << " voxels\n";
+  if (argc > 2)
+    writeVoxelCloud(argv[2], voxels, map.labelSet(), VoxelColour::classes);
+}
+catch (const std::exception& error) {
+  std::cerr << argv[0] << ": " << error.what() << "\n";
+  return 1;
+}

@@ -1,0 +1,42 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include <pcl_semantic/dataset/frame_range.h>
+#include <pcl_semantic/odometry/pose_file.h>
+#include <pcl_semantic/odometry/stereo_odometry.h>
+#include <pcl_semantic/pipeline/map_sequence.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+std::unique_ptr<PoseSource>
+posesOf(const FrameSequence& sequence)
+{
+  const std::string path = sequence.posesPath();
+  if (path.empty())
+    return std::make_unique<StereoOdometry>(sequence.camera(),
+                                            sequence.T_camera0_camera());
+  return readPoses(path, sequence.T_camera0_camera());
+}
+
+} // namespace
+
+VoxelCloud
+mapSequence(const FrameSequence& sequence, const LabelSet& label_set,
+            std::unique_ptr<LabelPredictor> predictor, const MapperConfig& config)
+{
+  std::unique_ptr<PoseSource> poses = posesOf(sequence);
+  poses->requirePoses(frameTimes(sequence, selectFrames(sequence, FrameRange())));
+  SemanticMapper mapper(sequence.camera(), label_set, config, std::move(predictor),
+                        std::move(poses));
+  for (std::size_t i = 0; i < sequence.size(); ++i)
+    mapper.process(sequence.frame(i));
+  mapper.finish();
+  return mapper.map().occupiedEverywhere();
+}
+
+} // namespace pcl_semantic
