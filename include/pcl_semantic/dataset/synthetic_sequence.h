@@ -6,11 +6,12 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The synthetic street as a sequence in memory: frames are rendered when they
  * are asked for, and it knows the poses and labels of each. Its first frame is at the

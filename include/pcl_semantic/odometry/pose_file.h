@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/odometry/pose_source.h>
 
 #include <memory>
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The poses of a trajectory file, KITTI's or TUM's, whichever it is.
  * \param[in] T_camera0_camera the camera that takes the images, in camera 0, whose

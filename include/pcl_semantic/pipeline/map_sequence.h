@@ -6,12 +6,13 @@
 
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <memory>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Maps a whole sequence in one call. Its poses are those of its own trajectory
  * or, without one, found in the images (StereoOdometry).
