@@ -62,23 +62,25 @@ isFolder(const std::string& path)
 }
 
 VoxelScene
-readScene(const std::string& path, double voxel_size, Eigen::Vector3d& origin)
+readScene(const std::string& path, const MapHints& hints)
 {
+  const double voxel_size = hints.voxel_size;
   if (isFolder(path)) {
     const Summary summary = readSummary(path + "/summary.json");
-    origin = summary.origin;
     // Cube 0 begins at the world's origin, the points are relative to that of the map.
     const double size = voxel_size > 0.0 ? voxel_size : summary.voxel_size;
-    return readVoxelScene(path + "/map.pcd", {size, -summary.origin});
+    VoxelScene scene = readVoxelScene(path + "/map.pcd", {size, -summary.origin});
+    scene.origin = summary.origin;
+    return scene;
   }
   if (fs::path(path).extension() == ".pcd")
     return readVoxelScene(path, {voxel_size, Eigen::Vector3d::Zero()});
   if (voxel_size > 0.0)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "--voxel-size is for clouds: an archive has its own");
-  VoxelScene scene = sceneOf(loadMap(path)->occupiedEverywhere());
+  VoxelScene scene = sceneOf(*loadMap(path), hints.free_space);
   if (scene.voxels.size() == 0)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has no voxel to draw");
+    PCL_THROW_EXCEPTION(BadInputException, path << ": has no voxel that is occupied");
   return scene;
 }
 
@@ -119,7 +121,7 @@ MapInput
 readMap(const std::string& path, const MapHints& hints)
 {
   MapInput map;
-  map.scene = readScene(path, hints.voxel_size, map.origin);
+  map.scene = readScene(path, hints);
   map.label_set = labelSetOf(path, hints, map.scene);
   if (!hints.trajectory.empty())
     map.T_world_camera = readTrajectory(hints.trajectory);
@@ -131,10 +133,9 @@ readMap(const std::string& path, const MapHints& hints)
 VoxelScene
 readOtherMap(const std::string& path, const MapHints& hints, const VoxelScene& like)
 {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   if (fs::path(path).extension() == ".pcd" && hints.voxel_size <= 0.0)
     return readVoxelScene(path, like.grid);
-  return readScene(path, hints.voxel_size, origin);
+  return readScene(path, hints);
 }
 
 Trajectory
@@ -142,7 +143,7 @@ posesInScene(const MapInput& map)
 {
   Trajectory poses = map.T_world_camera;
   for (Eigen::Isometry3d& pose : poses)
-    pose.translation() -= map.origin + map.scene.grid.corner;
+    pose.translation() -= map.scene.origin + map.scene.grid.corner;
   return poses;
 }
 

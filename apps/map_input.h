@@ -14,12 +14,10 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief What pcl_semantic_render draws: a map, its classes, and where the camera was.
- */
+/** \brief A finished map, its classes, and where the camera was. */
 struct MapInput {
   VoxelScene scene;
   LabelSet label_set;
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the file's points [m]
   Trajectory T_world_camera; ///< camera x right, y down, z forward; empty = not known
 };
 
@@ -27,6 +25,7 @@ struct MapInput {
 struct MapHints {
   std::string label_set, trajectory;
   double voxel_size = 0.0; ///< [m]
+  bool free_space = false; ///< wanted, where it is known: of an archive
 };
 
 /** \brief Reads a map: a folder that pcl_semantic_map has written, a labelled `.pcd`,

@@ -13,9 +13,10 @@ find_package(nlohmann_json REQUIRED)
 find_package(Boost REQUIRED COMPONENTS program_options)
 find_package(SQLite3 REQUIRED)
 find_package(zstd REQUIRED)
+find_package(octomap REQUIRED)
 set(PCL_SEMANTIC_PRIVATE_LIBRARIES
   pcl_kdtree pcl_octree pcl_search ${PCL_SEGMENTATION_LIBRARY}
   opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
   opencv_features2d opencv_video
   OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json
-  SQLite::SQLite3 zstd::libzstd_shared)
+  SQLite::SQLite3 zstd::libzstd_shared ${OCTOMAP_LIBRARIES})

@@ -41,7 +41,7 @@ finitePoints(const std::string& path, const PcdTable& table)
     points.rows.push_back(i);
   }
   if (points.rows.empty())
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has no point to draw");
+    PCL_THROW_EXCEPTION(BadInputException, path << ": has no point");
   return points;
 }
 
@@ -99,8 +99,12 @@ findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions)
     if (!((cells - cells.round()).abs() < 0.1).all())
       PCL_THROW_EXCEPTION(BadInputException,
                           path << ": its points are not the centres of voxels; say "
-                                  "how large cubes to draw, with --voxel-size");
+                                  "how large they are, with --voxel-size");
   }
+  // As our maps lie, as far as single precision tells.
+  const Eigen::Array3d first = grid.corner.array() / grid.size;
+  if (((first - first.round()).abs() < 0.01).all())
+    grid.corner.setZero();
   return grid;
 }
 
@@ -230,13 +234,24 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid)
 }
 
 VoxelScene
-sceneOf(VoxelCloud voxels)
+sceneOf(const SemanticVoxelMap& map, bool with_free)
 {
   VoxelScene scene;
   scene.has_colour = scene.has_labels = true;
-  scene.grid.size = voxels.voxel_size;
-  scene.voxels = std::move(voxels);
-  scene.voxels.origin.setZero(); // cube 0 begins at the world's origin
+  scene.voxels = map.occupiedEverywhere();
+  scene.origin = map.cloudOrigin();
+  // Cube 0 begins at the world's origin, the points are relative to that of the map.
+  scene.grid = {scene.voxels.voxel_size, -scene.origin};
+  scene.voxels.origin = scene.grid.corner;
+  if (!with_free)
+    return scene;
+  scene.knows_free = true;
+  const BlockReader reader(map.labelSet().size(), map.parameters().fusion);
+  map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
+    for (int place = 0; place < kBlockVoxels; ++place)
+      if (reader.occupancy(block, place) == Occupancy::free)
+        scene.free.push_back(voxelAt(index, place));
+  });
   return scene;
 }
 

@@ -33,9 +33,9 @@ exampleOf(const std::string& verb)
 
 // In this order: a map is made of the street, and evaluated.
 const std::vector<std::string> verbs = {
-    "synthesize",   "map",      "evaluate",   "lidar_truth", "crf",      "image_crf",
-    "archive",      "odometry", "trajectory", "stereo",      "label",    "cliques",
-    "evaluate_map", "render",   "compare",    "tune",        "calibrate"};
+    "synthesize",   "map",      "evaluate",   "lidar_truth", "crf",       "image_crf",
+    "archive",      "odometry", "trajectory", "stereo",      "label",     "cliques",
+    "evaluate_map", "render",   "compare",    "tune",        "calibrate", "export"};
 
 TEST(Help, ItsExamplesRunWhenPasted)
 {
@@ -61,7 +61,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
         "truth/000000.png", "refined.pcd", "refined.png", "road.pcd", "pair.pcd",
         "disparity.png", "street_labels/000001.npy", "map.png", "grouped.pcd",
         "coloured.pcd", "sheets/000001.png", "tuned/best.yaml",
-        "calibrated/calibration.yaml"})
+        "calibrated/calibration.yaml", "street.bt", "street.ply", "street.yaml"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
 }
 

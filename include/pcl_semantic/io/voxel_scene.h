@@ -8,6 +8,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <cstdint>
 #include <string>
@@ -21,7 +22,7 @@ struct VoxelGrid {
   Eigen::Vector3d corner = Eigen::Vector3d::Zero(); ///< lower corner of cube 0 [m]
 };
 
-/** \brief Any labelled cloud as voxels to draw. */
+/** \brief Any labelled cloud as voxels to draw, or to write in other forms. */
 struct VoxelScene {
   /** \brief Indices of the cubes in \a grid; labels and colours in the cloud; refined
    * distributions if there are any. Its origin is the grid's corner. */
@@ -30,7 +31,19 @@ struct VoxelScene {
   bool has_colour = false;
   bool has_labels = false;
   VoxelGrid grid;
+  /// Where the zero of the points is, world frame [m]; 0 if the file does not say it.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  /// Voxels that are known to be empty. A cloud knows only what is occupied.
+  std::vector<VoxelIndex> free;
+  bool knows_free = false; ///< all others are unknown then
 };
+
+/** \brief Centre of a cube in the frame of the points [m]. */
+inline Eigen::Vector3d
+centreOf(const VoxelGrid& grid, const VoxelIndex& voxel)
+{
+  return grid.corner + (voxel.cast<double>().array() + 0.5).matrix() * grid.size;
+}
 
 /** \brief Reads a `.pcd` as readLabelledCloud() does; points that are not finite are
  * left out.
@@ -42,8 +55,10 @@ struct VoxelScene {
  * \throws BadInputException as readLabelledCloud(), if there is no point, or no grid */
 VoxelScene readVoxelScene(const std::string& path, const VoxelGrid& grid = {});
 
-/** \brief The same for voxels in memory, of an archive for example. */
-VoxelScene sceneOf(VoxelCloud voxels);
+/** \brief All occupied voxels of a map in memory, of an archive for example; their
+ * indices are those of the map.
+ * \param[in] with_free also those that rays have only passed through */
+VoxelScene sceneOf(const SemanticVoxelMap& map, bool with_free = false);
 
 /** \brief The labels of \a other at the voxels of \a scene; 0 where it has none.
  * \param[in] other of the same grid

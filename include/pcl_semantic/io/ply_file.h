@@ -1,0 +1,30 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/io/voxel_mesh.h>
+
+#include <string>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Writes the centres of voxels as binary `.ply`: a vertex has x y z (float,
+ * relative to VoxelScene::origin, which the header has as a comment) [m], red green
+ * blue (uchar) and label (uint). \param[in] colours blue, green, red of each voxel
+ * \throws InvalidParameterException if there are not as many colours as voxels
+ * \throws OutputException */
+void writePlyPoints(const std::string& path, const VoxelScene& scene,
+                    const std::vector<cv::Vec3b>& colours);
+
+/** \brief Writes a mesh of the scene's voxels likewise; faces are squares
+ * (vertex_indices).
+ * \param[in] mesh that blockyMesh() has made of the same scene and colours */
+void writePlyMesh(const std::string& path, const VoxelMesh& mesh,
+                  const VoxelScene& scene, const std::vector<cv::Vec3b>& colours);
+
+} // namespace pcl_semantic

@@ -1,0 +1,239 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/bad_case.h"
+#include "support/full_disk.h"
+#include "support/tiny_street.h"
+
+#include <fstream>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// A map of the tiny street, as folder, cloud and archive.
+class ExportedMap {
+public:
+  ExportedMap()
+  {
+    EXPECT_EQ(runTool("map " + tinyStreet() + " --labels " + tinyStreet() +
+                      "/labels --crf none --output " + path("map") + " --archive " +
+                      path("archive"))
+                  .code,
+              0);
+  }
+
+  std::string
+  path(const std::string& name) const
+  {
+    return folder_.path(name);
+  }
+
+  /** \brief The bytes of what is written from one of its forms, and what is said. */
+  std::string
+  exported(const std::string& form, const std::string& name,
+           const std::string& options = "", std::string* said = nullptr) const
+  {
+    const ToolResult result =
+        runTool("export " + path(form) + " " + path(name) + " " + options);
+    EXPECT_EQ(result.code, 0) << result.text;
+    if (said)
+      *said = result.text;
+    return bytesOf(path(name));
+  }
+
+private:
+  TemporaryFolder folder_;
+};
+
+// The number that follows a word.
+long
+numberAfter(const std::string& text, const std::string& word)
+{
+  const std::size_t at = text.find(word);
+  EXPECT_NE(at, std::string::npos) << text;
+  return at == std::string::npos ? -1 : std::stol(text.substr(at + word.size()));
+}
+
+std::size_t
+countOf(const std::string& image, unsigned char shade)
+{
+  return std::size_t(std::count(image.begin(), image.end(), char(shade)));
+}
+
+BadCase::Damage
+cloud(const std::string& fields, const std::string& points, int count)
+{
+  return [=](const std::string& street) {
+    std::ofstream(street + "/a.pcd")
+        << "VERSION 0.7\nFIELDS x y z" << fields << "\nSIZE 8 8 8"
+        << (fields.empty() ? "" : " 4") << "\nTYPE F F F"
+        << (fields.empty() ? "" : " U") << "\nWIDTH " << count << "\nHEIGHT 1\nPOINTS "
+        << count << "\nDATA ascii\n"
+        << points;
+  };
+}
+
+} // namespace
+
+TEST(ExportTool, WritesFoldersCloudsAndArchivesAlike)
+{
+  const ExportedMap map;
+  for (const auto& [name, options] : {std::pair("a.ply", ""),
+                                      {"a.ply", "--colour rgb"},
+                                      {"a.ply", "--format mesh"},
+                                      {"a.csv", ""},
+                                      {"a.pgm", "--format traversability"}}) {
+    SCOPED_TRACE(std::string(name) + " " + options);
+    const std::string folder = map.exported("map", name, options);
+    EXPECT_GT(folder.size(), 300u);
+    EXPECT_TRUE(folder == map.exported("archive", name, options));
+    EXPECT_EQ(folder.size(), map.exported("map/map.pcd", name, options).size());
+  }
+}
+
+TEST(ExportTool, CountsTheVoxelsOfTheMap)
+{
+  const ExportedMap map;
+  std::string said;
+  map.exported("map", "a.csv", "", &said);
+  const long voxels = numberAfter(said, "voxels: ");
+  EXPECT_GT(voxels, 1000);
+  EXPECT_EQ(numberAfter(bytesOf(map.path("map/map.pcd")), "\nPOINTS "), voxels);
+  const std::string points = map.exported("map", "a.ply");
+  EXPECT_EQ(numberAfter(points, "\nelement vertex "), voxels);
+  EXPECT_EQ(long(points.size()), long(points.find("end_header\n")) + 11 + 19 * voxels);
+  long sum = 0;
+  for (const std::string& line : linesOf(map.path("a.csv")))
+    if (line[0] != 'l') {
+      const std::size_t comma = line.find(',');
+      sum += std::stol(line.substr(line.find(',', comma + 1) + 1));
+    }
+  EXPECT_EQ(sum, voxels);
+}
+
+TEST(ExportTool, KnowsFreeSpaceOfAnArchiveOnly)
+{
+  const ExportedMap map;
+  for (const char* const name : {"a.bt", "a.ot"}) {
+    std::string of_folder, of_archive;
+    const std::string folder = map.exported("map", name, "", &of_folder);
+    const std::string archive = map.exported("archive", name, "", &of_archive);
+    EXPECT_NE(of_folder.find("free voxels: not known"), std::string::npos) << of_folder;
+    EXPECT_GT(numberAfter(of_archive, "free voxels: "), 1000);
+    EXPECT_GT(archive.size(), folder.size());
+    EXPECT_EQ(folder.rfind(std::string(name) == "a.bt" ? "# Octomap OcTree binary file"
+                                                       : "# Octomap OcTree file",
+                           0),
+              0u);
+  }
+  const std::string folder = map.exported("map", "a.pgm");
+  const std::string archive = map.exported("archive", "a.pgm");
+  EXPECT_EQ(folder.size(), archive.size());
+  EXPECT_FALSE(folder == archive);
+  EXPECT_EQ(countOf(folder, 0), countOf(archive, 0)); // the same obstacles
+  EXPECT_GT(countOf(archive, 0), 10u);
+  EXPECT_GT(countOf(archive, 254), 10u);
+}
+
+TEST(ExportTool, TakesTheClassesThatAreNamed)
+{
+  const ExportedMap map;
+  const std::string grid = "--format traversability --traversable ";
+  const std::string road = map.exported("map", "a.pgm", grid + "road");
+  const std::string both = map.exported("map", "a.pgm", grid + "road,sidewalk");
+  EXPECT_GT(countOf(road, 254), 100u);
+  EXPECT_GT(countOf(both, 254), countOf(road, 254));
+  EXPECT_EQ(countOf(both, 205), countOf(road, 205));
+  EXPECT_TRUE(both == map.exported("map", "a.pgm", "--format traversability"));
+}
+
+TEST(ExportTool, SaysHowFarAnOctreeIsMoved)
+{
+  const TemporaryFolder folder;
+  cloud(" label", "0.1 0.05 0.05 1\n0.2 0.05 0.05 1\n", 2)(folder.path());
+  const ToolResult result =
+      runTool("export " + folder.path("a.pcd") + " " + folder.path("a.bt"));
+  EXPECT_EQ(result.code, 0) << result.text;
+  EXPECT_NE(result.text.find("moved by: "), std::string::npos) << result.text;
+}
+
+TEST(BadUsage, ExportTool)
+{
+  const auto road = cloud(" label", "0.05 0.05 0.05 3\n0.15 0.05 0.05 3\n", 2);
+  const std::string in = "export STREET/a.pcd ";
+  const std::vector<BadCase> cases = {
+      {"nothing", 2, "MAP or OUT is missing", "export"},
+      {"no output", 2, "MAP or OUT is missing", in},
+      {"no such name", 2, "expected a name that ends in .bt, .ot", in + "OUT.obj"},
+      {"format", 2, "--format is 'obj', expected octree", in + "OUT.ply --format obj"},
+      {"other name", 2, "expected a name that ends in .ply",
+       in + "OUT.bt --format mesh"},
+      {"colour", 2, "--colour is 'red', expected class or rgb",
+       in + "OUT.ply --colour red"},
+      {"colour of none", 2, "--colour is for points", in + "OUT.csv --colour rgb"},
+      {"ground of none", 2, "--ground is for occupancy", in + "OUT.ply --ground road"},
+      {"traversable of none", 2, "--traversable is for traversability",
+       in + "OUT.pgm --traversable road"},
+      {"heights", 2, "--min-height", in + "OUT.pgm --min-height 3"},
+      {"height nan", 2, "--min-height", in + "OUT.pgm --min-height nan"},
+      {"reach", 2, "--ground-reach", in + "OUT.pgm --ground-reach -1"},
+      {"voxels < 0", 2, "--voxel-size is less than 0", in + "OUT.ply --voxel-size -1"},
+      {"no such class", 2, "--ground: the label set has no class 'lawn'",
+       in + "OUT.pgm --ground road,lawn", road},
+      {"over its label set", 2, "is named as an output and once more",
+       in + "OUT.pgm --label-set OUT.yaml"},
+      {"no map", 3, "none.pcd: cannot be read", "export STREET/none.pcd OUT.ply"},
+      {"no summary", 3, "summary.json: cannot be read", "export STREET OUT.ply"},
+      {"no archive", 3, "calib.txt", "export STREET/calib.txt OUT.bt"},
+      {"empty", 3, "a.pcd: has no point", in + "OUT.ply", cloud(" label", "", 0)},
+      {"no labels", 3, "a.pcd: has no labels", in + "OUT.csv",
+       cloud("", "0 0 0\n0.1 0 0\n", 2)},
+      {"no colours", 2, "no colour", in + "OUT.ply --colour rgb", road},
+      {"no ground", 3, "a.pcd: the map has no voxel of the classes of the ground",
+       in + "OUT.pgm --ground sidewalk", road},
+      {"beyond the set", 2, "label 12 is beyond the 11 classes", in + "OUT.csv",
+       cloud(" label", "0 0 0 1\n0.1 0 0 12\n", 2)},
+      {"too far for an octree", 3, "a.pcd: the map reaches 40000 voxels",
+       in + "OUT.bt --voxel-size 0.1", cloud(" label", "0 0 0 1\n0 4000.05 0 1\n", 2)},
+      {"too large for a plan", 3, "a.pcd: the map is 100001 x 100001 columns",
+       in + "OUT.pgm --voxel-size 1",
+       cloud(" label", "0.5 0.5 0 3\n100000.5 100000.5 0 3\n", 2)},
+      {"below a file", 5, "calib.txt", in + "STREET/calib.txt/a.ply", road},
+      {"a folder", 5, "b.bt: cannot be written: it is a folder", in + "STREET/b.bt",
+       [=](const std::string& street) {
+         road(street);
+         fs::create_directory(street + "/b.bt");
+       }},
+      {"label set", 3, "none.yaml", in + "OUT.ply --label-set none.yaml", road},
+  };
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+TEST(BadOutput, FullDiskOfExports)
+{
+  const ExportedMap map;
+  for (const char* const name : {"a.ply", "a.csv", "a.bt", "a.ot", "a.pgm"}) {
+    const std::string path = map.path(name);
+    const ToolResult result = [&] {
+      const FullDisk disk(50);
+      return runTool("export " + map.path("map") + " " + path);
+    }();
+    EXPECT_EQ(result.code, 5) << result.text;
+    EXPECT_EQ(result.text,
+              "pcl_semantic_export: " + path +
+                  ": could not be written completely (is the disk full?)\n");
+  }
+  std::size_t entries = 0;
+  for (const auto& entry : fs::directory_iterator(map.path("")))
+    entries += entry.path().filename() != "map" && entry.path().filename() != "archive";
+  EXPECT_EQ(entries, 0u);
+}
+
+} // namespace pcl_semantic
