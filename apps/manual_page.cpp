@@ -71,7 +71,8 @@ manualPage(const Usage& usage, const po::options_description& options)
   page += ".SH DESCRIPTION\n" + escaped(usage.description) + "\n";
   page += ".SH OPTIONS\n";
   for (const auto& option : options.options())
-    page += ".TP\n" + optionLine(*option) + "\n" + escaped(option->description()) + "\n";
+    page +=
+        ".TP\n" + optionLine(*option) + "\n" + escaped(option->description()) + "\n";
   page += ".SH EXAMPLE\n.nf\n" + escaped(usage.example) + "\n.fi\n";
   page += ".SH EXIT STATUS\n"
           "0: done; 2: the command line is wrong; 3: an input is; 4: a network is; "

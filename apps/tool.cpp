@@ -56,8 +56,8 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
       "print errors, warnings and the figures that the program is for alone")(
       "verbose,v", po::bool_switch(&how.verbose),
       "tell of each step, with the time since the beginning")(
-      "json", po::bool_switch(&how.json), "print results as JSON")(
-      "man", "print this help as a manual page");
+      "json", po::bool_switch(&how.json),
+      "print results as JSON")("man", "print this help as a manual page");
   po::options_description all;
   all.add(options).add(general);
   try {

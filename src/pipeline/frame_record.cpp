@@ -17,8 +17,8 @@ template <typename Counts>
 auto
 membersOf(Counts& counts)
 {
-  return std::array{&counts.points, &counts.rays, &counts.invalid, &counts.sky,
-                    &counts.seen_through, &counts.hit_voxels};
+  return std::array{&counts.points, &counts.rays,         &counts.invalid,
+                    &counts.sky,    &counts.seen_through, &counts.hit_voxels};
 }
 
 } // namespace

@@ -137,9 +137,9 @@ SemanticMapper::integrate(const MappedFrame& mapped)
     const std::size_t erased =
         eraseSeenThrough(cloud, camera_, mapped.T_world_camera,
                          map_.parameters().voxel_size, config_.hit_share);
-    ScanCounts counts = map_.integrate(cloud, mapped.T_world_camera,
-                                       calibration_ ? mapped.calibrated : mapped.network,
-                                       deviations);
+    ScanCounts counts =
+        map_.integrate(cloud, mapped.T_world_camera,
+                       calibration_ ? mapped.calibrated : mapped.network, deviations);
     counts.invalid -= erased; // they had a depth
     counts.seen_through = erased;
     return counts;

@@ -29,8 +29,8 @@ struct GroundView {
 /** \brief What is known of cliques, a column or an entry each, in the form that a
  * LabelCalibration takes. */
 struct CliqueEvidence {
-  /// Geometric means of the members' measurements, each clamped at kLeastProbability; zero for
-  /// cliques whose members have none.
+  /// Geometric means of the members' measurements, each clamped at kLeastProbability;
+  /// zero for cliques whose members have none.
   LabelDistributions distributions;
   /// Of the members' mean place, height, distance and side; levelness of their best
   /// plane, not known of fewer than three or of those in a line; lowest and extent; all
