@@ -41,8 +41,9 @@ struct OccupancyGrid {
  * classes; elsewhere that of the nearest column that has one, within the reach; then
  * the median of 5 x 5 columns. A column is free if a voxel between the heights is known
  * to be free; if the scene knows nothing of that, where its own ground is seen. Else it
- * is unknown. \throws InvalidParameterException at parameters that are no heights or
- * classes \throws BadInputException if there is no ground, or the plan is too large */
+ * is unknown.
+ * \throws InvalidParameterException if the heights or the reach are none
+ * \throws BadInputException if there is no ground, or the plan is too large */
 OccupancyGrid occupancyGrid(const VoxelScene& scene,
                             const OccupancyGridParameters& parameters);
 

@@ -15,7 +15,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes the centres of voxels as binary `.ply`: a vertex has x y z (float,
  * relative to VoxelScene::origin, which the header has as a comment) [m], red green
- * blue (uchar) and label (uint). \param[in] colours blue, green, red of each voxel
+ * blue (uchar) and label (uint).
+ * \param[in] colours blue, green, red of each voxel
  * \throws InvalidParameterException if there are not as many colours as voxels
  * \throws OutputException */
 void writePlyPoints(const std::string& path, const VoxelScene& scene,

@@ -17,9 +17,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The surface of voxels: the faces between an occupied voxel and one that is
- * not.
- */
+/** \brief The surface of voxels: faces between those that are occupied and the rest. */
 struct VoxelMesh {
   /// A vertex: the lower corner of the voxel of this index is where it lies.
   std::vector<VoxelIndex> corners;
