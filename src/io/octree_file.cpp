@@ -8,6 +8,10 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/io/octree_file.h>
 
+// Else a build with assertions tells standard error of every tree that it writes.
+#ifndef OCTOMAP_NODEBUGOUT
+#define OCTOMAP_NODEBUGOUT
+#endif
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
 
