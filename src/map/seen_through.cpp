@@ -143,8 +143,6 @@ eraseSeenThrough(Cloud& cloud, const StereoCamera& camera,
                  double share)
 {
   check(cloud, camera, T_world_camera, voxel_size, share);
-  if (share == 0.0)
-    return 0;
   const HitVoxels hit = findHitVoxels(cloud, T_world_camera, voxel_size);
   const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
   std::vector<std::uint8_t> is_seen_through(hit.voxels.size());

@@ -133,12 +133,15 @@ SemanticMapper::integrate(const MappedFrame& mapped)
     deviations = distanceDeviations(*mapped.cloud, camera_, mapped.disparity.deviation,
                                     config_.deviation_scale);
   try {
-    pcl::PointCloud<pcl::PointXYZRGB> cloud = *mapped.cloud;
-    const std::size_t erased =
-        eraseSeenThrough(cloud, camera_, mapped.T_world_camera,
-                         map_.parameters().voxel_size, config_.hit_share);
+    auto cloud = mapped.cloud; // stays as it was measured
+    std::size_t erased = 0;
+    if (config_.hit_share > 0.0) {
+      cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(*cloud);
+      erased = eraseSeenThrough(*cloud, camera_, mapped.T_world_camera,
+                                map_.parameters().voxel_size, config_.hit_share);
+    }
     ScanCounts counts =
-        map_.integrate(cloud, mapped.T_world_camera,
+        map_.integrate(*cloud, mapped.T_world_camera,
                        calibration_ ? mapped.calibrated : mapped.network, deviations);
     counts.invalid -= erased; // they had a depth
     counts.seen_through = erased;
