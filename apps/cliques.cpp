@@ -46,7 +46,7 @@ const tool::Usage usage{
     "\\\n"
     "    --frame /tmp/frame.pcd --pose /tmp/raw_map/trajectory.txt:0 \\\n"
     "    --coloured /tmp/coloured.pcd && \\\n"
-    "  pcl_semantic_crf /tmp/cliques.pcd /tmp/grouped.pcd --model hierarchical \\\n"
+    "  pcl_semantic_crf /tmp/cliques.pcd /tmp/grouped.pcd --crf hierarchical \\\n"
     "    --cliques field"};
 
 // All but those that need several frames.

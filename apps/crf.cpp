@@ -48,7 +48,7 @@ const tool::Usage usage{
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \\\n"
     "    --output /tmp/raw_map && \\\n"
-    "  pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --model hierarchical \\\n"
+    "  pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --crf hierarchical \\\n"
     "    --cliques cubes:1"};
 
 bool

@@ -25,7 +25,16 @@ describeOptions(MapArguments& arguments)
 {
   po::options_description options("Options");
   addSequenceOptions(arguments.sequence, options);
-  options.add_options()("output", po::value(&arguments.output),
+  options.add_options()(
+      "clouds", po::value(&arguments.clouds),
+      "instead of SEQUENCE: clouds of any sensor, labelled or not, each in the "
+      "sensor's "
+      "frame, one a frame: folder or pattern of .pcd; needs --poses FILE")(
+      "sensor", po::value(&arguments.sensor),
+      "of --clouds: own = any, --poses are its own, in a world with z up; with "
+      "--calibration, whose camera 0 --poses are of: camera or grey = the left camera "
+      "(of KITTI's colour or grey pair), laser = KITTI's Tr (default: own, camera with "
+      "--calibration)")("output", po::value(&arguments.output),
                         "folder to write to; an earlier map in it is replaced")(
       "labels", po::value(&arguments.labels),
       "folder of stored label distributions: .bin, .npy or .png a frame")(
@@ -77,6 +86,50 @@ isOutput(const std::string& file, const std::string& folder)
          std::find(names.begin(), names.end(), *relative.begin()) != names.end();
 }
 
+[[noreturn]] void
+fail(const std::string& message)
+{
+  PCL_THROW_EXCEPTION(InvalidParameterException,
+                      message << " (see pcl_semantic_map --help)");
+}
+
+void
+requireSequenceAndLabels(const MapArguments& arguments)
+{
+  requireSequence(arguments.sequence, "pcl_semantic_map");
+  if (!arguments.sensor.empty())
+    fail("--sensor is for --clouds");
+  if (arguments.labels.empty() == arguments.network.empty())
+    fail("expected either --labels or --network");
+  if (!arguments.model.empty() && arguments.network.empty())
+    fail("--model needs --network");
+  if (!arguments.label_set.empty() && arguments.labels.empty())
+    fail("--label-set is for --labels; the description of a network names its own");
+}
+
+void
+requireClouds(const MapArguments& arguments)
+{
+  const SequenceOptions& sequence = arguments.sequence;
+  const std::string& sensor = arguments.sensor;
+  if (!sequence.folder.empty() || !sequence.files.left.empty() ||
+      !sequence.files.right.empty() || sequence.strict)
+    fail("--clouds and a SEQUENCE, --left, --right or --strict exclude each other");
+  if (!arguments.labels.empty() || !arguments.network.empty() ||
+      !arguments.model.empty())
+    fail("--clouds bring their labels: pcl_semantic_label gives them some");
+  if (arguments.poses == "auto" || arguments.poses == "sequence" ||
+      arguments.poses == "odometry")
+    fail("--clouds needs a trajectory: --poses FILE");
+  if (sensor != "own" && sensor != "camera" && sensor != "grey" && sensor != "laser")
+    fail("--sensor is '" + sensor + "', expected own, camera, grey or laser");
+  if ((sensor == "own") != sequence.files.calibration.empty())
+    fail(sensor == "own" ? "--calibration is not for --sensor own"
+                         : "--sensor " + sensor + " needs --calibration");
+  if (sequence.files.calibration.empty() && !sequence.files.extrinsics.empty())
+    fail("--extrinsics needs --calibration");
+}
+
 } // namespace
 
 bool
@@ -88,9 +141,13 @@ parseMapArguments(int argc, char** argv, MapArguments& arguments)
   const Usage usage{
       "pcl_semantic_map",
       "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)\n"
-      "  --output DIR (--labels DIR | --network FILE.yaml) [options]",
-      "Maps a stereo sequence: writes a labelled voxel map, the classes as the camera\n"
-      "sees them in it, pictures and a summary. Defaults of the parameters are shown.",
+      "  --output DIR (--labels DIR | --network FILE.yaml) [options]\n"
+      "or --clouds DIR --poses FILE --output DIR [options]",
+      "Maps a stereo sequence, or labelled clouds of any sensor: writes a labelled "
+      "voxel\n"
+      "map, the classes as a camera sees them in it, pictures and a summary. Defaults "
+      "of\n"
+      "the parameters are shown.",
       "pcl_semantic_synthesize /tmp/street && \\\n"
       "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map"};
   po::positional_options_description positional;
@@ -100,17 +157,18 @@ parseMapArguments(int argc, char** argv, MapArguments& arguments)
   readMapperConfig(arguments.config, arguments.parameters);
   setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();
+  if (!arguments.clouds.empty() && arguments.sensor.empty())
+    arguments.sensor = arguments.sequence.files.calibration.empty() ? "own" : "camera";
   return true;
 }
 
 void
 requireMapArguments(const MapArguments& arguments)
 {
-  const auto fail = [](const std::string& message) {
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        message << " (see pcl_semantic_map --help)");
-  };
-  requireSequence(arguments.sequence, "pcl_semantic_map");
+  if (arguments.clouds.empty())
+    requireSequenceAndLabels(arguments);
+  else
+    requireClouds(arguments);
   if (arguments.output.empty())
     fail("--output is missing");
   if (arguments.archive.resume && arguments.archive.path.empty())
@@ -126,12 +184,6 @@ requireMapArguments(const MapArguments& arguments)
   for (const auto& [name, path] : inputsOf(arguments.sequence))
     if (name != "sequence" && isOutput(path, arguments.output))
       fail("--" + name + " is where --output puts its own files");
-  if (arguments.labels.empty() == arguments.network.empty())
-    fail("expected either --labels or --network");
-  if (!arguments.model.empty() && arguments.network.empty())
-    fail("--model needs --network");
-  if (!arguments.label_set.empty() && arguments.labels.empty())
-    fail("--label-set is for --labels; the description of a network names its own");
   std::error_code error;
   if (std::filesystem::is_directory(arguments.output, error) &&
       !listFrameFiles(arguments.output, {".png"}).empty())

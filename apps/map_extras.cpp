@@ -18,10 +18,10 @@ namespace pcl_semantic::tool {
 namespace {
 
 void
-addScans(const MapArguments& arguments, const FrameSequence& sequence,
+addScans(const MapArguments& arguments, const FrameSequence* sequence,
          const std::vector<std::size_t>& frames, ExtraOptions& extra)
 {
-  const auto* const kitti = dynamic_cast<const KittiSequence*>(&sequence);
+  const auto* const kitti = dynamic_cast<const KittiSequence*>(sequence);
   if (!kitti)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "--also scans needs a SEQUENCE with laser scans (velodyne)");
@@ -30,7 +30,7 @@ addScans(const MapArguments& arguments, const FrameSequence& sequence,
       kitti->T_camera0_camera().inverse() * kitti->T_camera0_velodyne();
   for (const std::size_t i : frames) {
     const std::string scan =
-        extra.scans + "/" + frameFileName(sequence.frameNumber(i), ".bin");
+        extra.scans + "/" + frameFileName(kitti->frameNumber(i), ".bin");
     if (!std::filesystem::exists(scan))
       PCL_THROW_EXCEPTION(BadInputException,
                           scan << ": is missing; --also scans needs one a frame");
@@ -41,7 +41,7 @@ addScans(const MapArguments& arguments, const FrameSequence& sequence,
 } // namespace
 
 ExtraOptions
-makeExtras(const MapArguments& arguments, const FrameSequence& sequence,
+makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
            const std::vector<std::size_t>& frames)
 {
   if (!(arguments.scan_within >= 0.0 && arguments.scan_within <= 2.0))

@@ -14,11 +14,12 @@
 namespace pcl_semantic::tool {
 
 /** \brief What --also asks for.
+ * \param[in] sequence null for clouds, which have no scans beside them
  * \throws InvalidParameterException at a word that it does not know, or a value of
  * --scan-within that makes no sense
  * \throws BadInputException if a frame has no scan, or nobody knows the scanner's pose
  */
-ExtraOptions makeExtras(const MapArguments& arguments, const FrameSequence& sequence,
+ExtraOptions makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
                         const std::vector<std::size_t>& frames);
 
 } // namespace pcl_semantic::tool

@@ -13,10 +13,8 @@
 
 namespace pcl_semantic::tool {
 
-namespace {
-
 Labelling
-makeUncalibrated(const MapArguments& arguments)
+makeLabelling(const MapArguments& arguments)
 {
   if (!arguments.network.empty()) {
     const NetworkDescription network = readNetworkDescription(arguments.network);
@@ -33,19 +31,25 @@ makeUncalibrated(const MapArguments& arguments)
       ""};
 }
 
-} // namespace
-
-Labelling
-makeLabelling(const MapArguments& arguments)
+Calibrations
+readCalibrations(const MapArguments& arguments, const LabelSet& label_set)
 {
-  Labelling labelling = makeUncalibrated(arguments);
+  Calibrations calibrations;
   if (!arguments.label_calibration.empty())
-    labelling.calibration =
-        readCalibration(arguments.label_calibration, labelling.label_set);
+    calibrations.labels = readCalibration(arguments.label_calibration, label_set);
   if (!arguments.clique_calibration.empty())
-    labelling.clique_calibration =
-        readCalibration(arguments.clique_calibration, labelling.label_set, "cliques");
-  return labelling;
+    calibrations.cliques =
+        readCalibration(arguments.clique_calibration, label_set, "cliques");
+  return calibrations;
+}
+
+void
+setCalibrations(const Calibrations& calibrations, SemanticMapper& mapper)
+{
+  if (calibrations.labels)
+    mapper.setLabelCalibration(*calibrations.labels);
+  if (calibrations.cliques)
+    mapper.setCliqueCalibration(*calibrations.cliques);
 }
 
 } // namespace pcl_semantic::tool

@@ -66,7 +66,7 @@ parseOptions(int argc, char** argv, Options& options)
       "also draws the disparities: picture, or folder for them (blue is far, red "
       "near)")("strict", po::bool_switch(&options.strict),
                "refuse pairs that look wrong instead of warning of them");
-  tool::addOption(visible, "engine", options.engine, "sgm, elas or sgbm");
+  tool::addOption(visible, "stereo", options.engine, "sgm, elas or sgbm");
   tool::addOption(visible, "disparities", options.disparities,
                   "range of the search, a multiple of 64 (elas, sgbm: of 16) [px]");
   tool::addOption(visible, "max-depth", options.max_depth,

@@ -27,7 +27,10 @@ normalizeColumn(float* column, int classes)
       return false;
     sum += column[k];
   }
-  if (sum > 0.0)
+  // A column that is normalised but for rounding to single precision stays as it is, so
+  // that files which are read and written again do not change.
+  constexpr double rounding = 0x1p-20;
+  if (sum > 0.0 && std::abs(sum - 1.0) > rounding)
     for (int k = 0; k < classes; ++k)
       column[k] = static_cast<float>(column[k] / sum);
   return true;

@@ -12,7 +12,6 @@
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <algorithm>
-#include <filesystem>
 
 namespace pcl_semantic {
 
@@ -66,54 +65,16 @@ requirePairs(const Paths& left, const Paths& right, const ImagePairFiles& files)
                                                       << " matches " << right.size());
 }
 
-// The rig with the size of the first image, which has to be its own if it has one.
-StereoRig
-readRigOf(const ImagePairFiles& files, const std::string& first_image)
-{
-  StereoRig rig = readStereoRig(files.calibration, files.extrinsics);
-  const cv::Size size = readFrameImage(first_image, 0).size();
-  if (rig.width > 0 && size != cv::Size(rig.width, rig.height))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        first_image << ": has " << size.width << " x " << size.height
-                                    << " pixels, but " << files.calibration
-                                    << " is the calibration of " << rig.width << " x "
-                                    << rig.height);
-  rig.width = size.width;
-  rig.height = size.height;
-  return rig;
-}
-
-Rectifier
-makeRectifier(const ImagePairFiles& files, const std::string& first_image)
-{
-  const StereoRig rig = readRigOf(files, first_image);
-  try {
-    return Rectifier(rig);
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, files.calibration << ": " << error.what());
-  }
-}
-
 } // namespace
 
 ImagePairSequence::ImagePairSequence(const ImagePairFiles& files)
     : left_(findFiles(files.left)), right_(findFiles(files.right))
 {
   requirePairs(left_, right_, files);
-  if (std::filesystem::path(files.calibration).extension() == ".txt") {
-    const cv::Mat first = readFrameImage(left_.front(), 0);
-    const KittiCalibration calibration = readCalibrationOf(
-        first, files.calibration,
-        first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
-    camera_ = calibration.camera;
-    T_camera0_camera_ = calibration.T_camera0_camera;
-  }
-  else {
-    rectifier_ = makeRectifier(files, left_.front());
-    camera_ = rectifier_->camera();
-    T_camera0_camera_ = rectifier_->T_left_rectified();
-  }
+  const cv::Mat first = readFrameImage(left_.front(), 0);
+  pair_ = readRectifiedPair(
+      {files.calibration, files.extrinsics}, {first.size(), left_.front()},
+      first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
   if (files.times.empty())
     return;
   times_ = readTimes(files.times);
@@ -130,9 +91,9 @@ ImagePairSequence::frame(std::size_t i) const
       readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
                      {camera().width, camera().height}, "the first image");
   frame.timestamp = timestamp(i);
-  if (rectifier_) {
-    frame.left = rectifier_->rectify(frame.left, StereoSide::left);
-    frame.right = rectifier_->rectify(frame.right, StereoSide::right);
+  if (pair_.rectifier) {
+    frame.left = pair_.rectifier->rectify(frame.left, StereoSide::left);
+    frame.right = pair_.rectifier->rectify(frame.right, StereoSide::right);
   }
   return frame;
 }

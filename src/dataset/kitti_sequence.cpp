@@ -49,9 +49,9 @@ KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
   findFrames(folder + (grey ? "/image_0" : "/image_2"),
              folder + (grey ? "/image_1" : "/image_3"));
   readTimes();
-  calibration_ =
-      readCalibrationOf(readFrameImage(frames_.front().left, frames_.front().number),
-                        folder + "/calib.txt", cameras);
+  calibration_ = readCalibrationOf(
+      readFrameImage(frames_.front().left, frames_.front().number).size(),
+      folder + "/calib.txt", cameras);
 }
 
 void

@@ -69,11 +69,11 @@ readStereoPair(const StereoPairFiles& files, cv::Size size, const std::string& a
 }
 
 KittiCalibration
-readCalibrationOf(const cv::Mat& image, const std::string& path, KittiCameras cameras)
+readCalibrationOf(cv::Size size, const std::string& path, KittiCameras cameras)
 {
   KittiCalibration calibration = readKittiCalibration(path, cameras);
-  calibration.camera.width = image.cols;
-  calibration.camera.height = image.rows;
+  calibration.camera.width = size.width;
+  calibration.camera.height = size.height;
   checkCamera(calibration.camera, path);
   return calibration;
 }

@@ -34,9 +34,9 @@ StereoFrame readStereoPair(const StereoPairFiles& files, cv::Size size,
                            const std::string& as);
 
 /** \brief KITTI's calibration with the size of the images filled in.
- * \param[in] image one of them
+ * \param[in] size of one of them [px]
  * \throws BadInputException as readKittiCalibration(), or if it cannot be theirs */
-KittiCalibration readCalibrationOf(const cv::Mat& image, const std::string& path,
+KittiCalibration readCalibrationOf(cv::Size size, const std::string& path,
                                    KittiCameras cameras);
 
 } // namespace pcl_semantic

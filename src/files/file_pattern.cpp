@@ -63,30 +63,31 @@ globbed(const std::string& pattern)
 }
 
 std::vector<std::string>
-imagesIn(const std::string& folder)
+filesIn(const std::string& folder, const std::string& extension)
 {
-  std::vector<std::string> images;
+  std::vector<std::string> files;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".png")
-      images.push_back(entry.path().string());
+    if (entry.path().extension() == extension)
+      files.push_back(entry.path().string());
   if (error)
     PCL_THROW_EXCEPTION(BadInputException, folder << ": the folder cannot be read");
-  if (images.empty())
-    PCL_THROW_EXCEPTION(BadInputException, folder << ": holds no images (.png)");
-  return images;
+  if (files.empty())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        folder << ": holds no file named *" << extension);
+  return files;
 }
 
 } // namespace
 
 std::vector<std::string>
-findFiles(const std::string& pattern)
+findFiles(const std::string& pattern, const std::string& extension)
 {
   std::error_code error;
   if (fs::is_regular_file(pattern, error))
     return {pattern};
   std::vector<std::string> files =
-      fs::is_directory(pattern, error) ? imagesIn(pattern) : globbed(pattern);
+      fs::is_directory(pattern, error) ? filesIn(pattern, extension) : globbed(pattern);
   std::sort(files.begin(), files.end(), naturalLess);
   return files;
 }

@@ -46,19 +46,18 @@ cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
 } // namespace
 
 ConfigParameters
-parametersOf(SemanticCRFParameters& crf, const std::string& prefix,
-             const std::string& unit)
+parametersOf(SemanticCRFParameters& crf, const std::string& unit)
 {
   ConfigParameters parameters = {
-      {prefix + "iterations", "mean-field updates a run, at most", &crf.iterations},
-      {prefix + "settled", "stop when no probability changed by more; 0 = never",
+      {"crf_iterations", "mean-field updates a run, at most", &crf.iterations},
+      {"crf_settled", "stop when no probability changed by more; 0 = never",
        &crf.settled},
-      {prefix + "kernels", "automatic, truncated (sums over near pairs) or lattice",
+      {"crf_kernels", "automatic, truncated (sums over near pairs) or lattice",
        chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"})},
-      {prefix + "radius", "truncated sums reach this many deviations", &crf.radius},
-      {prefix + "normalization", "of kernels: symmetric, one-sided or none",
+      {"crf_radius", "truncated sums reach this many deviations", &crf.radius},
+      {"crf_normalization", "of kernels: symmetric, one-sided or none",
        chooseFrom(crf.normalization, {"symmetric", "one-sided", "none"})},
-      {prefix + "self_interaction", "points hear themselves, as in densecrf",
+      {"crf_self_interaction", "points hear themselves, as in densecrf",
        &crf.self_interaction},
       {"smoothness_weight", "of the kernel of positions", &crf.smoothness_weight},
       {"smoothness_deviation", "of positions, in that kernel [" + unit + "]",
@@ -100,12 +99,12 @@ ConfigParameters
 parametersOf(CRFConfig& config)
 {
   ConfigParameters parameters = {
-      {"model", "unary, dense, pn-potts or hierarchical",
+      {"crf", "unary, dense, pn-potts or hierarchical",
        chooseFrom(config.model, {"unary", "dense", "pn-potts", "hierarchical"})},
       {"cliques", config.clique_words, &config.cliques},
       {"label_confidence", "probability of the class that a label states",
        &config.label_confidence}};
-  append(parameters, parametersOf(config.parameters, "", config.unit));
+  append(parameters, parametersOf(config.parameters, config.unit));
   parameters.push_back({"threads", "0 = all processors", &config.threads});
   return parameters;
 }

@@ -130,7 +130,7 @@ parametersOf(MapperConfig& config)
        &config.clique_leaves_out_above}};
   for (ConfigParameter& parameter : parametersOf(config.clique_parameters))
     parameters.push_back(std::move(parameter));
-  for (ConfigParameter& parameter : parametersOf(config.crf_parameters, "crf_", "m"))
+  for (ConfigParameter& parameter : parametersOf(config.crf_parameters, "m"))
     parameters.push_back(std::move(parameter));
   parameters.push_back({"threads", "0 = all processors", &config.threads});
   return parameters;

@@ -89,15 +89,17 @@ MappingOutput::MappingOutput(const std::string& folder, const StereoCamera& came
                              const LabelSet& label_set, const MapperConfig& config,
                              const Eigen::Isometry3d& T_camera0_camera, Inputs inputs,
                              std::vector<FrameRecord> records, ExtraOptions extra)
-    : folder_(folder), camera_(camera), label_set_(label_set), config_(config),
-      T_camera0_camera_(T_camera0_camera), inputs_(std::move(inputs)),
-      frames_(std::move(records)),
+    : folder_(folder), camera_(camera), has_camera_(camera.width > 0),
+      label_set_(label_set), config_(config), T_camera0_camera_(T_camera0_camera),
+      inputs_(std::move(inputs)), frames_(std::move(records)),
       extra_(folder, camera, config.map.max_range, std::move(extra))
 {
   requireImages();
   refuseForeignImages();
-  for (const char* name : image_folders)
-    makeOutputFolder(path(name));
+  makeOutputFolder(folder_);
+  if (has_camera_)
+    for (const char* name : image_folders)
+      makeOutputFolder(path(name));
 }
 
 const std::vector<std::string>&
@@ -137,12 +139,14 @@ MappingOutput::replaceEarlierRun() const
   std::set<int> kept;
   for (const FrameRecord& frame : frames_)
     kept.insert(frame.number);
-  for (const char* name : frame_folders)
-    removeFrameFiles(path(name), ".png",
-                     [&](int frame) { return kept.count(frame) == 0; });
-  removeFrameFiles(path("final_labels"), ".png");
-  extra_.removeEarlier({kept.begin(), kept.end()});
+  const auto isGone = [&](int frame) { return kept.count(frame) == 0; };
   std::error_code error;
+  for (const char* name : frame_folders)
+    if (std::filesystem::is_directory(path(name), error))
+      removeFrameFiles(path(name), ".png", isGone);
+  if (std::filesystem::is_directory(path("final_labels"), error))
+    removeFrameFiles(path("final_labels"), ".png");
+  extra_.removeEarlier({kept.begin(), kept.end()});
   for (const char* name : map_files)
     std::filesystem::remove(path(name), error);
   writeTextFile(path("summary.json"),
@@ -158,6 +162,8 @@ MappingOutput::path(const std::string& name) const
 void
 MappingOutput::requireImages() const
 {
+  if (!has_camera_)
+    return;
   for (const FrameRecord& frame : frames_)
     for (const char* name : frame_folders) {
       const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");
@@ -174,6 +180,14 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   if (!replaced_)
     replaceEarlierRun();
   replaced_ = true;
+  if (has_camera_)
+    writeImages(mapped, map);
+  frames_.push_back(recordOf(mapped));
+}
+
+void
+MappingOutput::writeImages(const MappedFrame& mapped, const SemanticVoxelMap& map) const
+{
   const std::string name = "/" + frameFileName(mapped.frame.number, ".png");
   const double max_depth = config_.map.max_range;
   const RenderedLabels rendered =
@@ -185,7 +199,6 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   writePng(path("overlay" + name),
            drawOverlay(mapped.frame.left, rendered.labels, label_set_));
   extra_.writeFrame(mapped, rendered);
-  frames_.push_back(recordOf(mapped));
 }
 
 void
@@ -195,9 +208,21 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   writeVoxelCloud(path("map.pcd"), voxels, label_set_, VoxelColour::measured);
   writeVoxelCloud(path("map_classes.pcd"), voxels, label_set_, VoxelColour::classes);
 
+  if (has_camera_)
+    writeFinalImages(voxels);
+  std::vector<Eigen::Vector3d> positions;
+  for (const FrameRecord& frame : frames_)
+    positions.push_back(frame.T_world_camera.translation());
+  writeKittiTrajectory(path("trajectory.txt"), trajectory());
+  writePng(path("top_view.png"), drawTopView(voxels, positions, label_set_));
+  writeSummary(voxels);
+}
+
+void
+MappingOutput::writeFinalImages(const VoxelCloud& voxels) const
+{
   const VoxelCloud no_voxels;
   const MapLabels labels(extra_.needsLabels() ? voxels : no_voxels);
-  std::vector<Eigen::Vector3d> positions;
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
     const RenderedLabels rendered =
@@ -205,11 +230,7 @@ MappingOutput::finish(const SemanticVoxelMap& map)
     writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
              rendered.labels);
     extra_.writeFinal(frame.number, T_world_camera, labels, rendered);
-    positions.push_back(T_world_camera.translation());
   }
-  writeKittiTrajectory(path("trajectory.txt"), trajectory());
-  writePng(path("top_view.png"), drawTopView(voxels, positions, label_set_));
-  writeSummary(voxels);
 }
 
 // Row n belongs to frame n, as in KITTI's files: a frame that was not mapped takes the

@@ -13,6 +13,8 @@
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
+#include <pcl/common/io.h>
+
 namespace pcl_semantic {
 
 namespace {
@@ -22,6 +24,20 @@ validated(MapperConfig config)
 {
   config.validate();
   return config;
+}
+
+// What only frames of a camera can have.
+void
+requireNothingOfStereo(const MapperConfig& config, bool has_camera)
+{
+  if (config.deviation_scale > 0.0 || config.max_deviation > 0.0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "max_deviation and deviation_scale are for stereo: clouds do "
+                        "not say how sure they are");
+  if (!has_camera && config.crf == "hierarchical" &&
+      config.cliques.rfind("superpixel", 0) == 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "superpixels are for clouds of a camera");
 }
 
 } // namespace
@@ -36,7 +52,20 @@ SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label
       predictor_(std::move(predictor)), poses_(std::move(poses)),
       map_(label_set, config_.map, std::move(store)), cliques_(config_, label_set)
 {
-  camera_.validate();
+  camera_->validate();
+  setNumberOfThreads(config_.threads);
+}
+
+SemanticMapper::SemanticMapper(const std::optional<StereoCamera>& camera,
+                               const LabelSet& label_set, MapperConfig config,
+                               std::unique_ptr<PoseSource> poses,
+                               std::shared_ptr<BlockStore> store)
+    : camera_(camera), config_(validated(std::move(config))), poses_(std::move(poses)),
+      map_(label_set, config_.map, std::move(store)), cliques_(config_, label_set)
+{
+  if (camera_)
+    camera_->validate();
+  requireNothingOfStereo(config_, camera_.has_value());
   setNumberOfThreads(config_.threads);
 }
 
@@ -44,6 +73,9 @@ void
 SemanticMapper::setLabelCalibration(LabelCalibration calibration)
 {
   calibration.validate();
+  if (!camera_)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a label calibration is for frames of a camera");
   if (calibration.classes() != map_.labelSet().size())
     PCL_THROW_EXCEPTION(InvalidParameterException, "label calibration of "
                                                        << calibration.classes()
@@ -59,6 +91,9 @@ SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "a clique calibration is for the model hierarchical, not "
                             << config_.crf);
+  if (!camera_)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a clique calibration is for frames of a camera");
   cliques_.setCalibration(std::move(calibration));
 }
 
@@ -80,6 +115,9 @@ SemanticMapper::isRefinedAt(int frame) const
 MappedFrame
 SemanticMapper::process(const StereoFrame& frame)
 {
+  if (!stereo_ || !predictor_)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "this mapper was made for clouds alone");
   MappedFrame result;
   result.frame = frame;
   StageTimes& times = result.times;
@@ -88,30 +126,63 @@ SemanticMapper::process(const StereoFrame& frame)
       "stereo", [&] { return stereo_->estimate(frame.left, frame.right); });
   eraseUnsure(result.disparity, config_.max_deviation);
   result.cloud = times.measure("cloud", [&] {
-    return disparityToCloud(result.disparity.disparity, frame.left, camera_);
+    return disparityToCloud(result.disparity.disparity, frame.left, *camera_);
   });
   result.network =
       times.measure("labelling", [&] { return predictor_->predict(frame); });
-  if (calibration_)
-    result.calibrated = times.measure("calibration", [&] {
+  fuse(result);
+  return result;
+}
+
+MappedFrame
+SemanticMapper::process(const CloudFrame& frame)
+{
+  const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *frame.cloud;
+  if (camera_ &&
+      (int(cloud.width) != camera_->width || int(cloud.height) != camera_->height))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "frame " << frame.number << ": the cloud is " << cloud.width
+                                 << " x " << cloud.height
+                                 << ", expected that of the camera, " << camera_->width
+                                 << " x " << camera_->height);
+  MappedFrame result;
+  result.frame.number = frame.number;
+  result.frame.timestamp = frame.timestamp;
+  if (camera_)
+    result.frame.left = imageOfCloud(cloud);
+  result.T_world_camera =
+      result.times.measure("pose", [&] { return poses_->pose(result.frame); });
+  result.cloud = frame.cloud;
+  result.has_colour = frame.has_colour;
+  result.network = frame.distributions;
+  fuse(result);
+  return result;
+}
+
+// From a labelled cloud with its pose to the map.
+void
+SemanticMapper::fuse(MappedFrame& mapped)
+{
+  StageTimes& times = mapped.times;
+  if (calibration_ && !mapped.network.empty())
+    mapped.calibrated = times.measure("calibration", [&] {
       return calibrate(
-          *calibration_, result.network,
-          frameFeatures(*result.cloud, result.network, calibration_->ground));
+          *calibration_, mapped.network,
+          frameFeatures(*mapped.cloud, mapped.network, calibration_->ground));
     });
-  result.counts = times.measure("map", [&] { return integrate(result); });
-  result.voxels = times.measure("voxels", [&] { return map_.occupied(); });
+  mapped.counts = times.measure("map", [&] { return integrate(mapped); });
+  mapped.voxels = times.measure("voxels", [&] { return map_.occupied(); });
   refined_ = isRefinedAt(frames_);
   if (config_.crf != "none" && refined_)
     times.measure("crf", [&] {
-      refine(result);
-      map_.setRefined(result.voxels, result.voxels.refined, config_.crf_write_back);
+      refine(mapped);
+      map_.setRefined(mapped.voxels, mapped.voxels.refined, config_.crf_write_back);
     });
   else
-    setFrameOfCliques(result); // for finish()
+    setFrameOfCliques(mapped); // for finish()
   ++frames_;
   if (callback_)
-    callback_(result, map_);
-  return result;
+    callback_(mapped, map_);
 }
 
 void
@@ -130,19 +201,25 @@ SemanticMapper::integrate(const MappedFrame& mapped)
 {
   std::vector<float> deviations;
   if (config_.deviation_scale > 0.0)
-    deviations = distanceDeviations(*mapped.cloud, camera_, mapped.disparity.deviation,
+    deviations = distanceDeviations(*mapped.cloud, *camera_, mapped.disparity.deviation,
                                     config_.deviation_scale);
+  const LabelDistributions& labels = calibration_ ? mapped.calibrated : mapped.network;
   try {
     auto cloud = mapped.cloud; // stays as it was measured
     std::size_t erased = 0;
-    if (config_.hit_share > 0.0) {
+    if (camera_ && config_.hit_share > 0.0) {
       cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(*cloud);
-      erased = eraseSeenThrough(*cloud, camera_, mapped.T_world_camera,
+      erased = eraseSeenThrough(*cloud, *camera_, mapped.T_world_camera,
                                 map_.parameters().voxel_size, config_.hit_share);
     }
-    ScanCounts counts =
-        map_.integrate(*cloud, mapped.T_world_camera,
-                       calibration_ ? mapped.calibrated : mapped.network, deviations);
+    ScanCounts counts;
+    if (mapped.has_colour)
+      counts = map_.integrate(*cloud, mapped.T_world_camera, labels, deviations);
+    else {
+      pcl::PointCloud<pcl::PointXYZ> places;
+      pcl::copyPointCloud(*cloud, places);
+      counts = map_.integrate(places, mapped.T_world_camera, labels, deviations);
+    }
     counts.invalid -= erased; // they had a depth
     counts.seen_through = erased;
     return counts;

@@ -41,7 +41,7 @@ namesOfTheCrf()
   SemanticCRFParameters parameters;
   std::set<std::string> names = {"crf", "cliques", "clique_leaves_out",
                                  "clique_leaves_out_above", "threads"};
-  for (const ConfigParameter& parameter : parametersOf(parameters, "crf_", "m"))
+  for (const ConfigParameter& parameter : parametersOf(parameters, "m"))
     names.insert(parameter.name);
   CliqueParameters cliques;
   for (const ConfigParameter& parameter : parametersOf(cliques))

@@ -78,6 +78,16 @@ disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
   return cloud;
 }
 
+cv::Mat
+imageOfCloud(const pcl::PointCloud<pcl::PointXYZRGB>& cloud)
+{
+  cv::Mat3b image(int(cloud.height), int(cloud.width));
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    image(int(i / cloud.width), int(i % cloud.width)) = {cloud[i].b, cloud[i].g,
+                                                         cloud[i].r};
+  return std::move(image);
+}
+
 std::vector<float>
 distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                    const StereoCamera& camera, const cv::Mat& disparity_deviation,

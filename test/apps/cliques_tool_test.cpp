@@ -207,16 +207,16 @@ TEST_F(CliquesTool, TheCrfReadsItsField)
 {
   run("cliques " + map() + " " + path("cubes.pcd") + " --method cubes:0.7");
   run("crf " + path("cubes.pcd") + " " + path("field.pcd") +
-      " --model hierarchical --cliques field");
+      " --crf hierarchical --cliques field");
   run("crf " + map() + " " + path("direct.pcd") +
-      " --model hierarchical --cliques cubes:0.7");
+      " --crf hierarchical --cliques cubes:0.7");
   PcdTable field = readPcd(path("field.pcd"));
   field.removeColumns("clique");
   const PcdTable direct = readPcd(path("direct.pcd"));
   EXPECT_EQ(field.data, direct.data);
   EXPECT_NE(direct.data, readPcd(map()).data);
   run("crf " + map() + " " + path("supervoxels.pcd") +
-      " --model hierarchical --cliques supervoxel:0.6");
+      " --crf hierarchical --cliques supervoxel:0.6");
 }
 
 TEST_F(CliquesTool, MapsTakeEveryKindOfCliques)
@@ -318,7 +318,7 @@ TEST(CliquesToolBadInput, IsRefused)
        tool + "--method cubes --coloured OUT.pcd", image},
       {"picture", 2, ".pcd", tool + "--method cubes --coloured OUT.png", image},
       {"crf of a frame's", 3, "superpixel",
-       "crf STREET/in.pcd OUT.pcd --model pn-potts --cliques superpixel", image},
+       "crf STREET/in.pcd OUT.pcd --crf pn-potts --cliques superpixel", image},
       {"kept superpixels and an archive", 2, "--archive does not go with",
        "--labels STREET/labels --crf hierarchical --cliques superpixel "
        "--superpixel-keep true --archive TEMP/map.sqlite"},

@@ -176,7 +176,7 @@ TEST(CrfTool, ItsOwnOutputIsInputAgain)
 {
   const TemporaryFolder folder;
   const std::string in = write(folder.path("in.pcd"), TextCloud().text());
-  runCrf("crf " + in + " " + folder.path("once.pcd") + " --model unary");
+  runCrf("crf " + in + " " + folder.path("once.pcd") + " --crf unary");
   runCrf("crf " + folder.path("once.pcd") + " " + folder.path("twice.pcd"));
   runCrf("crf " + in + " " + folder.path("direct.pcd"));
   EXPECT_LT(largestDifference(probabilitiesIn(folder.path("twice.pcd")),
@@ -221,7 +221,7 @@ TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
          {std::pair<std::string, std::vector<pcl::PointIndices>>("field", cliques),
           {folder.path("list.txt"), cliques},
           {"cubes:0.35", cubes}}) {
-      runCrf("crf " + in + " " + folder.path("out.pcd") + " --model " + name +
+      runCrf("crf " + in + " " + folder.path("out.pcd") + " --crf " + name +
              " --cliques " + words);
       EXPECT_LT(largestDifference(probabilitiesIn(folder.path("out.pcd")),
                                   input.refined<pcl::PointXYZRGBL>(model, expected)),
@@ -235,12 +235,13 @@ TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
   const TemporaryFolder folder;
   for (const std::string tool : {"crf", "image_crf"}) {
     const std::string options =
-        " --model hierarchical --cliques slic:40 --iterations 7 --clique-weight 2.5 "
-        "--kernels lattice --normalization one-sided --self-interaction true "
-        "--clique-free-label false --settled 0.001 --print-config";
+        " --crf hierarchical --cliques slic:40 --crf-iterations 7 --clique-weight 2.5 "
+        "--crf-kernels lattice --crf-normalization one-sided --crf-self-interaction "
+        "true "
+        "--clique-free-label false --crf-settled 0.001 --print-config";
     const ToolResult printed = runTool(tool + options);
     EXPECT_EQ(printed.code, 0);
-    EXPECT_NE(printed.text.find("\nnormalization: one-sided "), std::string::npos);
+    EXPECT_NE(printed.text.find("\ncrf_normalization: one-sided "), std::string::npos);
     const std::string path = write(folder.path("config.yaml"), printed.text);
     EXPECT_EQ(runTool(tool + " --config " + path + " --print-config").text,
               printed.text);
@@ -255,7 +256,7 @@ TEST(CrfTool, RefinesAMapAndItsEntropy)
          "/labels --frames 0:1 --crf none --output " + folder.path("map"));
   const std::string out = folder.path("refined.pcd");
   runCrf("crf " + folder.path("map/map.pcd") + " " + out +
-         " --model hierarchical --cliques cubes:1 " + kitti11);
+         " --crf hierarchical --cliques cubes:1 " + kitti11);
   const PcdTable table = readPcd(out);
   const PcdColumn entropy(table, table.find("entropy"));
   LabelDistributions distributions;
@@ -271,7 +272,7 @@ TEST(ImageCrfTool, WritesWhatTheFilterSays)
   const std::string image = tinyStreet() + "/image_2/000001.png";
   const std::string labels = tinyStreet() + "/labels/000001.bin";
   runCrf("image_crf " + image + " " + labels + " " + folder.path("out.png") +
-         " --model hierarchical --cliques slic:60 --overlay " +
+         " --crf hierarchical --cliques slic:60 --overlay " +
          folder.path("overlay.png") + " --refined " + folder.path("out.bin"));
   const cv::Mat picture = readPng(image, ImageKind::grey_or_colour);
   SlicParameters slic;
@@ -328,40 +329,36 @@ TEST(BadInput, OfTheCrfTools)
        with(" 1 1000 8", " 300 1000 8")},
       {"classes", 3, "has the label 12, expected 0 to 11", crf + kitti11,
        with(" 1 1000 8", " 12 1000 8")},
-      {"model", 2, "--model: 'best', expected unary, dense, pn-potts or hierarchical",
-       crf + "--model best"},
-      {"no cliques", 2, "need cliques", crf + "--model hierarchical"},
+      {"model", 2, "--crf: 'best', expected unary, dense, pn-potts or hierarchical",
+       crf + "--crf best"},
+      {"no cliques", 2, "need cliques", crf + "--crf hierarchical"},
       {"cliques of dense", 2, "not with: --cliques field", crf + "--cliques field"},
       {"no such field", 3, "in.pcd: has no field 'clique'",
-       crf + "--model pn-potts --cliques field",
+       crf + "--crf pn-potts --cliques field",
        file("in.pcd", cloud.text("x y z label"))},
-      {"no such file", 3, "none.txt",
-       crf + "--model pn-potts --cliques STREET/none.txt",
+      {"no such file", 3, "none.txt", crf + "--crf pn-potts --cliques STREET/none.txt",
        file("in.pcd", cloud.text())},
       {"beyond the cloud", 3, "calib.txt line 1",
-       crf + "--model pn-potts --cliques STREET/calib.txt",
+       crf + "--crf pn-potts --cliques STREET/calib.txt", file("in.pcd", cloud.text())},
+      {"cubes of 0", 2, "", crf + "--crf pn-potts --cliques cubes:0",
        file("in.pcd", cloud.text())},
-      {"cubes of 0", 2, "", crf + "--model pn-potts --cliques cubes:0",
-       file("in.pcd", cloud.text())},
-      {"cubes of a word", 2, "'big'", crf + "--model pn-potts --cliques cubes:big",
+      {"cubes of a word", 2, "'big'", crf + "--crf pn-potts --cliques cubes:big",
        file("in.pcd", cloud.text())},
       {"superpixels", 2, "expected slic:N with N 1 to 65536",
-       crf + "--model pn-potts --cliques slic:0", file("in.pcd", cloud.text())},
+       crf + "--crf pn-potts --cliques slic:0", file("in.pcd", cloud.text())},
       {"half a superpixel", 2, "with N 1 to 65536",
-       crf + "--model pn-potts --cliques slic:2.5", file("in.pcd", cloud.text())},
+       crf + "--crf pn-potts --cliques slic:2.5", file("in.pcd", cloud.text())},
       {"a file with a colon", 3, "no:ne.txt",
-       crf + "--model pn-potts --cliques STREET/no:ne.txt",
-       file("in.pcd", cloud.text())},
-      {"superpixels of a list", 3, "organized", crf + "--model pn-potts --cliques slic",
+       crf + "--crf pn-potts --cliques STREET/no:ne.txt", file("in.pcd", cloud.text())},
+      {"superpixels of a list", 3, "organized", crf + "--crf pn-potts --cliques slic",
        with("WIDTH 12\nHEIGHT 10", "WIDTH 120\nHEIGHT 1")},
-      {"superpixels without colour", 2, "colour",
-       crf + "--model pn-potts --cliques slic",
+      {"superpixels without colour", 2, "colour", crf + "--crf pn-potts --cliques slic",
        file("in.pcd", cloud.text("x y z label"))},
       {"weight", 2, "clique_weight is -1", crf + "--clique-weight -1"},
       {"deviation", 2, "smoothness_deviation is 0", crf + "--smoothness-deviation 0"},
-      {"a word", 2, "--iterations: 'many'", crf + "--iterations many"},
-      {"neither", 2, "--self-interaction: 'maybe', expected false or true",
-       crf + "--self-interaction maybe"},
+      {"a word", 2, "--crf-iterations: 'many'", crf + "--crf-iterations many"},
+      {"neither", 2, "--crf-self-interaction: 'maybe', expected false or true",
+       crf + "--crf-self-interaction maybe"},
       {"config", 3, "config.yaml line 1: key 'voxel_size'",
        crf + "--config STREET/config.yaml", file("config.yaml", "voxel_size: 1\n")},
       {"config out of range", 3, "config.yaml: clique_truncation is 2",
@@ -384,12 +381,12 @@ TEST(BadInput, OfTheCrfTools)
       {"other classes", 3, "labels/000000.bin: has",
        image + "--label-set " PCL_SEMANTIC_SOURCE_DIR
                "/data/label_sets/cityscapes19.yaml"},
-      {"no cliques", 2, "need cliques", image + "--model pn-potts"},
+      {"no cliques", 2, "need cliques", image + "--crf pn-potts"},
       {"segments", 3, "small.png: has 30 x 20 pixels, expected 208 x 64",
-       image + "--model pn-potts --cliques STREET/small.png",
+       image + "--crf pn-potts --cliques STREET/small.png",
        [=](const std::string& street) { writePng(street + "/small.png", small); }},
       {"no segments", 3, "none.png",
-       image + "--model pn-potts --cliques STREET/none.png"},
+       image + "--crf pn-potts --cliques STREET/none.png"},
   };
   for (const BadCase& bad : cases)
     expectFails(bad);

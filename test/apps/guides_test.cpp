@@ -176,7 +176,11 @@ TEST(Guides, OwnCloudsAreMendedAndMapped)
   EXPECT_FALSE(readLabelledCloud(folder.path("grouped.pcd")).cliques.empty());
   EXPECT_GT(countLabel(folder.path("scans_map.pcd"), 3), 2);
   EXPECT_GT(countLabel(folder.path("scans_map.pcd"), 1), 0);
+  EXPECT_GT(countLabel(folder.path("scans_map/map.pcd"), 3), 2);
   EXPECT_TRUE(fs::exists(folder.path("scans_map.png")));
+  EXPECT_EQ(pointsIn(folder.path("street_map/map.pcd")),
+            pointsIn(folder.path("street_refined.pcd")));
+  EXPECT_GT(countLabel(folder.path("street_refined.pcd"), 3), 1000);
 }
 
 TEST(Guides, OwnNetworkMapsItsOwnClasses)

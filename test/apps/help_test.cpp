@@ -59,7 +59,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
   for (const char* file :
        {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
         "truth/000000.png", "refined.pcd", "refined.png", "road.pcd", "pair.pcd",
-        "disparity.png", "street_labels/000001.npy", "map.png", "grouped.pcd",
+        "disparity.png", "street_labelled/000001.pcd", "map.png", "grouped.pcd",
         "coloured.pcd", "sheets/000001.png", "tuned/best.yaml",
         "calibrated/calibration.yaml", "street.bt", "street.ply", "street.yaml"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;

@@ -41,8 +41,9 @@ TEST(SimdTiers, AllGiveTheSameLabels)
   std::vector<LabelledCloud> results;
   for (const std::string tier : {"plain", "avx2", "avx512", ""}) {
     const std::string output = folder.path("tier_" + tier + ".pcd");
-    const ToolResult run = runTool("crf " + input + " " + output + " --iterations 5",
-                                   "PCL_SEMANTIC_SIMD=" + tier);
+    const ToolResult run =
+        runTool("crf " + input + " " + output + " --crf-iterations 5",
+                "PCL_SEMANTIC_SIMD=" + tier);
     ASSERT_EQ(run.code, 0) << run.text;
     results.push_back(readLabelledCloud(output));
   }

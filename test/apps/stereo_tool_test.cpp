@@ -48,7 +48,7 @@ TEST(StereoTool, OnePairIsTheCloudOfTheLibrary)
   const StereoFrame frame = sequence.frame(0);
   for (const std::string& engine : disparityEngines()) {
     const ToolResult result =
-        runTool(inStreet(one_pair) + path + " --disparity " + picture + " --engine " +
+        runTool(inStreet(one_pair) + path + " --disparity " + picture + " --stereo " +
                 engine + " --disparities 64 --max-depth 0 --max-deviation 0");
     ASSERT_EQ(result.code, 0) << result.text;
     const cv::Mat disparity =
@@ -170,7 +170,7 @@ TEST(StereoTool, BadPairs)
           {"kind of picture", 2, "ends in .png",
            one_pair + "TEMP/out.pcd --disparity TEMP/d.jpg"},
           {"engine", 2, "expected sgm, elas or sgbm",
-           one_pair + "TEMP/out.pcd --engine orb"},
+           one_pair + "TEMP/out.pcd --stereo orb"},
           {"range", 2, "disparities is 100",
            one_pair + "TEMP/out.pcd --disparities 100"},
           {"depth", 2, "--max-depth", one_pair + "TEMP/out.pcd --max-depth -1"},

@@ -83,7 +83,8 @@ public:
    * \throws InvalidParameterException if \a confidence is not within 0..1 */
   void setLabel(Eigen::Index j, Label label, float confidence);
 
-  /** \brief Makes every column sum to one; all-zero columns stay zero.
+  /** \brief Makes every column sum to one; all-zero columns, and those that sum to one
+   * but for rounding (1e-6), stay as they are.
    * \throws BadInputException that names the column, at a negative or non-finite value
    */
   void normalize();

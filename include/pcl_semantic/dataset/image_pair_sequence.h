@@ -8,9 +8,8 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
-#include <pcl_semantic/dataset/rectifier.h>
+#include <pcl_semantic/dataset/rectified_pair.h>
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,13 +61,13 @@ public:
   const StereoCamera&
   camera() const override
   {
-    return camera_;
+    return pair_.camera;
   }
 
   const Eigen::Isometry3d&
   T_camera0_camera() const override
   {
-    return T_camera0_camera_;
+    return pair_.T_camera0_camera;
   }
 
   /** \brief Path of the i-th left image. */
@@ -81,9 +80,7 @@ public:
 private:
   std::vector<std::string> left_, right_; ///< paths
   std::vector<double> times_;             ///< [s]; empty: ten frames a second
-  std::optional<Rectifier> rectifier_;    ///< not for KITTI's images
-  StereoCamera camera_;
-  Eigen::Isometry3d T_camera0_camera_;
+  RectifiedPair pair_;
 };
 
 } // namespace pcl_semantic

@@ -22,4 +22,8 @@ std::unique_ptr<PoseSource>
 readPoses(const std::string& path,
           const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity());
 
+/** \brief The same of a file that holds the poses of the sensor itself, T_world_sensor
+ * in a world with z up (x forward, if the map shall be seen as it was driven). */
+std::unique_ptr<PoseSource> readSensorPoses(const std::string& path);
+
 } // namespace pcl_semantic

@@ -16,11 +16,9 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The parameters of a CRF.
- * \param[in] prefix of the names that would say too little among others: "crf_" makes
- * `crf_iterations`
  * \param[in] unit of positions, for the help: "m" or "px" */
 ConfigParameters parametersOf(SemanticCRFParameters& parameters,
-                              const std::string& prefix, const std::string& unit);
+                              const std::string& unit);
 
 /** \brief What can be set of the tools that refine a cloud or an image. */
 struct CRFConfig {

@@ -27,7 +27,9 @@ public:
 
   /** \brief Makes the folders. What an earlier run left in them stays until the first
    * frame is written.
-   * \param[in] T_camera0_camera the camera that takes the images, in KITTI's camera 0
+   * \param[in] camera that the images are of; one of width 0 for clouds of another
+   * sensor: then none are written
+   * \param[in] T_camera0_camera the camera, or sensor, in KITTI's camera 0
    * \param[in] records of the frames that are in the map already, of a run that goes
    * on: images of others are removed with the first frame that is written
    * \param[in] extra what is written beyond the map and its images
@@ -52,6 +54,10 @@ public:
 private:
   std::string path(const std::string& name) const;
 
+  void writeImages(const MappedFrame& mapped, const SemanticVoxelMap& map) const;
+
+  void writeFinalImages(const VoxelCloud& voxels) const;
+
   void refuseForeignImages() const;
 
   void requireImages() const;
@@ -64,6 +70,7 @@ private:
 
   std::string folder_;
   StereoCamera camera_;
+  bool has_camera_;
   LabelSet label_set_;
   MapperConfig config_;
   Eigen::Isometry3d T_camera0_camera_;

@@ -6,16 +6,16 @@
 
 #pragma once
 
+#include <pcl_semantic/core/cloud_frame.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
-#include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/labelling/label_predictor.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/map_cliques.h>
+#include <pcl_semantic/pipeline/mapped_frame.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
-#include <pcl_semantic/pipeline/stage_times.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
 #include <functional>
@@ -24,21 +24,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What became of one frame. */
-struct MappedFrame {
-  StereoFrame frame;
-  DisparityImage disparity;                     ///< of each pixel, and how sure it is
-  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< organized, camera frame [m]
-  LabelDistributions network;                   ///< L x pixels, of the left image
-  LabelDistributions calibrated; ///< L x pixels, what the map gets instead; empty if
-                                 ///< there is no calibration
-  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  ScanCounts counts; ///< of the scan that went into the map
-  VoxelCloud voxels; ///< the occupied voxels of the window after this frame
-  StageTimes times;
-};
-
-/** \brief The whole pipeline: stereo frames go in, a semantic map grows. */
+/** \brief The whole pipeline: stereo frames go in, or labelled clouds of any sensor,
+ * and a semantic map grows. */
 class SemanticMapper {
 public:
   /** \brief Called after each frame. */
@@ -53,6 +40,14 @@ public:
   SemanticMapper(const StereoCamera& camera, const LabelSet& label_set,
                  MapperConfig config, std::unique_ptr<LabelPredictor> predictor,
                  std::unique_ptr<PoseSource> poses,
+                 std::shared_ptr<BlockStore> store = nullptr);
+
+  /** \brief For clouds alone.
+   * \param[in] camera that took them, if one did: all are organized as its images, in
+   * its frame, so that `hit_share`, calibrations and superpixels can be used
+   * \throws InvalidParameterException */
+  SemanticMapper(const std::optional<StereoCamera>& camera, const LabelSet& label_set,
+                 MapperConfig config, std::unique_ptr<PoseSource> poses,
                  std::shared_ptr<BlockStore> store = nullptr);
 
   /** \brief Goes on with the map that the store holds. Only before the first frame.
@@ -89,6 +84,11 @@ public:
    * \throws BadInputException or BadModelException that names the frame */
   MappedFrame process(const StereoFrame& frame);
 
+  /** \brief Takes in one labelled cloud: pose, map, CRF.
+   * \throws BadInputException that names the frame, also if it is not as the camera's
+   * images are */
+  MappedFrame process(const CloudFrame& frame);
+
   /** \brief The CRF alone, over the voxels of a frame that another mapper has mapped
    * with `crf: none`; this one's own map is not touched. Frames come in their order. */
   void refine(MappedFrame& mapped);
@@ -113,13 +113,15 @@ public:
 private:
   bool isRefinedAt(int frame) const;
 
+  void fuse(MappedFrame& mapped);
+
   ScanCounts integrate(const MappedFrame& mapped);
 
   void setFrameOfCliques(const MappedFrame& mapped);
 
   void refineVoxels(VoxelCloud& voxels);
 
-  StereoCamera camera_;
+  std::optional<StereoCamera> camera_;
   MapperConfig config_;
   std::unique_ptr<DisparityEstimator> stereo_;
   std::unique_ptr<LabelPredictor> predictor_;

@@ -31,6 +31,10 @@ pcl::PointCloud<pcl::PointXYZRGB>::Ptr disparityToCloud(const cv::Mat& disparity
                                                         const cv::Mat& image,
                                                         const StereoCamera& camera);
 
+/** \brief The image that a cloud keeps in its colours, CV_8UC3 (BGR): a row of pixels
+ * for each row of points, whether they have a depth or not. */
+cv::Mat imageOfCloud(const pcl::PointCloud<pcl::PointXYZRGB>& cloud);
+
 /** \brief Standard deviation of the distance to each point [m]: of a depth Z it is
  * Z^2 sigma / (f b), and longer by as much as the ray is longer than the depth.
  * \param[in] cloud as disparityToCloud gives it

@@ -1,0 +1,164 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "default_label_set.h"
+#include "map_extras.h"
+#include "map_labelling.h"
+#include "map_source.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/frame_range.h>
+#include <pcl_semantic/dataset/rectified_pair.h>
+#include <pcl_semantic/io/cloud_sequence.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/odometry/pose_file.h>
+
+#include <filesystem>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+class CloudSource : public MapSource {
+public:
+  explicit CloudSource(const MapArguments& arguments)
+      : arguments_(arguments), clouds_(arguments.clouds, arguments.sequence.files.times)
+  {
+    std::error_code error;
+    if (std::filesystem::equivalent(arguments.clouds, arguments.output, error))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--output holds the clouds; maps need a folder of their own");
+    poses_ = arguments.poses;
+    run_.label_set = readLabelSetOrDefault(arguments.label_set);
+    run_.config = arguments.parameters;
+    chooseClouds();
+    setSensor();
+    run_.inputs = inputsOf(arguments.sequence);
+    run_.inputs.insert(run_.inputs.end(),
+                       {{"clouds", arguments.clouds},
+                        {"sensor", arguments.sensor},
+                        {"poses", poses_},
+                        {"label_calibration", arguments.label_calibration},
+                        {"clique_calibration", arguments.clique_calibration}});
+    calibrations_ = readCalibrations(arguments, run_.label_set);
+    extras_ = makeExtras(arguments, nullptr, positions_);
+  }
+
+  std::vector<FrameTime>
+  times() const override
+  {
+    std::vector<FrameTime> times;
+    for (const std::size_t i : positions_)
+      times.push_back({clouds_.frameNumber(i), clouds_.timestamp(i)});
+    return times;
+  }
+
+  std::unique_ptr<PoseSource>
+  openPoses() const override
+  {
+    return arguments_.sensor == "own" ? readSensorPoses(poses_)
+                                      : readPoses(poses_, run_.T_camera0_camera);
+  }
+
+  std::unique_ptr<SemanticMapper>
+  makeMapper(std::unique_ptr<PoseSource> poses,
+             std::shared_ptr<BlockStore> store) override
+  {
+    std::optional<StereoCamera> camera;
+    if (run_.camera.width > 0)
+      camera = run_.camera;
+    auto mapper = std::make_unique<SemanticMapper>(camera, run_.label_set, run_.config,
+                                                   std::move(poses), std::move(store));
+    setCalibrations(calibrations_, *mapper);
+    return mapper;
+  }
+
+  ExtraOptions
+  extras() const override
+  {
+    return extras_;
+  }
+
+  MappedFrame
+  map(std::size_t i, SemanticMapper& mapper) override
+  {
+    return mapper.process(clouds_.frame(positions_[i], run_.label_set.size(),
+                                        float(arguments_.parameters.label_confidence)));
+  }
+
+private:
+  void
+  chooseClouds()
+  {
+    const FrameRange range = parseFrameRange(arguments_.frames);
+    for (std::size_t i = 0; i < clouds_.size(); ++i)
+      if (range.contains(clouds_.frameNumber(i))) {
+        positions_.push_back(i);
+        run_.frames.push_back(clouds_.frameNumber(i));
+      }
+    if (positions_.empty())
+      PCL_THROW_EXCEPTION(BadInputException, arguments_.clouds << ": has no frame in "
+                                                               << arguments_.frames);
+  }
+
+  // Where the sensor is in camera 0, and its camera.
+  void
+  setSensor()
+  {
+    const ImagePairFiles& files = arguments_.sequence.files;
+    if (arguments_.sensor == "own")
+      run_.T_camera0_camera = worldFromFirstCamera().inverse(); // it looks along x
+    else if (arguments_.sensor == "laser")
+      run_.T_camera0_camera = scannerOf(files.calibration);
+    else {
+      const RectifiedPair pair = readRectifiedPair(
+          {files.calibration, files.extrinsics}, firstCloud(),
+          arguments_.sensor == "grey" ? KittiCameras::grey : KittiCameras::colour);
+      run_.camera = pair.camera;
+      run_.T_camera0_camera = pair.T_camera0_camera;
+    }
+  }
+
+  static Eigen::Isometry3d
+  scannerOf(const std::string& calibration)
+  {
+    const auto read = readKittiCalibration(calibration, KittiCameras::colour);
+    if (!read.T_camera0_velodyne)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          calibration << ": has no row 'Tr', expected the pose of the "
+                                         "laser scanner");
+    return *read.T_camera0_velodyne;
+  }
+
+  // Its size is that of the camera's images.
+  SizedFile
+  firstCloud() const
+  {
+    const std::string& path = clouds_.path(positions_.front());
+    const auto cloud = readLabelledCloud(path).cloud;
+    if (!cloud->isOrganized())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          path << ": is no organized cloud, expected one as the "
+                                  "camera's images are");
+    return {{int(cloud->width), int(cloud->height)}, path};
+  }
+
+  MapArguments arguments_;
+  CloudSequence clouds_;
+  std::vector<std::size_t> positions_;
+  Calibrations calibrations_;
+  ExtraOptions extras_;
+};
+
+} // namespace
+
+std::unique_ptr<MapSource>
+openCloudSource(const MapArguments& arguments)
+{
+  return std::make_unique<CloudSource>(arguments);
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,73 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "map_arguments.h"
+
+#include <pcl_semantic/core/stereo_frame.h>
+#include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/pipeline/extra_output.h>
+#include <pcl_semantic/pipeline/run_description.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic::tool {
+
+/** \brief Where the frames of a map come from: stereo images or labelled clouds. */
+class MapSource {
+public:
+  virtual ~MapSource() = default;
+
+  /** \brief What the map depends on; the camera of clouds without one has width 0. */
+  const MappingRun&
+  run() const
+  {
+    return run_;
+  }
+
+  /** \brief Path of the trajectory, or "odometry". */
+  const std::string&
+  poses() const
+  {
+    return poses_;
+  }
+
+  /** \brief The frames that are mapped, as `run().frames`. */
+  virtual std::vector<FrameTime> times() const = 0;
+
+  virtual std::unique_ptr<PoseSource> openPoses() const = 0;
+
+  /** \brief Once. \throws InvalidParameterException if the parameters do not fit */
+  virtual std::unique_ptr<SemanticMapper>
+  makeMapper(std::unique_ptr<PoseSource> poses, std::shared_ptr<BlockStore> store) = 0;
+
+  /** \brief What --also asks for. */
+  virtual ExtraOptions extras() const = 0;
+
+  /** \brief Reads the i-th of these frames and maps it. */
+  virtual MappedFrame map(std::size_t i, SemanticMapper& mapper) = 0;
+
+protected:
+  MappingRun run_;
+  std::string poses_;
+};
+
+/** \brief Opens the sequence or the clouds that the arguments name.
+ * \throws InvalidParameterException, BadInputException, BadModelException */
+std::unique_ptr<MapSource> openMapSource(const MapArguments& arguments);
+
+/** \brief Of labelled clouds.
+ *
+ * `--sensor` says what took them: "own", any sensor whose own poses in a world with z
+ * up are given; "camera" or "grey", the left camera of a calibrated pair, and "laser",
+ * the scanner of KITTI's `Tr`, with the poses of camera 0. */
+std::unique_ptr<MapSource> openCloudSource(const MapArguments& arguments);
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,70 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/cloud_frame.h>
+#include <pcl_semantic/core/export.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief The `.pcd` clouds of a folder or pattern, one a frame, in natural order.
+ *
+ * If every name is a whole number below 10^8 (`000012.pcd`) it is the frame's number;
+ * else frame n is the n-th cloud from 0. If every name is a time with a fraction
+ * (`1403636579.763555.pcd`) it is the frame's time. */
+class CloudSequence {
+public:
+  /** \param[in] pattern see findFiles(): a folder, or `scan-*.pcd`
+   * \param[in] times file of times, row n that of frame n [s]; empty: those of the
+   * names, or ten frames a second
+   * \throws BadInputException if it matches nothing, two names have one number, or
+   * `times` is damaged or too short */
+  explicit CloudSequence(const std::string& pattern, const std::string& times = "");
+
+  std::size_t
+  size() const
+  {
+    return paths_.size();
+  }
+
+  int
+  frameNumber(std::size_t i) const
+  {
+    return numbers_.at(i);
+  }
+
+  double
+  timestamp(std::size_t i) const
+  {
+    return times_.at(i);
+  }
+
+  const std::string&
+  path(std::size_t i) const
+  {
+    return paths_.at(i);
+  }
+
+  /** \brief Reads the i-th cloud.
+   * \param[in] classes L
+   * \param[in] confidence probability of the class that `label` states, where the cloud
+   * has no field `probability`
+   * \throws BadInputException as readLabelledCloud(), or if the labels are not of these
+   * classes */
+  CloudFrame frame(std::size_t i, int classes, float confidence) const;
+
+private:
+  std::vector<std::string> paths_;
+  std::vector<int> numbers_;
+  std::vector<double> times_; ///< [s]
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,39 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/stereo_frame.h>
+#include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/map/scan.h>
+#include <pcl_semantic/pipeline/stage_times.h>
+#include <pcl_semantic/stereo/disparity_estimator.h>
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <Eigen/Geometry>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief What became of one frame. */
+struct MappedFrame {
+  StereoFrame frame;        ///< of a cloud: without images, but that of its camera
+  DisparityImage disparity; ///< of each pixel, and how sure it is; of a cloud: empty
+  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< camera frame [m], organized
+  bool has_colour = true;                       ///< whether its colours mean anything
+  LabelDistributions network;    ///< L x pixels (or points), as they were labelled
+  LabelDistributions calibrated; ///< L x pixels, what the map gets instead; empty if
+                                 ///< there is no calibration
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  ScanCounts counts; ///< of the scan that went into the map
+  VoxelCloud voxels; ///< the occupied voxels of the window after this frame
+  StageTimes times;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,335 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/bad_case.h"
+#include "support/mapped_street.h"
+
+#include <pcl_semantic/dataset/synthetic_scene.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/pcd_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
+#include <pcl_semantic/odometry/pose_source.h>
+
+#include <pcl/common/io.h>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string label_set = PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
+
+void
+expectRuns(const std::string& arguments)
+{
+  const ToolResult result = runTool(arguments);
+  EXPECT_EQ(result.code, 0) << arguments << "\n" << result.text;
+}
+
+// Clouds of the street by pcl_semantic_stereo and pcl_semantic_label.
+void
+labelClouds(const std::string& street, const TemporaryFolder& folder)
+{
+  expectRuns("stereo " + street + "/image_2 " + street + "/image_3 " + street +
+             "/calib.txt " + folder.path("clouds") +
+             " --max-depth 0 --max-deviation 0");
+  expectRuns("label --clouds " + folder.path("clouds") + " --labels " + street +
+             "/labels --output " + folder.path("labelled"));
+}
+
+std::string
+mapOfClouds(const TemporaryFolder& folder)
+{
+  return "map --clouds " + folder.path("labelled") + " --poses " + tinyStreet() +
+         "/poses.txt --calibration " + tinyStreet() + "/calib.txt --times " +
+         tinyStreet() + "/times.txt --output ";
+}
+
+// A laser of a few rings in the frame x forward, y left, z up.
+LabelledCloud
+scanOf(const SyntheticScene& street, const Eigen::Isometry3d& T_world_sensor)
+{
+  LabelledCloud scan;
+  for (int ring = 0; ring < 16; ++ring)
+    for (int step = 0; step < 180; ++step) {
+      const double up = 0.02 * ring - 0.25, turn = M_PI / 90.0 * step;
+      const Eigen::Vector3d ray(std::cos(turn) * std::cos(up),
+                                std::sin(turn) * std::cos(up), std::sin(up));
+      const SyntheticHit hit =
+          street.intersect(T_world_sensor.translation(), T_world_sensor.linear() * ray);
+      if (hit.label == synthetic_sky)
+        continue; // nothing comes back
+      pcl::PointXYZRGBL point;
+      point.getVector3fMap() = (ray * hit.distance).cast<float>();
+      point.label = hit.label;
+      scan.cloud->push_back(point);
+    }
+  return scan;
+}
+
+// Four scans, clouds/N.pcd, and the scanner's own poses.
+class Scans : public testing::Test {
+protected:
+  Scans()
+  {
+    const SyntheticScene street(1, 4);
+    fs::create_directories(folder.path("clouds"));
+    for (int frame = 0; frame < 4; ++frame) {
+      T_world_sensor.push_back(street.pose(frame) * worldFromFirstCamera().inverse());
+      scans.push_back(scanOf(street, T_world_sensor.back()));
+      writeLabelledCloud(folder.path("clouds/" + std::to_string(frame) + ".pcd"),
+                         scans.back());
+    }
+    writeKittiTrajectory(folder.path("poses.txt"), T_world_sensor);
+  }
+
+  // The voxels that the map has without programs and files.
+  VoxelCloud
+  expected() const
+  {
+    SemanticVoxelMap map(readLabelSet(label_set), SemanticVoxelMap::Parameters());
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      const auto& cloud = *scans[i].cloud;
+      LabelDistributions labels(map.labelSet().size(), Eigen::Index(cloud.size()));
+      for (std::size_t j = 0; j < cloud.size(); ++j)
+        labels.setLabel(Eigen::Index(j), Label(cloud[j].label), 0.8f);
+      pcl::PointCloud<pcl::PointXYZ> places;
+      pcl::copyPointCloud(cloud, places);
+      map.integrate(places, T_world_sensor[i], labels);
+    }
+    return map.occupiedEverywhere();
+  }
+
+  std::string
+  map(const std::string& options) const
+  {
+    return "map --clouds " + folder.path("clouds") + " --crf none --output " +
+           folder.path("map") + " --poses " + options;
+  }
+
+  TemporaryFolder folder;
+  std::vector<LabelledCloud> scans;
+  Trajectory T_world_sensor;
+};
+
+void
+expectVoxels(const std::string& path, const VoxelCloud& expected)
+{
+  const LabelledCloud read = readLabelledCloud(path);
+  ASSERT_EQ(read.cloud->size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ((*read.cloud)[i].getVector3fMap(), (*expected.cloud)[i].getVector3fMap());
+    EXPECT_EQ((*read.cloud)[i].label, (*expected.cloud)[i].label);
+  }
+  EXPECT_TRUE(read.distributions.matrix() == expected.refined.matrix());
+}
+
+} // namespace
+
+TEST(CloudTools, APipelineOfToolsMakesTheSameMap)
+{
+  const TemporaryFolder folder;
+  labelClouds(tinyStreet(), folder);
+  expectRuns(mapOfClouds(folder) + folder.path("map"));
+  mapStreet(tinyStreet(), folder.path("direct"), "");
+  EXPECT_EQ(filesIn(folder.path("map")), filesIn(folder.path("direct")));
+  for (const std::string& file : filesIn(folder.path("direct")))
+    if (file != "summary.json") {
+      EXPECT_EQ(bytesOf(folder.path("map/" + file)),
+                bytesOf(folder.path("direct/" + file)))
+          << file;
+    }
+}
+
+TEST(CloudTools, TheCrfAsAToolOfItsOwnMakesTheSameLabels)
+{
+  const TemporaryFolder folder;
+  labelClouds(tinyStreet(), folder);
+  expectRuns(mapOfClouds(folder) + folder.path("raw") + " --crf none");
+  expectRuns("crf " + folder.path("raw/map.pcd") + " " + folder.path("refined.pcd"));
+  mapStreet(tinyStreet(), folder.path("direct"), "");
+  const LabelledCloud tools = readLabelledCloud(folder.path("refined.pcd"));
+  const LabelledCloud direct = readLabelledCloud(folder.path("direct/map.pcd"));
+  ASSERT_EQ(tools.cloud->size(), direct.cloud->size());
+  // Files round places to single precision, which moves points within the lattice.
+  EXPECT_LT((tools.distributions.matrix() - direct.distributions.matrix())
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-2f);
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < direct.cloud->size(); ++i)
+    others += (*tools.cloud)[i].label != (*direct.cloud)[i].label;
+  EXPECT_LT(others, direct.cloud->size() / 1000);
+}
+
+TEST(CloudTools, OtherFieldsOfALabelledCloudStay)
+{
+  const TemporaryFolder folder;
+  folder.write("cloud.pcd",
+               "VERSION 0.7\nFIELDS x y z rgb ring\nSIZE 8 4 4 4 2\nTYPE F F F F U\n"
+               "COUNT 1 1 1 1 1\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\n"
+               "POINTS 4\nDATA ascii\n1 2 3 0 7\n1 2 4 0 8\n1 3 3 0 9\nnan nan nan 0 "
+               "10\n");
+  std::vector<float> stored(44, 0.0f);
+  stored[5] = stored[11] = stored[30] = stored[43] = 1.0f;
+  folder.write("labels.bin",
+               std::string(reinterpret_cast<const char*>(stored.data()), 44 * 4));
+  expectRuns("label --clouds " + folder.path("cloud.pcd") + " --labels " +
+             folder.path("labels.bin") + " --output " + folder.path("out.pcd"));
+  const LabelledCloud out = readLabelledCloud(folder.path("out.pcd"));
+  EXPECT_EQ(out.cloud->height, 2u);
+  const std::uint32_t labels[] = {6, 1, 9, 11};
+  const PcdColumn ring(out.table, out.table.find("ring"));
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ((*out.cloud)[i].label, labels[i]);
+    EXPECT_EQ(ring(i), double(7 + i));
+  }
+  EXPECT_EQ(out.table.fields[0].size, 8);
+}
+
+TEST_F(Scans, OfAnySensorBecomeTheMapOfTheLibrary)
+{
+  expectRuns(map(folder.path("poses.txt")));
+  expectVoxels(folder.path("map/map.pcd"), expected());
+  EXPECT_EQ(filesIn(folder.path("map")),
+            (std::set<std::string>{"map.pcd", "map_classes.pcd", "top_view.png",
+                                   "trajectory.txt", "summary.json"}));
+  // As the trajectory of a camera that looks along x.
+  const Trajectory written = readKittiTrajectory(folder.path("map/trajectory.txt"));
+  ASSERT_EQ(written.size(), 4u);
+  EXPECT_TRUE((worldFromFirstCamera() * written[3])
+                  .isApprox(T_world_sensor[3] * worldFromFirstCamera(), 1e-9));
+  expectRuns("render " + folder.path("map") + " " + folder.path("map.png"));
+}
+
+TEST_F(Scans, TimesAndTumPosesFindEachOther)
+{
+  std::string rows;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::string time = "15." + std::to_string(25 * i + 10);
+    fs::rename(folder.path("clouds/" + std::to_string(i) + ".pcd"),
+               folder.path("clouds/" + time + ".pcd"));
+    std::ostringstream row;
+    row.precision(17);
+    const Eigen::Quaterniond q(T_world_sensor[i].linear());
+    row << time << " " << T_world_sensor[i].translation().transpose() << " " << q.x()
+        << " " << q.y() << " " << q.z() << " " << q.w() << "\n";
+    rows += row.str();
+  }
+  folder.write("tum.txt", rows);
+  expectRuns(map(folder.path("tum.txt")));
+  EXPECT_EQ(readLabelledCloud(folder.path("map/map.pcd")).cloud->size(),
+            expected().size());
+}
+
+TEST_F(Scans, OfKittisLaserHaveThePosesOfItsCamera)
+{
+  // Camera 0 a metre above and half a metre behind the scanner.
+  Eigen::Isometry3d T_sensor_camera0 = worldFromFirstCamera();
+  T_sensor_camera0.translation() << -0.5, 0.0, 1.0;
+  Trajectory poses;
+  for (const Eigen::Isometry3d& pose : T_world_sensor)
+    poses.push_back(worldFromFirstCamera().inverse() * pose * T_sensor_camera0);
+  writeKittiTrajectory(folder.path("camera0.txt"), poses);
+  std::ostringstream row;
+  row << "Tr:";
+  const Eigen::Isometry3d T_camera0_sensor = T_sensor_camera0.inverse();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 4; ++j)
+      row << " " << T_camera0_sensor(i, j);
+  std::string rows;
+  for (const std::string& line : linesOf(tinyStreet() + "/calib.txt"))
+    if (line.rfind("Tr", 0) != 0)
+      rows += line + "\n";
+  folder.write("calib.txt", rows + row.str() + "\n");
+  expectRuns(map(folder.path("camera0.txt")) + " --sensor laser --calibration " +
+             folder.path("calib.txt"));
+  const LabelledCloud read = readLabelledCloud(folder.path("map/map.pcd"));
+  EXPECT_NEAR(double(read.cloud->size()), double(expected().size()),
+              0.01 * double(expected().size()));
+}
+
+TEST_F(Scans, WithoutLabelsAreAMapWithoutLabels)
+{
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    PcdTable table =
+        readLabelledCloud(folder.path("clouds/" + std::to_string(i) + ".pcd")).table;
+    table.removeColumns("label");
+    writePcd(folder.path("clouds/" + std::to_string(i) + ".pcd"), table);
+  }
+  expectRuns(replaceAll(map(folder.path("poses.txt")), "--crf none", "--crf dense"));
+  const LabelledCloud read = readLabelledCloud(folder.path("map/map.pcd"));
+  EXPECT_EQ(read.cloud->size(), expected().size());
+  for (const pcl::PointXYZRGBL& point : *read.cloud)
+    ASSERT_EQ(point.label, kUnlabelled);
+}
+
+TEST_F(Scans, GoOnWithAnArchive)
+{
+  const std::string archive = " --archive " + folder.path("map.archive");
+  expectRuns(map(folder.path("poses.txt")) + archive);
+  const std::string whole = bytesOf(folder.path("map/map.pcd"));
+  const ToolResult resumed =
+      runTool(map(folder.path("poses.txt")) + archive + " --resume");
+  EXPECT_EQ(resumed.code, 0) << resumed.text;
+  EXPECT_NE(resumed.text.find("resumed_after: 4"), std::string::npos) << resumed.text;
+  EXPECT_EQ(bytesOf(folder.path("map/map.pcd")), whole);
+}
+
+TEST_F(Scans, BadInput)
+{
+  const std::string all = "map --clouds " + folder.path("clouds") + " --output OUT ";
+  const std::string poses = "--poses " + folder.path("poses.txt") + " ";
+  for (const BadCase& bad : std::vector<BadCase>{
+           {"no poses", 2, "--clouds needs a trajectory: --poses FILE", all},
+           {"odometry", 2, "--poses FILE", all + "--poses odometry"},
+           {"and a sequence", 2, "exclude each other", all + poses + "STREET"},
+           {"and labels", 2, "bring their labels",
+            all + poses + "--labels STREET/labels"},
+           {"sensor", 2, "--sensor is 'lidar'", all + poses + "--sensor lidar"},
+           {"camera", 2, "--sensor camera needs --calibration",
+            all + poses + "--sensor camera"},
+           {"calibrated", 2, "--calibration is not for --sensor own",
+            all + poses + "--sensor own --calibration STREET/calib.txt"},
+           {"sensor of a sequence", 2, "--sensor is for --clouds",
+            "--labels STREET/labels --sensor own"},
+           {"not organized", 3, "is no organized cloud",
+            all + poses + "--calibration STREET/calib.txt"},
+           {"no clouds", 3, "no file matches",
+            "map --clouds TEMP/none --output OUT " + poses},
+           {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
+           {"scans", 2, "--also scans needs a SEQUENCE", all + poses + "--also scans"},
+           {"superpixels", 2, "superpixels are for clouds of a camera",
+            all + poses + "--crf hierarchical --cliques superpixel"},
+           {"deviations", 2, "max_deviation and deviation_scale are for stereo",
+            all + poses + "--max-deviation 1"},
+           {"over the clouds", 2, "--output holds the clouds",
+            "map --clouds " + folder.path("clouds") + " " + poses + "--output " +
+                folder.path("clouds")},
+           {"label: no labels", 2, "expected either --labels or --network",
+            "label --clouds " + folder.path("clouds") + " --output OUT"},
+           {"label: format", 2, "--format is for a SEQUENCE",
+            "label --clouds " + folder.path("clouds") +
+                " --labels STREET/labels --output OUT --format ids"},
+           {"label: size", 3, "expected",
+            "label --clouds " + folder.path("clouds") +
+                " --labels STREET/labels --output OUT"},
+           {"label: many to one", 2, "--output is one cloud",
+            "label --clouds " + folder.path("clouds") +
+                " --labels STREET/labels --output TEMP/one.pcd"},
+           {"label: itself", 2, "",
+            "label --clouds " + folder.path("clouds") +
+                " --labels STREET/labels --output " + folder.path("clouds")},
+       })
+    expectFails(bad);
+  folder.write("clouds/2.pcd", "garbage");
+  expectFails({"garbage", 3, "2.pcd", all + poses});
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,131 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/street_scans.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/map/seen_through.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+
+#include <gtest/gtest.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int width = 208, height = 64;
+
+class CloudFrames : public testing::Test {
+protected:
+  void
+  SetUp() override
+  {
+    scans_ = makeStreetScans(2, width, height);
+    camera_ = SyntheticRenderer(SyntheticScene(1, 2), width, height).camera();
+    config_.crf = "none";
+    label_set_ = readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  }
+
+  std::unique_ptr<SemanticMapper>
+  makeMapper(const std::optional<StereoCamera>& camera) const
+  {
+    Trajectory poses;
+    for (const StreetScan& scan : scans_)
+      poses.push_back(worldFromFirstCamera().inverse() * scan.T_world_camera);
+    return std::make_unique<SemanticMapper>(
+        camera, label_set_, config_,
+        std::make_unique<TrajectoryPoses>(poses, Eigen::Isometry3d::Identity()));
+  }
+
+  CloudFrame
+  frame(int i) const
+  {
+    const StreetScan& scan = scans_[std::size_t(i)];
+    return {i, 0.1 * i, scan.cloud, scan.distributions, true};
+  }
+
+  std::vector<StreetScan> scans_;
+  StereoCamera camera_;
+  MapperConfig config_;
+  LabelSet label_set_;
+};
+
+} // namespace
+
+TEST_F(CloudFrames, AnySensorsCloudGoesInAsItIs)
+{
+  const auto mapper = makeMapper(std::nullopt);
+  SemanticVoxelMap expected(label_set_, config_.map);
+  for (int i = 0; i < 2; ++i) {
+    const MappedFrame mapped = mapper->process(frame(i));
+    EXPECT_EQ(mapped.frame.number, i);
+    EXPECT_TRUE(mapped.frame.left.empty());
+    const StreetScan& scan = scans_[std::size_t(i)];
+    expected.integrate(*scan.cloud, mapped.T_world_camera, scan.distributions);
+    EXPECT_TRUE(mapped.T_world_camera.isApprox(scan.T_world_camera, 1e-12));
+  }
+  const VoxelCloud voxels = mapper->map().occupied(), others = expected.occupied();
+  EXPECT_EQ(voxels.indices, others.indices);
+  EXPECT_TRUE(voxels.measured.matrix() == others.measured.matrix());
+  EXPECT_GT(voxels.size(), 1000u);
+}
+
+TEST_F(CloudFrames, OfACameraLoseWhatIsSeenThroughAndKeepTheImage)
+{
+  const MappedFrame mapped = makeMapper(camera_)->process(frame(0));
+  auto rest = *scans_[0].cloud;
+  const std::size_t erased = eraseSeenThrough(
+      rest, camera_, mapped.T_world_camera, config_.map.voxel_size, config_.hit_share);
+  EXPECT_GT(erased, 0u);
+  EXPECT_EQ(mapped.counts.seen_through, erased);
+  ASSERT_EQ(mapped.frame.left.size(), cv::Size(width, height));
+  const pcl::PointXYZRGB& point = (*scans_[0].cloud)[5 * width + 7];
+  EXPECT_EQ(mapped.frame.left.at<cv::Vec3b>(5, 7),
+            cv::Vec3b(point.b, point.g, point.r));
+}
+
+TEST_F(CloudFrames, ColoursThatMeanNothingAreNotFused)
+{
+  CloudFrame grey = frame(0);
+  grey.has_colour = false;
+  const auto mapper = makeMapper(std::nullopt);
+  const VoxelCloud voxels = mapper->process(grey).voxels;
+  pcl::PointCloud<pcl::PointXYZ> places;
+  for (const pcl::PointXYZRGB& point : *grey.cloud)
+    places.emplace_back(point.x, point.y, point.z);
+  SemanticVoxelMap expected(label_set_, config_.map);
+  expected.integrate(places, scans_[0].T_world_camera, scans_[0].distributions);
+  const VoxelCloud others = expected.occupied();
+  ASSERT_EQ(voxels.indices, others.indices);
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    ASSERT_EQ((*voxels.cloud)[i].rgba, (*others.cloud)[i].rgba);
+}
+
+TEST_F(CloudFrames, WhatNeedsACameraIsRefused)
+{
+  const auto mapper = makeMapper(std::nullopt);
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] { mapper->process(StereoFrame()); }),
+      "made for clouds alone"));
+  CloudFrame other = frame(0);
+  other.cloud->width = 104;
+  other.cloud->height = 128;
+  EXPECT_TRUE(holds(
+      thrownMessage<BadInputException>([&] { makeMapper(camera_)->process(other); }),
+      "frame 0: the cloud is 104 x 128, expected that of the camera, "
+      "208 x 64"));
+  config_.max_deviation = 0.5;
+  EXPECT_THROW(makeMapper(camera_), InvalidParameterException);
+  config_.max_deviation = 0.0;
+  config_.crf = "hierarchical";
+  config_.cliques = "superpixel";
+  EXPECT_THROW(makeMapper(std::nullopt), InvalidParameterException);
+  EXPECT_NO_THROW(makeMapper(camera_));
+}
+
+} // namespace pcl_semantic
