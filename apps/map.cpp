@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "live_view.h"
 #include "map_arguments.h"
 #include "map_extras.h"
 #include "map_labelling.h"
@@ -22,6 +23,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <memory>
 
 namespace {
 
@@ -99,7 +101,8 @@ noteTimes(const MappedFrame& mapped)
 // Maps what the run has and the archive does not hold yet.
 void
 mapFrames(const FrameSequence& sequence, const MappingRun& run, bool strict,
-          SemanticMapper& mapper, MappingArchive& archive, MappingOutput& output)
+          SemanticMapper& mapper, MappingArchive& archive, MappingOutput& output,
+          tool::LiveView* view)
 {
   tool::catchInterrupts();
   tool::PairWatch watch("pcl_semantic_map", strict);
@@ -113,6 +116,8 @@ mapFrames(const FrameSequence& sequence, const MappingRun& run, bool strict,
     const MappedFrame mapped = mapper.process(pair);
     output.writeFrame(mapped, mapper.map());
     archive.add(mapped, mapper);
+    if (view)
+      view->show(mapped);
     noteTimes(mapped);
     progress.step();
   }
@@ -148,6 +153,9 @@ mapSequence(const MapArguments& arguments)
   std::unique_ptr<PoseSource> owned_poses = tool::makePoses(chosen, sequence);
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(frameTimes(sequence, frames));
+  std::unique_ptr<tool::LiveView> view;
+  if (arguments.view)
+    view = std::make_unique<tool::LiveView>(run.camera, run.label_set);
   MappingArchive archive(arguments.archive, run);
   SemanticMapper mapper(run.camera, run.label_set, run.config,
                         std::move(labelling.predictor), std::move(owned_poses),
@@ -158,10 +166,13 @@ mapSequence(const MapArguments& arguments)
     mapper.setCliqueCalibration(*labelling.clique_calibration);
   MappingOutput output = makeOutput(arguments, run, chosen, archive, std::move(extra));
   archive.resume(mapper);
-  mapFrames(sequence, run, arguments.sequence.strict, mapper, archive, output);
+  mapFrames(sequence, run, arguments.sequence.strict, mapper, archive, output,
+            view.get());
   judgeTracking(arguments, poses, int(run.frames.size()));
   archive.finish(mapper);
   output.finish(mapper.map());
+  if (view)
+    view->finish(mapper.map());
   if (!archive.close())
     tool::warn(arguments.archive.path + ": is being read by another program: " +
                arguments.archive.path + "-wal still belongs to it");

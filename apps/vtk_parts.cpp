@@ -1,0 +1,205 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "vtk_parts.h"
+
+#include <opencv2/imgproc.hpp>
+
+#include <vtkActor.h>
+#include <vtkActor2D.h>
+#include <vtkCamera.h>
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
+#include <vtkImageData.h>
+#include <vtkImageMapper.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkRenderWindow.h>
+#include <vtkTexture.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkWindowToImageFilter.h>
+
+#include <cstring>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+template <typename Array>
+vtkSmartPointer<Array>
+arrayOf(int components, vtkIdType tuples)
+{
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(tuples);
+  return array;
+}
+
+vtkSmartPointer<vtkActor>
+unlitActor(vtkPolyData* data)
+{
+  const auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
+  mapper->SetInputData(data);
+  const auto actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  actor->GetProperty()->LightingOff();
+  return actor;
+}
+
+vtkSmartPointer<vtkActor>
+lineActor(const std::vector<std::vector<Eigen::Vector3d>>& lines, float width)
+{
+  const auto points = vtkSmartPointer<vtkPoints>::New();
+  const auto cells = vtkSmartPointer<vtkCellArray>::New();
+  for (const std::vector<Eigen::Vector3d>& line : lines) {
+    cells->InsertNextCell(int(line.size()));
+    for (const Eigen::Vector3d& point : line)
+      cells->InsertCellPoint(points->InsertNextPoint(point.data()));
+  }
+  const auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->SetLines(cells);
+  vtkSmartPointer<vtkActor> actor = unlitActor(data);
+  actor->GetProperty()->SetColor(235 / 255.0, 60 / 255.0, 60 / 255.0);
+  actor->GetProperty()->SetLineWidth(width);
+  return actor;
+}
+
+// VTK's rows go up, and red comes first.
+vtkSmartPointer<vtkImageData>
+imageOf(const cv::Mat& picture)
+{
+  cv::Mat flipped;
+  cv::flip(picture, flipped, 0);
+  cv::cvtColor(flipped, flipped, cv::COLOR_BGR2RGB);
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetDimensions(picture.cols, picture.rows, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  std::memcpy(image->GetScalarPointer(), flipped.data,
+              flipped.total() * flipped.elemSize());
+  return image;
+}
+
+} // namespace
+
+vtkSmartPointer<vtkActor>
+actorOf(const std::vector<VoxelFace>& faces)
+{
+  const auto count = vtkIdType(faces.size());
+  const auto places = arrayOf<vtkFloatArray>(3, 4 * count);
+  const auto colours = arrayOf<vtkUnsignedCharArray>(3, 4 * count);
+  const auto cells = vtkSmartPointer<vtkCellArray>::New();
+  cells->AllocateExact(count, 4 * count);
+  for (vtkIdType i = 0; i < count; ++i) {
+    const VoxelFace& face = faces[std::size_t(i)];
+    std::memcpy(places->GetPointer(12 * i), face.corners.data(), sizeof face.corners);
+    std::memcpy(colours->GetPointer(12 * i), face.colours.data(), sizeof face.colours);
+    cells->InsertNextCell({4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3});
+  }
+  const auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetData(places);
+  const auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  data->GetPointData()->SetScalars(colours);
+  vtkSmartPointer<vtkActor> actor = unlitActor(data);
+  actor->GetProperty()->BackfaceCullingOn();
+  return actor;
+}
+
+vtkSmartPointer<vtkActor>
+actorOf(const Trajectory& path)
+{
+  std::vector<Eigen::Vector3d> line;
+  for (const Eigen::Isometry3d& pose : path)
+    line.push_back(pose.translation());
+  return lineActor({line}, 4.0f);
+}
+
+std::vector<vtkSmartPointer<vtkActor>>
+actorsOf(const ViewedPicture& picture, double distance)
+{
+  const StereoCamera& camera = picture.camera;
+  const double right = camera.width - 0.5, bottom = camera.height - 0.5;
+  const auto points = vtkSmartPointer<vtkPoints>::New();
+  const auto texture_places = arrayOf<vtkFloatArray>(2, 0);
+  const auto cells = vtkSmartPointer<vtkCellArray>::New();
+  cells->InsertNextCell(4);
+  std::vector<std::vector<Eigen::Vector3d>> rays;
+  for (const auto& [u, v] : {std::pair(-0.5, bottom), std::pair(right, bottom),
+                             std::pair(right, -0.5), std::pair(-0.5, -0.5)}) {
+    const Eigen::Vector3d corner =
+        picture.T_map_camera * camera.unproject(u, v, distance);
+    cells->InsertCellPoint(points->InsertNextPoint(corner.data()));
+    texture_places->InsertNextTuple2(u > 0.0 ? 1.0 : 0.0, v > 0.0 ? 0.0 : 1.0);
+    rays.push_back({picture.T_map_camera.translation(), corner});
+  }
+  const auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  data->GetPointData()->SetTCoords(texture_places);
+  vtkSmartPointer<vtkActor> actor = unlitActor(data);
+  const auto texture = vtkSmartPointer<vtkTexture>::New();
+  texture->SetInputData(imageOf(picture.image));
+  texture->InterpolateOn();
+  actor->SetTexture(texture);
+  return {actor, lineActor(rays, 1.5f)};
+}
+
+vtkSmartPointer<vtkActor2D>
+flatActorOf(const cv::Mat& picture)
+{
+  const auto mapper = vtkSmartPointer<vtkImageMapper>::New();
+  mapper->SetInputData(imageOf(picture));
+  mapper->SetColorWindow(255.0); // as they are
+  mapper->SetColorLevel(127.5);
+  auto actor = vtkSmartPointer<vtkActor2D>::New();
+  actor->SetMapper(mapper);
+  return actor;
+}
+
+void
+setCamera(vtkCamera& camera, const PictureView& view, const Eigen::Vector3d& corner)
+{
+  const Eigen::Matrix3d& axes = view.T_world_camera.linear();
+  Eigen::Vector3d from = view.T_world_camera.translation() + corner;
+  const StereoCamera& lens = view.camera;
+  camera.SetParallelProjection(view.pixels_per_metre > 0.0);
+  if (view.pixels_per_metre > 0.0) {
+    // The view is from 1e5 times as far, for rays that are nearly parallel.
+    camera.SetParallelScale(0.5 * lens.height / view.pixels_per_metre);
+    from.z() = corner.z() + 500.0;
+  }
+  const Eigen::Vector3d to = from + 10.0 * axes.col(2), up = -axes.col(1);
+  camera.SetPosition(from.data());
+  camera.SetFocalPoint(to.data());
+  camera.SetViewUp(up.data());
+  camera.SetViewAngle(2.0 * std::atan(0.5 * lens.height / lens.fy) * 180.0 / M_PI);
+  // A lens that is shifted.
+  camera.SetWindowCenter(1.0 - (2.0 * lens.cx + 1.0) / lens.width,
+                         (2.0 * lens.cy + 1.0) / lens.height - 1.0);
+}
+
+cv::Mat
+pictureOf(vtkRenderWindow& window)
+{
+  const auto filter = vtkSmartPointer<vtkWindowToImageFilter>::New();
+  filter->SetInput(&window);
+  filter->SetInputBufferTypeToRGB();
+  filter->ReadFrontBufferOff();
+  filter->Update();
+  vtkImageData& image = *filter->GetOutput();
+  const int* const size = image.GetDimensions();
+  const cv::Mat rgb(size[1], size[0], CV_8UC3, image.GetScalarPointer());
+  cv::Mat picture;
+  cv::cvtColor(rgb, picture, cv::COLOR_RGB2BGR);
+  cv::flip(picture, picture, 0);
+  return picture;
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,45 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "viewed_map.h"
+#include "voxel_faces.h"
+
+#include <pcl_semantic/io/picture_view.h>
+
+#include <vtkSmartPointer.h>
+
+class vtkActor;
+class vtkActor2D;
+class vtkCamera;
+class vtkRenderWindow;
+
+/** \brief What VTK draws. Colours are as they are given: there is no light. */
+namespace pcl_semantic::tool {
+
+vtkSmartPointer<vtkActor> actorOf(const std::vector<VoxelFace>& faces);
+
+/** \brief The path of a camera, in the red of the pictures. */
+vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);
+
+/** \brief A picture in front of the place where it was taken, and the rays from there
+ * to its corners. \param[in] distance between them [m] */
+std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedPicture& picture,
+                                                double distance);
+
+/** \brief A picture in the lower left corner of the window. */
+vtkSmartPointer<vtkActor2D> flatActorOf(const cv::Mat& picture);
+
+/** \brief Has a camera see as a view does. \param[in] corner of the view's world, as
+ * the cloud's points [m] */
+void setCamera(vtkCamera& camera, const PictureView& view,
+               const Eigen::Vector3d& corner);
+
+/** \brief What the window shows: CV_8UC3 (BGR). */
+cv::Mat pictureOf(vtkRenderWindow& window);
+
+} // namespace pcl_semantic::tool
