@@ -40,13 +40,11 @@ isProgram(const std::string& name)
 bool
 hasDisplay()
 {
-  Display* const display = XOpenDisplay(nullptr);
-  if (!display)
-    return false;
+  // Stays open: a virtual server begins anew when its last client leaves, and who comes
+  // then is turned away.
+  static Display* const display = XOpenDisplay(nullptr);
   int code = 0, event = 0, error = 0;
-  const bool can_draw = XQueryExtension(display, "GLX", &code, &event, &error);
-  XCloseDisplay(display);
-  return can_draw;
+  return display && XQueryExtension(display, "GLX", &code, &event, &error);
 }
 
 void

@@ -91,30 +91,44 @@ LiveShow::showLast()
 void
 LiveShow::show(ViewedMap map)
 {
-  if (map.indices.empty() || map.path.empty())
+  if (map.indices.empty())
     return; // nothing to look at yet
-  const Eigen::Isometry3d& pose = map.path.back();
+  std::vector<PictureView> views = viewsOf(map);
+  if (!map.path.empty()) {
+    const Eigen::Vector3d place = map.path.back().translation();
+    if (!is_first_) // it comes along
+      viewer_.move(place - last_place_);
+    last_place_ = place;
+  }
+  viewer_.show(std::move(map), std::move(views));
+  if (is_first_)
+    for (const std::string& key : arguments_.keys)
+      viewer_.press(key);
+  is_first_ = false;
+}
+
+// From behind the camera, and the map as a whole.
+std::vector<PictureView>
+LiveShow::viewsOf(const ViewedMap& map) const
+{
+  const cv::Size size = arguments_.picture.size;
   VoxelScene scene;
   scene.grid = map.grid;
   scene.voxels.indices = map.indices;
   SensorPath path = pathOf(map.path);
   for (Eigen::Vector3d& place : path)
     place -= map.grid.corner;
-  const Eigen::Vector3d behind = pose * Eigen::Vector3d(0.0, -6.0, -10.0),
-                        ahead = pose * Eigen::Vector3d(0.0, 1.0, 12.0);
-  std::vector<PictureView> views = {lookAt(behind - map.grid.corner,
-                                           ahead - map.grid.corner, 60.0 * M_PI / 180.0,
-                                           arguments_.picture.size),
-                                    angleView(scene, path, arguments_.picture.size),
-                                    aboveView(scene, path, arguments_.picture.size)};
-  if (!is_first_) // it comes along
-    viewer_.move(pose.translation() - last_place_);
-  last_place_ = pose.translation();
-  viewer_.show(std::move(map), std::move(views));
-  if (is_first_)
-    for (const std::string& key : arguments_.keys)
-      viewer_.press(key);
-  is_first_ = false;
+  std::vector<PictureView> views;
+  if (!map.path.empty()) {
+    const Eigen::Isometry3d& pose = map.path.back();
+    const Eigen::Vector3d behind = pose * Eigen::Vector3d(0.0, -6.0, -10.0),
+                          ahead = pose * Eigen::Vector3d(0.0, 1.0, 12.0);
+    views.push_back(lookAt(behind - map.grid.corner, ahead - map.grid.corner,
+                           60.0 * M_PI / 180.0, size));
+  }
+  views.push_back(angleView(scene, path, size));
+  views.push_back(aboveView(scene, path, size));
+  return views;
 }
 
 } // namespace pcl_semantic::tool

@@ -21,14 +21,9 @@
 
 namespace pcl_semantic::tool {
 
-namespace {
-
-constexpr double kPictureDistance = 1.5; // before the camera [m]
-constexpr double kBackground[3] = {0.96, 0.97, 0.98};
-
-} // namespace
-
 struct MapViewer::Inside {
+  static constexpr double kPictureDistance = 1.5; ///< before the camera [m]
+
   Inside(const std::string& title, cv::Size size, bool off_screen)
   {
     vtkObject::GlobalWarningDisplayOff();
@@ -41,7 +36,7 @@ struct MapViewer::Inside {
         no_arguments, none, renderer, window, title, style, !off_screen);
     visualizer->setShowFPS(false);
     visualizer->setSize(size.width, size.height);
-    visualizer->setBackgroundColor(kBackground[0], kBackground[1], kBackground[2]);
+    visualizer->setBackgroundColor(0.96, 0.97, 0.98);
     style->on_key = [this](const std::string& key) { press(key); };
     style->on_click = [this](int x, int y) { return click(x, y); };
   }

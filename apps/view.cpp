@@ -72,7 +72,8 @@ view(const ViewArguments& arguments, char** argv)
     if (arguments.screenshot.empty())
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           "there is no display with OpenGL to open a window on "
-                          "(DISPLAY); --screenshot OUT.png needs none");
+                          "(DISPLAY); pcl_semantic_view MAP --screenshot OUT.png "
+                          "needs none");
     tool::restartOnVirtualDisplay(argv);
   }
   tool::catchInterrupts();

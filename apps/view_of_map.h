@@ -45,6 +45,7 @@ private:
   struct Inbox;
 
   void show(ViewedMap map);
+  std::vector<PictureView> viewsOf(const ViewedMap& map) const;
 
   const ViewArguments& arguments_;
   MapViewer& viewer_;

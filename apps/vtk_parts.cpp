@@ -6,8 +6,9 @@
 
 #include "vtk_parts.h"
 
-#include <opencv2/imgproc.hpp>
+#include "picture_options.h"
 
+#include <opencv2/imgproc.hpp>
 #include <vtkActor.h>
 #include <vtkActor2D.h>
 #include <vtkCamera.h>
@@ -45,7 +46,7 @@ unlitActor(vtkPolyData* data)
 {
   const auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
   mapper->SetInputData(data);
-  const auto actor = vtkSmartPointer<vtkActor>::New();
+  auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
   actor->GetProperty()->LightingOff();
   return actor;
@@ -64,13 +65,13 @@ lineActor(const std::vector<std::vector<Eigen::Vector3d>>& lines, float width)
   const auto data = vtkSmartPointer<vtkPolyData>::New();
   data->SetPoints(points);
   data->SetLines(cells);
-  vtkSmartPointer<vtkActor> actor = unlitActor(data);
+  auto actor = unlitActor(data);
   actor->GetProperty()->SetColor(235 / 255.0, 60 / 255.0, 60 / 255.0);
   actor->GetProperty()->SetLineWidth(width);
   return actor;
 }
 
-// VTK's rows go up, and red comes first.
+// Rows go up, and red comes first.
 vtkSmartPointer<vtkImageData>
 imageOf(const cv::Mat& picture)
 {
@@ -107,7 +108,7 @@ actorOf(const std::vector<VoxelFace>& faces)
   data->SetPoints(points);
   data->SetPolys(cells);
   data->GetPointData()->SetScalars(colours);
-  vtkSmartPointer<vtkActor> actor = unlitActor(data);
+  auto actor = unlitActor(data);
   actor->GetProperty()->BackfaceCullingOn();
   return actor;
 }
@@ -115,10 +116,7 @@ actorOf(const std::vector<VoxelFace>& faces)
 vtkSmartPointer<vtkActor>
 actorOf(const Trajectory& path)
 {
-  std::vector<Eigen::Vector3d> line;
-  for (const Eigen::Isometry3d& pose : path)
-    line.push_back(pose.translation());
-  return lineActor({line}, 4.0f);
+  return lineActor({pathOf(path)}, 4.0f);
 }
 
 std::vector<vtkSmartPointer<vtkActor>>
@@ -129,8 +127,8 @@ actorsOf(const ViewedPicture& picture, double distance)
   const auto points = vtkSmartPointer<vtkPoints>::New();
   const auto texture_places = arrayOf<vtkFloatArray>(2, 0);
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
-  cells->InsertNextCell(4);
   std::vector<std::vector<Eigen::Vector3d>> rays;
+  cells->InsertNextCell(4);
   for (const auto& [u, v] : {std::pair(-0.5, bottom), std::pair(right, bottom),
                              std::pair(right, -0.5), std::pair(-0.5, -0.5)}) {
     const Eigen::Vector3d corner =
@@ -143,7 +141,7 @@ actorsOf(const ViewedPicture& picture, double distance)
   data->SetPoints(points);
   data->SetPolys(cells);
   data->GetPointData()->SetTCoords(texture_places);
-  vtkSmartPointer<vtkActor> actor = unlitActor(data);
+  auto actor = unlitActor(data);
   const auto texture = vtkSmartPointer<vtkTexture>::New();
   texture->SetInputData(imageOf(picture.image));
   texture->InterpolateOn();
@@ -171,7 +169,6 @@ setCamera(vtkCamera& camera, const PictureView& view, const Eigen::Vector3d& cor
   const StereoCamera& lens = view.camera;
   camera.SetParallelProjection(view.pixels_per_metre > 0.0);
   if (view.pixels_per_metre > 0.0) {
-    // The view is from 1e5 times as far, for rays that are nearly parallel.
     camera.SetParallelScale(0.5 * lens.height / view.pixels_per_metre);
     from.z() = corner.z() + 500.0;
   }
@@ -180,7 +177,6 @@ setCamera(vtkCamera& camera, const PictureView& view, const Eigen::Vector3d& cor
   camera.SetFocalPoint(to.data());
   camera.SetViewUp(up.data());
   camera.SetViewAngle(2.0 * std::atan(0.5 * lens.height / lens.fy) * 180.0 / M_PI);
-  // A lens that is shifted.
   camera.SetWindowCenter(1.0 - (2.0 * lens.cx + 1.0) / lens.width,
                          (2.0 * lens.cy + 1.0) / lens.height - 1.0);
 }
