@@ -14,6 +14,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/small_png.h>
 
 #include <iostream>
 
@@ -29,7 +30,7 @@ leave(const ViewArguments& arguments, MapViewer& viewer)
 {
   if (arguments.screenshot.empty())
     return tool::interrupted() ? tool::exit_interrupted : tool::exit_done;
-  writePng(arguments.screenshot, viewer.picture());
+  (arguments.small ? writeSmallPng : writePng)(arguments.screenshot, viewer.picture());
   tool::printResults({{"picture", arguments.screenshot}});
   return tool::exit_done;
 }

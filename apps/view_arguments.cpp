@@ -61,6 +61,8 @@ optionsOf(ViewArguments& arguments, std::string& hide, std::string& keys)
       "live", po::bool_switch(&arguments.live),
       "instead of MAP: show the maps that pcl_semantic_map --view sends on standard "
       "input");
+  options.add_options()("small", po::bool_switch(&arguments.small),
+                        "half the bytes, in fewer shades of colour");
   addPictureOptions(arguments.picture, options);
   addOption(options, "size", arguments.picture.texts.size, "of the window or picture");
   addOption(options, "threads", arguments.threads, "0 = all processors");
