@@ -53,11 +53,11 @@ unlitActor(vtkPolyData* data)
 }
 
 vtkSmartPointer<vtkActor>
-lineActor(const std::vector<std::vector<Eigen::Vector3d>>& lines, float width)
+lineActor(const std::vector<SensorPath>& lines, float width)
 {
   const auto points = vtkSmartPointer<vtkPoints>::New();
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
-  for (const std::vector<Eigen::Vector3d>& line : lines) {
+  for (const SensorPath& line : lines) {
     cells->InsertNextCell(int(line.size()));
     for (const Eigen::Vector3d& point : line)
       cells->InsertCellPoint(points->InsertNextPoint(point.data()));
@@ -75,14 +75,12 @@ lineActor(const std::vector<std::vector<Eigen::Vector3d>>& lines, float width)
 vtkSmartPointer<vtkImageData>
 imageOf(const cv::Mat& picture)
 {
-  cv::Mat flipped;
-  cv::flip(picture, flipped, 0);
-  cv::cvtColor(flipped, flipped, cv::COLOR_BGR2RGB);
-  auto image = vtkSmartPointer<vtkImageData>::New();
+  const auto image = vtkSmartPointer<vtkImageData>::New();
   image->SetDimensions(picture.cols, picture.rows, 1);
   image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  std::memcpy(image->GetScalarPointer(), flipped.data,
-              flipped.total() * flipped.elemSize());
+  cv::Mat rgb(picture.size(), CV_8UC3, image->GetScalarPointer());
+  cv::flip(picture, rgb, 0);
+  cv::cvtColor(rgb, rgb, cv::COLOR_BGR2RGB);
   return image;
 }
 
@@ -127,8 +125,8 @@ actorsOf(const ViewedPicture& picture, double distance)
   const auto points = vtkSmartPointer<vtkPoints>::New();
   const auto texture_places = arrayOf<vtkFloatArray>(2, 0);
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
-  std::vector<std::vector<Eigen::Vector3d>> rays;
   cells->InsertNextCell(4);
+  std::vector<SensorPath> rays;
   for (const auto& [u, v] : {std::pair(-0.5, bottom), std::pair(right, bottom),
                              std::pair(right, -0.5), std::pair(-0.5, -0.5)}) {
     const Eigen::Vector3d corner =
@@ -190,8 +188,8 @@ pictureOf(vtkRenderWindow& window)
   filter->ReadFrontBufferOff();
   filter->Update();
   vtkImageData& image = *filter->GetOutput();
-  const int* const size = image.GetDimensions();
-  const cv::Mat rgb(size[1], size[0], CV_8UC3, image.GetScalarPointer());
+  const cv::Mat rgb(image.GetDimensions()[1], image.GetDimensions()[0], CV_8UC3,
+                    image.GetScalarPointer());
   cv::Mat picture;
   cv::cvtColor(rgb, picture, cv::COLOR_RGB2BGR);
   cv::flip(picture, picture, 0);

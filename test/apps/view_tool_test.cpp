@@ -152,7 +152,7 @@ expectSameMaps(const std::string& a, const std::string& b)
 TEST_F(ViewTool, DrawsClassesHidesAndClipsThem)
 {
   const Views view;
-  const std::string above = "MAPS/block.pcd --view above --keys l ";
+  const std::string above = "MAPS/block.pcd --view above --keys l";
   const cv::Vec3b road = colourOf("road"), car = colourOf("car");
   const cv::Mat all = view(above);
   // Seen from above, 64 of the 900 squares are the block.
@@ -160,17 +160,17 @@ TEST_F(ViewTool, DrawsClassesHidesAndClipsThem)
   EXPECT_GT(floor, 400 * 300 / 4);
   EXPECT_NEAR(double(block) / floor, 64.0 / 836.0, 0.02);
   // What was below it shows: the floor is whole then.
-  for (const std::string less : {"--hide car", "--below 0.1", "--keys l,2"}) {
+  for (const std::string less : {" --hide car", " --below 0.1", ",2"}) {
     const cv::Mat hidden = view(above + less);
     EXPECT_EQ(count(hidden, car), 0) << less;
     EXPECT_GT(count(hidden, road), floor + block) << less;
   }
-  for (const std::string less : {"--hide road", "--above 0.1"}) {
+  for (const std::string less : {" --hide road", " --above 0.1"}) {
     const cv::Mat hidden = view(above + less);
     EXPECT_EQ(count(hidden, road), 0) << less;
     EXPECT_EQ(count(hidden, car), block) << less;
   }
-  EXPECT_EQ(count(view(above + "--hide road,car"), car), 0);
+  EXPECT_EQ(count(view(above + " --hide road,car"), car), 0);
 }
 
 TEST_F(ViewTool, KeysDoWhatOptionsDo)
