@@ -6,6 +6,8 @@
 
 #include "view_of_map.h"
 
+#include "view_panel.h"
+
 #include <pcl_semantic/core/exceptions.h>
 
 #include <filesystem>
@@ -16,15 +18,32 @@ namespace {
 
 constexpr std::size_t kMostPictures = 12;
 
+// A view of a map as a whole, so that the panel does not lie on it.
+PictureView
+besidePanel(const std::string& name, PictureOptions options, const VoxelScene& scene,
+            const Trajectory& poses)
+{
+  const int panel = options.size.width > 3 * kPanelWidth ? kPanelWidth : 0;
+  options.looks_from = false;
+  options.view = name;
+  options.size.width -= panel;
+  PictureView view = viewOf(options, scene, poses);
+  view.camera.width += panel;
+  view.camera.cx += panel;
+  return view;
+}
+
 // The view that was asked for, and those that are always there.
 std::vector<PictureView>
 viewsOf(const PictureOptions& options, const VoxelScene& scene, const Trajectory& poses)
 {
   std::vector<PictureView> views;
-  if (options.looks_from || options.view != "angle")
+  if (options.looks_from || options.view == "camera")
     views.push_back(viewOf(options, scene, poses));
-  views.push_back(angleView(scene, pathOf(poses), options.size));
-  views.push_back(aboveView(scene, pathOf(poses), options.size));
+  else if (options.view == "above")
+    views.push_back(besidePanel("above", options, scene, poses));
+  views.push_back(besidePanel("angle", options, scene, poses));
+  views.push_back(besidePanel("above", options, scene, poses));
   if (poses.empty())
     return views;
   PictureOptions last = options;

@@ -17,7 +17,7 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-constexpr int kWidth = 270, kRow = 20, kMargin = 10, kSwatch = 13;
+constexpr int kRow = 20, kMargin = 10, kSwatch = 13;
 constexpr double kLetters = 0.86;
 const cv::Scalar pale(170, 166, 164);
 
@@ -25,14 +25,15 @@ const cv::Scalar pale(170, 166, 164);
 class PanelWriter {
 public:
   explicit PanelWriter(int most_rows)
-      : picture_(std::max(most_rows, 2 * kRow), kWidth, CV_8UC3, light_theme.background)
+      : picture_(std::max(most_rows, 2 * kRow), kPanelWidth, CV_8UC3,
+                 light_theme.background)
   {}
 
   void
   line(const std::string& text, const cv::Scalar& colour = light_theme.text)
   {
     // What is too wide becomes smaller.
-    const double size = std::min(kLetters, kLetters * (kWidth - 2 * kMargin) /
+    const double size = std::min(kLetters, kLetters * (kPanelWidth - 2 * kMargin) /
                                                textWidth(text, kLetters));
     if (hasRoom())
       drawText(picture_, text, {kMargin, bottom_ + kRow - 6}, colour, size);
@@ -64,7 +65,7 @@ public:
   image(const cv::Mat& image)
   {
     cv::Mat small;
-    cv::resize(image, small, {kWidth, image.rows * kWidth / image.cols}, 0, 0,
+    cv::resize(image, small, {kPanelWidth, image.rows * kPanelWidth / image.cols}, 0, 0,
                cv::INTER_AREA);
     if (bottom_ + small.rows < picture_.rows)
       small.copyTo(picture_(cv::Rect(cv::Point(0, bottom_), small.size())));

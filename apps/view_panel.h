@@ -12,6 +12,8 @@
 
 namespace pcl_semantic::tool {
 
+constexpr int kPanelWidth = 270; ///< [px]
+
 /** \brief The panel beside a map: legend, limits, keys. */
 struct ViewPanel {
   cv::Mat picture; ///< CV_8UC3 (BGR)
