@@ -57,7 +57,7 @@ optionsOf(ViewArguments& arguments, std::string& hide, std::string& keys)
       "images", po::value(&arguments.images),
       "show pictures of this sequence (KITTI's layout) where the camera was")(
       "keys", po::value(&keys),
-      "keys pressed at the beginning, with commas between them: m,2,Down")(
+      "keys pressed at the beginning, with commas between them: m,3,Down")(
       "live", po::bool_switch(&arguments.live),
       "instead of MAP: show the maps that pcl_semantic_map --view sends on standard "
       "input");

@@ -128,7 +128,7 @@ drawPanel(const ViewedMap& map, const ViewState& state, int most_rows)
   for (std::size_t i = 0; i < map.classes.size() && writer.hasRoom(); ++i) {
     const ViewedClass& each = map.classes[i];
     const int top = writer.bottom();
-    writer.swatch(keyOfClass(i), each.name, each.colour,
+    writer.swatch(keyOf(each.label), each.name, each.colour,
                   state.hidden.count(each.label) > 0);
     panel.rows.push_back({top, writer.bottom(), each.label});
   }

@@ -13,8 +13,6 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-const std::string class_keys = "1234567890";
-
 // The lowest and the highest centre of a voxel [m].
 std::pair<double, double>
 heightsOf(const ViewedMap& map)
@@ -64,13 +62,11 @@ flip(bool& flag)
 Redraw
 press(const std::string& key, const ViewedMap& map, int views, ViewState& state)
 {
-  const std::size_t place = key.size() == 1 ? class_keys.find(key) : std::string::npos;
-  if (place != std::string::npos) {
-    if (place >= map.classes.size())
-      return Redraw::nothing;
-    toggle(map.classes[place].label, state);
-    return Redraw::voxels;
-  }
+  for (const ViewedClass& each : map.classes)
+    if (key == keyOf(each.label)) {
+      toggle(each.label, state);
+      return Redraw::voxels;
+    }
   if (key == "a")
     return toggleAll(map, state);
   if (key == "m") {
@@ -107,9 +103,9 @@ toggle(Label label, ViewState& state)
 }
 
 std::string
-keyOfClass(std::size_t i)
+keyOf(Label label)
 {
-  return i < class_keys.size() ? class_keys.substr(i, 1) : "";
+  return label >= 1 && label <= 10 ? std::to_string(label % 10) : "";
 }
 
 const std::vector<std::string>&

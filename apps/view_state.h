@@ -44,8 +44,8 @@ Redraw press(const std::string& key, const ViewedMap& map, int views, ViewState&
 /** \brief Shows a class if it is hidden, hides it if it is shown. */
 void toggle(Label label, ViewState& state);
 
-/** \brief The key of the i-th class of a map; empty if none is left for it. */
-std::string keyOfClass(std::size_t i);
+/** \brief The key of a class: its number, 0 for the tenth; none for those behind it. */
+std::string keyOf(Label label);
 
 /** \brief A line for each key: what it does. */
 const std::vector<std::string>& helpOnKeys();

@@ -19,6 +19,7 @@ namespace pcl_semantic::tool {
 namespace {
 
 constexpr int kPictureColumns = 480;
+constexpr double kPicturesApart = 1.5; // at least [m]
 
 // Flat colours of the label set: the faces are shaded so little that they can be seen.
 VoxelColours
@@ -125,9 +126,15 @@ picturesOf(const std::string& sequence, const Trajectory& T_map_camera0,
 {
   const KittiSequence frames(sequence);
   std::vector<std::size_t> posed;
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    if (std::size_t(frames.frameNumber(i)) < T_map_camera0.size())
-      posed.push_back(i);
+  Eigen::Vector3d last = Eigen::Vector3d::Constant(1e9);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto row = std::size_t(frames.frameNumber(i));
+    if (row >= T_map_camera0.size() ||
+        (T_map_camera0[row].translation() - last).norm() < kPicturesApart)
+      continue;
+    last = T_map_camera0[row].translation();
+    posed.push_back(i);
+  }
   if (posed.empty())
     PCL_THROW_EXCEPTION(BadInputException, sequence << ": has no frame within the "
                                                     << T_map_camera0.size()

@@ -160,7 +160,7 @@ TEST_F(ViewTool, DrawsClassesHidesAndClipsThem)
   EXPECT_GT(floor, 400 * 300 / 4);
   EXPECT_NEAR(double(block) / floor, 64.0 / 836.0, 0.02);
   // What was below it shows: the floor is whole then.
-  for (const std::string less : {" --hide car", " --below 0.1", ",2"}) {
+  for (const std::string less : {" --hide car", " --below 0.1", ",6"}) {
     const cv::Mat hidden = view(above + less);
     EXPECT_EQ(count(hidden, car), 0) << less;
     EXPECT_GT(count(hidden, road), floor + block) << less;
@@ -178,15 +178,15 @@ TEST_F(ViewTool, KeysDoWhatOptionsDo)
   const Views view;
   const std::string map = "MAPS/block.pcd --keys ";
   const cv::Mat all = view(map + "l");
-  EXPECT_TRUE(isSameImage(view("MAPS/block.pcd --hide car"), view(map + "2")));
+  EXPECT_TRUE(isSameImage(view("MAPS/block.pcd --hide car"), view(map + "6")));
   EXPECT_TRUE(isSameImage(view("MAPS/block.pcd --hide road,car"), view(map + "a")));
   // Two layers of the block's four; back again; from the other end.
   EXPECT_TRUE(isSameImage(view("MAPS/block.pcd --below 0.3"), view(map + "Down")));
   EXPECT_TRUE(isSameImage(view("MAPS/block.pcd"), view(map + "Down,Down,Prior,Home")));
   EXPECT_TRUE(isSameImage(view("MAPS/block.pcd --above 0.2"), view(map + "Prior")));
   EXPECT_TRUE(isSameImage(view("MAPS/block.pcd --view above"), view(map + "v")));
-  EXPECT_TRUE(isSameImage(all, view(map + "l,2,2,a,a,v,r,h,h,9,F7")));
-  EXPECT_FALSE(isSameImage(all, view(map + "l,2")));
+  EXPECT_TRUE(isSameImage(all, view(map + "l,6,6,a,a,v,r,h,h,9,F7")));
+  EXPECT_FALSE(isSameImage(all, view(map + "l,6")));
   EXPECT_FALSE(isSameImage(view(map + "h"), view(map + "Home")));
 }
 
@@ -237,7 +237,7 @@ TEST_F(ViewTool, OpensAWindowAndIsSilent)
 {
   const Views view;
   const ToolResult result =
-      runOnDisplay("view " + view.path("block.pcd") + " --keys 2,m,Down,v,h,t,i,q");
+      runOnDisplay("view " + view.path("block.pcd") + " --keys 6,m,Down,v,h,t,i,q");
   EXPECT_EQ(result.code, 0);
   EXPECT_EQ(result.text, "");
 }
