@@ -77,8 +77,7 @@ struct MapViewer::Inside {
   void
   look()
   {
-    setCamera(*renderer->GetActiveCamera(), views.at(std::size_t(state.view)),
-              map.grid.corner);
+    setCamera(*renderer->GetActiveCamera(), views.at(std::size_t(state.view)), map);
     renderer->ResetCameraClippingRange();
   }
 

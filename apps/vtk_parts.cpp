@@ -22,24 +22,14 @@
 #include <vtkProperty.h>
 #include <vtkRenderWindow.h>
 #include <vtkTexture.h>
-#include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
-#include <cstring>
+#include <algorithm>
+#include <cmath>
 
 namespace pcl_semantic::tool {
 
 namespace {
-
-template <typename Array>
-vtkSmartPointer<Array>
-arrayOf(int components, vtkIdType tuples)
-{
-  auto array = vtkSmartPointer<Array>::New();
-  array->SetNumberOfComponents(components);
-  array->SetNumberOfTuples(tuples);
-  return array;
-}
 
 vtkSmartPointer<vtkActor>
 unlitActor(vtkPolyData* data)
@@ -87,31 +77,6 @@ imageOf(const cv::Mat& picture)
 } // namespace
 
 vtkSmartPointer<vtkActor>
-actorOf(const std::vector<VoxelFace>& faces)
-{
-  const auto count = vtkIdType(faces.size());
-  const auto places = arrayOf<vtkFloatArray>(3, 4 * count);
-  const auto colours = arrayOf<vtkUnsignedCharArray>(3, 4 * count);
-  const auto cells = vtkSmartPointer<vtkCellArray>::New();
-  cells->AllocateExact(count, 4 * count);
-  for (vtkIdType i = 0; i < count; ++i) {
-    const VoxelFace& face = faces[std::size_t(i)];
-    std::memcpy(places->GetPointer(12 * i), face.corners.data(), sizeof face.corners);
-    std::memcpy(colours->GetPointer(12 * i), face.colours.data(), sizeof face.colours);
-    cells->InsertNextCell({4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3});
-  }
-  const auto points = vtkSmartPointer<vtkPoints>::New();
-  points->SetData(places);
-  const auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  data->SetPolys(cells);
-  data->GetPointData()->SetScalars(colours);
-  auto actor = unlitActor(data);
-  actor->GetProperty()->BackfaceCullingOn();
-  return actor;
-}
-
-vtkSmartPointer<vtkActor>
 actorOf(const Trajectory& path)
 {
   return lineActor({pathOf(path)}, 4.0f);
@@ -123,7 +88,8 @@ actorsOf(const ViewedPicture& picture, double distance)
   const StereoCamera& camera = picture.camera;
   const double right = camera.width - 0.5, bottom = camera.height - 0.5;
   const auto points = vtkSmartPointer<vtkPoints>::New();
-  const auto texture_places = arrayOf<vtkFloatArray>(2, 0);
+  const auto texture_places = vtkSmartPointer<vtkFloatArray>::New();
+  texture_places->SetNumberOfComponents(2);
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
   cells->InsertNextCell(4);
   std::vector<SensorPath> rays;
@@ -160,17 +126,21 @@ flatActorOf(const cv::Mat& picture)
 }
 
 void
-setCamera(vtkCamera& camera, const PictureView& view, const Eigen::Vector3d& corner)
+setCamera(vtkCamera& camera, const PictureView& view, const ViewedMap& map)
 {
+  Eigen::Vector3d middle = map.grid.corner;
+  for (const VoxelIndex& index : map.indices)
+    middle += index.cast<double>() * map.grid.size / double(map.indices.size());
   const Eigen::Matrix3d& axes = view.T_world_camera.linear();
-  Eigen::Vector3d from = view.T_world_camera.translation() + corner;
+  Eigen::Vector3d from = view.T_world_camera.translation() + map.grid.corner;
   const StereoCamera& lens = view.camera;
   camera.SetParallelProjection(view.pixels_per_metre > 0.0);
   if (view.pixels_per_metre > 0.0) {
     camera.SetParallelScale(0.5 * lens.height / view.pixels_per_metre);
-    from.z() = corner.z() + 500.0;
+    from.z() = middle.z() + 200.0; // instead of so far that rays are nearly parallel
   }
-  const Eigen::Vector3d to = from + 10.0 * axes.col(2), up = -axes.col(1);
+  const double distance = std::max(1.0, axes.col(2).dot(middle - from));
+  const Eigen::Vector3d to = from + distance * axes.col(2), up = -axes.col(1);
   camera.SetPosition(from.data());
   camera.SetFocalPoint(to.data());
   camera.SetViewUp(up.data());

@@ -21,6 +21,8 @@ class vtkRenderWindow;
 /** \brief What VTK draws. Colours are as they are given: there is no light. */
 namespace pcl_semantic::tool {
 
+/** \brief The faces; some points instead while the camera moves, where they would take
+ * too long. */
 vtkSmartPointer<vtkActor> actorOf(const std::vector<VoxelFace>& faces);
 
 /** \brief The path of a camera, in the red of the pictures. */
@@ -34,10 +36,8 @@ std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedPicture& picture,
 /** \brief A picture in the lower left corner of the window. */
 vtkSmartPointer<vtkActor2D> flatActorOf(const cv::Mat& picture);
 
-/** \brief Has a camera see as a view does. \param[in] corner of the view's world, as
- * the cloud's points [m] */
-void setCamera(vtkCamera& camera, const PictureView& view,
-               const Eigen::Vector3d& corner);
+/** \brief Has a camera see as a view of a map does, and turn about its middle. */
+void setCamera(vtkCamera& camera, const PictureView& view, const ViewedMap& map);
 
 /** \brief What the window shows: CV_8UC3 (BGR). */
 cv::Mat pictureOf(vtkRenderWindow& window);

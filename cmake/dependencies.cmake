@@ -26,6 +26,6 @@ if(PCL_SEMANTIC_BUILD_APPS AND PCL_SEMANTIC_BUILD_VIEWER)
   enable_language(C) # VTK's package looks for libraries with it
   find_library(PCL_VISUALIZATION_LIBRARY pcl_visualization REQUIRED)
   find_package(VTK 9 REQUIRED COMPONENTS CommonCore CommonDataModel CommonExecutionModel
-    InteractionStyle RenderingCore RenderingOpenGL2)
+    InteractionStyle RenderingCore RenderingLOD RenderingOpenGL2)
   find_package(X11 REQUIRED)
 endif()
