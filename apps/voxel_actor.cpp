@@ -57,6 +57,7 @@ mapperOfAll(const std::vector<VoxelFace>& faces)
   const auto count = vtkIdType(faces.size());
   const Vertices vertices(4 * count);
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
+  cells->Use32BitStorage();
   cells->AllocateExact(count, 4 * count);
   for (vtkIdType i = 0; i < count; ++i) {
     const VoxelFace& face = faces[std::size_t(i)];

@@ -402,6 +402,13 @@ TEST(BadUsage, ViewTool)
         {"no archive", 3, "calib.txt", "view STREET/calib.txt --screenshot OUT.png"},
         {"no such colour", 2, "has nothing for --colour entropy, only for class",
          draw + " --colour entropy", cloud},
+        {"no labels", 3, "a.pcd: has neither labels nor colours",
+         draw + " --voxel-size 1",
+         [](const std::string& street) {
+           std::ofstream(street + "/a.pcd")
+               << "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+                  "WIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
+         }},
         {"no class", 2, "--hide: no class is called 'cat'", draw + " --hide cat",
          cloud},
         {"no poses", 2, "--images: where the camera was is not known",
