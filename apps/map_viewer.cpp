@@ -22,16 +22,13 @@
 namespace pcl_semantic::tool {
 
 struct MapViewer::Inside {
-  static constexpr double kPictureDistance = 1.5; ///< before the camera [m]
-
   Inside(const std::string& title, cv::Size size, bool off_screen)
   {
     vtkObject::GlobalWarningDisplayOff();
     pcl::console::setVerbosityLevel(pcl::console::L_ERROR);
     window->SetOffScreenRendering(off_screen);
-    int no_arguments = 0; // PCL would look for its own among ours
+    int no_arguments = 0;
     char* none[] = {nullptr};
-    style = KeyStyle::New();
     visualizer = std::make_unique<pcl::visualization::PCLVisualizer>(
         no_arguments, none, renderer, window, title, style, !off_screen);
     visualizer->setShowFPS(false);
@@ -39,6 +36,12 @@ struct MapViewer::Inside {
     visualizer->setBackgroundColor(0.96, 0.97, 0.98);
     style->on_key = [this](const std::string& key) { press(key); };
     style->on_click = [this](int x, int y) { return click(x, y); };
+  }
+
+  ~Inside()
+  {
+    visualizer.reset();
+    window->SetInteractor(nullptr); // they hold each other
   }
 
   void
@@ -90,7 +93,6 @@ struct MapViewer::Inside {
     renderer->AddActor(voxels);
   }
 
-  // What takes no time.
   void
   drawRest()
   {
@@ -101,7 +103,7 @@ struct MapViewer::Inside {
       others.push_back(actorOf(map.path));
     if (state.pictures)
       for (const ViewedPicture& picture : map.pictures)
-        for (const auto& actor : actorsOf(picture, kPictureDistance))
+        for (const auto& actor : actorsOf(picture))
           others.push_back(actor);
     if (state.panel) {
       panel = drawPanel(map, state, window->GetSize()[1]);
@@ -114,7 +116,7 @@ struct MapViewer::Inside {
 
   vtkSmartPointer<vtkRenderer> renderer = vtkSmartPointer<vtkRenderer>::New();
   vtkSmartPointer<vtkRenderWindow> window = vtkSmartPointer<vtkRenderWindow>::New();
-  KeyStyle* style = nullptr; // the visualizer's
+  vtkSmartPointer<KeyStyle> style = vtkSmartPointer<KeyStyle>::New();
   std::unique_ptr<pcl::visualization::PCLVisualizer> visualizer;
   ViewedMap map;
   std::vector<PictureView> views;

@@ -83,8 +83,9 @@ actorOf(const Trajectory& path)
 }
 
 std::vector<vtkSmartPointer<vtkActor>>
-actorsOf(const ViewedPicture& picture, double distance)
+actorsOf(const ViewedPicture& picture)
 {
+  constexpr double distance = 1.5; // [m]
   const StereoCamera& camera = picture.camera;
   const double right = camera.width - 0.5, bottom = camera.height - 0.5;
   const auto points = vtkSmartPointer<vtkPoints>::New();

@@ -29,9 +29,8 @@ vtkSmartPointer<vtkActor> actorOf(const std::vector<VoxelFace>& faces);
 vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);
 
 /** \brief A picture in front of the place where it was taken, and the rays from there
- * to its corners. \param[in] distance between them [m] */
-std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedPicture& picture,
-                                                double distance);
+ * to its corners. */
+std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedPicture& picture);
 
 /** \brief A picture in the lower left corner of the window. */
 vtkSmartPointer<vtkActor2D> flatActorOf(const cv::Mat& picture);
