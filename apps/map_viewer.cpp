@@ -27,7 +27,7 @@ struct MapViewer::Inside {
     vtkObject::GlobalWarningDisplayOff();
     pcl::console::setVerbosityLevel(pcl::console::L_ERROR);
     window->SetOffScreenRendering(off_screen);
-    int no_arguments = 0;
+    int no_arguments = 0; // PCL would look for its own among ours
     char* none[] = {nullptr};
     visualizer = std::make_unique<pcl::visualization::PCLVisualizer>(
         no_arguments, none, renderer, window, title, style, !off_screen);
@@ -140,8 +140,7 @@ MapViewer::show(ViewedMap map, std::vector<PictureView> views)
   inside_->map = std::move(map);
   inside_->views = std::move(views);
   ViewState& now = inside_->state;
-  if (now.colouring >= inside_->map.colourings.size())
-    now.colouring = 0;
+  now.colouring %= inside_->map.colourings.size();
   if (is_first || std::size_t(now.view) >= inside_->views.size()) {
     now.view = 0;
     inside_->look();
