@@ -4,6 +4,7 @@
  * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
  */
 
+#include "live_view.h"
 #include "map_arguments.h"
 #include "map_source.h"
 #include "messages.h"
@@ -19,6 +20,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <memory>
 
 namespace {
 
@@ -77,7 +79,7 @@ noteTimes(const MappedFrame& mapped)
 // Maps what the run has and the archive does not hold yet.
 void
 mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
-          MappingOutput& output)
+          MappingOutput& output, tool::LiveView* view)
 {
   const std::vector<int>& frames = source.run().frames;
   tool::catchInterrupts();
@@ -88,6 +90,8 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
     const MappedFrame mapped = source.map(i, mapper);
     output.writeFrame(mapped, mapper.map());
     archive.add(mapped, mapper);
+    if (view)
+      view->show(mapped);
     noteTimes(mapped);
     progress.step();
   }
@@ -117,11 +121,14 @@ mapSource(MapArguments& arguments)
   std::unique_ptr<PoseSource> owned_poses = source->openPoses();
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(source->times());
+  std::unique_ptr<tool::LiveView> view;
+  if (arguments.view)
+    view = std::make_unique<tool::LiveView>(run);
   MappingArchive archive(arguments.archive, run);
   const auto mapper = source->makeMapper(std::move(owned_poses), archive.store());
   MappingOutput output = makeOutput(arguments, *source, archive);
   archive.resume(*mapper);
-  mapFrames(*source, *mapper, archive, output);
+  mapFrames(*source, *mapper, archive, output, view.get());
   judgeTracking(arguments, poses, int(run.frames.size()));
   archive.finish(*mapper);
   output.finish(mapper->map());

@@ -63,6 +63,8 @@ describeOptions(MapArguments& arguments)
       "file that keeps the map: the run can be killed and go on")(
       "archive-every", po::value(&arguments.archive.every)->default_value(10),
       "frames from one commit to the archive to the next")(
+      "view", po::bool_switch(&arguments.view),
+      "open a window that shows the map as it grows; closing it changes nothing")(
       "resume", po::bool_switch(&arguments.archive.resume),
       "go on with the archive; begin if there is none")(
       "config", po::value(&arguments.config),

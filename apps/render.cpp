@@ -19,28 +19,6 @@ namespace {
 using namespace pcl_semantic;
 using tool::RenderArguments;
 
-PictureView
-viewOf(const RenderArguments& arguments, const tool::MapInput& map,
-       const Trajectory& poses, const SensorPath& path)
-{
-  const Eigen::Vector3d& corner = map.scene.grid.corner;
-  if (arguments.looks_from)
-    return lookAt(arguments.from - corner, arguments.look_at - corner,
-                  arguments.field_of_view, arguments.size);
-  if (arguments.view == "camera") {
-    if (arguments.frame < 0 || std::size_t(arguments.frame) >= poses.size())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--view camera: the trajectory has "
-                              << poses.size() << " poses, none for --frame "
-                              << arguments.frame);
-    const Eigen::Isometry3d& pose = poses[std::size_t(arguments.frame)];
-    return lookAt(pose.translation(), pose * Eigen::Vector3d::UnitZ(),
-                  arguments.field_of_view, arguments.size);
-  }
-  return arguments.view == "above" ? aboveView(map.scene, path, arguments.size)
-                                   : angleView(map.scene, path, arguments.size);
-}
-
 VoxelColours
 coloursOf(const RenderArguments& arguments, const tool::MapInput& map)
 {
@@ -48,6 +26,8 @@ coloursOf(const RenderArguments& arguments, const tool::MapInput& map)
     return measuredColours(map.scene);
   if (arguments.colour == "entropy")
     return entropyColours(map.scene);
+  if (arguments.colour == "observations")
+    return observationColours(map.scene);
   if (arguments.colour == "clique")
     return cliqueColours(map.scene);
   if (!map.scene.has_labels)
@@ -57,7 +37,7 @@ coloursOf(const RenderArguments& arguments, const tool::MapInput& map)
   if (arguments.compare.empty())
     return classColours(map.scene, map.label_set);
   const VoxelScene other =
-      tool::readOtherMap(arguments.compare, arguments.hints, map.scene);
+      tool::readOtherMap(arguments.compare, arguments.picture.hints, map.scene);
   return changeColours(map.scene, labelsAtVoxels(map.scene, other), map.label_set);
 }
 
@@ -65,16 +45,14 @@ int
 render(const RenderArguments& arguments)
 {
   setNumberOfThreads(arguments.threads);
-  const tool::MapInput map = tool::readMap(arguments.map, arguments.hints);
+  const tool::MapInput map = tool::readMap(arguments.map, arguments.picture.hints);
   const Trajectory poses = tool::posesInScene(map);
-  SensorPath path;
-  for (const Eigen::Isometry3d& pose : poses)
-    path.push_back(pose.translation());
   const VoxelColours colours = coloursOf(arguments, map);
-  const PictureView view = viewOf(arguments, map, poses, path);
+  const PictureView view = tool::viewOf(arguments.picture, map.scene, poses);
   // The path would lead out of the camera's own eye.
-  const cv::Mat picture = drawVoxels(map.scene, colours, view,
-                                     arguments.view == "camera" ? SensorPath() : path);
+  const cv::Mat picture = drawVoxels(
+      map.scene, colours, view,
+      arguments.picture.view == "camera" ? SensorPath() : tool::pathOf(poses));
   (arguments.small ? writeSmallPng : writePng)(arguments.output, picture);
   tool::printResults({{"picture", arguments.output}});
   return tool::exit_done;

@@ -6,9 +6,7 @@
 
 #pragma once
 
-#include "map_input.h"
-
-#include <opencv2/core/types.hpp>
+#include "picture_options.h"
 
 #include <string>
 
@@ -18,14 +16,10 @@ namespace pcl_semantic::tool {
 struct RenderArguments {
   std::string map, output;
   std::string compare; ///< another map; empty = none
-  std::string view = "angle", colour = "class";
-  cv::Size size;                 ///< [px]
-  bool looks_from = false;       ///< whether the next two are given
-  Eigen::Vector3d from, look_at; ///< as the cloud's points [m]
-  double field_of_view = 0.0;    ///< over the width [rad]
-  int frame = 0, threads = 0;
+  std::string colour = "class";
+  int threads = 0;
   bool small = false;
-  MapHints hints;
+  PictureOptions picture;
 };
 
 /** \return false if help or version was asked for

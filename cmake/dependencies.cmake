@@ -20,3 +20,12 @@ set(PCL_SEMANTIC_PRIVATE_LIBRARIES
   opencv_features2d opencv_video
   OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json
   SQLite::SQLite3 zstd::libzstd_shared ${OCTOMAP_LIBRARIES})
+
+# pcl_semantic_view alone. PCL's component would want all of VTK, MPI included.
+if(PCL_SEMANTIC_BUILD_APPS AND PCL_SEMANTIC_BUILD_VIEWER)
+  enable_language(C) # VTK's package looks for libraries with it
+  find_library(PCL_VISUALIZATION_LIBRARY pcl_visualization REQUIRED)
+  find_package(VTK 9 REQUIRED COMPONENTS CommonCore CommonDataModel CommonExecutionModel
+    InteractionStyle RenderingCore RenderingLOD RenderingOpenGL2)
+  find_package(X11 REQUIRED)
+endif()

@@ -1,4 +1,5 @@
-# Four components: library (with its data), dev, tools (apps/CMakeLists.txt) and doc.
+# Five components: library (with its data), dev, tools and viewer (apps/CMakeLists.txt),
+# and doc.
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcl_semantic)

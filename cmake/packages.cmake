@@ -9,6 +9,9 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "") # it would stand before each package's
 set(CPACK_PACKAGE_CONTACT "the pcl_semantic developers" CACHE STRING
   "Whom a package names as its maintainer: NAME <MAIL>")
 set(CPACK_COMPONENTS_ALL library dev tools doc)
+if(PCL_SEMANTIC_BUILD_APPS AND PCL_SEMANTIC_BUILD_VIEWER)
+  list(APPEND CPACK_COMPONENTS_ALL viewer)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -44,7 +47,12 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "cmake | pkgconf, pcl-semantic-doc")
 pcl_semantic_package(tools pcl-semantic-tools science "programs")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "${same_library}")
-set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "pcl-tools, pcl-semantic-doc")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "pcl-semantic-viewer, pcl-tools, pcl-semantic-doc")
+
+pcl_semantic_package(viewer pcl-semantic-viewer science "viewer") # VTK is large
+set(CPACK_DEBIAN_VIEWER_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_VIEWER_PACKAGE_DEPENDS "${same_library}")
+set(CPACK_DEBIAN_VIEWER_PACKAGE_RECOMMENDS "xvfb, xauth") # --screenshot without a display
 
 pcl_semantic_package(doc pcl-semantic-doc doc "documentation")
 set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)

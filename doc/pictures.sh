@@ -8,6 +8,8 @@
 #     --crf none --output build/demo/map_none
 #   doc/pictures.sh --small build/demo/map build/demo/map_none \
 #     build/demo/sequence/image_2 build/demo/sequence/gt build/demo/pictures
+#   build/bin/pcl_semantic_view build/demo/map --screenshot build/demo/pictures/view.png \
+#     --small --size 1000x560 --hide sky --keys h
 set -euo pipefail
 render=() sheet=()
 if [[ ${1:-} == --small ]]; then

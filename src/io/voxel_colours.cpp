@@ -156,6 +156,37 @@ entropyColours(const VoxelScene& scene)
 }
 
 VoxelColours
+observationColours(const VoxelScene& scene)
+{
+  const std::vector<std::uint32_t>& observations = scene.voxels.observations;
+  if (observations.size() != scene.voxels.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the points have no numbers of observations, expected a field "
+                        "observations");
+  constexpr int steps = 8; // 1, 2 to 3, 4 to 7, ... 128 and more
+  const cv::Mat ramp = uncertaintyRamp();
+  const auto colourOf = [&](int step) {
+    return ramp.at<cv::Vec3b>(0, 255 - 255 * step / (steps - 1));
+  };
+  VoxelColours result;
+  for (const std::uint32_t count : observations) {
+    int step = 0;
+    while (step + 1 < steps && count >> (step + 1) > 0)
+      ++step;
+    result.colours.push_back(colourOf(step));
+  }
+  for (int step = 0; step < steps; ++step) {
+    const int low = 1 << step, high = 2 * low - 1;
+    result.legend.push_back({step == 0           ? "1 scan"
+                             : step == steps - 1 ? cv::format("%d and more", low)
+                                                 : cv::format("%d to %d", low, high),
+                             colourOf(step)});
+  }
+  result.note = "scans that hit each of " + sizeOf(scene);
+  return result;
+}
+
+VoxelColours
 cliqueColours(const VoxelScene& scene)
 {
   if (scene.cliques.size() != scene.voxels.size())

@@ -207,6 +207,15 @@ private:
     if (!clique_of_row_.empty())
       for (const std::size_t row : rows)
         scene_.cliques.push_back(clique_of_row_[row]);
+    const int field = labelled_.table.find("observations");
+    if (field < 0 || labelled_.table.fields[std::size_t(field)].count != 1)
+      return; // none, or not ours
+    const PcdColumn observations(labelled_.table, field);
+    for (const std::size_t row : rows) {
+      const double count = observations(row); // NaN becomes none
+      scene_.voxels.observations.push_back(
+          count >= 1.0 ? static_cast<std::uint32_t>(std::min(count, 4294967295.0)) : 0);
+    }
   }
 
   const LabelledCloud& labelled_;

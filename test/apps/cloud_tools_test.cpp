@@ -282,6 +282,19 @@ TEST_F(Scans, GoOnWithAnArchive)
   EXPECT_EQ(bytesOf(folder.path("map/map.pcd")), whole);
 }
 
+TEST_F(Scans, AreShownInAWindow)
+{
+  if (runShell("command -v xvfb-run && command -v xauth").code != 0 ||
+      !fs::exists(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_view"))
+    GTEST_SKIP() << "xvfb or xauth is not installed, or the viewer not built";
+  const ToolResult result =
+      runShell("xvfb-run -a " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
+               map(folder.path("poses.txt")) + " --view --verbose 2>&1");
+  EXPECT_EQ(result.code, 0);
+  EXPECT_NE(result.text.find("frame 3, "), std::string::npos) << result.text;
+  EXPECT_EQ(result.text.find("the window was closed"), std::string::npos);
+}
+
 TEST_F(Scans, BadInput)
 {
   const std::string all = "map --clouds " + folder.path("clouds") + " --output OUT ";

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 const std::string docs = PCL_SEMANTIC_SOURCE_DIR "/doc/";
 const char* const guides[] = {"tutorial.md", "own_clouds.md", "own_network.md",
-                              "how_it_works.md"};
+                              "how_it_works.md", "viewing.md"};
 
 // The project, and what its reader brings along: cameras and networks.
 void
@@ -198,6 +198,24 @@ TEST(Guides, OwnNetworkMapsItsOwnClasses)
       readLabelMapping(folder.path("park/from_raw.yaml"), classes);
   EXPECT_EQ(mapping(71), classes.find("tree"));
   EXPECT_EQ(mapping(99), kUnlabelled);
+}
+
+TEST(Guides, ViewingDrawsTheDemo)
+{
+  if (!fs::exists(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_view") ||
+      runShell("command -v xvfb-run").code != 0)
+    GTEST_SKIP() << "pcl_semantic_view or xvfb is missing";
+  const TemporaryFolder folder;
+  const std::string street = folder.path("build/demo/sequence");
+  fs::create_directories(folder.path("build/demo"));
+  copyStreet(street);
+  ASSERT_EQ(runTool("map " + street + " --labels " + street + "/labels --output " +
+                    folder.path("build/demo/map"))
+                .code,
+            0);
+  follow("viewing.md", folder);
+  for (const char* const picture : {"view.png", "observations.png"})
+    EXPECT_EQ(readPng(folder.path(picture), ImageKind::grey_or_colour).cols, 1600);
 }
 
 TEST(Guides, HowItWorksNamesFilesThatAreThere)

@@ -298,6 +298,7 @@ TEST(VoxelPicture, RefusesWhatCannotBeDrawn)
   scene.has_colour = false;
   EXPECT_THROW(measuredColours(scene), InvalidParameterException);
   EXPECT_THROW(entropyColours(scene), InvalidParameterException);
+  EXPECT_THROW(observationColours(scene), InvalidParameterException);
   EXPECT_THROW(cliqueColours(scene), InvalidParameterException);
   EXPECT_THROW(changeColours(scene, {1, 2}, threeClasses()), InvalidParameterException);
 }
@@ -321,6 +322,24 @@ TEST(VoxelColours, ChangesAreColouredAndCounted)
   EXPECT_EQ(colours.legend[0].text, "house > road 1");
   EXPECT_EQ(colours.legend[1].text, "tree > road 1");
   EXPECT_EQ(colours.note.rfind("2 of 4 399 voxels changed", 0), 0u) << colours.note;
+}
+
+TEST(VoxelColours, ObservationsHaveAColourEachTimeTheyDouble)
+{
+  VoxelScene scene = street();
+  scene.voxels.observations.assign(scene.voxels.size(), 1);
+  const std::vector<std::uint32_t> counts = {1, 2, 3, 4, 127, 128, 4294967295u};
+  std::copy(counts.begin(), counts.end(), scene.voxels.observations.begin());
+  const VoxelColours colours = observationColours(scene);
+  ASSERT_EQ(colours.colours.size(), scene.voxels.size());
+  ASSERT_EQ(colours.legend.size(), 8u);
+  const int steps[] = {0, 1, 1, 2, 6, 7, 7, 0};
+  for (std::size_t i = 0; i < 8; ++i)
+    EXPECT_EQ(colours.colours[i], colours.legend[std::size_t(steps[i])].colour) << i;
+  EXPECT_EQ(colours.legend[1].text, "2 to 3");
+  EXPECT_EQ(colours.legend[7].text, "128 and more");
+  for (std::size_t i = 1; i < 8; ++i) // ever lighter: green is most of it
+    EXPECT_GT(colours.legend[i].colour[1], colours.legend[i - 1].colour[1]);
 }
 
 TEST(VoxelColours, CliquesDifferAndNoneIsGrey)

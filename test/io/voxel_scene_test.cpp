@@ -83,4 +83,17 @@ TEST(VoxelScene, FindsTheGridThatOurMapsHave)
   ASSERT_EQ(scene.voxels.size(), voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i)
     EXPECT_EQ(scene.voxels.indices[i] + VoxelIndex(25000, 0, 0), voxels.indices[i]);
+  EXPECT_EQ(scene.voxels.observations, voxels.observations);
+}
+
+TEST(VoxelScene, PassesOverAFieldOfAnotherMeaning)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write(
+      "a.pcd", "VERSION 0.7\nFIELDS x y z observations\nSIZE 4 4 4 4\nTYPE F F F F\n"
+               "COUNT 1 1 1 2\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n"
+               "0 0 0 1 2\n0.5 0 0 3 4\n");
+  const VoxelScene scene = readVoxelScene(path);
+  EXPECT_EQ(scene.voxels.size(), 2u);
+  EXPECT_TRUE(scene.voxels.observations.empty());
 }

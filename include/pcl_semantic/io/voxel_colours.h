@@ -37,6 +37,11 @@ VoxelColours measuredColours(const VoxelScene& scene);
  * \throws InvalidParameterException if the scene has no distributions */
 VoxelColours entropyColours(const VoxelScene& scene);
 
+/** \brief How often voxels were hit: from once (dark) to 128 times and more (pale), a
+ * colour each time the number doubles.
+ * \throws InvalidParameterException if the scene does not know */
+VoxelColours observationColours(const VoxelScene& scene);
+
 /** \brief A colour a clique, those of none grey.
  * \throws InvalidParameterException if the scene has no cliques */
 VoxelColours cliqueColours(const VoxelScene& scene);

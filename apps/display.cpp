@@ -1,0 +1,76 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "display.h"
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <X11/Xlib.h>
+#include <unistd.h>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+// Set for the program that is started again: it does not try twice.
+constexpr const char* kStartedAgain = "PCL_SEMANTIC_ON_VIRTUAL_DISPLAY";
+
+bool
+isProgram(const std::string& name)
+{
+  const char* const folders = std::getenv("PATH");
+  std::istringstream stream(folders ? folders : "");
+  for (std::string folder; std::getline(stream, folder, ':');)
+    if (access((folder + "/" + name).c_str(), X_OK) == 0)
+      return true;
+  return false;
+}
+
+} // namespace
+
+bool
+hasDisplay()
+{
+  // Stays open: a virtual server begins anew when its last client leaves, and who comes
+  // then is turned away.
+  static Display* const display = XOpenDisplay(nullptr);
+  int code = 0, event = 0, error = 0;
+  return display && XQueryExtension(display, "GLX", &code, &event, &error);
+}
+
+void
+restartOnVirtualDisplay(char** argv)
+{
+  for (const char* const program : {"xvfb-run", "xauth", "Xvfb"})
+    if (std::getenv(kStartedAgain) || !isProgram(program))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--screenshot without a display (DISPLAY) draws under "
+                          "xvfb-run, which "
+                              << (std::getenv(kStartedAgain)
+                                      ? "has none with OpenGL"
+                                      : "is missing: packages xvfb and xauth"));
+  setenv(kStartedAgain, "1", 1);
+  std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+  std::string words[] = {"xvfb-run", "--auto-servernum",
+                         "--server-args=-screen 0 1280x1024x24 -nolisten tcp"};
+  std::vector<char*> arguments;
+  for (std::string& word : words)
+    arguments.push_back(word.data());
+  arguments.push_back(self.data());
+  for (char** word = argv + 1; *word; ++word)
+    arguments.push_back(*word);
+  arguments.push_back(nullptr);
+  execvp(arguments[0], arguments.data());
+  PCL_THROW_EXCEPTION(InvalidParameterException, "xvfb-run cannot be started");
+}
+
+} // namespace pcl_semantic::tool

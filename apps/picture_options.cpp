@@ -1,0 +1,134 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "picture_options.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+std::vector<double>
+numbersOf(const Usage& usage, std::string text, char separator, std::size_t count,
+          const char* option)
+{
+  std::replace(text.begin(), text.end(), separator, ' ');
+  std::vector<double> numbers;
+  try {
+    numbers = parseNumbers(text, option);
+  }
+  catch (const BadInputException& error) {
+    failUsage(usage, error.what());
+  }
+  if (numbers.size() != count)
+    failUsage(usage, std::string(option) + " has " + std::to_string(numbers.size()) +
+                         " numbers, expected " + std::to_string(count));
+  return numbers;
+}
+
+cv::Size
+sizeOf(const Usage& usage, const std::string& text)
+{
+  const std::vector<double> sides = numbersOf(usage, text, 'x', 2, "--size");
+  for (const double side : sides)
+    if (!(side >= 160.0 && side <= 8192.0 && side == std::floor(side)))
+      failUsage(usage,
+                "--size is " + text + ", expected WIDTHxHEIGHT from 160 to 8192");
+  return {int(sides[0]), int(sides[1])};
+}
+
+Eigen::Vector3d
+placeOf(const Usage& usage, const std::string& text, const char* option)
+{
+  const std::vector<double> place = numbersOf(usage, text, ',', 3, option);
+  return {place[0], place[1], place[2]};
+}
+
+} // namespace
+
+void
+addPictureOptions(PictureOptions& options, po::options_description& description)
+{
+  description.add_options()(
+      "trajectory", po::value(&options.hints.trajectory),
+      "path to draw, KITTI or TUM; default: trajectory.txt of the folder")(
+      "from", po::value(&options.texts.from),
+      "look from X,Y,Z, as the cloud's points [m]")(
+      "look-at", po::value(&options.texts.look_at), "look towards X,Y,Z [m]")(
+      "label-set", po::value(&options.hints.label_set),
+      "classes (YAML); default: an archive's own, or the eleven of KITTI")(
+      "voxel-size", po::value(&options.hints.voxel_size),
+      "edge of the cubes [m]; default: what the map says, or its points");
+  addOption(description, "view", options.view,
+            "angle (along the path from above), above, camera");
+  addOption(description, "frame", options.frame,
+            "row of the trajectory that --view camera looks from");
+  addOption(description, "field-of-view", options.texts.degrees,
+            "over the width, of --from and --view camera [degrees]");
+}
+
+void
+readPictureOptions(const Usage& usage, PictureOptions& options)
+{
+  options.size = sizeOf(usage, options.texts.size);
+  options.field_of_view = options.texts.degrees * M_PI / 180.0;
+  if (options.texts.from.empty() != options.texts.look_at.empty())
+    failUsage(usage, "--from and --look-at belong together");
+  options.looks_from = !options.texts.from.empty();
+  if (options.looks_from) {
+    options.from = placeOf(usage, options.texts.from, "--from");
+    options.look_at = placeOf(usage, options.texts.look_at, "--look-at");
+  }
+  requireOneOf(usage, "--view", options.view, {"angle", "above", "camera"},
+               "angle, above or camera");
+  if (!(options.hints.voxel_size >= 0.0))
+    failUsage(usage, "--voxel-size is less than 0");
+}
+
+void
+requireOneOf(const Usage& usage, const char* option, const std::string& value,
+             const std::vector<std::string>& known, const char* expected)
+{
+  if (std::count(known.begin(), known.end(), value) == 0)
+    failUsage(usage, std::string(option) + " is '" + value + "', expected " + expected);
+}
+
+PictureView
+viewOf(const PictureOptions& options, const VoxelScene& scene, const Trajectory& poses)
+{
+  const Eigen::Vector3d& corner = scene.grid.corner;
+  if (options.looks_from)
+    return lookAt(options.from - corner, options.look_at - corner,
+                  options.field_of_view, options.size);
+  if (options.view == "camera") {
+    if (options.frame < 0 || std::size_t(options.frame) >= poses.size())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--view camera: the trajectory has "
+                              << poses.size() << " poses, none for --frame "
+                              << options.frame);
+    const Eigen::Isometry3d& pose = poses[std::size_t(options.frame)];
+    return lookAt(pose.translation(), pose * Eigen::Vector3d::UnitZ(),
+                  options.field_of_view, options.size);
+  }
+  return options.view == "above" ? aboveView(scene, pathOf(poses), options.size)
+                                 : angleView(scene, pathOf(poses), options.size);
+}
+
+SensorPath
+pathOf(const Trajectory& poses)
+{
+  SensorPath path;
+  for (const Eigen::Isometry3d& pose : poses)
+    path.push_back(pose.translation());
+  return path;
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,58 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "map_input.h"
+#include "tool.h"
+
+#include <pcl_semantic/io/picture_view.h>
+
+#include <opencv2/core/types.hpp>
+
+#include <string>
+
+namespace pcl_semantic::tool {
+
+/** \brief From where a map is seen, as a picture or in a window. */
+struct PictureOptions {
+  MapHints hints;
+  std::string view = "angle";    ///< angle, above, camera
+  cv::Size size;                 ///< [px]
+  bool looks_from = false;       ///< whether the next two are given
+  Eigen::Vector3d from, look_at; ///< as the cloud's points [m]
+  double field_of_view = 0.0;    ///< over the width [rad]
+  int frame = 0;                 ///< row of the trajectory
+
+  /** \brief Options as they are typed. */
+  struct Texts {
+    std::string from, look_at, size = "1600x900";
+    double degrees = 60.0;
+  } texts;
+};
+
+/** \brief Adds --trajectory, --from, --look-at, --label-set, --voxel-size, --view,
+ * --frame and --field-of-view; --size is the program's own. */
+void addPictureOptions(PictureOptions& options, po::options_description& description);
+
+/** \brief Reads what was typed. \throws InvalidParameterException */
+void readPictureOptions(const Usage& usage, PictureOptions& options);
+
+/** \brief Refuses another value. \param[in] expected "angle, above or camera"
+ * \throws InvalidParameterException */
+void requireOneOf(const Usage& usage, const char* option, const std::string& value,
+                  const std::vector<std::string>& known, const char* expected);
+
+/** \brief The view that the options ask for, in the frame of the scene's indices.
+ * \param[in] poses as posesInScene() has them
+ * \throws InvalidParameterException if there is no such pose or place */
+PictureView viewOf(const PictureOptions& options, const VoxelScene& scene,
+                   const Trajectory& poses);
+
+/** \brief Where the camera was. */
+SensorPath pathOf(const Trajectory& poses);
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,36 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "picture_options.h"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic::tool {
+
+/** \brief What pcl_semantic_view is asked for. */
+struct ViewArguments {
+  std::string map, screenshot;
+  std::string colour;            ///< empty = the first that the map has
+  std::vector<std::string> hide; ///< names of classes
+  double below = std::numeric_limits<double>::infinity();  ///< [m]
+  double above = -std::numeric_limits<double>::infinity(); ///< [m]
+  std::string images;                                      ///< a sequence; empty = none
+  std::vector<std::string> keys;                           ///< pressed at the beginning
+  bool live = false;  ///< maps come on standard input
+  bool small = false; ///< fewer bytes in the screenshot
+  int threads = 0;
+  PictureOptions picture;
+};
+
+/** \return false if help or version was asked for
+ * \throws InvalidParameterException */
+bool parseViewArguments(int argc, char** argv, ViewArguments& arguments);
+
+} // namespace pcl_semantic::tool

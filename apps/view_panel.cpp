@@ -1,0 +1,147 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "view_panel.h"
+
+#include <pcl_semantic/io/picture_parts.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+constexpr int kRow = 20, kMargin = 10, kSwatch = 13;
+constexpr double kLetters = 0.86;
+const cv::Scalar pale(170, 166, 164);
+
+// Writes rows below each other, as long as there is room.
+class PanelWriter {
+public:
+  explicit PanelWriter(int most_rows)
+      : picture_(std::max(most_rows, 2 * kRow), kPanelWidth, CV_8UC3,
+                 light_theme.background)
+  {}
+
+  void
+  line(const std::string& text, const cv::Scalar& colour = light_theme.text)
+  {
+    // What is too wide becomes smaller.
+    const double size = std::min(kLetters, kLetters * (kPanelWidth - 2 * kMargin) /
+                                               textWidth(text, kLetters));
+    if (hasRoom())
+      drawText(picture_, text, {kMargin, bottom_ + kRow - 6}, colour, size);
+    bottom_ += kRow;
+  }
+
+  void
+  swatch(const std::string& key, const std::string& text, const cv::Vec3b& colour,
+         bool is_hidden)
+  {
+    if (hasRoom()) {
+      const cv::Scalar ink = is_hidden ? pale : light_theme.text;
+      drawText(picture_, key, {kMargin, bottom_ + kRow - 6}, pale, kLetters);
+      const cv::Rect place(kMargin + 16, bottom_ + 3, kSwatch, kSwatch);
+      cv::rectangle(picture_, place, cv::Scalar(colour), is_hidden ? 1 : cv::FILLED);
+      drawText(picture_, text, {place.x + kSwatch + 8, bottom_ + kRow - 6}, ink,
+               kLetters);
+    }
+    bottom_ += kRow;
+  }
+
+  void
+  gap()
+  {
+    bottom_ += kRow / 3;
+  }
+
+  void
+  image(const cv::Mat& image)
+  {
+    cv::Mat small;
+    cv::resize(image, small, {kPanelWidth, image.rows * kPanelWidth / image.cols}, 0, 0,
+               cv::INTER_AREA);
+    if (bottom_ + small.rows < picture_.rows)
+      small.copyTo(picture_(cv::Rect(cv::Point(0, bottom_), small.size())));
+    bottom_ += small.rows;
+  }
+
+  int
+  bottom() const
+  {
+    return bottom_;
+  }
+
+  bool
+  hasRoom() const
+  {
+    return bottom_ + kRow <= picture_.rows;
+  }
+
+  cv::Mat
+  finish()
+  {
+    const int rows = std::min(bottom_ + kMargin / 2, picture_.rows);
+    return picture_.rowRange(0, rows).clone();
+  }
+
+private:
+  cv::Mat picture_;
+  int bottom_ = kMargin / 2;
+};
+
+// "0.2 m to 1.5 m", what is not clipped; empty if all of it is there.
+std::string
+limitsOf(const ViewState& state)
+{
+  const bool has_floor = std::isfinite(state.above),
+             has_top = std::isfinite(state.below);
+  const std::string floor = cv::format("%.2f m", state.above),
+                    top = cv::format("%.2f m", state.below);
+  return has_floor && has_top ? "heights from " + floor + " to " + top
+         : has_floor          ? "heights above " + floor
+         : has_top            ? "heights below " + top
+                              : "";
+}
+
+} // namespace
+
+ViewPanel
+drawPanel(const ViewedMap& map, const ViewState& state, int most_rows)
+{
+  PanelWriter writer(most_rows);
+  ViewPanel panel;
+  const Colouring& colouring = map.colourings[state.colouring];
+  if (map.pictures.size() == 1)
+    writer.image(map.pictures[0].image);
+  writer.line(map.title + ": " + colouring.name);
+  writer.line(colouring.colours.note);
+  if (!limitsOf(state).empty())
+    writer.line(limitsOf(state));
+  writer.gap();
+  for (std::size_t i = 0; i < map.classes.size() && writer.hasRoom(); ++i) {
+    const ViewedClass& each = map.classes[i];
+    const int top = writer.bottom();
+    writer.swatch(keyOf(each.label), each.name, each.colour,
+                  state.hidden.count(each.label) > 0);
+    panel.rows.push_back({top, writer.bottom(), each.label});
+  }
+  writer.gap();
+  for (const LegendEntry& entry : colouring.colours.legend)
+    writer.swatch("", entry.text, entry.colour, false);
+  if (state.help)
+    for (const std::string& line : helpOnKeys())
+      writer.line(line);
+  else
+    writer.line("h: help", pale);
+  panel.picture = writer.finish();
+  return panel;
+}
+
+} // namespace pcl_semantic::tool

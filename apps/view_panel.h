@@ -1,0 +1,32 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "view_state.h"
+
+#include <opencv2/core/mat.hpp>
+
+namespace pcl_semantic::tool {
+
+constexpr int kPanelWidth = 270; ///< [px]
+
+/** \brief The panel beside a map: legend, limits, keys. */
+struct ViewPanel {
+  cv::Mat picture; ///< CV_8UC3 (BGR)
+
+  /** \brief A row of it that toggles a class. */
+  struct Row {
+    int top = 0, bottom = 0; ///< [px]
+    Label label = kUnlabelled;
+  };
+  std::vector<Row> rows;
+};
+
+/** \brief Draws it. \param[in] most_rows of pixels that there is room for */
+ViewPanel drawPanel(const ViewedMap& map, const ViewState& state, int most_rows);
+
+} // namespace pcl_semantic::tool

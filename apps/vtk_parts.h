@@ -1,0 +1,44 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#pragma once
+
+#include "viewed_map.h"
+#include "voxel_faces.h"
+
+#include <pcl_semantic/io/picture_view.h>
+
+#include <vtkSmartPointer.h>
+
+class vtkActor;
+class vtkActor2D;
+class vtkCamera;
+class vtkRenderWindow;
+
+/** \brief What VTK draws. Colours are as they are given: there is no light. */
+namespace pcl_semantic::tool {
+
+/** \brief The faces; some points instead while the camera moves, where they would take
+ * too long. */
+vtkSmartPointer<vtkActor> actorOf(const std::vector<VoxelFace>& faces);
+
+/** \brief The path of a camera, in the red of the pictures. */
+vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);
+
+/** \brief A picture in front of the place where it was taken, and the rays from there
+ * to its corners. */
+std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedPicture& picture);
+
+/** \brief A picture in the lower left corner of the window. */
+vtkSmartPointer<vtkActor2D> flatActorOf(const cv::Mat& picture);
+
+/** \brief Has a camera see as a view of a map does, and turn about its middle. */
+void setCamera(vtkCamera& camera, const PictureView& view, const ViewedMap& map);
+
+/** \brief What the window shows: CV_8UC3 (BGR). */
+cv::Mat pictureOf(vtkRenderWindow& window);
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,428 @@
+/*
+ * SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
+ */
+
+#include "support/bad_case.h"
+#include "support/mapped_street.h"
+#include "support/same_image.h"
+#include "support/thrown_message.h"
+#include "support/tiny_street.h"
+
+#include <pcl_semantic/files/label_set_file.h>
+
+#include <opencv2/core.hpp>
+
+// Windows and pictures of what they show, on the display of xvfb-run: none is needed.
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string program = PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_";
+
+bool
+hasVirtualDisplay()
+{
+  return runShell("command -v xvfb-run && command -v xauth").code == 0;
+}
+
+// Runs a program of the build where there is no display.
+ToolResult
+runWithoutDisplay(const std::string& arguments)
+{
+  return runTool(arguments, "unset DISPLAY;");
+}
+
+// Runs it on a display that nobody sees.
+ToolResult
+runOnDisplay(const std::string& arguments)
+{
+  return runShell("xvfb-run -a " + program + arguments + " 2>&1");
+}
+
+// A floor of road, 30 x 30 voxels of 0.1 m, and on it a block of 8 x 8 x 4: a car.
+std::string
+floorAndBlock()
+{
+  std::string rows;
+  int count = 0;
+  const auto add = [&](int x, int y, int z, int label) {
+    rows += cv::format("%.2f %.2f %.2f %d\n", 0.1 * x + 0.05, 0.1 * y + 0.05,
+                       0.1 * z + 0.05, label);
+    ++count;
+  };
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x) {
+      add(x, y, 0, 3);
+      for (int z = 1; x >= 11 && x < 19 && y >= 11 && y < 19 && z < 5; ++z)
+        add(x, y, z, 6);
+    }
+  return "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
+         "WIDTH " +
+         std::to_string(count) + "\nHEIGHT 1\nPOINTS " + std::to_string(count) +
+         "\nDATA ascii\n" + rows;
+}
+
+cv::Vec3b
+colourOf(const std::string& name)
+{
+  static const LabelSet label_set =
+      readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  const auto& rgb = label_set[label_set.find(name)].colour;
+  return {rgb[2], rgb[1], rgb[0]};
+}
+
+int
+count(const cv::Mat& picture, const cv::Vec3b& colour)
+{
+  cv::Mat equal;
+  cv::inRange(picture, cv::Scalar(colour), cv::Scalar(colour), equal);
+  return cv::countNonZero(equal);
+}
+
+// What the viewer shows of maps.
+class Views {
+public:
+  Views() { folder_.write("block.pcd", floorAndBlock()); }
+
+  std::string
+  path(const std::string& name) const
+  {
+    return folder_.path(name);
+  }
+
+  /** \brief The screenshot with options; MAPS/ is the folder. */
+  cv::Mat
+  operator()(const std::string& arguments) const
+  {
+    const std::string picture = path("picture.png");
+    const ToolResult result = runWithoutDisplay(commandFor(arguments, picture));
+    EXPECT_EQ(result.code, 0) << result.text;
+    EXPECT_EQ(result.text, "picture: " + picture + "\n");
+    return read(picture);
+  }
+
+  /** \brief Those with several options, all on one display, which is quicker. */
+  std::vector<cv::Mat>
+  operator()(const std::vector<std::string>& arguments) const
+  {
+    std::string script, text;
+    std::vector<std::string> names;
+    for (const std::string& each : arguments) {
+      names.push_back(path(std::to_string(names.size()) + ".png"));
+      script += program + commandFor(each, names.back()) + " || exit 1\n";
+      text += "picture: " + names.back() + "\n";
+    }
+    const ToolResult result =
+        runShell("xvfb-run -a sh " + folder_.write("script", script) + " 2>&1");
+    EXPECT_EQ(result.code, 0) << result.text;
+    EXPECT_EQ(result.text, text);
+    std::vector<cv::Mat> pictures;
+    for (const std::string& name : names)
+      pictures.push_back(read(name));
+    return pictures;
+  }
+
+private:
+  std::string
+  commandFor(const std::string& arguments, const std::string& picture) const
+  {
+    return "view " + replaceAll(arguments, "MAPS/", folder_.path() + "/") +
+           " --size 400x300 --screenshot " + picture;
+  }
+
+  static cv::Mat
+  read(const std::string& picture)
+  {
+    const cv::Mat image = readPng(picture, ImageKind::grey_or_colour);
+    EXPECT_EQ(image.size(), cv::Size(400, 300));
+    return image;
+  }
+
+  TemporaryFolder folder_;
+};
+
+class ViewTool : public testing::Test {
+protected:
+  void
+  SetUp() override
+  {
+    if (!hasVirtualDisplay())
+      GTEST_SKIP() << "xvfb or xauth is not installed";
+  }
+};
+
+// Writes a program that stands in for the viewer beside a copy of pcl_semantic_map.
+std::string
+mapWithViewer(const TemporaryFolder& folder, const std::string& script)
+{
+  fs::copy_file(program + "map", folder.path("pcl_semantic_map"),
+                fs::copy_options::overwrite_existing);
+  const std::string viewer =
+      folder.write("pcl_semantic_view", "#!/bin/sh\n" + script + "\n");
+  fs::permissions(viewer, fs::perms::owner_all);
+  return "exec " + folder.path("pcl_semantic_map") + " " + tinyStreet() + " --labels " +
+         tinyStreet() + "/labels --view --output ";
+}
+
+void
+expectSameMaps(const std::string& a, const std::string& b)
+{
+  EXPECT_EQ(filesIn(a), filesIn(b));
+  for (const std::string& file : filesIn(a))
+    if (file != "summary.json") { // has times
+      EXPECT_TRUE(bytesOf(a + "/" + file) == bytesOf(b + "/" + file)) << file;
+    }
+}
+
+} // namespace
+
+TEST_F(ViewTool, DrawsClassesHidesAndClipsThem)
+{
+  const Views view;
+  const std::string above = "MAPS/block.pcd --view above --keys l";
+  const cv::Vec3b road = colourOf("road"), car = colourOf("car");
+  const std::vector<cv::Mat> seen = view(
+      {above, above + " --hide car", above + " --below 0.1", above + ",6",
+       above + " --hide road", above + " --above 0.1", above + " --hide road,car"});
+  // Seen from above, 64 of the 900 squares are the block.
+  const int block = count(seen[0], car), floor = count(seen[0], road);
+  EXPECT_GT(floor, 400 * 300 / 4);
+  EXPECT_NEAR(double(block) / floor, 64.0 / 836.0, 0.02);
+  for (std::size_t i = 1; i < 4; ++i) { // what was below it shows: the floor is whole
+    EXPECT_EQ(count(seen[i], car), 0) << i;
+    EXPECT_GT(count(seen[i], road), floor + block) << i;
+  }
+  for (std::size_t i = 4; i < 6; ++i) {
+    EXPECT_EQ(count(seen[i], road), 0) << i;
+    EXPECT_EQ(count(seen[i], car), block) << i;
+  }
+  EXPECT_EQ(count(seen[6], car) + count(seen[6], road), 0);
+}
+
+TEST_F(ViewTool, KeysDoWhatOptionsDo)
+{
+  const Views view;
+  const std::pair<std::string, std::string> same[] = {
+      {"--hide car", "6"},
+      {"--hide road,car", "a"},
+      // Two layers of the block's four; back again; from the other end.
+      {"--below 0.3", "Down"},
+      {"--threads 1", "Down,Down,Prior,Home"},
+      {"--above 0.2", "Prior"},
+      {"--view above", "v"},
+      {"--keys l", "l,6,6,a,a,v,r,h,h,9,F7"},
+      {"--keys h,h", "q"}};
+  std::vector<std::string> all;
+  for (const auto& [options, keys] : same) {
+    all.push_back("MAPS/block.pcd " + options);
+    all.push_back("MAPS/block.pcd --keys " + keys);
+  }
+  const std::vector<cv::Mat> pictures = view(all);
+  for (std::size_t i = 0; i < pictures.size(); i += 2)
+    EXPECT_TRUE(isSameImage(pictures[i], pictures[i + 1])) << all[i + 1];
+  for (std::size_t i = 0; i < 12; i += 2) // each does something else
+    for (std::size_t j = 0; j < i; j += 2)
+      EXPECT_FALSE(isSameImage(pictures[i], pictures[j])) << all[i] << ", " << all[j];
+}
+
+TEST_F(ViewTool, HasALegendInTheColoursOfTheClasses)
+{
+  const Views view;
+  const std::string nothing = "MAPS/block.pcd --below -1 ";
+  const cv::Mat with = view(nothing), without = view(nothing + "--keys l");
+  for (const char* const name : {"road", "car"}) {
+    EXPECT_EQ(count(with, colourOf(name)), 13 * 13) << name;
+    EXPECT_EQ(count(without, colourOf(name)), 0) << name;
+  }
+  EXPECT_LT(count(view(nothing + "--hide car"), colourOf("car")), 13 * 13 / 2);
+}
+
+TEST_F(ViewTool, ShowsMapsInAllTheirColours)
+{
+  const Views view;
+  mapStreet(tinyStreet(), view.path("map"), "");
+  const ToolResult kept = runTool("map " + tinyStreet() + " --labels " + tinyStreet() +
+                                  "/labels --output " + view.path("kept") +
+                                  " --archive " + view.path("map.archive"));
+  EXPECT_EQ(kept.code, 0) << kept.text;
+  const std::string map = "MAPS/map --keys l";
+  const std::vector<cv::Mat> pictures = view(
+      {map + " --colour class", map + " --colour rgb", map + " --colour entropy",
+       map + " --colour observations", map + " --images " + tinyStreet(), map + ",t",
+       map + " --from 5,3,2 --look-at 20,0,0", // all of these differ
+       map, map + ",m", map + ",m,m", map + ",m,m,m",
+       "MAPS/map.archive --trajectory MAPS/map/trajectory.txt --keys l",
+       // pcl_viewer shows the field rgba: the colours of the classes.
+       "MAPS/map/map.pcd --keys l", "MAPS/map/map_classes.pcd --keys l --colour rgb"});
+  for (std::size_t i = 0; i < 7; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      EXPECT_FALSE(isSameImage(pictures[i], pictures[j])) << i << " and " << j;
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_TRUE(isSameImage(pictures[i], pictures[7 + i])) << i;
+  EXPECT_TRUE(isSameImage(pictures[0], pictures[11]));
+  EXPECT_TRUE(isSameImage(pictures[12], pictures[13]));
+  EXPECT_GT(count(pictures[0], colourOf("road")), 300);
+}
+
+TEST_F(ViewTool, OpensAWindowAndIsSilent)
+{
+  const Views view;
+  const ToolResult result =
+      runOnDisplay("view " + view.path("block.pcd") + " --keys 6,m,Down,v,h,t,i,q");
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.text, "");
+}
+
+TEST_F(ViewTool, TheMapInTheMakingIsTheSameWithAWindow)
+{
+  const TemporaryFolder folder;
+  mapStreet(tinyStreet(), folder.path("plain"), "");
+  const ToolResult result =
+      runOnDisplay("map " + tinyStreet() + " --labels " + tinyStreet() +
+                   "/labels --view --quiet --output " + folder.path("seen"));
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.text, "");
+  expectSameMaps(folder.path("plain"), folder.path("seen"));
+}
+
+TEST_F(ViewTool, AWindowGetsEveryFrameAndTheFinishedMap)
+{
+  const TemporaryFolder folder;
+  const std::string frames = folder.path("frames");
+  const std::string map =
+      mapWithViewer(folder, "echo ready\nexec >" + frames + " 2>/dev/null\nexec cat");
+  const ToolResult result = runShell(map + folder.path("seen") + " --quiet 2>&1");
+  EXPECT_EQ(result.code, 0) << result.text;
+  const std::string picture = folder.path("live.png");
+  // The viewer may still be writing what it was sent.
+  ToolResult shown;
+  for (int attempt = 0; attempt < 50; ++attempt) {
+    shown = runWithoutDisplay("view --live --screenshot " + picture + " < " + frames);
+    if (shown.code == 0 && holds(bytesOf(frames), "the finished map"))
+      break;
+    runShell("sleep 0.1");
+  }
+  ASSERT_EQ(shown.code, 0) << shown.text;
+  for (const char* const title :
+       {"\"frame 0\"", "\"frame 1\"", "\"frame 2\"", "\"the finished map\""})
+    EXPECT_TRUE(holds(bytesOf(frames), title)) << title;
+  EXPECT_GT(count(readPng(picture, ImageKind::grey_or_colour), colourOf("road")), 2000);
+  // Cut short it is refused, in a line.
+  folder.write("cut", bytesOf(frames).substr(0, 5000));
+  const ToolResult cut = runWithoutDisplay("view --live --screenshot " + picture +
+                                           " < " + folder.path("cut"));
+  EXPECT_EQ(cut.code, 3);
+  EXPECT_EQ(cut.text, "pcl_semantic_view: standard input: is no map in the making, or "
+                      "cut short\n");
+}
+
+TEST(LiveView, AWindowThatClosesStopsNothing)
+{
+  const TemporaryFolder folder;
+  mapStreet(tinyStreet(), folder.path("plain"), "");
+  const std::string map = mapWithViewer(folder, "echo ready");
+  const ToolResult result = runShell(map + folder.path("seen") + " --quiet 2>&1");
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.text, "");
+  expectSameMaps(folder.path("plain"), folder.path("seen"));
+}
+
+TEST(LiveView, AWindowThatDoesNotOpenIsSaidAtOnce)
+{
+  const TemporaryFolder folder;
+  const auto expectLine = [&](const std::string& command, const std::string& line) {
+    const ToolResult result = runShell(command + folder.path("seen") + " 2>&1");
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(result.text, "pcl_semantic_map: --view: " + line + "\n");
+    EXPECT_FALSE(fs::exists(folder.path("seen")));
+  };
+  expectLine(mapWithViewer(folder, "echo no colours >&2"), "no colours");
+  expectLine(mapWithViewer(folder, "exit 1"), "the window did not open");
+  const std::string map = mapWithViewer(folder, "");
+  fs::remove(folder.path("pcl_semantic_view"));
+  expectLine(map, folder.path("pcl_semantic_view") +
+                      " cannot be started; is pcl_semantic_view installed?");
+}
+
+TEST(LiveView, NeedsADisplay)
+{
+  const TemporaryFolder folder;
+  const ToolResult result =
+      runWithoutDisplay("map " + tinyStreet() + " --labels " + tinyStreet() +
+                        "/labels --view --output " + folder.path("map"));
+  EXPECT_EQ(result.code, 2);
+  EXPECT_TRUE(holds(result.text, "there is no display")) << result.text;
+  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1);
+}
+
+TEST(BadUsage, ViewToolWithoutADisplay)
+{
+  const TemporaryFolder folder;
+  const std::string map = folder.write("block.pcd", floorAndBlock());
+  const auto expectLine = [&](const ToolResult& result, const std::string& says) {
+    EXPECT_EQ(result.code, 2);
+    EXPECT_TRUE(holds(result.text, says)) << result.text;
+    EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1);
+  };
+  expectLine(runWithoutDisplay("view " + map), "there is no display");
+  expectLine(runTool("view " + map, "DISPLAY=:9999"), "there is no display");
+  expectLine(runTool("view " + map + " --screenshot " + folder.path("a.png"),
+                     "unset DISPLAY; PATH=" + folder.path() + ";"),
+             "xvfb-run, which is missing: packages xvfb and xauth");
+}
+
+TEST(BadUsage, ViewTool)
+{
+  const std::string draw = "view STREET/a.pcd --screenshot OUT.png";
+  const auto cloud = [](const std::string& street) {
+    std::ofstream(street + "/a.pcd") << floorAndBlock();
+  };
+  std::vector<BadCase> cases = {
+      {"nothing", 2, "MAP is missing", "view"},
+      {"live and a map", 2, "--live takes no MAP", "view STREET/a.pcd --live"},
+      {"no png", 2, "ends in .png", "view STREET/a.pcd --screenshot OUT.jpg"},
+      {"colour", 2, "--colour is 'red', expected class", draw + " --colour red"},
+      {"view", 2, "--view is 'below', expected angle", draw + " --view below"},
+      {"size", 2, "--size is 0x0", draw + " --size 0x0"},
+      {"heights", 2, "--above is not less than --below", draw + " --above 2 --below 1"},
+      {"a word", 2, "--below", draw + " --below high"},
+      {"threads", 2, "threads is -1", draw + " --threads -1"},
+  };
+  if (hasVirtualDisplay()) {
+    const std::vector<BadCase> with_display = {
+        {"no map", 3, "none.pcd: cannot be read",
+         "view STREET/none.pcd --screenshot OUT.png"},
+        {"no summary", 3, "summary.json: cannot be read",
+         "view STREET --screenshot OUT.png"},
+        {"no archive", 3, "calib.txt", "view STREET/calib.txt --screenshot OUT.png"},
+        {"no such colour", 2, "has nothing for --colour entropy, only for class",
+         draw + " --colour entropy", cloud},
+        {"no labels", 3, "a.pcd: has neither labels nor colours",
+         draw + " --voxel-size 1",
+         [](const std::string& street) {
+           std::ofstream(street + "/a.pcd")
+               << "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+                  "WIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
+         }},
+        {"no class", 2, "--hide: no class is called 'cat'", draw + " --hide cat",
+         cloud},
+        {"no poses", 2, "--images: where the camera was is not known",
+         draw + " --images STREET", cloud},
+        {"no pose", 2, "none for --frame 0", draw + " --view camera", cloud},
+        {"nothing live", 3, "standard input: has no map",
+         "view --live --screenshot OUT.png < /dev/null"},
+        {"below a file", 5, "calib.txt",
+         "view STREET/a.pcd --screenshot STREET/calib.txt/b.png", cloud},
+    };
+    cases.insert(cases.end(), with_display.begin(), with_display.end());
+  }
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
+} // namespace pcl_semantic
