@@ -132,6 +132,8 @@ mapSource(MapArguments& arguments)
   judgeTracking(arguments, poses, int(run.frames.size()));
   archive.finish(*mapper);
   output.finish(mapper->map());
+  if (view)
+    view->finish(mapper->map());
   if (!archive.close())
     tool::warn(arguments.archive.path + ": is being read by another program: " +
                arguments.archive.path + "-wal still belongs to it");
