@@ -48,6 +48,12 @@ protected:
   OnKeyUp() override
   {}
 
+  // PCL's draws again at every tick, which takes a whole processor without a graphics
+  // card; what changes the picture draws it.
+  void
+  OnTimer() override
+  {}
+
   void
   OnLeftButtonDown() override
   {
