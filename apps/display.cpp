@@ -60,8 +60,10 @@ restartOnVirtualDisplay(char** argv)
                                       : "is missing: packages xvfb and xauth"));
   setenv(kStartedAgain, "1", 1);
   std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+  // A server that begins anew when its last client leaves says so to xvfb-run, which
+  // then fails now and then.
   std::string words[] = {"xvfb-run", "--auto-servernum",
-                         "--server-args=-screen 0 1280x1024x24 -nolisten tcp"};
+                         "--server-args=-screen 0 1280x1024x24 -nolisten tcp -noreset"};
   std::vector<char*> arguments;
   for (std::string& word : words)
     arguments.push_back(word.data());

@@ -6,6 +6,7 @@
 
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
+#include "support/virtual_display.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
 #include <pcl_semantic/files/label_set_file.h>
@@ -284,12 +285,12 @@ TEST_F(Scans, GoOnWithAnArchive)
 
 TEST_F(Scans, AreShownInAWindow)
 {
-  if (runShell("command -v xvfb-run && command -v xauth").code != 0 ||
+  if (!hasVirtualDisplay() ||
       !fs::exists(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_view"))
     GTEST_SKIP() << "xvfb or xauth is not installed, or the viewer not built";
   const ToolResult result =
-      runShell("xvfb-run -a " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
-               map(folder.path("poses.txt")) + " --view --verbose 2>&1");
+      runOnDisplay(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
+                   map(folder.path("poses.txt")) + " --view --verbose");
   EXPECT_EQ(result.code, 0);
   EXPECT_NE(result.text.find("frame 3, "), std::string::npos) << result.text;
   EXPECT_EQ(result.text.find("the window was closed"), std::string::npos);

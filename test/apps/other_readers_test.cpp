@@ -6,6 +6,7 @@
 
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
+#include "support/virtual_display.h"
 
 #include <pcl_semantic/io/labelled_cloud_file.h>
 
@@ -62,15 +63,14 @@ TEST(OtherReaders, Open3dReadsTheMap)
 
 TEST(OtherReaders, PclViewerLoadsTheMap)
 {
-  if (runShell("command -v pcl_viewer && command -v xvfb-run").code != 0)
+  if (runShell("command -v pcl_viewer").code != 0 || !hasVirtualDisplay())
     GTEST_SKIP() << "pcl-tools or xvfb are not installed";
   const TemporaryFolder folder;
   mapStreet(tinyStreet(), folder.path("map"), "--frames 0:1 --crf none");
   const std::string path = folder.path("map/map_classes.pcd");
   // It stays open until it is ended.
-  const ToolResult shown =
-      runShell("HOME=" + folder.path() +
-               " timeout 15 xvfb-run -a stdbuf -oL pcl_viewer " + path + " 2>&1");
+  const ToolResult shown = runOnDisplay("stdbuf -oL pcl_viewer " + path,
+                                        "HOME=" + folder.path() + " timeout 15");
   const std::size_t size = readLabelledCloud(path).cloud->size();
   EXPECT_TRUE(holds(shown.text, ": " + std::to_string(size) + " points]"))
       << shown.text;

@@ -9,6 +9,7 @@
 #include "support/same_image.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
+#include "support/virtual_display.h"
 
 #include <pcl_semantic/files/label_set_file.h>
 
@@ -24,24 +25,11 @@ namespace {
 
 const std::string program = PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_";
 
-bool
-hasVirtualDisplay()
-{
-  return runShell("command -v xvfb-run && command -v xauth").code == 0;
-}
-
 // Runs a program of the build where there is no display.
 ToolResult
 runWithoutDisplay(const std::string& arguments)
 {
   return runTool(arguments, "unset DISPLAY;");
-}
-
-// Runs it on a display that nobody sees.
-ToolResult
-runOnDisplay(const std::string& arguments)
-{
-  return runShell("xvfb-run -a " + program + arguments + " 2>&1");
 }
 
 // A floor of road, 30 x 30 voxels of 0.1 m, and on it a block of 8 x 8 x 4: a car.
@@ -117,8 +105,7 @@ public:
       script += program + commandFor(each, names.back()) + " || exit 1\n";
       text += "picture: " + names.back() + "\n";
     }
-    const ToolResult result =
-        runShell("xvfb-run -a sh " + folder_.write("script", script) + " 2>&1");
+    const ToolResult result = runOnDisplay("sh " + folder_.write("script", script));
     EXPECT_EQ(result.code, 0) << result.text;
     EXPECT_EQ(result.text, text);
     std::vector<cv::Mat> pictures;
@@ -272,8 +259,8 @@ TEST_F(ViewTool, ShowsMapsInAllTheirColours)
 TEST_F(ViewTool, OpensAWindowAndIsSilent)
 {
   const Views view;
-  const ToolResult result =
-      runOnDisplay("view " + view.path("block.pcd") + " --keys 6,m,Down,v,h,t,i,q");
+  const ToolResult result = runOnDisplay(program + "view " + view.path("block.pcd") +
+                                         " --keys 6,m,Down,v,h,t,i,q");
   EXPECT_EQ(result.code, 0);
   EXPECT_EQ(result.text, "");
 }
@@ -283,7 +270,7 @@ TEST_F(ViewTool, TheMapInTheMakingIsTheSameWithAWindow)
   const TemporaryFolder folder;
   mapStreet(tinyStreet(), folder.path("plain"), "");
   const ToolResult result =
-      runOnDisplay("map " + tinyStreet() + " --labels " + tinyStreet() +
+      runOnDisplay(program + "map " + tinyStreet() + " --labels " + tinyStreet() +
                    "/labels --view --quiet --output " + folder.path("seen"));
   EXPECT_EQ(result.code, 0);
   EXPECT_EQ(result.text, "");
