@@ -84,6 +84,7 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
   const std::vector<int>& frames = source.run().frames;
   tool::catchInterrupts();
   tool::ProgressBar progress("mapping", frames.size() - archive.records().size());
+  bool is_empty = archive.records().empty();
   for (std::size_t i = 0; i < frames.size() && !tool::interrupted(); ++i) {
     if (archive.holds(frames[i]))
       continue;
@@ -94,7 +95,11 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
       view->show(mapped);
     noteTimes(mapped);
     progress.step();
+    is_empty = is_empty && mapped.voxels.size() == 0;
   }
+  if (is_empty)
+    tool::warn("the map is empty: no point lies within --max-depth of the sensor "
+               "(coordinates are metres, in the sensor's frame)");
 }
 
 void

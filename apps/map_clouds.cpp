@@ -8,6 +8,7 @@
 #include "map_extras.h"
 #include "map_labelling.h"
 #include "map_source.h"
+#include "messages.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_range.h>
@@ -28,6 +29,10 @@ public:
       : arguments_(arguments), clouds_(arguments.clouds, arguments.sequence.files.times)
   {
     std::error_code error;
+    if (std::filesystem::equivalent(arguments.poses,
+                                    arguments.output + "/trajectory.txt", error))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--poses is where --output puts its own trajectory");
     if (std::filesystem::equivalent(arguments.clouds, arguments.output, error))
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           "--output holds the clouds; maps need a folder of their own");
@@ -36,6 +41,9 @@ public:
     run_.config = arguments.parameters;
     chooseClouds();
     setSensor();
+    if (run_.camera.width == 0 && !arguments.also.empty())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--also is for frames of a camera");
     run_.inputs = inputsOf(arguments.sequence);
     run_.inputs.insert(run_.inputs.end(),
                        {{"clouds", arguments.clouds},
@@ -85,8 +93,15 @@ public:
   MappedFrame
   map(std::size_t i, SemanticMapper& mapper) override
   {
-    return mapper.process(clouds_.frame(positions_[i], run_.label_set.size(),
-                                        float(arguments_.parameters.label_confidence)));
+    const CloudFrame frame =
+        clouds_.frame(positions_[i], run_.label_set.size(),
+                      float(arguments_.parameters.label_confidence));
+    if (frame.distributions.empty() && !frame.cloud->empty() && !told_of_labels_) {
+      warn(clouds_.path(positions_[i]) +
+           ": has no field 'label' or 'probability': it gives the map no labels");
+      told_of_labels_ = true;
+    }
+    return mapper.process(frame);
   }
 
 private:
@@ -142,7 +157,7 @@ private:
     if (!cloud->isOrganized())
       PCL_THROW_EXCEPTION(BadInputException,
                           path << ": is no organized cloud, expected one as the "
-                                  "camera's images are");
+                                  "camera's images are (or --sensor laser)");
     return {{int(cloud->width), int(cloud->height)}, path};
   }
 
@@ -151,6 +166,7 @@ private:
   std::vector<std::size_t> positions_;
   Calibrations calibrations_;
   ExtraOptions extras_;
+  bool told_of_labels_ = false; // a cloud had none
 };
 
 } // namespace

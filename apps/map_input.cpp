@@ -10,6 +10,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
@@ -102,8 +103,11 @@ LabelSet
 labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& scene)
 {
   LabelSet label_set;
-  if (hints.label_set.empty() && !isFolder(path) &&
-      fs::path(path).extension() != ".pcd")
+  const std::string own = path + "/label_set.yaml"; // of a map folder
+  if (hints.label_set.empty() && isFolder(path) && fs::exists(own))
+    label_set = readLabelSet(own);
+  else if (hints.label_set.empty() && !isFolder(path) &&
+           fs::path(path).extension() != ".pcd")
     label_set = MapArchive(path, ArchiveAccess::read).header().label_set;
   else
     label_set = readLabelSetOrDefault(hints.label_set);

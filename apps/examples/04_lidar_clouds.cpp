@@ -7,10 +7,9 @@
 // 04: labelled clouds of any sensor, with their poses, become a map.
 //
 //   04_lidar_clouds                      a simulated laser on the synthetic street
-//   04_lidar_clouds FOLDER [MAP.pcd]     FOLDER/*.pcd with x y z label (or
-//   probability),
-//       in the sensor's frame; line n of FOLDER/poses.txt is T_world_sensor of the n-th
-//       of them in natural order, the upper 3 x 4 row by row
+//   04_lidar_clouds FOLDER [MAP.pcd]     FOLDER/0.pcd, 1.pcd and so on with x y z label
+//       (or probability), in the sensor's frame; line n of FOLDER/poses.txt is
+//       T_world_sensor of n.pcd, the upper 3 x 4 row by row
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
 #include <pcl_semantic/files/data_folder.h>

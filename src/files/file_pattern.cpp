@@ -68,7 +68,8 @@ filesIn(const std::string& folder, const std::string& extension)
   std::vector<std::string> files;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == extension)
+    if (entry.path().extension() == extension &&
+        entry.path().filename().string()[0] != '.') // as the shell passes over them
       files.push_back(entry.path().string());
   if (error)
     PCL_THROW_EXCEPTION(BadInputException, folder << ": the folder cannot be read");

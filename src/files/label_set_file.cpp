@@ -5,9 +5,13 @@
  */
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/yaml_config.h>
+
+#include <iomanip>
+#include <sstream>
 
 namespace pcl_semantic {
 
@@ -52,6 +56,21 @@ readLabelSet(const std::string& path)
     PCL_THROW_EXCEPTION(BadInputException, file.where("classes")
                                                << ": " << error.what());
   }
+}
+
+void
+writeLabelSet(const std::string& path, const LabelSet& label_set)
+{
+  std::ostringstream text;
+  text << "classes:\n";
+  for (int label = 1; label <= label_set.size(); ++label) {
+    const LabelClass& each = label_set[Label(label)];
+    text << "  - {name: " << std::quoted(each.name) << ", colour: ["
+         << int(each.colour[0]) << ", " << int(each.colour[1]) << ", "
+         << int(each.colour[2]) << "]" << (each.sky ? ", sky: true" : "")
+         << (each.dynamic ? ", dynamic: true" : "") << "}\n";
+  }
+  writeTextFile(path, text.str());
 }
 
 LabelMapping

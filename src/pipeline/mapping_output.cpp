@@ -10,6 +10,7 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/io/map_pictures.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
@@ -60,8 +61,8 @@ constexpr const char* frame_folders[] = {"labels", "labels_at_depth", "network_l
 constexpr const char* image_folders[] = {"labels", "labels_at_depth", "network_labels",
                                          "overlay", "final_labels"};
 
-constexpr const char* map_files[] = {"map.pcd", "map_classes.pcd", "top_view.png",
-                                     "trajectory.txt"};
+constexpr const char* map_files[] = {"map.pcd", "map_classes.pcd", "label_set.yaml",
+                                     "top_view.png", "trajectory.txt"};
 
 Json
 versions()
@@ -207,6 +208,7 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   const VoxelCloud voxels = map.occupiedEverywhere();
   writeVoxelCloud(path("map.pcd"), voxels, label_set_, VoxelColour::measured);
   writeVoxelCloud(path("map_classes.pcd"), voxels, label_set_, VoxelColour::classes);
+  writeLabelSet(path("label_set.yaml"), label_set_);
 
   if (has_camera_)
     writeFinalImages(voxels);

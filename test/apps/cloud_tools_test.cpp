@@ -199,8 +199,8 @@ TEST_F(Scans, OfAnySensorBecomeTheMapOfTheLibrary)
   expectRuns(map(folder.path("poses.txt")));
   expectVoxels(folder.path("map/map.pcd"), expected());
   EXPECT_EQ(filesIn(folder.path("map")),
-            (std::set<std::string>{"map.pcd", "map_classes.pcd", "top_view.png",
-                                   "trajectory.txt", "summary.json"}));
+            (std::set<std::string>{"label_set.yaml", "map.pcd", "map_classes.pcd",
+                                   "top_view.png", "trajectory.txt", "summary.json"}));
   // As the trajectory of a camera that looks along x.
   const Trajectory written = readKittiTrajectory(folder.path("map/trajectory.txt"));
   ASSERT_EQ(written.size(), 4u);
@@ -264,11 +264,49 @@ TEST_F(Scans, WithoutLabelsAreAMapWithoutLabels)
     table.removeColumns("label");
     writePcd(folder.path("clouds/" + std::to_string(i) + ".pcd"), table);
   }
-  expectRuns(replaceAll(map(folder.path("poses.txt")), "--crf none", "--crf dense"));
+  const ToolResult result =
+      runTool(replaceAll(map(folder.path("poses.txt")), "--crf none", "--crf dense"));
+  EXPECT_EQ(result.code, 0) << result.text;
+  EXPECT_NE(result.text.find("0.pcd: has no field 'label' or 'probability': it gives "
+                             "the map no labels\n"),
+            std::string::npos)
+      << result.text;
+  EXPECT_EQ(result.text.find("1.pcd"), std::string::npos) << result.text; // said once
   const LabelledCloud read = readLabelledCloud(folder.path("map/map.pcd"));
   EXPECT_EQ(read.cloud->size(), expected().size());
   for (const pcl::PointXYZRGBL& point : *read.cloud)
     ASSERT_EQ(point.label, kUnlabelled);
+}
+
+TEST_F(Scans, InMillimetresAreAnEmptyMapWithAWarning)
+{
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    for (pcl::PointXYZRGBL& point : *scans[i].cloud)
+      point.getVector3fMap() *= 1000.0f;
+    writeLabelledCloud(folder.path("clouds/" + std::to_string(i) + ".pcd"), scans[i]);
+  }
+  const ToolResult result = runTool(map(folder.path("poses.txt")));
+  EXPECT_EQ(result.code, 0) << result.text;
+  EXPECT_NE(result.text.find("warning: the map is empty"), std::string::npos)
+      << result.text;
+}
+
+TEST_F(Scans, OfOwnClassesKeepTheirNames)
+{
+  std::string classes = "classes:\n";
+  for (int label = 1; label <= 11; ++label)
+    classes += "  - {name: thing" + std::to_string(label) + ", colour: [" +
+               std::to_string(label) + ", 2, 3]}\n";
+  folder.write("things.yaml", classes);
+  expectRuns(map(folder.path("poses.txt")) + " --label-set " +
+             folder.path("things.yaml"));
+  const LabelSet kept = readLabelSet(folder.path("map/label_set.yaml"));
+  ASSERT_EQ(kept.size(), 11);
+  EXPECT_EQ(kept[3].name, "thing3");
+  EXPECT_EQ(kept[7].colour, (std::array<std::uint8_t, 3>{7, 2, 3}));
+  expectRuns("export " + folder.path("map") + " " + folder.path("map.csv"));
+  EXPECT_NE(bytesOf(folder.path("map.csv")).find("thing3"), std::string::npos);
+  EXPECT_EQ(bytesOf(folder.path("map.csv")).find("road"), std::string::npos);
 }
 
 TEST_F(Scans, GoOnWithAnArchive)
@@ -318,7 +356,8 @@ TEST_F(Scans, BadInput)
            {"no clouds", 3, "no file matches",
             "map --clouds TEMP/none --output OUT " + poses},
            {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
-           {"scans", 2, "--also scans needs a SEQUENCE", all + poses + "--also scans"},
+           {"scans", 2, "--also is for frames of a camera",
+            all + poses + "--also scans"},
            {"superpixels", 2, "superpixels are for clouds of a camera",
             all + poses + "--crf hierarchical --cliques superpixel"},
            {"deviations", 2, "max_deviation and deviation_scale are for stereo",
@@ -342,6 +381,11 @@ TEST_F(Scans, BadInput)
                 " --labels STREET/labels --output " + folder.path("clouds")},
        })
     expectFails(bad);
+  expectRuns(map(folder.path("poses.txt")));
+  const ToolResult again = runTool(map(folder.path("map/trajectory.txt")));
+  EXPECT_EQ(again.code, 2);
+  EXPECT_NE(again.text.find("--poses is where --output puts its own trajectory"),
+            std::string::npos);
   folder.write("clouds/2.pcd", "garbage");
   expectFails({"garbage", 3, "2.pcd", all + poses});
 }

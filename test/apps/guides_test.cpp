@@ -172,7 +172,7 @@ TEST(Guides, OwnCloudsAreMendedAndMapped)
   EXPECT_EQ(label("corner.pcd", 4), 1u);
   EXPECT_EQ(label("refined.pcd", 4), 3u);
   EXPECT_EQ(countLabel(folder.path("refined.pcd"), 3), 9);
-  EXPECT_EQ(readLabelledCloud(folder.path("refined.pcd")).distributions.classes(), 3);
+  EXPECT_EQ(readLabelledCloud(folder.path("refined.pcd")).distributions.classes(), 11);
   EXPECT_FALSE(readLabelledCloud(folder.path("grouped.pcd")).cliques.empty());
   EXPECT_GT(countLabel(folder.path("scans_map.pcd"), 3), 2);
   EXPECT_GT(countLabel(folder.path("scans_map.pcd"), 1), 0);

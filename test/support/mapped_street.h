@@ -43,8 +43,8 @@ filesIn(const std::string& folder)
 inline std::set<std::string>
 filesOfMap(const std::vector<std::string>& frames)
 {
-  std::set<std::string> files = {"map.pcd", "map_classes.pcd", "top_view.png",
-                                 "trajectory.txt", "summary.json"};
+  std::set<std::string> files = {"map.pcd",        "map_classes.pcd", "top_view.png",
+                                 "trajectory.txt", "summary.json",    "label_set.yaml"};
   for (const char* folder :
        {"labels/", "labels_at_depth/", "network_labels/", "final_labels/", "overlay/"})
     for (const std::string& frame : frames)

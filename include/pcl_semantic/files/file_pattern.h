@@ -15,7 +15,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The files that match a pattern as the shell's (`left-*.png`, with `*`, `?`
  * and `[...]`, a backslash before what is meant as it is), in natural order. What is a
- * file as it stands is that file; a folder is all its files of an extension.
+ * file as it stands is that file; a folder is all its files of an extension,
+ * but for hidden ones.
  * \throws BadInputException if there are none or a folder cannot be read */
 std::vector<std::string> findFiles(const std::string& pattern,
                                    const std::string& extension = ".png");

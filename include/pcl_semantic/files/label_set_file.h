@@ -17,6 +17,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \throws BadInputException with file and line */
 LabelSet readLabelSet(const std::string& path);
 
+/** \brief Writes a file that readLabelSet() takes. \throws OutputException */
+void writeLabelSet(const std::string& path, const LabelSet& label_set);
+
 /** \brief Reads a mapping of ids to the classes of \a label_set
  * (`data/label_mappings/\*.yaml`).
  * \throws BadInputException with file and line, at an unknown class for example */

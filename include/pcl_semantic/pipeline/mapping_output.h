@@ -47,8 +47,8 @@ public:
    * \throws OutputException */
   void writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
 
-  /** \brief map.pcd, map_classes.pcd, final_labels, top_view.png, trajectory.txt,
-   * summary.json. \throws OutputException */
+  /** \brief map.pcd, map_classes.pcd, label_set.yaml, final_labels, top_view.png,
+   * trajectory.txt, summary.json. \throws OutputException */
   void finish(const SemanticVoxelMap& map);
 
 private:
