@@ -11,11 +11,9 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/io/cloud_sequence.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
@@ -123,17 +121,12 @@ outputOf(const LabelArguments& arguments, const std::string& path)
   return (fs::path(arguments.output) / fs::path(path).filename()).string();
 }
 
+// The clouds to label, once it is clear that each has a place to go to.
 std::vector<std::size_t>
-chooseClouds(const LabelArguments& arguments, const CloudSequence& clouds)
+prepareClouds(const LabelArguments& arguments, const CloudSequence& clouds)
 {
-  const FrameRange range = parseFrameRange(arguments.frames);
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < clouds.size(); ++i)
-    if (range.contains(clouds.frameNumber(i)))
-      chosen.push_back(i);
-  if (chosen.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.clouds << ": has no frame in " << arguments.frames);
+  const std::vector<std::size_t> chosen =
+      chooseClouds(arguments.clouds, clouds, arguments.frames);
   const bool is_cloud = fs::path(arguments.output).extension() == ".pcd";
   if (is_cloud && chosen.size() > 1)
     failUsage(label_usage, "--output is one cloud, but --clouds are " +
@@ -153,7 +146,7 @@ labelClouds(const LabelArguments& arguments)
   setNumberOfThreads(arguments.threads);
   const CloudSequence clouds(arguments.clouds);
   const auto predictor = makePredictor(arguments);
-  const std::vector<std::size_t> chosen = chooseClouds(arguments, clouds);
+  const std::vector<std::size_t> chosen = prepareClouds(arguments, clouds);
   catchInterrupts();
   double share = 0.0;
   {

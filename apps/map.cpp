@@ -117,7 +117,7 @@ judgeTracking(const MapArguments& arguments, const PoseSource& poses, int frames
 }
 
 int
-mapSource(MapArguments& arguments)
+mapSource(const MapArguments& arguments)
 {
   tool::requireMapArguments(arguments);
   setNumberOfThreads(arguments.parameters.threads);

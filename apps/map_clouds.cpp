@@ -6,14 +6,11 @@
 
 #include "default_label_set.h"
 #include "map_extras.h"
-#include "map_labelling.h"
 #include "map_source.h"
 #include "messages.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/dataset/rectified_pair.h>
-#include <pcl_semantic/io/cloud_sequence.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/odometry/pose_file.h>
 
@@ -39,7 +36,9 @@ public:
     poses_ = arguments.poses;
     run_.label_set = readLabelSetOrDefault(arguments.label_set);
     run_.config = arguments.parameters;
-    chooseClouds();
+    positions_ = chooseClouds(arguments.clouds, clouds_, arguments.frames);
+    for (const std::size_t i : positions_)
+      run_.frames.push_back(clouds_.frameNumber(i));
     setSensor();
     if (run_.camera.width == 0 && !arguments.also.empty())
       PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -71,25 +70,6 @@ public:
                                       : readPoses(poses_, run_.T_camera0_camera);
   }
 
-  std::unique_ptr<SemanticMapper>
-  makeMapper(std::unique_ptr<PoseSource> poses,
-             std::shared_ptr<BlockStore> store) override
-  {
-    std::optional<StereoCamera> camera;
-    if (run_.camera.width > 0)
-      camera = run_.camera;
-    auto mapper = std::make_unique<SemanticMapper>(camera, run_.label_set, run_.config,
-                                                   std::move(poses), std::move(store));
-    setCalibrations(calibrations_, *mapper);
-    return mapper;
-  }
-
-  ExtraOptions
-  extras() const override
-  {
-    return extras_;
-  }
-
   MappedFrame
   map(std::size_t i, SemanticMapper& mapper) override
   {
@@ -105,18 +85,15 @@ public:
   }
 
 private:
-  void
-  chooseClouds()
+  std::unique_ptr<SemanticMapper>
+  newMapper(std::unique_ptr<PoseSource> poses,
+            std::shared_ptr<BlockStore> store) override
   {
-    const FrameRange range = parseFrameRange(arguments_.frames);
-    for (std::size_t i = 0; i < clouds_.size(); ++i)
-      if (range.contains(clouds_.frameNumber(i))) {
-        positions_.push_back(i);
-        run_.frames.push_back(clouds_.frameNumber(i));
-      }
-    if (positions_.empty())
-      PCL_THROW_EXCEPTION(BadInputException, arguments_.clouds << ": has no frame in "
-                                                               << arguments_.frames);
+    std::optional<StereoCamera> camera;
+    if (run_.camera.width > 0)
+      camera = run_.camera;
+    return std::make_unique<SemanticMapper>(camera, run_.label_set, run_.config,
+                                            std::move(poses), std::move(store));
   }
 
   // Where the sensor is in camera 0, and its camera.
@@ -164,8 +141,6 @@ private:
   MapArguments arguments_;
   CloudSequence clouds_;
   std::vector<std::size_t> positions_;
-  Calibrations calibrations_;
-  ExtraOptions extras_;
   bool told_of_labels_ = false; // a cloud had none
 };
 

@@ -7,7 +7,6 @@
 #include "map_source.h"
 
 #include "map_extras.h"
-#include "map_labelling.h"
 #include "map_poses.h"
 #include "pair_watch.h"
 
@@ -56,23 +55,6 @@ public:
     return makePoses(poses_, *sequence_);
   }
 
-  std::unique_ptr<SemanticMapper>
-  makeMapper(std::unique_ptr<PoseSource> poses,
-             std::shared_ptr<BlockStore> store) override
-  {
-    auto mapper = std::make_unique<SemanticMapper>(
-        run_.camera, run_.label_set, run_.config, std::move(labelling_.predictor),
-        std::move(poses), std::move(store));
-    setCalibrations(calibrations_, *mapper);
-    return mapper;
-  }
-
-  ExtraOptions
-  extras() const override
-  {
-    return extras_;
-  }
-
   MappedFrame
   map(std::size_t i, SemanticMapper& mapper) override
   {
@@ -82,16 +64,32 @@ public:
   }
 
 private:
+  std::unique_ptr<SemanticMapper>
+  newMapper(std::unique_ptr<PoseSource> poses,
+            std::shared_ptr<BlockStore> store) override
+  {
+    return std::make_unique<SemanticMapper>(run_.camera, run_.label_set, run_.config,
+                                            std::move(labelling_.predictor),
+                                            std::move(poses), std::move(store));
+  }
+
   MapArguments arguments_;
   std::unique_ptr<FrameSequence> sequence_;
   PairWatch watch_;
   Labelling labelling_;
   std::vector<std::size_t> positions_;
-  ExtraOptions extras_;
-  Calibrations calibrations_;
 };
 
 } // namespace
+
+std::unique_ptr<SemanticMapper>
+MapSource::makeMapper(std::unique_ptr<PoseSource> poses,
+                      std::shared_ptr<BlockStore> store)
+{
+  auto mapper = newMapper(std::move(poses), std::move(store));
+  setCalibrations(calibrations_, *mapper);
+  return mapper;
+}
 
 std::unique_ptr<MapSource>
 openMapSource(const MapArguments& arguments)

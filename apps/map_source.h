@@ -7,6 +7,7 @@
 #pragma once
 
 #include "map_arguments.h"
+#include "map_labelling.h"
 
 #include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/odometry/pose_source.h>
@@ -45,11 +46,15 @@ public:
   virtual std::unique_ptr<PoseSource> openPoses() const = 0;
 
   /** \brief Once. \throws InvalidParameterException if the parameters do not fit */
-  virtual std::unique_ptr<SemanticMapper>
-  makeMapper(std::unique_ptr<PoseSource> poses, std::shared_ptr<BlockStore> store) = 0;
+  std::unique_ptr<SemanticMapper> makeMapper(std::unique_ptr<PoseSource> poses,
+                                             std::shared_ptr<BlockStore> store);
 
   /** \brief What --also asks for. */
-  virtual ExtraOptions extras() const = 0;
+  const ExtraOptions&
+  extras() const
+  {
+    return extras_;
+  }
 
   /** \brief Reads the i-th of these frames and maps it. */
   virtual MappedFrame map(std::size_t i, SemanticMapper& mapper) = 0;
@@ -57,6 +62,13 @@ public:
 protected:
   MappingRun run_;
   std::string poses_;
+  ExtraOptions extras_;
+  Calibrations calibrations_;
+
+private:
+  /** \brief makeMapper() without the calibrations. */
+  virtual std::unique_ptr<SemanticMapper>
+  newMapper(std::unique_ptr<PoseSource> poses, std::shared_ptr<BlockStore> store) = 0;
 };
 
 /** \brief Opens the sequence or the clouds that the arguments name.

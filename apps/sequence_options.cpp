@@ -88,6 +88,20 @@ chooseFrames(const SequenceOptions& options, const FrameSequence& sequence,
   return frames;
 }
 
+std::vector<std::size_t>
+chooseClouds(const std::string& name, const CloudSequence& clouds,
+             const std::string& range)
+{
+  const FrameRange chosen = parseFrameRange(range);
+  std::vector<std::size_t> positions;
+  for (std::size_t i = 0; i < clouds.size(); ++i)
+    if (chosen.contains(clouds.frameNumber(i)))
+      positions.push_back(i);
+  if (positions.empty())
+    PCL_THROW_EXCEPTION(BadInputException, name << ": has no frame in " << range);
+  return positions;
+}
+
 std::vector<std::string>
 textFilesOf(const SequenceOptions& options, const FrameSequence& sequence)
 {

@@ -9,6 +9,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/dataset/image_pair_sequence.h>
+#include <pcl_semantic/io/cloud_sequence.h>
 
 #include <memory>
 #include <string>
@@ -46,6 +47,11 @@ std::unique_ptr<FrameSequence> openSequence(const SequenceOptions& options);
  * \throws BadInputException if there are none */
 std::vector<std::size_t> chooseFrames(const SequenceOptions& options,
                                       const FrameSequence& sequence,
+                                      const std::string& range);
+
+/** \brief The same of clouds. \param[in] name of them, for messages */
+std::vector<std::size_t> chooseClouds(const std::string& name,
+                                      const CloudSequence& clouds,
                                       const std::string& range);
 
 /** \brief The files of numbers that a tool must not write over. */

@@ -90,15 +90,15 @@ MappingOutput::MappingOutput(const std::string& folder, const StereoCamera& came
                              const LabelSet& label_set, const MapperConfig& config,
                              const Eigen::Isometry3d& T_camera0_camera, Inputs inputs,
                              std::vector<FrameRecord> records, ExtraOptions extra)
-    : folder_(folder), camera_(camera), has_camera_(camera.width > 0),
-      label_set_(label_set), config_(config), T_camera0_camera_(T_camera0_camera),
-      inputs_(std::move(inputs)), frames_(std::move(records)),
+    : folder_(folder), camera_(camera), label_set_(label_set), config_(config),
+      T_camera0_camera_(T_camera0_camera), inputs_(std::move(inputs)),
+      frames_(std::move(records)),
       extra_(folder, camera, config.map.max_range, std::move(extra))
 {
   requireImages();
   refuseForeignImages();
   makeOutputFolder(folder_);
-  if (has_camera_)
+  if (hasCamera())
     for (const char* name : image_folders)
       makeOutputFolder(path(name));
 }
@@ -163,7 +163,7 @@ MappingOutput::path(const std::string& name) const
 void
 MappingOutput::requireImages() const
 {
-  if (!has_camera_)
+  if (!hasCamera())
     return;
   for (const FrameRecord& frame : frames_)
     for (const char* name : frame_folders) {
@@ -181,7 +181,7 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   if (!replaced_)
     replaceEarlierRun();
   replaced_ = true;
-  if (has_camera_)
+  if (hasCamera())
     writeImages(mapped, map);
   frames_.push_back(recordOf(mapped));
 }
@@ -210,7 +210,7 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   writeVoxelCloud(path("map_classes.pcd"), voxels, label_set_, VoxelColour::classes);
   writeLabelSet(path("label_set.yaml"), label_set_);
 
-  if (has_camera_)
+  if (hasCamera())
     writeFinalImages(voxels);
   std::vector<Eigen::Vector3d> positions;
   for (const FrameRecord& frame : frames_)

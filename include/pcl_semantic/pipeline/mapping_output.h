@@ -54,6 +54,12 @@ public:
 private:
   std::string path(const std::string& name) const;
 
+  bool
+  hasCamera() const
+  {
+    return camera_.width > 0;
+  }
+
   void writeImages(const MappedFrame& mapped, const SemanticVoxelMap& map) const;
 
   void writeFinalImages(const VoxelCloud& voxels) const;
@@ -70,7 +76,6 @@ private:
 
   std::string folder_;
   StereoCamera camera_;
-  bool has_camera_;
   LabelSet label_set_;
   MapperConfig config_;
   Eigen::Isometry3d T_camera0_camera_;
