@@ -1,24 +1,33 @@
 # What an installed package finds again: cmake/pcl_semantic-config.cmake.in.
 find_package(Eigen3 REQUIRED)
-find_package(PCL 1.13 REQUIRED COMPONENTS common filters)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn
+find_package(PCL 1.12 REQUIRED COMPONENTS common filters)
+find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn
   features2d video)
 set(PCL_SEMANTIC_PUBLIC_LIBRARIES Eigen3::Eigen pcl_common pcl_filters opencv_core)
 
-# Its component would want VTK, MPI and a C compiler.
-find_library(PCL_SEGMENTATION_LIBRARY pcl_segmentation REQUIRED)
+# PCL's component "segmentation" would want VTK, MPI and a C compiler: the libraries alone,
+# with those that it is made of itself.
+set(PCL_SEGMENTATION_LIBRARIES)
+foreach(name segmentation features ml)
+  find_library(PCL_${name}_FILE pcl_${name} REQUIRED)
+  list(APPEND PCL_SEGMENTATION_LIBRARIES ${PCL_${name}_FILE})
+endforeach()
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(yaml-cpp REQUIRED)
+set(YAML_CPP_TARGET yaml-cpp::yaml-cpp)
+if(NOT TARGET yaml-cpp::yaml-cpp) # before 0.8
+  set(YAML_CPP_TARGET yaml-cpp)
+endif()
 find_package(nlohmann_json REQUIRED)
 find_package(Boost REQUIRED COMPONENTS program_options)
 find_package(SQLite3 REQUIRED)
 find_package(zstd REQUIRED)
 find_package(octomap REQUIRED)
 set(PCL_SEMANTIC_PRIVATE_LIBRARIES
-  pcl_kdtree pcl_octree pcl_search ${PCL_SEGMENTATION_LIBRARY}
+  pcl_kdtree pcl_octree pcl_search ${PCL_SEGMENTATION_LIBRARIES}
   opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
   opencv_features2d opencv_video
-  OpenMP::OpenMP_CXX yaml-cpp nlohmann_json::nlohmann_json
+  OpenMP::OpenMP_CXX ${YAML_CPP_TARGET} nlohmann_json::nlohmann_json
   SQLite::SQLite3 zstd::libzstd_shared ${OCTOMAP_LIBRARIES})
 
 # pcl_semantic_view alone. PCL's component would want all of VTK, MPI included.

@@ -41,7 +41,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
 
 pcl_semantic_package(dev libpcl-semantic-dev libdevel "headers")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-  "${same_library}, libpcl-dev (>= 1.13), libopencv-dev, libeigen3-dev")
+  "${same_library}, libpcl-dev (>= 1.12), libopencv-dev, libeigen3-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "cmake | pkgconf, pcl-semantic-doc")
 
 pcl_semantic_package(tools pcl-semantic-tools science "programs")

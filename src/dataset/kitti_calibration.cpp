@@ -53,7 +53,7 @@ readRows(const std::string& path)
 }
 
 const Row&
-findRow(const std::map<std::string, Row>& rows, const std::string& name,
+findRow(const std::map<std::string, Row>& rows, const char* name,
         const std::string& path)
 {
   const auto row = rows.find(name);

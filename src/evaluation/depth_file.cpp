@@ -37,7 +37,7 @@ readPointDepths(const std::string& path)
       PCL_THROW_EXCEPTION(BadInputException, path << ": point " << i << " has depth "
                                                   << depths(0, i)
                                                   << ", expected 0 or more");
-  return std::move(depths);
+  return depths;
 }
 
 } // namespace

@@ -63,7 +63,7 @@ depthOf(const pcl::PointCloud<pcl::PointXYZRGB>& cloud)
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud[i].z > 0.0f) // false for NaN
       depth.at<float>(int(i / cloud.width), int(i % cloud.width)) = cloud[i].z;
-  return std::move(depth);
+  return depth;
 }
 
 } // namespace

@@ -85,7 +85,7 @@ imageOfCloud(const pcl::PointCloud<pcl::PointXYZRGB>& cloud)
   for (std::size_t i = 0; i < cloud.size(); ++i)
     image(int(i / cloud.width), int(i % cloud.width)) = {cloud[i].b, cloud[i].g,
                                                          cloud[i].r};
-  return std::move(image);
+  return image;
 }
 
 std::vector<float>

@@ -184,7 +184,8 @@ TEST(StereoRig, MakesARotationOfOneWithFewDigits)
 
 TEST(StereoRig, RefusesFilesThatHoldNone)
 {
-  EXPECT_NO_THROW(complaintAbout("") + complaintAbout("- 1\n"));
+  EXPECT_NO_THROW(complaintAbout(""));
+  EXPECT_NO_THROW(complaintAbout("- 1\n"));
   EXPECT_TRUE(holds(complaintAbout("<?xml version=\"1.0\"?>\n"), "rig.yaml: is XML"));
   EXPECT_TRUE(holds(complaintAbout(extrinsics), "'K1' or 'M1' or"));
   EXPECT_TRUE(holds(complaintAbout(intrinsics + "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"),

@@ -21,4 +21,4 @@ and pcl_semantic were compiled with the same flags, define PCL_SEMANTIC_ALLOW_AV
 
 /** \brief What the library shows of itself: everything that a public header declares in
  * `namespace PCL_SEMANTIC_EXPORT pcl_semantic`. All else is hidden. */
-#define PCL_SEMANTIC_EXPORT __attribute__((visibility("default")))
+#define PCL_SEMANTIC_EXPORT [[gnu::visibility("default")]]
