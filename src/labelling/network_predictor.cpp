@@ -120,6 +120,13 @@ checkOutput(const cv::Mat& output, const NetworkDescription& description, int fr
 struct NetworkPredictor::Network {
   std::string path;
   cv::dnn::Net net;
+
+  cv::Mat
+  run(const cv::Mat& input, const NetworkDescription& description)
+  {
+    net.setInput(input, description.input_name);
+    return net.forward(description.output_name);
+  }
 };
 
 NetworkPredictor::NetworkPredictor(const NetworkDescription& description,
@@ -159,9 +166,18 @@ NetworkPredictor::predict(const StereoFrame& frame)
   cv::Mat output;
   try {
     const QuietOpenCv quiet;
-    network_->net.setInput(makeInput(frame.left, description_),
-                           description_.input_name);
-    output = network_->net.forward(description_.output_name);
+    const cv::Mat input = makeInput(frame.left, description_);
+    try {
+      output = network_->run(input, description_);
+    }
+    catch (const cv::Exception& error) {
+      if (error.code == cv::Error::StsNoMem)
+        throw;
+      // OpenCV 4.10 joins layers of some networks (ESPNetv2) that do not fit then.
+      network_->net = loadNetwork(network_->path);
+      network_->net.enableFusion(false);
+      output = network_->run(input, description_);
+    }
   }
   catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem)

@@ -10,6 +10,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
+#include <pcl_semantic/dataset/stereo_rig.h>
 #include <pcl_semantic/files/image_file.h>
 
 #include <gtest/gtest.h>
@@ -85,7 +86,7 @@ TEST(ImagePairSequence, RectifiesAndKnowsHowTheCameraWasTurned)
   writePng(pairs.folder.path("left/0.png"), left);
   writePng(pairs.folder.path("right/0.png"), right);
   const ImagePairSequence sequence(pairs.files);
-  const Rectifier rectifier(exampleRig());
+  const Rectifier rectifier(readStereoRig(pairs.files.calibration));
   EXPECT_DOUBLE_EQ(sequence.camera().fx, rectifier.camera().fx);
   EXPECT_DOUBLE_EQ(sequence.camera().baseline, rectifier.camera().baseline);
   EXPECT_TRUE(
