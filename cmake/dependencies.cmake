@@ -1,3 +1,6 @@
+if(POLICY CMP0144)
+  cmake_policy(SET CMP0144 NEW) # PCL's own modules say FLANN_ROOT
+endif()
 # What an installed package finds again: cmake/pcl_semantic-config.cmake.in.
 find_package(Eigen3 REQUIRED)
 find_package(PCL 1.12 REQUIRED COMPONENTS common filters)
@@ -19,16 +22,17 @@ if(NOT TARGET yaml-cpp::yaml-cpp) # before 0.8
   set(YAML_CPP_TARGET yaml-cpp)
 endif()
 find_package(nlohmann_json REQUIRED)
-find_package(Boost REQUIRED COMPONENTS program_options)
+find_package(Boost REQUIRED CONFIG COMPONENTS program_options)
 find_package(SQLite3 REQUIRED)
 find_package(zstd REQUIRED)
 find_package(octomap REQUIRED)
+find_package(hwy REQUIRED)
 set(PCL_SEMANTIC_PRIVATE_LIBRARIES
   pcl_kdtree pcl_octree pcl_search ${PCL_SEGMENTATION_LIBRARIES}
   opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
   opencv_features2d opencv_video
   OpenMP::OpenMP_CXX ${YAML_CPP_TARGET} nlohmann_json::nlohmann_json
-  SQLite::SQLite3 zstd::libzstd_shared ${OCTOMAP_LIBRARIES})
+  SQLite::SQLite3 zstd::libzstd_shared hwy::hwy ${OCTOMAP_LIBRARIES})
 
 # pcl_semantic_view alone. PCL's component would want all of VTK, MPI included.
 if(PCL_SEMANTIC_BUILD_APPS AND PCL_SEMANTIC_BUILD_VIEWER)

@@ -7,6 +7,8 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/simd.h>
 
+#include <hwy/targets.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <string>
@@ -16,31 +18,35 @@ namespace pcl_semantic {
 namespace {
 
 SimdTier
-widestTier()
-{
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
-    return SimdTier::plain;
-  if (!__builtin_cpu_supports("avx512f") || !__builtin_cpu_supports("avx512bw") ||
-      !__builtin_cpu_supports("avx512vl") || !__builtin_cpu_supports("avx512dq"))
-    return SimdTier::avx2;
-  return SimdTier::avx512;
-}
-
-SimdTier
 chosenTier()
 {
   const char* const word = std::getenv("PCL_SEMANTIC_SIMD");
   if (!word || !*word)
-    return widestTier();
+    return widestSimdTier();
+  if (std::string(word) == "neon")
+    return SimdTier::plain;
   for (const SimdTier tier : {SimdTier::plain, SimdTier::avx2, SimdTier::avx512})
     if (std::string(word) == nameOf(tier))
-      return std::min(tier, widestTier());
+      return std::min(tier, widestSimdTier());
   PCL_THROW_EXCEPTION(InvalidParameterException,
-                      "PCL_SEMANTIC_SIMD is '" << word
-                                               << "', expected plain, avx2 or avx512");
+                      "PCL_SEMANTIC_SIMD is '"
+                          << word << "', expected plain, neon, avx2 or avx512");
 }
 
 } // namespace
+
+SimdTier
+widestSimdTier()
+{
+#if defined(__x86_64__)
+  const auto supported = hwy::SupportedTargets();
+  if (supported & HWY_AVX3)
+    return SimdTier::avx512;
+  if (supported & HWY_AVX2)
+    return SimdTier::avx2;
+#endif
+  return SimdTier::plain;
+}
 
 SimdTier
 simdTier()

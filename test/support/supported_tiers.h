@@ -17,11 +17,9 @@ inline std::vector<SimdTier>
 supportedTiers()
 {
   std::vector<SimdTier> tiers = {SimdTier::plain};
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-    tiers.push_back(SimdTier::avx2);
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-    tiers.push_back(SimdTier::avx512);
+  for (const SimdTier tier : {SimdTier::avx2, SimdTier::avx512})
+    if (tier <= widestSimdTier())
+      tiers.push_back(tier);
   return tiers;
 }
 

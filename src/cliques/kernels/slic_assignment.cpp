@@ -6,21 +6,28 @@
 
 #include "slic_assignment.h"
 
-namespace pcl_semantic {
+#include <pcl_semantic/core/simd_choice.h>
+
+#define HWY_TARGET_INCLUDE "cliques/kernels/slic_assignment.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_semantic::HWY_NAMESPACE {
 
 namespace {
 
-// Written without a branch and without fused products, so that compilers vectorise it
-// and every tier gives the same bits.
-inline __attribute__((always_inline)) void
+// Compilers vectorise it: no branch, and no fused products, so that every tier gives
+// the same bits.
+void
 assign(const SlicRow& row, const SlicCentre& centre, int label, int first, int end,
        float spatial_weight)
 {
-  const float* __restrict const l = row.lab[0];
-  const float* __restrict const a = row.lab[1];
-  const float* __restrict const b = row.lab[2];
-  float* __restrict const distances = row.distances;
-  int* __restrict const labels = row.labels;
+  const float* HWY_RESTRICT const l = row.lab[0];
+  const float* HWY_RESTRICT const a = row.lab[1];
+  const float* HWY_RESTRICT const b = row.lab[2];
+  float* HWY_RESTRICT const distances = row.distances;
+  int* HWY_RESTRICT const labels = row.labels;
   const float dy = row.y - centre.y;
   const float row_distance = spatial_weight * (dy * dy);
   for (int x = first; x < end; ++x) {
@@ -36,43 +43,19 @@ assign(const SlicRow& row, const SlicCentre& centre, int label, int first, int e
   }
 }
 
-void
-assignPlain(const SlicRow& row, const SlicCentre& centre, int label, int first, int end,
-            float spatial_weight)
-{
-  assign(row, centre, label, first, end, spatial_weight);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) void
-assignAvx2(const SlicRow& row, const SlicCentre& centre, int label, int first, int end,
-           float spatial_weight)
-{
-  assign(row, centre, label, first, end, spatial_weight);
-}
-
-__attribute__((
-    target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width=512"))) void
-assignAvx512(const SlicRow& row, const SlicCentre& centre, int label, int first,
-             int end, float spatial_weight)
-{
-  assign(row, centre, label, first, end, spatial_weight);
-}
-#endif
-
 } // namespace
+
+} // namespace pcl_semantic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_semantic {
 
 AssignSlicRow
 slicAssignment(SimdTier tier)
 {
-#if defined(__x86_64__)
-  if (tier == SimdTier::avx512)
-    return assignAvx512;
-  if (tier == SimdTier::avx2)
-    return assignAvx2;
-#endif
-  static_cast<void>(tier);
-  return assignPlain;
+  return PCL_SEMANTIC_OF_TIER(tier, assign);
 }
 
 } // namespace pcl_semantic
+#endif

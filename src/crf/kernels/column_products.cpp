@@ -6,145 +6,119 @@
 
 #include "column_products.h"
 
-#include "lanes.h"
+#include "fetch_ahead.h"
 
 #include <pcl_semantic/core/simd_choice.h>
 
-namespace pcl_semantic {
+#define HWY_TARGET_INCLUDE "crf/kernels/column_products.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_semantic::HWY_NAMESPACE {
 
 namespace {
 
-PCL_SEMANTIC_INLINE std::int64_t
-bitsOf(double value)
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The value where a factor is zero, 0 elsewhere.
+template <typename D>
+HWY_INLINE hn::Vec<D>
+whereZero(D d, hn::Vec<D> factor, float value)
 {
-  return __builtin_bit_cast(std::int64_t, value);
+  return hn::IfThenElseZero(hn::Eq(factor, hn::Zero(d)), hn::Set(d, value));
 }
 
-// The value where the mask is -1, 0 where it is 0. Masks instead of conditions:
-// compilers make branches of those.
-PCL_SEMANTIC_INLINE double
-masked(double value, std::int64_t mask)
+// Rows that are multiplied at once: 8 or 16.
+template <std::size_t Rows>
+HWY_INLINE void
+multiplyOf(const std::int32_t* indices, std::size_t count, std::size_t readable,
+           const float* columns, std::size_t stride, double* product)
 {
-  return __builtin_bit_cast(double, bitsOf(value) & mask);
-}
-
-// -1 if a value that is not negative is zero, else 0.
-PCL_SEMANTIC_INLINE std::int64_t
-isZero(double value)
-{
-  return (bitsOf(value) - 1) >> 63;
-}
-
-template <std::size_t Lanes>
-PCL_SEMANTIC_INLINE void
-multiplyBody(const std::int32_t* indices, std::size_t count, std::size_t readable,
-             const float* __restrict columns, std::size_t stride,
-             double* __restrict product)
-{
-  for (std::size_t l = 0; l < stride; l += Lanes) {
-    alignas(64) double part[Lanes];
-    alignas(64) double zeros[Lanes] = {};
-#pragma GCC unroll 1
-    for (std::size_t k = 0; k < Lanes; ++k)
-      part[k] = 1.0;
+  const hn::CappedTag<double, Rows> d;
+  const hn::Rebind<float, decltype(d)> df;
+  const hn::RebindToSigned<decltype(d)> di;
+  const auto least = hn::BitCast(di, hn::Set(d, 1e-200));
+  constexpr std::size_t lanes = hn::MaxLanes(d), parts = Rows / lanes;
+  for (std::size_t l = 0; l < stride; l += Rows) {
+    hn::Vec<decltype(d)> part[parts];
+    hn::Vec<decltype(df)> zeros[parts];
+    for (std::size_t k = 0; k < parts; ++k) {
+      part[k] = hn::Set(d, 1.0);
+      zeros[k] = hn::Zero(df);
+    }
     for (std::size_t e = 0; e < count; ++e) {
       const float* const column = columns + std::size_t(indices[e]) * stride + l;
       fetchAhead(indices, e, readable, columns + l, stride);
-#pragma GCC unroll 1
-      for (std::size_t k = 0; k < Lanes; ++k) {
-        const double factor = double(column[k]);
-        const double one = masked(1.0, isZero(factor)); // in place of a zero
-        zeros[k] += one;
-        part[k] *= factor + one;
-        part[k] = masked(part[k], (bitsOf(1e-200) - bitsOf(part[k])) >> 63);
+      for (std::size_t k = 0; k < parts; ++k) {
+        const auto factor = hn::LoadU(df, column + k * lanes);
+        const auto one = whereZero(df, factor, 1.0f);
+        zeros[k] = hn::Add(zeros[k], one);
+        part[k] = hn::Mul(part[k], hn::PromoteTo(d, hn::Add(factor, one)));
+        // What is below becomes zero, in integers: the next factor waits for it, and
+        // masks of AVX-512 come late.
+        const auto less = hn::Sub(least, hn::BitCast(di, part[k]));
+        part[k] = hn::And(part[k], hn::BitCast(d, hn::BroadcastSignBit(less)));
       }
     }
-#pragma GCC unroll 1
-    for (std::size_t k = 0; k < Lanes; ++k) {
-      const double sign = zeros[k] == 0.0 ? 1.0 : -1.0;
-      product[l + k] = zeros[k] < 1.5 ? sign * part[k] : 0.0;
+    for (std::size_t k = 0; k < parts; ++k) {
+      const auto n = hn::PromoteTo(d, zeros[k]);
+      const auto one = hn::IfThenElseZero(hn::Eq(n, hn::Set(d, 1.0)), hn::Neg(part[k]));
+      hn::StoreU(hn::IfThenElse(hn::Eq(n, hn::Zero(d)), part[k], one), d,
+                 product + l + k * lanes);
     }
   }
 }
 
-template <std::size_t Lanes>
-PCL_SEMANTIC_INLINE void
-addWithoutBody(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
-               const double* __restrict products, const float* __restrict factors,
-               std::size_t stride, float* __restrict result)
+void
+multiply(const std::int32_t* indices, std::size_t count, std::size_t readable,
+         const float* columns, std::size_t stride, double* product)
 {
+  if (stride == 8)
+    multiplyOf<8>(indices, count, readable, columns, 8, product);
+  else
+    multiplyOf<16>(indices, count, readable, columns, stride, product);
+}
+
+void
+addWithout(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
+           const double* products, const float* factors, std::size_t stride,
+           float* result)
+{
+  const hn::CappedTag<double, 8> d;
+  const hn::Rebind<float, decltype(d)> df;
   for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t e = starts[r]; e < starts[r + 1]; ++e) {
-      const double* const product = products + std::size_t(indices[e]) * stride;
-      for (std::size_t l = 0; l < stride; l += Lanes)
-#pragma GCC unroll 1
-        for (std::size_t k = 0; k < Lanes; ++k) {
-          const double factor = double(factors[r * stride + l + k]);
-          const std::int64_t zero = isZero(factor);
-          const double divisor = factor + masked(-1.0, zero);
-          const double without = product[l + k] / divisor;
-          // Negative: a zero is among the other factors.
-          result[r * stride + l + k] +=
-              float(masked(without, ~(bitsOf(without) >> 63)));
-        }
+    for (std::size_t l = 0; l < stride; l += hn::MaxLanes(d)) {
+      const auto factor = hn::LoadU(df, factors + r * stride + l);
+      const auto divisor =
+          hn::PromoteTo(d, hn::Add(factor, whereZero(df, factor, -1.0f)));
+      auto sum = hn::LoadU(df, result + r * stride + l);
+      const std::size_t end = starts[r + 1];
+      for (std::size_t e = starts[r]; e < end; ++e) {
+        const double* const product = products + std::size_t(indices[e]) * stride + l;
+        const auto without = hn::Div(hn::LoadU(d, product), divisor);
+        // Negative: a zero is among the other factors.
+        const auto negative = hn::Le(without, hn::Zero(d));
+        sum = hn::Add(sum, hn::DemoteTo(df, hn::IfThenZeroElse(negative, without)));
+      }
+      hn::StoreU(sum, df, result + r * stride + l);
     }
 }
 
-void
-multiplyPlain(const std::int32_t* indices, std::size_t count, std::size_t readable,
-              const float* columns, std::size_t stride, double* product)
-{
-  multiplyBody<2>(indices, count, readable, columns, stride, product);
-}
-
-PCL_SEMANTIC_AVX2 void
-multiplyAvx2(const std::int32_t* indices, std::size_t count, std::size_t readable,
-             const float* columns, std::size_t stride, double* product)
-{
-  multiplyBody<4>(indices, count, readable, columns, stride, product);
-}
-
-PCL_SEMANTIC_AVX512 void
-multiplyAvx512(const std::int32_t* indices, std::size_t count, std::size_t readable,
-               const float* columns, std::size_t stride, double* product)
-{
-  multiplyBody<8>(indices, count, readable, columns, stride, product);
-}
-
-void
-addWithoutPlain(const std::size_t* starts, const std::int32_t* indices,
-                std::size_t rows, const double* products, const float* factors,
-                std::size_t stride, float* result)
-{
-  addWithoutBody<2>(starts, indices, rows, products, factors, stride, result);
-}
-
-PCL_SEMANTIC_AVX2 void
-addWithoutAvx2(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
-               const double* products, const float* factors, std::size_t stride,
-               float* result)
-{
-  addWithoutBody<4>(starts, indices, rows, products, factors, stride, result);
-}
-
-PCL_SEMANTIC_AVX512 void
-addWithoutAvx512(const std::size_t* starts, const std::int32_t* indices,
-                 std::size_t rows, const double* products, const float* factors,
-                 std::size_t stride, float* result)
-{
-  addWithoutBody<8>(starts, indices, rows, products, factors, stride, result);
-}
-
-constexpr ColumnProducts plain{multiplyPlain, addWithoutPlain};
-constexpr ColumnProducts avx2{multiplyAvx2, addWithoutAvx2};
-constexpr ColumnProducts avx512{multiplyAvx512, addWithoutAvx512};
+constexpr ColumnProducts loops{multiply, addWithout};
 
 } // namespace
+
+} // namespace pcl_semantic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_semantic {
 
 const ColumnProducts&
 columnProductsFor(SimdTier tier)
 {
-  return ofTier(tier, plain, avx2, avx512);
+  return PCL_SEMANTIC_OF_TIER(tier, loops);
 }
 
 const ColumnProducts&
@@ -155,3 +129,4 @@ columnProducts()
 }
 
 } // namespace pcl_semantic
+#endif

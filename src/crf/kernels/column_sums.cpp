@@ -6,108 +6,102 @@
 
 #include "column_sums.h"
 
-#include "lanes.h"
+#include "fetch_ahead.h"
 
 #include <pcl_semantic/core/simd_choice.h>
 
-namespace pcl_semantic {
+#define HWY_TARGET_INCLUDE "crf/kernels/column_sums.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_semantic::HWY_NAMESPACE {
 
 namespace {
 
-template <std::size_t Lanes>
-PCL_SEMANTIC_INLINE void
-addBody(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
-        const float* __restrict columns, std::size_t stride, float* __restrict result)
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Rows that are summed at once: 8 or 16.
+template <std::size_t Rows>
+HWY_INLINE void
+addOf(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
+      const float* columns, std::size_t stride, float* result)
 {
-  for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t e = starts[r]; e < starts[r + 1]; ++e) {
+  const hn::CappedTag<float, Rows> d;
+  for (std::size_t r = 0; r < rows; ++r) {
+    float* const sum = result + r * stride;
+    const std::size_t end = starts[r + 1];
+    for (std::size_t e = starts[r]; e < end; ++e) {
       const float* const column = columns + std::size_t(indices[e]) * stride;
-      float* const sum = result + r * stride;
-      for (std::size_t l = 0; l < stride; l += Lanes)
-#pragma GCC unroll 1
-        for (std::size_t k = 0; k < Lanes; ++k)
-          sum[l + k] += column[l + k];
+      for (std::size_t l = 0; l < stride; l += Rows)
+        for (std::size_t k = l; k < l + Rows; k += hn::MaxLanes(d))
+          hn::StoreU(hn::Add(hn::LoadU(d, sum + k), hn::LoadU(d, column + k)), d,
+                     sum + k);
     }
+  }
 }
 
-template <std::size_t Lanes>
-PCL_SEMANTIC_INLINE void
-sumBody(const std::int32_t* indices, std::size_t count, std::size_t readable,
-        const float* __restrict columns, std::size_t stride, double* __restrict sum)
+template <std::size_t Rows>
+HWY_INLINE void
+sumOf(const std::int32_t* indices, std::size_t count, std::size_t readable,
+      const float* columns, std::size_t stride, double* sum)
 {
-  for (std::size_t l = 0; l < stride; l += Lanes) {
-    alignas(64) double part[Lanes] = {};
+  const hn::CappedTag<double, Rows> d;
+  const hn::Rebind<float, decltype(d)> df;
+  constexpr std::size_t lanes = hn::MaxLanes(d);
+  for (std::size_t l = 0; l < stride; l += Rows) {
+    hn::Vec<decltype(d)> parts[Rows / lanes];
+    for (auto& part : parts)
+      part = hn::Zero(d);
     for (std::size_t e = 0; e < count; ++e) {
-      const float* const column = columns + std::size_t(indices[e]) * stride + l;
+      const float* column = columns + std::size_t(indices[e]) * stride + l;
       fetchAhead(indices, e, readable, columns + l, stride);
-#pragma GCC unroll 1
-      for (std::size_t k = 0; k < Lanes; ++k)
-        part[k] += double(column[k]);
+      for (auto& part : parts) {
+        part = hn::Add(part, hn::PromoteTo(d, hn::LoadU(df, column)));
+        column += lanes;
+      }
     }
-#pragma GCC unroll 1
-    for (std::size_t k = 0; k < Lanes; ++k)
-      sum[l + k] = part[k];
+    for (std::size_t k = 0; k < Rows / lanes; ++k)
+      hn::StoreU(parts[k], d, sum + l + k * lanes);
   }
 }
 
 void
-addPlain(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
-         const float* columns, std::size_t stride, float* result)
-{
-  addBody<4>(starts, indices, rows, columns, stride, result);
-}
-
-PCL_SEMANTIC_AVX2 void
-addAvx2(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
-        const float* columns, std::size_t stride, float* result)
-{
-  addBody<8>(starts, indices, rows, columns, stride, result);
-}
-
-PCL_SEMANTIC_AVX512 void
-addAvx512(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
-          const float* columns, std::size_t stride, float* result)
+add(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
+    const float* columns, std::size_t stride, float* result)
 {
   if (stride == 8)
-    addBody<8>(starts, indices, rows, columns, 8, result);
+    addOf<8>(starts, indices, rows, columns, 8, result);
+  else if (stride == 16)
+    addOf<16>(starts, indices, rows, columns, 16, result);
   else
-    addBody<16>(starts, indices, rows, columns, stride, result);
+    addOf<16>(starts, indices, rows, columns, stride, result);
 }
 
 void
-sumPlain(const std::int32_t* indices, std::size_t count, std::size_t readable,
-         const float* columns, std::size_t stride, double* sum)
-{
-  sumBody<4>(indices, count, readable, columns, stride, sum);
-}
-
-PCL_SEMANTIC_AVX2 void
-sumAvx2(const std::int32_t* indices, std::size_t count, std::size_t readable,
-        const float* columns, std::size_t stride, double* sum)
-{
-  sumBody<8>(indices, count, readable, columns, stride, sum);
-}
-
-PCL_SEMANTIC_AVX512 void
-sumAvx512(const std::int32_t* indices, std::size_t count, std::size_t readable,
-          const float* columns, std::size_t stride, double* sum)
+sum(const std::int32_t* indices, std::size_t count, std::size_t readable,
+    const float* columns, std::size_t stride, double* sums)
 {
   if (stride == 8)
-    sumBody<8>(indices, count, readable, columns, 8, sum);
+    sumOf<8>(indices, count, readable, columns, 8, sums);
   else
-    sumBody<16>(indices, count, readable, columns, stride, sum);
+    sumOf<16>(indices, count, readable, columns, stride, sums);
 }
 
-constexpr ColumnSums plain{addPlain, sumPlain};
-constexpr ColumnSums avx2{addAvx2, sumAvx2};
-constexpr ColumnSums avx512{addAvx512, sumAvx512};
+constexpr ColumnSums loops{add, sum};
 
 } // namespace
+
+} // namespace pcl_semantic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_semantic {
 
 const ColumnSums&
 columnSumsFor(SimdTier tier)
 {
-  return ofTier(tier, plain, avx2, avx512);
+  return PCL_SEMANTIC_OF_TIER(tier, loops);
 }
 
 const ColumnSums&
@@ -118,3 +112,4 @@ columnSums()
 }
 
 } // namespace pcl_semantic
+#endif

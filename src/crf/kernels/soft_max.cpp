@@ -6,143 +6,181 @@
 
 #include "soft_max.h"
 
-#include "lanes.h"
-
 #include <pcl_semantic/core/simd_choice.h>
 
-namespace pcl_semantic {
+#define HWY_TARGET_INCLUDE "crf/kernels/soft_max.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_semantic::HWY_NAMESPACE {
 
 namespace {
 
-// exp(-a) for a >= 0, 0 from a = 55: 2^n e^r with n = round(-a / ln 2) and |r| <= ln 2
-// /
-// 2. (e^r - 1 - r) / r^2 is the polynomial of degree 4 with the least largest error of
-// the whole (3e-9; Remez). Masks instead of conditions: compilers make branches of
-// those.
-template <bool UsesFma>
-PCL_SEMANTIC_INLINE float
-exponentialOfMinus(float a)
+namespace hn = hwy::HWY_NAMESPACE;
+
+// exp(-a) for a >= 0, 0 from a = 55: 2^n e^r with n = round(-a / ln 2) and
+// |r| <= ln 2 / 2. (e^r - 1 - r) / r^2 is the polynomial of degree 4 with the least
+// largest error of the whole (3e-9; Remez), in pairs: short ways from r to its end.
+template <typename D>
+HWY_INLINE hn::Vec<D>
+exponentialOfMinus(D d, hn::Vec<D> a)
 {
-  constexpr float rounder = 12582912.0f; // 1.5 * 2^23: the unit of its last bit is 1
-  const float rounded = multiplyAdd<UsesFma>(a, -1.44269504f, rounder);
-  const float n = rounded - rounder;
-  float r = multiplyAdd<UsesFma>(n, -0.693359375f, -a); // ln 2 in two parts
-  r = multiplyAdd<UsesFma>(n, 2.12194440e-4f, r);
-  float sum = 1.38146133e-3f;
-  sum = multiplyAdd<UsesFma>(sum, r, 8.36870982e-3f);
-  sum = multiplyAdd<UsesFma>(sum, r, 4.16683874e-2f);
-  sum = multiplyAdd<UsesFma>(sum, r, 1.66665207e-1f);
-  sum = multiplyAdd<UsesFma>(sum, r, 4.99999935e-1f);
-  sum = multiplyAdd<UsesFma>(sum, r * r, r) + 1.0f;
-  const unsigned power = (__builtin_bit_cast(unsigned, rounded) + 127u) << 23;
-  const float value = sum * __builtin_bit_cast(float, power);
-  const int keep = (__builtin_bit_cast(int, a) - __builtin_bit_cast(int, 55.0f)) >> 31;
-  return __builtin_bit_cast(float, __builtin_bit_cast(int, value) & keep);
+  const hn::RebindToUnsigned<D> du;
+  const auto timesPlus = [d](auto x, float factor, auto y) HWY_ATTR {
+    return hn::Add(hn::Mul(x, hn::Set(d, factor)), y);
+  };
+  // 1.5 * 2^23, so that the last bit counts ones, and the offset of an exponent's bits
+  const auto rounder = hn::Set(d, 12582912.0f + 127.0f);
+  const auto rounded = timesPlus(a, -1.44269504f, rounder);
+  const auto n = hn::Sub(rounded, rounder);
+  // ln 2 in two parts, the first of so few bits that its products are exact
+  const auto r =
+      timesPlus(n, 2.12194440e-4f, hn::Sub(hn::Mul(n, hn::Set(d, -0.693359375f)), a));
+  const auto square = hn::Mul(r, r);
+  const auto low = timesPlus(r, 1.66665207e-1f, hn::Set(d, 4.99999935e-1f));
+  const auto high = timesPlus(square, 1.38146133e-3f,
+                              timesPlus(r, 8.36870982e-3f, hn::Set(d, 4.16683874e-2f)));
+  const auto sum =
+      hn::Add(hn::Add(hn::Mul(hn::Add(hn::Mul(high, square), low), square), r),
+              hn::Set(d, 1.0f));
+  const auto power = hn::BitCast(d, hn::ShiftLeft<23>(hn::BitCast(du, rounded)));
+  return hn::IfThenElseZero(hn::Lt(a, hn::Set(d, 55.0f)), hn::Mul(sum, power));
 }
 
-PCL_SEMANTIC_INLINE float
-largerOf(float a, float b)
-{
-  return a > b ? a : b;
-}
-
-template <std::size_t Half>
-PCL_SEMANTIC_INLINE float
-largestOf(float* values)
-{
-#pragma GCC unroll 1
-  for (std::size_t k = 0; k < Half; ++k)
-    values[k] = largerOf(values[k + Half], values[k]);
-  if constexpr (Half > 1)
-    return largestOf<Half / 2>(values);
-  return values[0];
-}
-
-template <std::size_t Half>
-PCL_SEMANTIC_INLINE float
-sumOf(float* values)
-{
-#pragma GCC unroll 1
-  for (std::size_t k = 0; k < Half; ++k)
-    values[k] += values[k + Half];
-  if constexpr (Half > 1)
-    return sumOf<Half / 2>(values);
-  return values[0];
-}
-
-// A column goes through the cache three times: largest exponent, exponentials and their
-// sum, probabilities.
-template <bool UsesFma, std::size_t Lanes>
-PCL_SEMANTIC_INLINE float
-softMaxBody(const float* __restrict costs, float* __restrict messages,
-            float* __restrict marginals, std::size_t columns, std::size_t stride)
-{
-  alignas(64) float change[Lanes] = {};
-  for (std::size_t i = 0; i < columns; ++i) {
-    const float* const cost = costs + i * stride;
-    float* const message = messages + i * stride;
-    float* const marginal = marginals + i * stride;
-    alignas(64) float largest[Lanes];
-#pragma GCC unroll 1
-    for (std::size_t k = 0; k < Lanes; ++k)
-      largest[k] = message[k] - cost[k];
-    for (std::size_t l = Lanes; l < stride; l += Lanes)
-#pragma GCC unroll 1
-      for (std::size_t k = 0; k < Lanes; ++k)
-        largest[k] = largerOf(message[l + k] - cost[l + k], largest[k]);
-    const float top = largestOf<Lanes / 2>(largest);
-    alignas(64) float sum[Lanes] = {};
-    for (std::size_t l = 0; l < stride; l += Lanes)
-#pragma GCC unroll 1
-      for (std::size_t k = 0; k < Lanes; ++k) {
-        message[l + k] =
-            exponentialOfMinus<UsesFma>(top - (message[l + k] - cost[l + k]));
-        sum[k] += message[l + k];
-      }
-    const float scale = 1.0f / sumOf<Lanes / 2>(sum);
-    for (std::size_t l = 0; l < stride; l += Lanes)
-#pragma GCC unroll 1
-      for (std::size_t k = 0; k < Lanes; ++k) {
-        const float probability = message[l + k] * scale;
-        change[k] = largerOf(__builtin_fabsf(probability - marginal[l + k]), change[k]);
-        marginal[l + k] = probability;
-        message[l + k] = 0.0f;
-      }
+struct Larger {
+  template <typename V>
+  HWY_INLINE V
+  operator()(V a, V b) const
+  {
+    return hn::Max(a, b);
   }
-  return largestOf<Lanes / 2>(change);
+};
+
+struct Sum {
+  template <typename V>
+  HWY_INLINE V
+  operator()(V a, V b) const
+  {
+    return hn::Add(a, b);
+  }
+};
+
+// Halves with each other until one value is left: always in the same order, whatever
+// lanes a vector has.
+template <typename Join, typename D>
+HWY_INLINE float
+joinedLanes(D d, hn::Vec<D> v)
+{
+  const Join join;
+  if constexpr (hn::MaxLanes(d) > 4) {
+    const hn::Half<D> half;
+    return joinedLanes<Join>(half,
+                             join(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  }
+  else {
+    v = join(v, hn::Shuffle1032(v));
+    return hn::GetLane(join(v, hn::Shuffle2301(v)));
+  }
+}
+
+template <typename Join, typename D, std::size_t Parts>
+HWY_INLINE float
+joined(D d, hn::Vec<D> (&parts)[Parts])
+{
+  for (std::size_t half = Parts / 2; half > 0; half /= 2)
+    for (std::size_t k = 0; k < half; ++k)
+      parts[k] = Join()(parts[k], parts[k + half]);
+  return joinedLanes<Join>(d, parts[0]);
+}
+
+// Columns next to each other, Rows of each at once: one column alone would have the
+// processor wait for one result after the other. They go through the cache three times:
+// largest exponent, exponentials and their sum, probabilities.
+template <std::size_t Rows, std::size_t Columns, typename V, std::size_t Parts>
+HWY_INLINE void
+softMaxColumns(const float* HWY_RESTRICT cost, float* HWY_RESTRICT message,
+               float* HWY_RESTRICT marginal, std::size_t stride, V (&changes)[Parts])
+{
+  const hn::CappedTag<float, Rows> d;
+  const auto exponent = [&](std::size_t at) HWY_ATTR {
+    return hn::Sub(hn::LoadU(d, message + at), hn::LoadU(d, cost + at));
+  };
+  const auto forAll = [&](std::size_t first, std::size_t end, auto act) HWY_ATTR {
+    for (std::size_t l = first; l < end; l += Rows)
+      for (std::size_t c = 0; c < Columns; ++c)
+        for (std::size_t k = 0; k < Parts; ++k)
+          act(c, k, c * stride + l + k * hn::MaxLanes(d));
+  };
+  V largest[Columns][Parts], sum[Columns][Parts], top[Columns], scale[Columns];
+  forAll(0, Rows, [&](std::size_t c, std::size_t k, std::size_t at) HWY_ATTR {
+    largest[c][k] = exponent(at);
+    sum[c][k] = hn::Zero(d);
+  });
+  forAll(Rows, stride, [&](std::size_t c, std::size_t k, std::size_t at) HWY_ATTR {
+    largest[c][k] = hn::Max(exponent(at), largest[c][k]);
+  });
+  for (std::size_t c = 0; c < Columns; ++c)
+    top[c] = hn::Set(d, joined<Larger>(d, largest[c]));
+  forAll(0, stride, [&](std::size_t c, std::size_t k, std::size_t at) HWY_ATTR {
+    const auto value = exponentialOfMinus(d, hn::Sub(top[c], exponent(at)));
+    hn::StoreU(value, d, message + at);
+    sum[c][k] = hn::Add(sum[c][k], value);
+  });
+  for (std::size_t c = 0; c < Columns; ++c)
+    scale[c] = hn::Set(d, 1.0f / joined<Sum>(d, sum[c]));
+  forAll(0, stride, [&](std::size_t c, std::size_t k, std::size_t at) HWY_ATTR {
+    const auto probability = hn::Mul(hn::LoadU(d, message + at), scale[c]);
+    const auto change = hn::Abs(hn::Sub(probability, hn::LoadU(d, marginal + at)));
+    changes[k] = hn::Max(change, changes[k]);
+    hn::StoreU(probability, d, marginal + at);
+    hn::StoreU(hn::Zero(d), d, message + at);
+  });
+}
+
+template <std::size_t Rows>
+HWY_INLINE float
+softMaxOf(const float* costs, float* messages, float* marginals, std::size_t columns,
+          std::size_t stride)
+{
+  const hn::CappedTag<float, Rows> d;
+  hn::Vec<decltype(d)> change[Rows / hn::MaxLanes(d)];
+  for (auto& part : change)
+    part = hn::Zero(d);
+  std::size_t i = 0;
+  // Four long columns would be more streams than the processor fetches ahead.
+  for (; stride <= 64 && i + 4 <= columns; i += 4)
+    softMaxColumns<Rows, 4>(costs + i * stride, messages + i * stride,
+                            marginals + i * stride, stride, change);
+  for (; i < columns; ++i)
+    softMaxColumns<Rows, 1>(costs + i * stride, messages + i * stride,
+                            marginals + i * stride, stride, change);
+  return joined<Larger>(d, change);
 }
 
 float
-softMaxPlain(const float* costs, float* messages, float* marginals, std::size_t columns,
-             std::size_t stride)
-{
-  return softMaxBody<false, 4>(costs, messages, marginals, columns, stride);
-}
-
-PCL_SEMANTIC_AVX2 float
-softMaxAvx2(const float* costs, float* messages, float* marginals, std::size_t columns,
+softMaxLoop(const float* costs, float* messages, float* marginals, std::size_t columns,
             std::size_t stride)
 {
-  return softMaxBody<true, 8>(costs, messages, marginals, columns, stride);
-}
-
-PCL_SEMANTIC_AVX512 float
-softMaxAvx512(const float* costs, float* messages, float* marginals,
-              std::size_t columns, std::size_t stride)
-{
   if (stride == 8)
-    return softMaxBody<true, 8>(costs, messages, marginals, columns, 8);
-  if (stride == 16)
-    return softMaxBody<true, 16>(costs, messages, marginals, columns, 16);
-  return softMaxBody<true, 16>(costs, messages, marginals, columns, stride);
+    return softMaxOf<8>(costs, messages, marginals, columns, 8);
+  if (stride == 16) // nothing goes through memory
+    return softMaxOf<16>(costs, messages, marginals, columns, 16);
+  return softMaxOf<16>(costs, messages, marginals, columns, stride);
 }
 
 } // namespace
 
+} // namespace pcl_semantic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_semantic {
+
 SoftMax
 softMaxFor(SimdTier tier)
 {
-  return ofTier(tier, softMaxPlain, softMaxAvx2, softMaxAvx512);
+  return PCL_SEMANTIC_OF_TIER(tier, softMaxLoop);
 }
 
 float
@@ -154,3 +192,4 @@ softMax(const float* costs, float* messages, float* marginals, std::size_t colum
 }
 
 } // namespace pcl_semantic
+#endif

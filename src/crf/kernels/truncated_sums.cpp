@@ -10,69 +10,481 @@
 
 #include <pcl_semantic/core/simd_choice.h>
 
-#include <algorithm>
+#define HWY_TARGET_INCLUDE "crf/kernels/truncated_sums.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
-namespace pcl_semantic::kernels {
+// So that every tier gives the same bits, no products are fused with sums, and these go
+// in the same order whatever the number of lanes.
+HWY_BEFORE_NAMESPACE();
+namespace pcl_semantic::kernels::HWY_NAMESPACE {
 
 namespace {
 
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t half_block = pair_block / 2; // as many floats as a sum has lanes
+
+constexpr hn::CappedTag<float, half_block> d;
+constexpr hn::RebindToUnsigned<decltype(d)> du;
+constexpr std::size_t lanes = hn::MaxLanes(d);
+constexpr std::size_t vectors = half_block / lanes;
+using Floats = hn::Vec<decltype(d)>;
+using Words = hn::Vec<decltype(du)>;
+
 // Floats between two arrays of scratch: a run may be written whole at the end of one.
-constexpr std::size_t
+HWY_INLINE std::size_t
 scratchStride(std::size_t length)
 {
   return strideOf(length) + longest_run;
 }
 
-namespace plain {
-#define PCL_SEMANTIC_TARGET
-#define PCL_SEMANTIC_LANES 4
-#include "float_lanes_tier.hpp"
-#include "truncated_product_tier.hpp"
-#include "truncated_sums_tier.hpp"
-constexpr TruncatedSums loops = {sumTerms, makeWeights, addProduct};
-#undef PCL_SEMANTIC_INLINE
-#undef PCL_SEMANTIC_TARGET
-#undef PCL_SEMANTIC_LANES
-} // namespace plain
+// Behind the last pair, up to a whole block.
+HWY_INLINE void
+fillRest(float* line, std::size_t length, float value)
+{
+  for (std::size_t e = length; e < strideOf(length); ++e)
+    line[e] = value;
+}
 
-namespace avx2 {
-#define PCL_SEMANTIC_TARGET __attribute__((target("avx2,fma")))
-#define PCL_SEMANTIC_LANES 8
-#include "float_lanes_tier.hpp"
-#include "truncated_product_tier.hpp"
-#include "truncated_sums_tier.hpp"
-constexpr TruncatedSums loops = {sumTerms, makeWeights, addProduct};
-#undef PCL_SEMANTIC_INLINE
-#undef PCL_SEMANTIC_TARGET
-#undef PCL_SEMANTIC_LANES
-} // namespace avx2
+HWY_INLINE Floats
+squared(Floats value)
+{
+  return hn::Mul(value, value);
+}
 
-namespace avx512 {
-#define PCL_SEMANTIC_TARGET                                                            \
-  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
-                        "512")))
-#define PCL_SEMANTIC_LANES 16
-#include "float_lanes_tier.hpp"
-#include "truncated_product_tier.hpp"
-#include "truncated_sums_tier.hpp"
+HWY_INLINE Floats
+squaredDifference(const float* values, float from)
+{
+  return squared(hn::Sub(hn::LoadU(d, values), hn::Set(d, from)));
+}
+
+constexpr float most_halvings = 126.0f; // that leave no denormal number
+
+// 2^-v for 0 <= v <= most_halvings, to 8e-5 (Remez): enough for weights of 8 bits.
+HWY_INLINE Floats
+halved(Floats v)
+{
+  const auto magic = hn::Set(d, 12582912.0f); // 1.5 * 2^23: such sums are integers
+  const auto shifted = hn::Sub(magic, v);
+  const auto fraction = hn::Sub(hn::Sub(magic, shifted), v);
+  auto power = hn::Mul(fraction, hn::Set(d, 0.0551716691f));
+  power = hn::Mul(hn::Add(power, hn::Set(d, 0.2426111222f)), fraction);
+  power = hn::Mul(hn::Add(power, hn::Set(d, 0.6932609855f)), fraction);
+  power = hn::Add(power, hn::Set(d, 0.9999280735f));
+  return hn::BitCast(
+      d, hn::Add(hn::BitCast(du, power), hn::ShiftLeft<23>(hn::BitCast(du, shifted))));
+}
+
+// Two vectors of bfloat16 in one: first in the lower halves, second in the upper ones.
+HWY_INLINE Words
+pack(Floats first, Floats second)
+{
+  const auto half = hn::Set(du, 0x8000); // to the nearest
+  return hn::Or(
+      hn::ShiftRight<16>(hn::Add(hn::BitCast(du, first), half)),
+      hn::And(hn::Add(hn::BitCast(du, second), half), hn::Set(du, 0xFFFF0000u)));
+}
+
+HWY_INLINE Floats
+firstOf(Words packed)
+{
+  return hn::BitCast(d, hn::ShiftLeft<16>(packed));
+}
+
+HWY_INLINE Floats
+secondOf(Words packed)
+{
+  return hn::BitCast(d, hn::And(packed, hn::Set(du, 0xFFFF0000u)));
+}
+
+// A line of values of pairs, of whole blocks, from words.
+HWY_INLINE void
+unpackLine(const std::uint32_t* words, std::size_t length, float* line)
+{
+  for (std::size_t e = 0; e < length; e += pair_block)
+    for (std::size_t k = e; k < e + half_block; k += lanes, words += lanes) {
+      hwy::Prefetch(words + 192); // else a sixth of the time goes in waiting
+      const Words both = hn::LoadU(du, words);
+      hn::StoreU(firstOf(both), d, line + k);
+      hn::StoreU(secondOf(both), d, line + k + half_block);
+    }
+}
+
+// Sums over every sixteenth pair.
+struct Sums {
+  Floats values[vectors];
+
+  HWY_INLINE
+  Sums()
+  {
+    for (Floats& value : values)
+      value = hn::Zero(d);
+  }
+
+  // Of pairs from the e-th on.
+  HWY_INLINE void
+  add(std::size_t e, Floats more)
+  {
+    Floats& sum = values[e / lanes % vectors];
+    sum = hn::Add(sum, more);
+  }
+
+  HWY_INLINE float
+  total() const
+  {
+    HWY_ALIGN float parts[half_block];
+    for (std::size_t v = 0; v < vectors; ++v)
+      hn::Store(values[v], d, parts + v * lanes);
+    const hn::FixedTag<float, 4> d4;
+    auto sum = hn::Add(hn::Add(hn::Load(d4, parts), hn::Load(d4, parts + 8)),
+                       hn::Add(hn::Load(d4, parts + 4), hn::Load(d4, parts + 12)));
+    sum = hn::Add(sum, hn::Shuffle1032(sum));
+    return hn::GetLane(hn::Add(sum, hn::Shuffle2301(sum)));
+  }
+};
+
+// Some arrays of the points at the pairs of a group, one after the other. Most runs are
+// short, so they are copied by a few floats at a time.
+template <int fixed>
+HWY_INLINE void
+gather(const PointsView& points, const GroupView& group, std::size_t first,
+       std::size_t any, float* scratch)
+{
+  const hn::FixedTag<float, 4> few;
+  const std::size_t from_stride = points.stride, stride = scratchStride(group.length);
+  const float* const arrays = points.arrays + first * from_stride;
+  const std::size_t count = fixed > 0 ? std::size_t(fixed) : any;
+  const auto copy = [&](const float* from, float* to) HWY_ATTR {
+    for (std::size_t a = 0; a < count; ++a, from += from_stride, to += stride)
+      hn::StoreU(hn::LoadU(few, from), few, to);
+  };
+  const std::uint32_t* const end = group.runs + group.count;
+  for (const std::uint32_t* run = group.runs; run != end; ++run) {
+    const float* const from = arrays + (*run >> run_length_bits);
+    const std::size_t length = *run & run_length_mask;
+    copy(from, scratch);
+    for (std::size_t k = hn::MaxLanes(few); k < length; k += hn::MaxLanes(few))
+      copy(from + k, scratch + k);
+    scratch += length;
+  }
+}
+
+HWY_INLINE void
+gatherArrays(const PointsView& points, const GroupView& group, std::size_t first,
+             std::size_t count, float* scratch)
+{
+  if (count == 6)
+    gather<6>(points, group, first, count, scratch);
+  else if (count == 5)
+    gather<5>(points, group, first, count, scratch);
+  else
+    gather<0>(points, group, first, count, scratch);
+}
+
+// Smoothness and appearance of three colours: these have loops of their own.
+HWY_INLINE bool
+areUsual(const PointsView& points)
+{
+  return points.count == 2 && points.terms[0].dimensions == 0 &&
+         points.terms[1].dimensions == 3;
+}
+
+HWY_INLINE Floats
+partOf(Floats squared_distance)
+{
+  return hn::IfThenElseZero(hn::Le(squared_distance, hn::Set(d, most_halvings)),
+                            halved(squared_distance));
+}
+
+// The colours of a point in variables that the compiler holds in registers.
+struct Colour {
+  float value[3];
+
+  HWY_INLINE
+  Colour(const PointsView& points, std::size_t point)
+  {
+    for (std::size_t k = 0; k < 3; ++k)
+      value[k] = points.arrays[(3 + k) * points.stride + point];
+  }
+
+  // What the colours at some pairs leave of the values there.
+  HWY_INLINE Floats
+  part(const float* gathered, std::size_t stride) const
+  {
+    const auto sum = hn::Add(squaredDifference(gathered, value[0]),
+                             squaredDifference(gathered + stride, value[1]));
+    return partOf(hn::Add(sum, squaredDifference(gathered + 2 * stride, value[2])));
+  }
+};
+
+// The same for the features of any term.
+HWY_INLINE Floats
+featurePart(const PointsView& points, int m, std::size_t point, const float* gathered,
+            std::size_t stride)
+{
+  const TermView& term = points.terms[m];
+  auto sum = hn::Zero(d);
+  for (std::size_t k = 0; k < std::size_t(term.dimensions); ++k)
+    sum = hn::Add(sum, squaredDifference(
+                           gathered + (term.first - 3 + k) * stride,
+                           points.arrays[(term.first + k) * points.stride + point]));
+  return partOf(sum);
+}
+
+// What the positions at some pairs leave: nothing beyond the radius.
+struct Nearness {
+  float x, y, z, scale, squared_radius;
+
+  HWY_INLINE
+  Nearness(const PointsView& points, std::size_t point)
+      : x(points.arrays[point]), y(points.arrays[points.stride + point]),
+        z(points.arrays[2 * points.stride + point]), scale(points.position_scale),
+        squared_radius(points.squared_radius)
+  {
+    if (squared_radius > most_halvings / scale)
+      squared_radius = most_halvings / scale;
+  }
+
+  HWY_INLINE Floats
+  part(const float* gathered, std::size_t stride) const
+  {
+    auto sum = hn::Add(squaredDifference(gathered, x),
+                       squaredDifference(gathered + stride, y));
+    sum = hn::Add(sum, squaredDifference(gathered + 2 * stride, z));
+    return hn::IfThenElseZero(hn::Le(sum, hn::Set(d, squared_radius)),
+                              halved(hn::Mul(sum, hn::Set(d, scale))));
+  }
+};
+
+void
+sumTerms(const PointsView& points, const GroupView& group, float* scratch, float* sums,
+         std::uint32_t* weights)
+{
+  const std::size_t stride = scratchStride(group.length), length = group.length;
+  gatherArrays(points, group, 0, points.features_end, scratch);
+  fillRest(scratch, length, 1e30f); // beyond every radius
+  const float* const features = scratch + 3 * stride;
+  float* const line = scratch + points.features_end * stride;
+  const bool usual = areUsual(points);
+  const std::size_t count = std::size_t(group.points);
+  for (std::size_t p = 0; p < count; ++p) {
+    const std::size_t point = group.point + p;
+    const Nearness nearness(points, point);
+    const auto eachPart = [&](auto use) HWY_ATTR {
+      for (std::size_t e = 0; e < length; e += pair_block)
+        for (std::size_t k = e; k < e + half_block; k += lanes, weights += lanes) {
+          const auto first = nearness.part(scratch + k, stride);
+          use(k, first);
+          auto second = hn::Zero(d);
+          if (e + half_block < length) {
+            second = nearness.part(scratch + k + half_block, stride);
+            use(k + half_block, second);
+          }
+          hn::StoreU(pack(first, second), du, weights);
+        }
+    };
+    if (usual) {
+      const Colour colour(points, point);
+      Sums smoothness, appearance;
+      eachPart([&](std::size_t e, Floats part) HWY_ATTR {
+        smoothness.add(e, part);
+        appearance.add(e, hn::Mul(part, colour.part(features + e, stride)));
+      });
+      sums[p] = smoothness.total();
+      sums[most_points + p] = appearance.total();
+      continue;
+    }
+    eachPart([&](std::size_t e, Floats part)
+                 HWY_ATTR { hn::StoreU(part, d, line + e); });
+    for (int m = 0; m < points.count; ++m) {
+      Sums values;
+      for (std::size_t e = 0; e < length; e += half_block)
+        for (std::size_t k = e; k < e + half_block; k += lanes)
+          values.add(k, hn::Mul(hn::LoadU(d, line + k),
+                                featurePart(points, m, point, features + k, stride)));
+      sums[std::size_t(m) * most_points + p] = values.total();
+    }
+  }
+}
+
+// No pair of a point with itself.
+HWY_INLINE void
+clearOwnWeights(const GroupView& group, std::uint32_t* weights)
+{
+  const std::size_t end = group.point + std::size_t(group.points);
+  std::size_t begin = 0; // of the run, in the pairs of a point
+  for (std::size_t r = 0; r < group.count; ++r) {
+    const std::size_t first = group.runs[r] >> run_length_bits;
+    const std::size_t length = group.runs[r] & run_length_mask;
+    if (first < end && first + length > group.point)
+      for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+        if (group.point + p - first < length) {
+          const std::size_t e = begin + group.point + p - first;
+          weights[p * strideOf(group.length) / 2 + e / pair_block * half_block +
+                  e % half_block] &=
+              e % pair_block < half_block ? 0xFFFF0000u : 0x0000FFFFu;
+        }
+    begin += length;
+  }
+}
+
+void
+makeWeights(const PointsView& points, const GroupView& group, float* scratch,
+            std::uint32_t* weights)
+{
+  const std::size_t stride = scratchStride(group.length), length = group.length;
+  const std::size_t features = points.features_end - 3;
+  const auto terms = std::size_t(points.count), count = std::size_t(group.points);
+  gatherArrays(points, group, 3, features + terms, scratch);
+  float* const right = scratch + features * stride;
+  for (std::size_t m = 0; m < terms; ++m)
+    fillRest(right + m * stride, length, 0.0f);
+  const bool usual = areUsual(points);
+  std::uint32_t* words = weights;
+  for (std::size_t p = 0; p < count; ++p) {
+    const std::size_t point = group.point + p;
+    const auto scaleParts = [&](auto factorAt) HWY_ATTR {
+      for (std::size_t e = 0; e < length; e += pair_block)
+        for (std::size_t k = e; k < e + half_block; k += lanes, words += lanes) {
+          const Words both = hn::LoadU(du, words);
+          const auto first = hn::Mul(firstOf(both), factorAt(k));
+          auto second = hn::Zero(d);
+          if (e + half_block < length)
+            second = hn::Mul(secondOf(both), factorAt(k + half_block));
+          hn::StoreU(pack(first, second), du, words);
+        }
+    };
+    if (usual) {
+      const Colour colour(points, point);
+      const auto smoothness = hn::Set(d, points.left[0][point]),
+                 appearance = hn::Set(d, points.left[1][point]);
+      scaleParts([&](std::size_t e) HWY_ATTR {
+        const auto like = hn::Mul(hn::LoadU(d, right + stride + e), appearance);
+        return hn::Add(hn::Mul(hn::LoadU(d, right + e), smoothness),
+                       hn::Mul(like, colour.part(scratch + e, stride)));
+      });
+    }
+    else
+      scaleParts([&](std::size_t e) HWY_ATTR {
+        auto sum = hn::Zero(d);
+        for (std::size_t m = 0; m < terms; ++m) {
+          const auto factor = hn::Mul(hn::LoadU(d, right + m * stride + e),
+                                      hn::Set(d, points.left[m][point]));
+          sum = hn::Add(sum, hn::Mul(factor, featurePart(points, int(m), point,
+                                                         scratch + e, stride)));
+        }
+        return sum;
+      });
+  }
+  clearOwnWeights(group, weights);
+}
+
+// The product for some points and some vectors of rows at a time, in enough sums for
+// the units that add.
+template <int points, int blocks>
+HWY_INLINE void
+addRows(const std::uint32_t* neighbours, const float* weights, std::size_t stride,
+        std::size_t length, const float* values, std::size_t rows, float* result)
+{
+  constexpr int ways = points >= 3 ? 1 : points == 2 ? 2 : 4;
+  Floats sums[ways][points][blocks];
+  for (auto& of_way : sums)
+    for (auto& of_point : of_way)
+      for (Floats& sum : of_point)
+        sum = hn::Zero(d);
+  for (std::size_t e = 0; e < length; e += ways)
+    for (int w = 0; w < ways; ++w) {
+      const float* const from = values + neighbours[e + w] * rows;
+      for (int b = 0; b < blocks; ++b) {
+        const Floats value = hn::LoadU(d, from + b * lanes);
+        for (int p = 0; p < points; ++p) {
+          const auto weight = hn::Set(d, weights[std::size_t(p) * stride + e + w]);
+          sums[w][p][b] = hn::Add(sums[w][p][b], hn::Mul(value, weight));
+        }
+      }
+    }
+  for (int p = 0; p < points; ++p)
+    for (int b = 0; b < blocks; ++b) {
+      Floats sum = sums[0][p][b];
+      for (int w = 1; w < ways; ++w)
+        sum = hn::Add(sum, sums[w][p][b]);
+      float* const to = result + std::size_t(p) * rows + b * lanes;
+      hn::StoreU(hn::Add(hn::LoadU(d, to), sum), d, to);
+    }
+}
+
+// Numbers of the neighbours, behind them that of a point of the group.
+HWY_INLINE void
+listNeighbours(const GroupView& group, std::uint32_t* neighbours)
+{
+  const auto lane = hn::Iota(du, 0);
+  const std::uint32_t* const end = group.runs + group.count;
+  for (const std::uint32_t* run = group.runs; run != end; ++run) {
+    const auto numbers = hn::Add(lane, hn::Set(du, *run >> run_length_bits));
+    const std::uint32_t length = *run & run_length_mask;
+    for (std::uint32_t k = 0; k < longest_run; k += lanes)
+      hn::StoreU(hn::Add(numbers, hn::Set(du, k)), du, neighbours + k);
+    neighbours += length;
+  }
+  for (int k = 0; k < most_points; ++k)
+    neighbours[k] = std::uint32_t(group.point);
+}
+
+void
+addProduct(const GroupView& group, const std::uint32_t* packed, const float* values,
+           std::size_t rows, float* scratch, float* result)
+{
+  const std::size_t stride = scratchStride(group.length);
+  auto* const neighbours =
+      reinterpret_cast<std::uint32_t*>(scratch + most_points * stride);
+  listNeighbours(group, neighbours);
+  for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+    unpackLine(packed + p * strideOf(group.length) / 2, group.length,
+               scratch + p * stride);
+  const std::size_t length = group.length;
+  constexpr int blocks = lanes > 4 ? 16 / lanes : 2;
+  for (std::size_t row = 0; row < rows; row += blocks * lanes) {
+    const float* const from = values + row;
+    float* const to = result + row;
+    switch (group.points) {
+    case 4:
+      addRows<4, blocks>(neighbours, scratch, stride, length, from, rows, to);
+      break;
+    case 3:
+      addRows<3, blocks>(neighbours, scratch, stride, length, from, rows, to);
+      break;
+    case 2:
+      addRows<2, blocks>(neighbours, scratch, stride, length, from, rows, to);
+      break;
+    default:
+      addRows<1, blocks>(neighbours, scratch, stride, length, from, rows, to);
+    }
+  }
+}
+
 constexpr TruncatedSums loops = {sumTerms, makeWeights, addProduct};
-#undef PCL_SEMANTIC_INLINE
-#undef PCL_SEMANTIC_TARGET
-#undef PCL_SEMANTIC_LANES
-} // namespace avx512
 
 } // namespace
+
+} // namespace pcl_semantic::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_semantic::kernels {
 
 std::size_t
 scratchSize(std::size_t length, std::size_t arrays)
 {
-  return arrays * scratchStride(length);
+  return arrays * (strideOf(length) + longest_run);
 }
 
 const TruncatedSums&
 truncatedSums(SimdTier tier)
 {
-  return ofTier(tier, plain::loops, avx2::loops, avx512::loops);
+  return PCL_SEMANTIC_OF_TIER(tier, loops);
 }
 
 } // namespace pcl_semantic::kernels
+#endif

@@ -88,7 +88,7 @@ strideOf(std::size_t length)
  * 1 + most_points for addProduct. */
 std::size_t scratchSize(std::size_t length, std::size_t arrays);
 
-/** \brief The loops for a tier. */
+/** \brief The loops for a tier; all tiers give the same bits. */
 const TruncatedSums& truncatedSums(SimdTier tier);
 
 } // namespace pcl_semantic::kernels

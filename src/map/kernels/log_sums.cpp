@@ -8,69 +8,86 @@
 
 #include <pcl_semantic/core/simd_choice.h>
 
-namespace pcl_semantic::kernels {
+#define HWY_TARGET_INCLUDE "map/kernels/log_sums.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_semantic::kernels::HWY_NAMESPACE {
 
 namespace {
 
-// loadBlock: some values and then anything that is finite. Loops would wait for a copy
-// made piece by piece; masked loads read no further than the values.
+namespace hn = hwy::HWY_NAMESPACE;
 
-namespace plain {
-#define PCL_SEMANTIC_TARGET
-inline void
+// Some values and then zeros; reads no further than the values.
+HWY_INLINE void
 loadBlock(const float* values, std::size_t count, float* block)
 {
+#if HWY_CAP_GE256 // below it, masked loads read all of a vector
+  const hn::CappedTag<float, log_block> d;
+  for (std::size_t k = 0; k < log_block; k += hn::Lanes(d))
+    hn::StoreU(hn::MaskedLoad(hn::FirstN(d, k < count ? count - k : 0), d, values + k),
+               d, block + k);
+#else
   for (std::size_t k = 0; k < log_block; ++k)
-    block[k] = 1.0f;
-  __builtin_memcpy(block, values, count * sizeof(float));
+    block[k] = k < count ? values[k] : 0.0f;
+#endif
 }
 
-#include "log_sums_tier.hpp"
-#undef PCL_SEMANTIC_TARGET
-} // namespace plain
-
-namespace avx2 {
-#define PCL_SEMANTIC_TARGET __attribute__((target("avx2")))
-inline PCL_SEMANTIC_TARGET __attribute__((always_inline)) void
-loadBlock(const float* values, std::size_t count, float* block)
+void
+addLogs(const float* values, std::size_t count, float smallest, std::int64_t* sums)
 {
-  typedef float Floats __attribute__((vector_size(32)));
-  typedef int Ints __attribute__((vector_size(32)));
-  for (int k = 0; k < int(log_block); k += 8) {
-    const Ints wanted = Ints{0, 1, 2, 3, 4, 5, 6, 7} < int(count) - k;
-    const Floats loaded = __builtin_ia32_maskloadps256(
-        reinterpret_cast<const Floats*>(values + k), wanted);
-    __builtin_memcpy(block + k, &loaded, sizeof loaded);
+  for (std::size_t begin = 0; begin < count; begin += log_block) {
+    float block[log_block];
+    std::int32_t logs[log_block];
+    loadBlock(values + begin, count - begin, block);
+    for (std::size_t k = 0; k < log_block; ++k) { // which compilers make wide
+      // A power of two and a polynomial for 2/3 to 4/3 (Chebyshev).
+      const float value = block[k] > smallest ? block[k] : smallest;
+      std::int32_t bits;
+      __builtin_memcpy(&bits, &value, sizeof bits);
+      const std::int32_t exponent = (bits - 0x3F2AAAAB) >> 23;
+      bits -= exponent * (1 << 23);
+      float x;
+      __builtin_memcpy(&x, &bits, sizeof x);
+      x -= 1.0f;
+      float p = 0.13748309f * x - 0.15394272f;
+      p = p * x + 0.14055812f;
+      p = p * x - 0.16414520f;
+      p = p * x + 0.20007233f;
+      p = p * x - 0.25007930f;
+      p = p * x + 0.33333272f;
+      p = p * x - 0.49999934f;
+      p = (p * x + 1.0f) * x;
+      constexpr float scale = float(1 << log_fraction_bits);
+      constexpr std::int32_t log_two = 11629080;
+      logs[k] = exponent * log_two + static_cast<std::int32_t>(p * scale);
+    }
+    // Compilers would take the lanes apart one by one.
+    const hn::CappedTag<std::int64_t, log_block> d;
+    const hn::Rebind<std::int32_t, decltype(d)> narrow;
+    for (std::size_t k = 0; k < log_block; k += hn::Lanes(d)) {
+      std::int64_t* const sum = sums + begin + k;
+      hn::StoreU(
+          hn::Add(hn::LoadU(d, sum), hn::PromoteTo(d, hn::LoadU(narrow, logs + k))), d,
+          sum);
+    }
   }
 }
 
-#include "log_sums_tier.hpp"
-#undef PCL_SEMANTIC_TARGET
-} // namespace avx2
-
-namespace avx512 {
-#define PCL_SEMANTIC_TARGET                                                            \
-  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
-                        "512")))
-inline PCL_SEMANTIC_TARGET __attribute__((always_inline)) void
-loadBlock(const float* values, std::size_t count, float* block)
-{
-  typedef float Floats __attribute__((vector_size(64)));
-  const auto wanted = static_cast<unsigned short>((1u << count) - 1);
-  const Floats loaded = __builtin_ia32_loadups512_mask(values, Floats{}, wanted);
-  __builtin_memcpy(block, &loaded, sizeof loaded);
-}
-
-#include "log_sums_tier.hpp"
-#undef PCL_SEMANTIC_TARGET
-} // namespace avx512
-
 } // namespace
+
+} // namespace pcl_semantic::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_semantic::kernels {
 
 AddLogs
 addLogs(SimdTier tier)
 {
-  return ofTier(tier, plain::addLogs, avx2::addLogs, avx512::addLogs);
+  return PCL_SEMANTIC_OF_TIER(tier, addLogs);
 }
 
 } // namespace pcl_semantic::kernels
+#endif

@@ -8,41 +8,95 @@
 
 #include <pcl_semantic/core/simd_choice.h>
 
-namespace pcl_semantic::kernels {
+#define HWY_TARGET_INCLUDE "stereo/kernels/smoothing.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_semantic::kernels::HWY_NAMESPACE {
 
 namespace {
 
-constexpr int block = 32; // pixels at a time
+namespace hn = hwy::HWY_NAMESPACE;
 
-namespace plain {
-#define PCL_SEMANTIC_TARGET
-#include "smoothing_tier.hpp"
-#undef PCL_SEMANTIC_INLINE
-#undef PCL_SEMANTIC_TARGET
-} // namespace plain
+constexpr hn::ScalableTag<std::int16_t> d;
+constexpr int lanes = int(hn::MaxLanes(d));
 
-namespace avx2 {
-#define PCL_SEMANTIC_TARGET __attribute__((target("avx2,fma")))
-#include "smoothing_tier.hpp"
-#undef PCL_SEMANTIC_INLINE
-#undef PCL_SEMANTIC_TARGET
-} // namespace avx2
+HWY_INLINE void
+smoothLanes(const std::int16_t* disparity, const std::int16_t* const* neighbours,
+            int places, std::int16_t range, int at, std::int16_t* smooth)
+{
+  const hn::Repartition<std::int32_t, decltype(d)> d32;
+  const hn::Repartition<float, decltype(d)> df;
+  const auto centre = hn::LoadU(d, disparity + at), zero = hn::Zero(d);
+  const auto limit = hn::Set(d, range);
+  auto sum = zero, number = hn::Set(d, std::int16_t(places));
+  for (int place = 0; place < places; ++place) {
+    const auto other = hn::LoadU(d, neighbours[place] + at);
+    const auto difference = hn::Sub(other, centre);
+    const auto unlike = hn::VecFromMask(
+        d, hn::Or(hn::Lt(other, zero), hn::Gt(hn::Abs(difference), limit)));
+    sum = hn::Add(sum, hn::AndNot(unlike, difference));
+    number = hn::Add(number, unlike); // -1 where it is
+  }
+  number = hn::Max(number, hn::Set(d, 1)); // where the pixel itself holds nothing
+  // Even and odd lanes by themselves, as they need twice the bits.
+  const auto odd = [&](auto v) HWY_ATTR {
+    const auto pairs = hn::BitCast(d32, v);
+    return hn::ShiftRight<16>(pairs);
+  };
+  const auto even = [&](auto v) HWY_ATTR {
+    return odd(hn::ShiftLeft<16>(hn::BitCast(d32, v)));
+  };
+  const auto smoothed = [&](auto half) HWY_ATTR {
+    const auto real = [&](auto v) HWY_ATTR { return hn::ConvertTo(df, half(v)); };
+    const auto mean = hn::Div(real(sum), real(number));
+    // Of a positive number: to the nearest whole one.
+    return hn::ConvertTo(d32, hn::Add(hn::Add(real(centre), mean), hn::Set(df, 0.5f)));
+  };
+  const auto value = hn::OddEven(hn::BitCast(d, hn::ShiftLeft<16>(smoothed(odd))),
+                                 hn::BitCast(d, smoothed(even)));
+  hn::StoreU(hn::IfThenElse(hn::Lt(centre, zero), centre, value), d, smooth + at);
+}
 
-namespace avx512 {
-#define PCL_SEMANTIC_TARGET                                                            \
-  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width="      \
-                        "512")))
-#include "smoothing_tier.hpp"
-#undef PCL_SEMANTIC_INLINE
-#undef PCL_SEMANTIC_TARGET
-} // namespace avx512
+void
+smoothLine(const std::int16_t* disparity, const std::int16_t* const* neighbours,
+           int places, int range, int count, std::int16_t* smooth)
+{
+  const auto limit = std::int16_t(range);
+  if (count >= lanes) {
+    for (int at = 0; at <= count - lanes; at += lanes)
+      smoothLanes(disparity, neighbours, places, limit, at, smooth);
+    smoothLanes(disparity, neighbours, places, limit, count - lanes, smooth);
+    return;
+  }
+  // Fewer than a vector holds.
+  std::int16_t padded[2 * largest_smoothing + 2][lanes] = {}, result[lanes];
+  const std::int16_t* rows[2 * largest_smoothing + 1];
+  const std::size_t bytes = std::size_t(count) * sizeof *smooth;
+  for (int place = 0; place < places; ++place) {
+    rows[place] = padded[place];
+    __builtin_memcpy(padded[place], neighbours[place], bytes);
+  }
+  std::int16_t* const centres = padded[places];
+  __builtin_memcpy(centres, disparity, bytes);
+  smoothLanes(centres, rows, places, limit, 0, result);
+  __builtin_memcpy(smooth, result, bytes);
+}
 
 } // namespace
+
+} // namespace pcl_semantic::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_semantic::kernels {
 
 Smooth
 smoothing(SimdTier tier)
 {
-  return ofTier<Smooth>(tier, plain::smoothLine, avx2::smoothLine, avx512::smoothLine);
+  return PCL_SEMANTIC_OF_TIER(tier, smoothLine);
 }
 
 } // namespace pcl_semantic::kernels
+#endif
