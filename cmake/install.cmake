@@ -12,6 +12,8 @@ install(DIRECTORY include/pcl_semantic DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   COMPONENT dev)
 install(FILES ${PROJECT_BINARY_DIR}/include/pcl_semantic/version.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pcl_semantic COMPONENT dev)
+install(FILES ${PROJECT_BINARY_DIR}/include/pcl_semantic/core/alignment.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pcl_semantic/core COMPONENT dev)
 install(EXPORT pcl_semantic_targets NAMESPACE pcl_semantic::
   DESTINATION ${package_folder} COMPONENT dev)
 configure_package_config_file(cmake/pcl_semantic-config.cmake.in

@@ -13,8 +13,9 @@
 // As in export.h, where Eigen's macros were set by hand.
 #if defined(__x86_64__) && !defined(PCL_SEMANTIC_ALLOW_AVX)
 static_assert(
-    EIGEN_MAX_ALIGN_BYTES == 16 && EIGEN_DEFAULT_ALIGN_BYTES == 16 &&
-        EIGEN_MALLOC_ALREADY_ALIGNED,
-    "pcl_semantic: Eigen is set to align in another way than in Debian's PCL, "
+    EIGEN_MAX_ALIGN_BYTES == PCL_SEMANTIC_ALIGNMENT &&
+        EIGEN_DEFAULT_ALIGN_BYTES == PCL_SEMANTIC_ALIGNMENT &&
+        bool(EIGEN_MALLOC_ALREADY_ALIGNED) == (PCL_SEMANTIC_ALIGNMENT == 16),
+    "pcl_semantic: Eigen is set to align in another way than in PCL and pcl_semantic, "
     "whose objects would be corrupted");
 #endif

@@ -9,15 +9,32 @@
 
 #pragma once
 
-// Debian's PCL is built for baseline x86-64. Compiled with these flags Eigen aligns and
-// frees memory in another way, and PCL's objects are corrupted, often silently. It can
-// only go well where PCL, this library and the program all have the same flags.
-#if defined(__AVX__) && !defined(PCL_SEMANTIC_ALLOW_AVX)
+#include <pcl_semantic/core/alignment.h>
+
+// Compiled with these flags Eigen aligns and frees memory in another way, and PCL's
+// objects are corrupted, often silently, unless PCL, this library and the program all
+// have the same. Distributions compile for baseline x86-64.
+#if defined(__AVX512F__)
+#define PCL_SEMANTIC_ALIGNMENT_HERE 64
+#elif defined(__AVX__)
+#define PCL_SEMANTIC_ALIGNMENT_HERE 32
+#else
+#define PCL_SEMANTIC_ALIGNMENT_HERE 16
+#endif
+#if PCL_SEMANTIC_ALIGNMENT_HERE != PCL_SEMANTIC_ALIGNMENT &&                           \
+    !defined(PCL_SEMANTIC_ALLOW_AVX)
+#if PCL_SEMANTIC_ALIGNMENT == 16
 #error                                                                                 \
     "pcl_semantic: do not compile with -march=native or -mavx*: Eigen then aligns and \
-frees memory in another way than Debian's PCL, and its objects are corrupted. If PCL \
-and pcl_semantic were compiled with the same flags, define PCL_SEMANTIC_ALLOW_AVX"
+frees memory in another way than in PCL and pcl_semantic, and objects are corrupted"
+#else
+#error                                                                                 \
+    "pcl_semantic: PCL and pcl_semantic were compiled with -march=native or -mavx*: \
+compile with the same flags, or Eigen aligns and frees memory in another way than in \
+them, and objects are corrupted"
 #endif
+#endif
+#undef PCL_SEMANTIC_ALIGNMENT_HERE
 
 /** \brief What the library shows of itself: everything that a public header declares in
  * `namespace PCL_SEMANTIC_EXPORT pcl_semantic`. All else is hidden. */
