@@ -29,6 +29,12 @@ configure_file(cmake/pcl_semantic.pc.in pcl_semantic.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/pcl_semantic.pc
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 
+# For colcon and ROS, which look for packages by these two.
+install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_semantic COMPONENT dev)
+file(WRITE ${PROJECT_BINARY_DIR}/ament_index "")
+install(FILES ${PROJECT_BINARY_DIR}/ament_index RENAME pcl_semantic
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/ament_index/resource_index/packages COMPONENT dev)
+
 if(PCL_SEMANTIC_BUILD_APPS)
   install(EXPORT pcl_semantic_tools_targets NAMESPACE pcl_semantic::
     DESTINATION ${package_folder} COMPONENT tools)
