@@ -240,3 +240,21 @@ TEST(House, NoFlagChangesTheInstructionSet)
   for (const fs::path& path : files)
     EXPECT_FALSE(hasInstructionSetFlag(readText(path))) << path;
 }
+
+TEST(House, PackagesHaveTheVersionOfTheProject)
+{
+  const std::string project = readText(source_folder / "CMakeLists.txt");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(project, match,
+                                std::regex("VERSION (([0-9]+\\.[0-9]+)\\.[0-9]+)")));
+  const std::string version = match[1], soname = match[2];
+  const auto holds = [](const char* file, const std::string& text) {
+    return readText(source_folder / file).find(text) != std::string::npos;
+  };
+  EXPECT_TRUE(holds("package.xml", "<version>" + version + "</version>"));
+  EXPECT_EQ(
+      readText(source_folder / "debian/changelog").find("pcl-semantic (" + version),
+      0u);
+  EXPECT_TRUE(holds("debian/control", "Package: libpcl-semantic" + soname + "\n"));
+  EXPECT_TRUE(holds("debian/rules", "libpcl-semantic" + soname + ","));
+}
