@@ -1,9 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
-
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <pcl_semantic/core/label_set.h>

@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // The rules of the house: includes point downward, files stay small, and no compiler
 // flag changes the instruction set.
@@ -220,7 +216,7 @@ TEST(House, FilesAreSmall)
 TEST(House, FilesNameTheirLicense)
 {
   for (const auto& [room, path] : codeOfTheHouse())
-    EXPECT_EQ(readText(path).find("/*\n * SPDX-License-Identifier: BSD-3-Clause\n"), 0u)
+    EXPECT_EQ(readText(path).find("// SPDX-License-Identifier: BSD-3-Clause\n"), 0u)
         << path;
 }
 

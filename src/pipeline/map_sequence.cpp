@@ -1,9 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
-
+// SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/odometry/pose_file.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>

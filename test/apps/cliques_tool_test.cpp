@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // pcl_semantic_cliques, what pcl_semantic_crf makes of its field, and cliques of
 // pcl_semantic_map.

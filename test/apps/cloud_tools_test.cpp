@@ -1,9 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
-
+// SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
 #include "support/virtual_display.h"

@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // The guides of doc/: every command runs, from the first to the last, in a folder that
 // looks like the project once it is built; every file that is shown is written where

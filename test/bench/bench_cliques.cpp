@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // Superpixels against OpenCV's (ximgproc, 200 segments, 10 iterations), in time and
 // against hand-made truth; supervoxels against pcl::SupervoxelClustering as it is. Two

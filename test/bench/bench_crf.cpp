@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // The CRF over voxel clouds, against what a user could take instead: a plain
 // single-thread permutohedral mean field, and pcl::DenseCrf. Same kernels, weights and

@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // Where the time of a frame goes, beside the paper's table of times (an i7-4790; its
 // network ran on a GPU and is not counted), with our defaults and in the paper's

@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // The dense CRF over the pixels of an image, against a plain single-thread
 // permutohedral mean field: same kernels (3 px; 40 px and 4 grey levels), weights,

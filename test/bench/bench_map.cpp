@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // One frame of KITTI into the map, with colour and eleven labels, against OctoMap's
 // occupancy alone: the same points, the same range, two threads. Then the occupied

@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // Disparities against lidar, on all frames of five KITTI sequences, two threads; every
 // engine against OpenCV's semi-global matching in three directions. Middlebury's cones

@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // Grids as map_server would read them, compared with the voxels column by column.
 

@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // The inner loops of every tier against plain ones that can be checked by reading. All
 // numbers are whole: results have to be equal.

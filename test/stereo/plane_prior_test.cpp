@@ -1,9 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
-
+// SPDX-License-Identifier: BSD-3-Clause
 #include "stereo/kernels/map_disparity.h"
 #include "stereo/plane_prior.h"
 

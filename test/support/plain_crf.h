@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // A CRF as matrices and lists, and its energy straight from eqs. (3) and (5)-(9) of the
 // paper in double precision: what the engine is compared with.

@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // Every public header includes this one and nothing heavy comes with it: the inner
 // loops see neither Eigen nor PCL.

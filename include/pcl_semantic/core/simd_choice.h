@@ -1,8 +1,4 @@
-/*
- * SPDX-License-Identifier: BSD-3-Clause
- *
- * Part of pcl_semantic: semantic 3D occupancy mapping for PCL.
- */
+// SPDX-License-Identifier: BSD-3-Clause
 
 // How the hot loops (src/<room>/kernels/*.cpp) are compiled: Google Highway includes
 // such a file once a target, and PCL_SEMANTIC_OF_TIER chooses among what came of it.
