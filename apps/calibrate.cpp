@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrate_arguments.h"
 #include "default_label_set.h"
+#include "evaluated_classes.h"
 #include "messages.h"
 #include "progress_bar.h"
 #include "sequence_pattern.h"
@@ -12,7 +13,6 @@
 #include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/clique_trial.h>
 #include <pcl_semantic/pipeline/listed_labels.h>
-#include <pcl_semantic/pipeline/tuning_score.h>
 
 #include <nlohmann/json.hpp>
 
@@ -26,7 +26,7 @@ std::string
 report(const CalibrationTrial& trial, const tool::CalibrateArguments& options,
        const LabelSet& label_set)
 {
-  const std::vector<Label> classes = classesThatCount(label_set);
+  const std::vector<Label> classes = tool::evaluatedClasses(std::nullopt, label_set);
   const Scores network = computeScores(trial.network, classes);
   std::string text =
       (options.clique_config.empty()
@@ -48,7 +48,7 @@ report(const CalibrationTrial& trial, const tool::CalibrateArguments& options,
 std::string
 jsonOf(const CalibrationTrial& trial, const LabelSet& label_set)
 {
-  const std::vector<Label> classes = classesThatCount(label_set);
+  const std::vector<Label> classes = tool::evaluatedClasses(std::nullopt, label_set);
   const auto scores = [&](const ConfusionMatrix& confusion) {
     return nlohmann::ordered_json::parse(
         scoresJson(computeScores(confusion, classes), label_set));
@@ -81,7 +81,7 @@ calibrateSequences(const tool::CalibrateArguments& options)
   {
     tool::ProgressBar progress("reading", options.sequences.size(), "sequences");
     for (const std::string& folder : options.sequences) {
-      const TuningSequence sequence({folder, tool::filledIn(options.labels, folder),
+      const CalibrationSequence sequence({folder, tool::filledIn(options.labels, folder),
                                      tool::filledIn(options.truth, folder),
                                      tool::filledIn(options.label_calibration, folder),
                                      parseFrameRange(options.frames)},

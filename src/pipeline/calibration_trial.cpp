@@ -2,6 +2,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/frame_calibration.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 namespace pcl_semantic {
@@ -65,18 +66,17 @@ count(const LabelDistributions& distributions, const CalibrationSamples& samples
 } // namespace
 
 CalibrationSamples
-calibrationSamples(const TuningSequence& sequence, const MapperConfig& config,
+calibrationSamples(const CalibrationSequence& sequence, const MapperConfig& config,
                    const std::vector<Label>& ground)
 {
   const auto predictor = sequence.makePredictor(config.label_confidence);
-  const auto disparities = sequence.disparities(config);
+  const auto stereo = makeDisparityEstimator(config.stereo, config.disparities);
   CalibrationSamples samples;
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
     if (sequence.truth(i).empty())
       continue;
     const StereoFrame& frame = sequence.frames()[i];
-    const DisparityImage& known = (*disparities)[i];
-    DisparityImage image{known.disparity.clone(), known.deviation};
+    DisparityImage image = stereo->estimate(frame.left, frame.right);
     eraseUnsure(image, config.max_deviation);
     const LabelDistributions network = predictor->predict(frame);
     const auto cloud = disparityToCloud(image.disparity, frame.left, sequence.camera());

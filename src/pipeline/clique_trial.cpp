@@ -74,7 +74,7 @@ append(const CliqueEvidence& evidence,
 } // namespace
 
 CalibrationSamples
-cliqueSamples(const TuningSequence& sequence, const MapperConfig& config,
+cliqueSamples(const CalibrationSequence& sequence, const MapperConfig& config,
               const LabelSet& label_set, const std::vector<Label>& ground)
 {
   MapperConfig plain = config;

@@ -235,8 +235,7 @@ void
 SemanticMapper::refine(MappedFrame& mapped)
 {
   setFrameOfCliques(mapped);
-  if (config_.crf != "none")
-    refineVoxels(mapped.voxels);
+  refineVoxels(mapped.voxels);
 }
 
 void

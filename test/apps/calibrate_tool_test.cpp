@@ -237,30 +237,6 @@ TEST_F(CalibrateTool, TakesTheFramesOfARangeAndLeavesNothingOfAnEarlierRun)
             (std::set<std::string>{"calibration.yaml", "report.md"}));
 }
 
-TEST_F(CalibrateTool, TuningTakesOneForEachStreet)
-{
-  ASSERT_EQ(calibrateStreets().code, 0);
-  folder_.write("grid.yaml", "voxel_size: 0.2\ncrf: [none, dense]\n");
-  const auto tune = [&](const std::string& output, const std::string& options) {
-    return runTool("tune " + folder_.path("one ") + folder_.path("two") + folders +
-                   "--config " + folder_.path("grid.yaml") + " --output " +
-                   folder_.path(output) + options);
-  };
-  const std::string options =
-      " --label-calibration " + folder_.path("out/without_'{name}'.yaml");
-  const ToolResult result = tune("tuned", options);
-  ASSERT_EQ(result.code, 0) << result.text;
-  ASSERT_EQ(tune("plain", "").code, 0);
-  EXPECT_NE(bytesOf(folder_.path("tuned/table.tsv")),
-            bytesOf(folder_.path("plain/table.tsv")));
-  // Runs of other calibrations are other runs.
-  EXPECT_EQ(tune("plain", options).code, 3);
-  fs::remove(folder_.path("out/without_two.yaml"));
-  const ToolResult missing = tune("missing", options);
-  EXPECT_EQ(missing.code, 3);
-  EXPECT_TRUE(holds(missing.text, "without_two.yaml"));
-}
-
 TEST(CalibrateToolUsage, BadInput)
 {
   const std::string all = "calibrate STREET --output OUT" + folders;

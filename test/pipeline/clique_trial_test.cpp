@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/tuning_street.h"
+#include "support/calibration_street.h"
 
 #include <pcl_semantic/evaluation/label_reprojection.h>
 #include <pcl_semantic/pipeline/clique_trial.h>
@@ -11,7 +11,7 @@ namespace pcl_semantic {
 
 namespace {
 
-using CliqueTrialStreet = TuningStreet;
+using CliqueTrialStreet = CalibrationStreet;
 
 // Number of a clique's pixels of each class, the plain way: search by search.
 std::map<std::pair<int, Label>, int>

@@ -4,7 +4,8 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
-#include <pcl_semantic/pipeline/tuning_sequence.h>
+#include <pcl_semantic/pipeline/calibration_sequence.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * are (frameFeatures).
  * \param[in] config its disparity engine and max_deviation are used
  * \param[in] ground the classes of the ground */
-CalibrationSamples calibrationSamples(const TuningSequence& sequence,
+CalibrationSamples calibrationSamples(const CalibrationSequence& sequence,
                                       const MapperConfig& config,
                                       const std::vector<Label>& ground);
 

@@ -3,7 +3,8 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
-#include <pcl_semantic/pipeline/tuning_sequence.h>
+#include <pcl_semantic/pipeline/calibration_sequence.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * a clique, and weighs the number of its pixels that are of one class.
  * \param[in] config the map and its cliques; no CRF is run
  * \param[in] ground the classes of the ground */
-CalibrationSamples cliqueSamples(const TuningSequence& sequence,
+CalibrationSamples cliqueSamples(const CalibrationSequence& sequence,
                                  const MapperConfig& config, const LabelSet& label_set,
                                  const std::vector<Label>& ground);
 

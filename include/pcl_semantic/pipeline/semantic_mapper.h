@@ -57,14 +57,6 @@ public:
     callback_ = std::move(callback);
   }
 
-  /** \brief Takes disparities from elsewhere than the engine that the config names, as
-   * from an earlier run of it. */
-  void
-  setDisparityEstimator(std::unique_ptr<DisparityEstimator> stereo)
-  {
-    stereo_ = std::move(stereo);
-  }
-
   /** \brief Calibrates the labels of each frame before they go into the map.
    * \throws InvalidParameterException if it is not one of the map's classes */
   void setLabelCalibration(LabelCalibration calibration);
@@ -83,10 +75,6 @@ public:
    * \throws BadInputException that names the frame, also if it is not as the camera's
    * images are */
   MappedFrame process(const CloudFrame& frame);
-
-  /** \brief The CRF alone, over the voxels of a frame that another mapper has mapped
-   * with `crf: none`; this one's own map is not touched. Frames come in their order. */
-  void refine(MappedFrame& mapped);
 
   /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
    * that the finished map is refined throughout. */
@@ -111,6 +99,8 @@ private:
   void fuse(MappedFrame& mapped);
 
   ScanCounts integrate(const MappedFrame& mapped);
+
+  void refine(MappedFrame& mapped);
 
   void setFrameOfCliques(const MappedFrame& mapped);
 

@@ -7,14 +7,14 @@
 #include <pcl_semantic/dataset/synthetic_writer.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
-#include <pcl_semantic/pipeline/tuning_sequence.h>
+#include <pcl_semantic/pipeline/calibration_sequence.h>
 
 #include <gtest/gtest.h>
 
 namespace pcl_semantic {
 
 /** \brief A small street with truth of all frames but the second. */
-class TuningStreet : public testing::Test {
+class CalibrationStreet : public testing::Test {
 protected:
   static void
   SetUpTestSuite()
@@ -43,11 +43,11 @@ protected:
     return readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
   }
 
-  static std::shared_ptr<const TuningSequence>
+  static std::shared_ptr<const CalibrationSequence>
   open()
   {
-    return std::make_shared<TuningSequence>(
-        TuningFolders{folder_->path("street"), folder_->path("street/labels"),
+    return std::make_shared<CalibrationSequence>(
+        CalibrationFolders{folder_->path("street"), folder_->path("street/labels"),
                       folder_->path("street/gt")},
         labelSet().size());
   }
