@@ -81,11 +81,12 @@ calibrateSequences(const tool::CalibrateArguments& options)
   {
     tool::ProgressBar progress("reading", options.sequences.size(), "sequences");
     for (const std::string& folder : options.sequences) {
-      const CalibrationSequence sequence({folder, tool::filledIn(options.labels, folder),
-                                     tool::filledIn(options.truth, folder),
-                                     tool::filledIn(options.label_calibration, folder),
-                                     parseFrameRange(options.frames)},
-                                    label_set.size());
+      const CalibrationSequence sequence(
+          {folder, tool::filledIn(options.labels, folder),
+           tool::filledIn(options.truth, folder),
+           tool::filledIn(options.label_calibration, folder),
+           parseFrameRange(options.frames)},
+          label_set.size());
       if (std::count(names.begin(), names.end(), sequence.name()))
         tool::failUsage(tool::calibrate_usage,
                         "two sequences are called " + sequence.name());

@@ -20,15 +20,6 @@ public:
    * \return the largest change of a marginal of y */
   virtual double update(const PaddedColumns& marginals) = 0;
 
-  /** \brief Updates one clique after the other. */
-  virtual double updateSequentially(const PaddedColumns& marginals) = 0;
-
-  /** \brief Tells the cliques of variable \a i that Q(x_i) is another one, where they
-   * have to know before the next update. */
-  virtual void
-  variableChanged(Eigen::Index /*i*/, const PaddedColumns& /*marginals*/)
-  {}
-
   /** \brief Adds what the cliques say to the messages of the variables begin..end-1:
    * minus the mean cost of each label, up to a constant of the variable. */
   virtual void addMessages(const PaddedColumns& marginals, Eigen::Index begin,

@@ -52,7 +52,7 @@ pairCosts(const std::vector<std::shared_ptr<const PairwiseKernel>>& kernels,
     if (labels[i] < rows)
       taken(labels[i], i) = 1.0f;
   for (const auto& kernel : kernels)
-    kernel->addProduct(taken, heard, {});
+    kernel->addProduct(taken, heard);
   double sum = 0.0;
   for (Eigen::Index i = 0; i < columns; ++i)
     for (Eigen::Index k = 0; k < rows && labels[i] < rows; ++k)

@@ -23,7 +23,7 @@ scalesFor(const PermutohedralLattice& lattice, float weight,
   else {
     Eigen::MatrixXf sums = Eigen::MatrixXf::Zero(1, lattice.size());
     PermutohedralLattice::addFiltered(Eigen::MatrixXf::Ones(1, lattice.size()),
-                                      {{&lattice, &scales}}, {}, sums, blur);
+                                      {{&lattice, &scales}}, sums, blur);
     scales.slice = weight / sums.row(0).transpose().array();
     if (normalization == Normalization::symmetric)
       scales.splat = scales.slice = scales.slice.sqrt();
@@ -60,10 +60,9 @@ LatticeKernel::LatticeKernel(const std::vector<LatticeTerm>& terms,
 
 void
 LatticeKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                          Eigen::Ref<Eigen::MatrixXf> result,
-                          const VariableMask& active) const
+                          Eigen::Ref<Eigen::MatrixXf> result) const
 {
-  PermutohedralLattice::addFiltered(values, terms_, active, result, blur_);
+  PermutohedralLattice::addFiltered(values, terms_, result, blur_);
 }
 
 std::size_t

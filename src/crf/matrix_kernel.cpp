@@ -20,17 +20,13 @@ MatrixKernel::MatrixKernel(Eigen::MatrixXf matrix) : matrix_(std::move(matrix))
 
 void
 MatrixKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                         Eigen::Ref<Eigen::MatrixXf> result,
-                         const VariableMask& active) const
+                         Eigen::Ref<Eigen::MatrixXf> result) const
 {
 #pragma omp parallel for schedule(dynamic, 16) if (size() > 100)
-  for (Eigen::Index i = 0; i < size(); ++i) {
-    if (!active.empty() && !active[std::size_t(i)])
-      continue;
+  for (Eigen::Index i = 0; i < size(); ++i)
     for (Eigen::Index j = 0; j < size(); ++j)
       if (j != i)
         result.col(i) += matrix_(i, j) * values.col(j);
-  }
 }
 
 } // namespace pcl_semantic

@@ -40,13 +40,6 @@ MeanField::run(int max_updates, double settled)
   return max_updates;
 }
 
-double
-MeanField::updateSequentially()
-{
-  last_change_ = engine_->updateSequentially();
-  return last_change_;
-}
-
 MeanField::Marginals
 MeanField::marginals() const
 {

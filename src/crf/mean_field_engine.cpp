@@ -5,7 +5,6 @@
 #include "kernels/soft_max.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/matrix_kernel.h>
 
 #include <algorithm>
 #include <cmath>
@@ -116,13 +115,6 @@ MeanField::Engine::start(const Eigen::MatrixXf& initial)
   }
 }
 
-void
-MeanField::Engine::hear(const VariableMask& active)
-{
-  for (const auto& kernel : kernels_)
-    kernel->addProduct(marginals_.view(), messages_.view(), active);
-}
-
 // From what the kernels said to the marginals of some variables.
 double
 MeanField::Engine::finish(Eigen::Index begin, Eigen::Index end)
@@ -149,52 +141,14 @@ MeanField::Engine::update()
   double change = 0.0;
   for (const auto& term : terms_)
     change = std::max(change, term->update(marginals_));
-  hear({});
+  for (const auto& kernel : kernels_)
+    kernel->addProduct(marginals_.view(), messages_.view());
   const Eigen::Index count = marginals_.columns();
 #pragma omp parallel for schedule(static) reduction(max                                \
                                                     : change) if (count > block_size)
   for (Eigen::Index begin = 0; begin < count; begin += block_size)
     change = std::max(change, finish(begin, std::min(count, begin + block_size)));
   return change;
-}
-
-double
-MeanField::Engine::updateSequentially()
-{
-  requireSymmetricMatrices();
-  double change = 0.0;
-  for (const auto& term : terms_)
-    change = std::max(change, term->updateSequentially(marginals_));
-  VariableMask active(std::size_t(marginals_.columns()), 0);
-  for (Eigen::Index i = 0; i < marginals_.columns(); ++i) {
-    active[std::size_t(i)] = 1;
-    hear(active); // matrices reach no other messages
-    change = std::max(change, finish(i, i + 1));
-    active[std::size_t(i)] = 0;
-    for (const auto& term : terms_)
-      term->variableChanged(i, marginals_);
-  }
-  return change;
-}
-
-void
-MeanField::Engine::requireSymmetricMatrices() const
-{
-  if (!compatibility_.isSymmetric())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "sequential updates need a symmetric label compatibility");
-  const auto require = [](const auto& kernels) {
-    for (const auto& kernel : kernels) {
-      const auto* const matrix = dynamic_cast<const MatrixKernel*>(kernel.get());
-      if (!matrix || !matrix->isSymmetric())
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "sequential updates need a symmetric matrix for every "
-                            "kernel (MatrixKernel)");
-    }
-  };
-  require(kernels_);
-  for (const auto& term : terms_)
-    require(term->potential().kernels);
 }
 
 const PaddedColumns*
@@ -212,7 +166,7 @@ MeanField::Engine::freeEnergy() const
   PaddedColumns heard(marginals_.rows(), marginals_.columns());
   heard.setZero();
   for (const auto& kernel : kernels_)
-    kernel->addProduct(marginals_.view(), heard.view(), {});
+    kernel->addProduct(marginals_.view(), heard.view());
   double sum = offset_;
   sum += orderedSum(marginals_.columns(), 256, [&](Eigen::Index i) {
     double part = 0.0;

@@ -17,7 +17,6 @@ public:
   Engine(CrfModel&& model, const Eigen::MatrixXf* initial);
 
   double update();
-  double updateSequentially();
   double freeEnergy() const;
 
   const PaddedColumns&
@@ -33,9 +32,7 @@ private:
   void setUp(const Eigen::MatrixXf& unary);
   void setUpPairs(const CrfModel& model);
   void start(const Eigen::MatrixXf& initial);
-  void hear(const VariableMask& active);
   double finish(Eigen::Index begin, Eigen::Index end);
-  void requireSymmetricMatrices() const;
 
   std::vector<std::shared_ptr<const PairwiseKernel>> kernels_;
   LabelCompatibility compatibility_;

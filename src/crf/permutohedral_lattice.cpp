@@ -136,7 +136,6 @@ PermutohedralLattice::selfResponses() const
 void
 PermutohedralLattice::addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
                                   const std::vector<Term>& terms,
-                                  const VariableMask& active,
                                   Eigen::Ref<Eigen::MatrixXf> result, LatticeBlur blur)
 {
   if (terms.empty() || values.cols() == 0)
@@ -163,8 +162,7 @@ PermutohedralLattice::addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& value
           std::min(widest, std::size_t(values.rows() - row)),
           term.scales->splat.data(),
           term.scales->slice.data(),
-          term.scales->diagonal.data(),
-          active.empty() ? nullptr : active.data()};
+          term.scales->diagonal.data()};
       Implementation& lattice = *term.lattice->implementation_;
       passes.push_back(std::make_unique<LatticePass>(lattice.structure, columns, blur,
                                                      lattice.tier, lattice.memory));

@@ -34,19 +34,6 @@ PnPottsTerm::update(const PaddedColumns& marginals)
   return 0.0;
 }
 
-double
-PnPottsTerm::updateSequentially(const PaddedColumns& marginals)
-{
-  return update(marginals);
-}
-
-void
-PnPottsTerm::variableChanged(Eigen::Index i, const PaddedColumns& marginals)
-{
-  for (const std::int32_t c : potential_.cliques->cliques()[std::size_t(i)])
-    multiplyMembers(c, marginals);
-}
-
 void
 PnPottsTerm::addMessages(const PaddedColumns& marginals, Eigen::Index begin,
                          Eigen::Index end, PaddedColumns& messages) const

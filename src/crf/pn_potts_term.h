@@ -17,8 +17,6 @@ public:
   PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals);
 
   double update(const PaddedColumns& marginals) override;
-  double updateSequentially(const PaddedColumns& marginals) override;
-  void variableChanged(Eigen::Index i, const PaddedColumns& marginals) override;
   void addMessages(const PaddedColumns& marginals, Eigen::Index begin, Eigen::Index end,
                    PaddedColumns& messages) const override;
   double freeEnergy(const PaddedColumns& marginals) const override;

@@ -73,12 +73,12 @@ RobustTerm::sumMembers(Eigen::Index c, const PaddedColumns& marginals,
 }
 
 void
-RobustTerm::hear(const VariableMask& active)
+RobustTerm::hear()
 {
   for (const auto& kernel : potential_.kernels) {
-    kernel->addProduct(marginals_.view(), messages_.view(), active);
+    kernel->addProduct(marginals_.view(), messages_.view());
     for (Eigen::Index c = 0; c < marginals_.columns(); ++c)
-      if (self_interaction_ && (active.empty() || active[std::size_t(c)]))
+      if (self_interaction_)
         messages_.view().col(c) += kernel->diagonal(c) * marginals_.view().col(c);
   }
 }
@@ -145,28 +145,12 @@ RobustTerm::update(const PaddedColumns& marginals)
 {
   if (!potential_.hears_members)
     return 0.0;
-  hear({});
+  hear();
   float change = 0.0f;
   const Eigen::Index count = marginals_.columns();
 #pragma omp parallel for schedule(dynamic, 8) reduction(max : change) if (count > 8)
   for (Eigen::Index c = 0; c < count; ++c)
     change = std::max(change, updateClique(c, marginals));
-  return double(change);
-}
-
-double
-RobustTerm::updateSequentially(const PaddedColumns& marginals)
-{
-  if (!potential_.hears_members)
-    return 0.0;
-  VariableMask active(potential_.cliques->size(), 0);
-  float change = 0.0f;
-  for (Eigen::Index c = 0; c < marginals_.columns(); ++c) {
-    active[std::size_t(c)] = 1;
-    hear(active); // matrices reach no other messages
-    change = std::max(change, updateClique(c, marginals));
-    active[std::size_t(c)] = 0;
-  }
   return double(change);
 }
 
@@ -186,7 +170,7 @@ RobustTerm::freeEnergy(const PaddedColumns& marginals) const
   PaddedColumns heard(marginals_.rows(), marginals_.columns());
   heard.setZero();
   for (const auto& kernel : potential_.kernels)
-    kernel->addProduct(marginals_.view(), heard.view(), {});
+    kernel->addProduct(marginals_.view(), heard.view());
   return orderedSum(marginals_.columns(), 64, [&](Eigen::Index c) {
     alignas(64) std::array<double, most_labels> sums, costs;
     sumMembers(c, marginals, sums.data());

@@ -15,7 +15,6 @@ public:
              const PaddedColumns& costs);
 
   double update(const PaddedColumns& marginals) override;
-  double updateSequentially(const PaddedColumns& marginals) override;
   void addMessages(const PaddedColumns& marginals, Eigen::Index begin, Eigen::Index end,
                    PaddedColumns& messages) const override;
   double freeEnergy(const PaddedColumns& marginals) const override;
@@ -28,7 +27,7 @@ public:
 
 private:
   void setCosts(Eigen::Index c, const PaddedColumns& costs);
-  void hear(const VariableMask& active);
+  void hear();
   void sumMembers(Eigen::Index c, const PaddedColumns& marginals, double* sums) const;
   void addCosts(Eigen::Index c, const double* sums, const float* heard, double share,
                 double* costs) const;

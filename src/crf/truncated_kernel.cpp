@@ -44,19 +44,10 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
                                  const std::vector<GaussianTerm>& terms, float radius,
-                                 Normalization normalization,
-                                 const Eigen::MatrixXf& known_sums)
-    : sums_(known_sums), diagonal_(Eigen::VectorXf::Zero(positions.cols()))
+                                 Normalization normalization)
+    : diagonal_(Eigen::VectorXf::Zero(positions.cols()))
 {
   validate(positions, terms, radius);
-  const auto count = Eigen::Index(terms.size());
-  if (known_sums.size() == 0)
-    sums_.setConstant(count, positions.cols(), std::nanf(""));
-  if (sums_.rows() != count || sums_.cols() != positions.cols())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "known sums are " << sums_.rows() << " x " << sums_.cols()
-                                          << ", expected " << count << " x "
-                                          << positions.cols());
   if (terms.empty() || positions.cols() == 0)
     return;
   const float deviation = terms[0].position_deviation;
@@ -101,13 +92,8 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
           const kernels::GroupView group = chunk.view(g);
           loops.sumTerms(points.view(), group, gathered, sums.data(),
                          chunk.weightsOf(g));
-          for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
-            auto known = sums_.col(order_[group.point + p]);
-            for (std::size_t m = 0; m < terms.size(); ++m)
-              if (std::isnan(known[Eigen::Index(m)]))
-                known[Eigen::Index(m)] = sums[m * kernels::most_points + p];
-            normalize(points, terms, group.point + p, normalization);
-          }
+          for (std::size_t p = 0; p < std::size_t(group.points); ++p)
+            normalize(points, terms, group.point + p, sums.data() + p, normalization);
         }
       });
   }
@@ -119,15 +105,16 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
                             << most_pairs << ": take a smaller radius or fewer points");
 }
 
+// Divides by D_i, the sums over all j of k_ij, i included, of each term.
 void
 TruncatedKernel::normalize(SortedPoints& points, const std::vector<GaussianTerm>& terms,
-                           std::size_t point, Normalization normalization)
+                           std::size_t point, const float* sums,
+                           Normalization normalization)
 {
   const bool symmetric = normalization == Normalization::symmetric;
-  const auto sums = sums_.col(order_[point]);
   for (std::size_t m = 0; m < terms.size(); ++m) {
     const float divisor =
-        normalization == Normalization::none ? 1.0f : sums[Eigen::Index(m)];
+        normalization == Normalization::none ? 1.0f : sums[m * kernels::most_points];
     const float scale = terms[m].weight / divisor;
     points.left(m)[point] = symmetric ? std::sqrt(scale) : scale;
     points.right(m)[point] = symmetric ? std::sqrt(scale) : 1.0f;
@@ -192,8 +179,7 @@ TruncatedKernel::memory() const
 
 void
 TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                            Eigen::Ref<Eigen::MatrixXf> result,
-                            const VariableMask& active) const
+                            Eigen::Ref<Eigen::MatrixXf> result) const
 {
   constexpr std::size_t block = 16; // of rows that the loops take at once
   const auto rows = std::size_t(values.rows());
@@ -210,8 +196,7 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                   copy.data() + std::size_t(i) * stride);
   }
   const float* const from = direct ? values.data() : copy.data();
-  const bool in_place =
-      direct && active.empty() && std::size_t(result.outerStride()) == stride;
+  const bool in_place = direct && std::size_t(result.outerStride()) == stride;
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   ParallelGuard guard;
 #pragma omp parallel
@@ -231,21 +216,14 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                              result.col(Eigen::Index(group.point)).data());
             continue;
           }
-          const auto column = [&](int p) {
-            const std::size_t point = group.point + std::size_t(p);
-            return sorted ? Eigen::Index(point) : Eigen::Index(order_[point]);
-          };
-          bool any = active.empty();
-          for (int p = 0; p < group.points && !any; ++p)
-            any = active[std::size_t(column(p))];
-          if (!any)
-            continue;
           std::fill_n(sums.column(0), stride * kernels::most_points, 0.0f);
           loops.addProduct(group, chunk.weightsOf(g), from, stride, weights,
                            sums.column(0));
-          for (int p = 0; p < group.points; ++p)
-            if (active.empty() || active[std::size_t(column(p))])
-              result.col(column(p)) += sums.view().col(p).head(values.rows());
+          for (int p = 0; p < group.points; ++p) {
+            const std::size_t point = group.point + std::size_t(p);
+            result.col(sorted ? Eigen::Index(point) : Eigen::Index(order_[point])) +=
+                sums.view().col(p).head(values.rows());
+          }
         }
       });
   }

@@ -145,8 +145,6 @@ CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) cons
       voxels_.empty() ? medianOf(fields.positions, indices) : Eigen::Vector3f::Zero();
   const VoxelIndex corner =
       voxels_.empty() ? VoxelIndex::Zero().eval() : cornerOf(voxels_, indices);
-  elements.origin = voxels_.empty() ? middle.cast<double>().eval()
-                                    : (corner.cast<double>() * voxel_size_).eval();
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Index i = indices[std::size_t(k)];

@@ -99,14 +99,12 @@ LabelRefiner::setParameters(const SemanticCRFParameters& parameters)
 {
   parameters.validate();
   parameters_ = parameters;
-  history_.reset();
 }
 
 void
 LabelRefiner::setCompatibility(const Eigen::MatrixXf& costs)
 {
   compatibility_ = costs.size() > 0 ? LabelCompatibility(costs) : LabelCompatibility();
-  history_.reset();
 }
 
 void
@@ -178,13 +176,6 @@ LabelRefiner::setComputeEnergies(bool compute)
 }
 
 void
-LabelRefiner::setIncremental(bool incremental)
-{
-  incremental_ = incremental;
-  history_.reset();
-}
-
-void
 LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
 {
   report_ = CRFReport();
@@ -197,14 +188,6 @@ LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
   if (model_ == CRFModelType::unary)
     return normalize(elements.indices, distributions);
   Builder builder(*this, elements, distributions);
-  if (builder.isIncremental()) {
-    history_ = DenseHistory::update(builder.denseProblem(), history_.get());
-    report_.updates = 1;
-    report_.last_change = history_->lastChange();
-    report_.taken_over = history_->takenOver();
-    writeResult(history_->marginals(), elements.indices, distributions);
-    return;
-  }
   CrfModel model = builder.build();
   const Eigen::MatrixXf initial = builder.initial();
   CrfModel kept;

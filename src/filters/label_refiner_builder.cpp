@@ -115,38 +115,6 @@ LabelRefiner::Builder::reorder(const std::vector<std::int32_t>& order)
     elements_.colours = gather(elements_.colours, order);
 }
 
-bool
-LabelRefiner::Builder::isIncremental() const
-{
-  if (!refiner_.incremental_ || refiner_.model_ != CRFModelType::dense ||
-      parameters_.iterations != 1 || refiner_.compute_energies_ ||
-      !refiner_.kernels_.empty() || !refiner_.initial_.empty() ||
-      elements_.positions.rows() != 3)
-    return false;
-  const std::vector<float> deviations = deviationsOf(terms());
-  for (std::size_t m = 0; m < deviations.size(); ++m)
-    if (gaussian_kernels_.method(m) != KernelMethod::truncated ||
-        deviations[m] != deviations[0])
-      return false;
-  return !deviations.empty();
-}
-
-DenseProblem
-LabelRefiner::Builder::denseProblem() const
-{
-  DenseProblem problem;
-  problem.origin = elements_.origin;
-  problem.positions = elements_.positions;
-  problem.colours = elements_.colours;
-  problem.measured = gather(measured_.matrix(), elements_.indices);
-  problem.terms = terms();
-  problem.radius = float(parameters_.radius);
-  problem.normalization = parameters_.normalization;
-  problem.self_interaction = parameters_.self_interaction;
-  problem.compatibility = refiner_.compatibility_;
-  return problem;
-}
-
 CrfModel
 LabelRefiner::Builder::build()
 {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "dense_history.h"
 #include <pcl_semantic/crf/crf_model.h>
-
 #include <pcl_semantic/filters/label_refiner.h>
 
 namespace pcl_semantic {
@@ -21,12 +19,6 @@ public:
 
   /** \brief Marginals to start from, L x n; empty = from the measurements. */
   Eigen::MatrixXf initial() const;
-
-  /** \brief Whether DenseHistory can take the model. */
-  bool isIncremental() const;
-
-  /** \brief The model for DenseHistory. */
-  DenseProblem denseProblem() const;
 
 private:
   void reorder(const std::vector<std::int32_t>& order);

@@ -160,36 +160,6 @@ compareWithExact(const std::string& name, const VoxelCloud& voxels)
   }
 }
 
-// Of the voxels farthest along the street, a share changes: what a frame adds.
-void
-compareIncremental(const std::string& name, const VoxelCloud& voxels)
-{
-  std::vector<float> along;
-  for (const pcl::PointXYZRGBL& point : *voxels.cloud)
-    along.push_back(point.x);
-  std::vector<float> sorted = along;
-  std::sort(sorted.begin(), sorted.end());
-  const float border = sorted[sorted.size() * 8 / 10];
-  LabelDistributions changed = voxels.measured;
-  for (std::size_t i = 0; i < along.size(); ++i)
-    if (along[i] > border)
-      changed.matrix().col(Eigen::Index(i)).reverseInPlace();
-  Crf crf;
-  crf.setParameters(benchParameters(1));
-  crf.setIncremental(true);
-  crf.setInputCloud(voxels.cloud);
-  pcl::PointCloud<pcl::PointXYZRGBL> output;
-  int run = 0;
-  const auto next = [&] { // the known map, and then a map with changes, in turns
-    crf.setLabelDistributions(run++ % 2 == 0 ? voxels.measured : changed);
-    crf.filter(output);
-  };
-  const double warm = medianSeconds(9, next);
-  const double cold = medianSeconds(9, [&] { runOurs(voxels, 1); });
-  std::printf("20 %% of the voxels changed: %.4f s, all anew %.4f s\n", warm, cold);
-  printLimit("crf_" + name + "_incremental_over_cold", warm / cold, 0.3);
-}
-
 // Copies of a map side by side, or the first of its voxels.
 VoxelCloud
 resized(const VoxelCloud& voxels, std::size_t count, int labels)
@@ -252,7 +222,6 @@ measure(const std::string& name, const VoxelCloud& voxels, double target_plain,
         double target_pcl)
 {
   compareModels(name, voxels, target_plain, target_pcl);
-  compareIncremental(name, voxels);
   compareWithExact(name, voxels);
 }
 

@@ -102,8 +102,7 @@ printParts(const char* name, const std::vector<LatticeTerm>& terms, Eigen::Index
   const Eigen::Index rows = (labels + 15) / 16 * 16; // as the engine pads them
   const Eigen::MatrixXf values = Eigen::MatrixXf::Constant(rows, kernel.size(), 0.1f);
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(rows, kernel.size());
-  const double product =
-      medianSeconds(9, [&] { kernel.addProduct(values, result, {}); });
+  const double product = medianSeconds(9, [&] { kernel.addProduct(values, result); });
   std::printf("  %s, %s blur: %ld points, %ld vertices; set-up %.1f ms, product %.1f "
               "ms, %.0f bytes a point\n",
               name, blur == LatticeBlur::forward ? "forward" : "symmetric",

@@ -108,7 +108,7 @@ TEST(GaussianKernels, MakesTheKernelsOfTheTerms)
   const auto product = [&](const GaussianKernels::List& kernels) {
     Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(3, 300);
     for (const auto& kernel : kernels)
-      kernel->addProduct(values, sum, {});
+      kernel->addProduct(values, sum);
     return sum;
   };
   Eigen::Matrix3Xf padded = Eigen::Matrix3Xf::Zero(3, 300);
@@ -163,7 +163,7 @@ TEST(GaussianKernels, BothMethodsComeNearToTheExactSum)
     Eigen::MatrixXf result = Eigen::MatrixXf::Zero(2, 600);
     for (const auto& kernel :
          GaussianKernels(voxels, {0.2f}, options).make(voxels, terms))
-      kernel->addProduct(values, result, {});
+      kernel->addProduct(values, result);
     const Eigen::MatrixXd error = result.cast<double>() - exact;
     EXPECT_LT(error.norm() / exact.norm(), 0.1) << int(method);
   }

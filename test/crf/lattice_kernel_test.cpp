@@ -16,11 +16,10 @@ using namespace pcl_semantic;
 constexpr float weight = 3.0f;
 
 Eigen::MatrixXf
-product(const LatticeKernel& kernel, const Eigen::MatrixXf& values,
-        const VariableMask& active = {})
+product(const LatticeKernel& kernel, const Eigen::MatrixXf& values)
 {
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(values.rows(), values.cols());
-  kernel.addProduct(values, result, active);
+  kernel.addProduct(values, result);
   return result;
 }
 
@@ -177,28 +176,13 @@ TEST(LatticeKernel, AddsToBlocksOfLargerMatricesAndNothingElse)
   const Eigen::MatrixXf before = makeNormalCloud(32, count, 1.0f, 11);
   for (const Eigen::Index rows : {3, 11, 16, 19}) {
     Eigen::MatrixXf result = before;
-    kernel.addProduct(values.middleRows(2, rows), result.middleRows(5, rows), {});
+    kernel.addProduct(values.middleRows(2, rows), result.middleRows(5, rows));
     Eigen::MatrixXf expected = before;
     expected.middleRows(5, rows) += product(kernel, values.middleRows(2, rows));
     EXPECT_LT((result - expected).cwiseAbs().maxCoeff(), 1e-6f);
     expected.middleRows(5, rows) = result.middleRows(5, rows);
     EXPECT_TRUE(result == expected) << rows << " rows";
   }
-}
-
-TEST(LatticeKernel, OnlyActiveVariablesHear)
-{
-  const Eigen::Index count = 900;
-  const LatticeKernel kernel(makeNormalCloud(3, count, 1.0f, 12), weight);
-  const Eigen::MatrixXf values = makeNormalCloud(11, count, 1.0f, 13);
-  VariableMask active(std::size_t(count), 0);
-  for (std::size_t i = 0; i < active.size(); i += 3)
-    active[i] = 1;
-  Eigen::MatrixXf expected = product(kernel, values);
-  for (Eigen::Index i = 0; i < count; ++i)
-    if (!active[std::size_t(i)])
-      expected.col(i).setZero();
-  EXPECT_TRUE(product(kernel, values, active) == expected);
 }
 
 TEST(LatticeKernel, SameBitsForAnyNumberOfThreads)

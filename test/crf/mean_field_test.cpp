@@ -202,7 +202,6 @@ TEST(MeanField, NoVariablesAndNoCliques)
   model.self_interaction = true;
   MeanField inference(model);
   EXPECT_EQ(inference.update(), 0.0);
-  EXPECT_EQ(inference.updateSequentially(), 0.0);
   EXPECT_EQ(inference.freeEnergy(), 0.0);
   EXPECT_EQ(inference.marginals().rows(), 3);
   EXPECT_EQ(inference.marginals().cols(), 0);

@@ -85,114 +85,15 @@ TEST(MeanFieldTheory, FreeEnergyIsMinusLogZWithoutCouplings)
   EXPECT_NEAR(MeanField(makeModel(crf)).freeEnergy(), expected, 1e-4);
 }
 
-TEST(MeanFieldTheory, FreeEnergyNeverRisesUnderSequentialUpdates)
-{
-  for (const unsigned seed : {1u, 2u, 3u})
-    for (const float strength : {1.0f, 20.0f})
-      for (const NamedCrf& model : makeEveryModel(25, 4, 6, strength, seed)) {
-        SCOPED_TRACE(model.name + ", seed " + std::to_string(seed) + ", strength " +
-                     std::to_string(strength));
-        // From a random start: the unary's own would have little to do.
-        const Eigen::MatrixXf start = makeRandomMatrix(4, 25, 0.0f, 1.0f, seed + 90);
-        MeanField inference(makeModel(model.crf), &start);
-        const double first = inference.freeEnergy();
-        double before = first;
-        for (int update = 0; update < 12; ++update) {
-          inference.updateSequentially();
-          const double after = inference.freeEnergy();
-          ASSERT_LE(after, before + 1e-6 * (1.0 + std::abs(before)))
-              << "update " << update;
-          before = after;
-        }
-        EXPECT_LT(before, first - 0.1);
-      }
-}
-
-TEST(MeanFieldTheory, SequentialUpdatesAndParallelOnesEndAtTheSame)
-{
-  for (const NamedCrf& model : makeEveryModel(25, 4, 6, 0.5f, 20)) {
-    SCOPED_TRACE(model.name);
-    MeanField parallel(makeModel(model.crf)), sequential(makeModel(model.crf));
-    parallel.run(200, 1e-7);
-    double change = 1.0;
-    for (int update = 0; update < 200 && change > 1e-7; ++update)
-      change = sequential.updateSequentially();
-    EXPECT_LT((parallel.marginals() - sequential.marginals()).cwiseAbs().maxCoeff(),
-              1e-5);
-    // What one kind leaves behind must not disturb the other.
-    sequential.update();
-    EXPECT_LT((parallel.marginals() - sequential.marginals()).cwiseAbs().maxCoeff(),
-              1e-5);
-  }
-}
-
-// Sequential is another thing than parallel: the second variable sees the new first.
-TEST(MeanFieldTheory, SequentialUpdatesUseTheNewestValues)
-{
-  PlainCrf crf;
-  crf.unary.resize(2, 2);
-  crf.unary << 0.0f, 0.5f, 1.0f, 0.0f;
-  crf.kernels.emplace_back(2, 2);
-  crf.kernels[0] << 9.0f, 2.0f, 2.0f, 9.0f;
-  MeanField inference(makeModel(crf));
-  inference.updateSequentially();
-  const auto sigmoid = [](double value) { return 1.0 / (1.0 + std::exp(-value)); };
-  // Q(x = 0) of two labels: from the difference of the exponents.
-  const double second = sigmoid(-0.5);
-  const double first = sigmoid(1.0 + 2.0 * (2.0 * second - 1.0));
-  EXPECT_NEAR(inference.marginals()(0, 0), first, 1e-6);
-  EXPECT_NEAR(inference.marginals()(0, 1), sigmoid(-0.5 + 2.0 * (2.0 * first - 1.0)),
-              1e-6);
-}
-
-// A kernel of which nobody knows the matrix.
-class NoMatrix : public PairwiseKernel {
-public:
-  Eigen::Index
-  size() const override
-  {
-    return 10;
-  }
-
-  float
-  diagonal(Eigen::Index) const override
-  {
-    return 0.0f;
-  }
-
-  void
-  addProduct(const Eigen::Ref<const Eigen::MatrixXf>&, Eigen::Ref<Eigen::MatrixXf>,
-             const VariableMask&) const override
-  {}
-};
-
-TEST(MeanFieldTheory, WhatNeedsSymmetryRefusesToGoWithout)
+TEST(MeanFieldTheory, AFreeEnergyNeedsASymmetricCompatibility)
 {
   PlainCrf crf = makeEveryModel(6, 3, 2, 1.0f, 30)[1].crf;
   crf.compatibility = makeRandomMatrix(3, 3, 0.0f, 1.0f, 31);
   MeanField lopsided(makeModel(crf));
-  const auto refusal = [](auto&& body) {
-    return thrownMessage<InvalidParameterException>(body);
-  };
-  EXPECT_TRUE(
-      holds(refusal([&] { lopsided.updateSequentially(); }), "symmetric label"));
-  EXPECT_TRUE(holds(refusal([&] { (void)lopsided.freeEnergy(); }), "symmetric label"));
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] { (void)lopsided.freeEnergy(); }),
+      "symmetric label"));
   EXPECT_NO_THROW(lopsided.update());
-
-  crf = makeEveryModel(6, 3, 2, 1.0f, 30)[8].crf;
-  crf.kernels[1](2, 1) += 0.5f;
-  MeanField one_sided(makeModel(crf));
-  EXPECT_TRUE(holds(refusal([&] { one_sided.updateSequentially(); }), "symmetric"));
-  crf.kernels[1](2, 1) -= 0.5f;
-  crf.cliques[0].kernels[0](1, 0) += 0.5f;
-  MeanField cliques(makeModel(crf));
-  EXPECT_TRUE(holds(refusal([&] { cliques.updateSequentially(); }), "symmetric"));
-
-  CrfModel model;
-  model.unary = Eigen::MatrixXf::Zero(3, 10);
-  model.kernels.push_back(std::make_shared<NoMatrix>());
-  MeanField implicit(model);
-  EXPECT_TRUE(holds(refusal([&] { implicit.updateSequentially(); }), "MatrixKernel"));
 }
 
 // new_order[i] is where i goes.

@@ -27,7 +27,7 @@ filtered(const PermutohedralLattice& lattice, const Eigen::MatrixXf& values,
 {
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(values.rows(), values.cols());
   const Scales scales = onesAndZero(lattice.size());
-  PermutohedralLattice::addFiltered(values, {{&lattice, &scales}}, {}, result, blur);
+  PermutohedralLattice::addFiltered(values, {{&lattice, &scales}}, result, blur);
   return result;
 }
 
@@ -227,12 +227,12 @@ TEST(PermutohedralLattice, OnlyLatticesMadeTogetherAreFilteredTogether)
   const Eigen::MatrixXf values = makeNormalCloud(11, 500, 1.0f, 16);
   Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(11, 500);
   EXPECT_THROW(PermutohedralLattice::addFiltered(
-                   values, {{&first, &scales}, {&stranger, &scales}}, {}, sum),
+                   values, {{&first, &scales}, {&stranger, &scales}}, sum),
                InvalidParameterException);
   EXPECT_THROW(PermutohedralLattice(features.leftCols(400), first),
                InvalidParameterException);
   PermutohedralLattice::addFiltered(values, {{&first, &scales}, {&neighbour, &scales}},
-                                    {}, sum);
+                                    sum);
   const Eigen::MatrixXf expected = filtered(first, values, LatticeBlur::symmetric) +
                                    filtered(neighbour, values, LatticeBlur::symmetric);
   EXPECT_TRUE(sum == expected);

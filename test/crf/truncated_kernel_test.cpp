@@ -27,7 +27,7 @@ Eigen::MatrixXf
 product(const TruncatedKernel& kernel, const Eigen::MatrixXf& values)
 {
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(values.rows(), values.cols());
-  kernel.addProduct(values, result, {});
+  kernel.addProduct(values, result);
   return result;
 }
 
@@ -163,48 +163,6 @@ TEST(TruncatedKernel, OtherNormalizations)
     const Eigen::MatrixXd error = product(kernel, values).cast<double>() - sum;
     EXPECT_LT((error.array() / sum.array()).abs().maxCoeff(), 1.0 / 128);
   }
-}
-
-TEST(TruncatedKernel, AMaskHasTheOthersStayAsTheyAre)
-{
-  const Eigen::Index count = 500;
-  const TruncatedKernel kernel(makeVoxelPositions(count, 14), twoTerms(count), 2.0f);
-  const Eigen::MatrixXf values = makeRandomMatrix(20, count, 0.0f, 1.0f, 15);
-  const Eigen::MatrixXf all = product(kernel, values);
-  VariableMask active(std::size_t(count), 0);
-  for (std::size_t i = 0; i < active.size(); i += 7)
-    active[i] = 1;
-  Eigen::MatrixXf some = Eigen::MatrixXf::Zero(20, count);
-  kernel.addProduct(values, some, active);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (i % 7 == 0)
-      EXPECT_TRUE(some.col(i) == all.col(i)) << "point " << i;
-    else
-      EXPECT_TRUE(some.col(i).isZero(0.0f)) << "point " << i;
-  }
-}
-
-TEST(TruncatedKernel, APartOfACloudEqualsTheWholeIfTheSumsAreKnown)
-{
-  const Eigen::Index count = 800;
-  const Eigen::Matrix3Xf positions = makeVoxelPositions(count, 18);
-  std::vector<GaussianTerm> terms = twoTerms(count);
-  const Eigen::MatrixXf values = makeRandomMatrix(5, count, 0.0f, 1.0f, 19);
-  const TruncatedKernel whole(positions, terms, 2.0f);
-  const Eigen::MatrixXf expected = product(whole, values);
-  std::vector<int> part; // x < 1.5: those below 1.1 have all their neighbours in it
-  for (int i = 0; i < count; ++i)
-    if (positions(0, i) < 1.45f)
-      part.push_back(i);
-  terms[1].features = terms[1].features(Eigen::all, part).eval();
-  const TruncatedKernel some(positions(Eigen::all, part), terms, 2.0f,
-                             Normalization::symmetric, whole.sums()(Eigen::all, part));
-  const Eigen::MatrixXf result = product(some, values(Eigen::all, part));
-  for (std::size_t k = 0; k < part.size(); ++k)
-    if (positions(0, part[k]) < 1.05f) {
-      EXPECT_NEAR((result.col(Eigen::Index(k)) - expected.col(part[k])).norm(), 0.0,
-                  2e-3 * expected.col(part[k]).norm());
-    }
 }
 
 TEST(TruncatedKernel, SameBitsInEveryTier)

@@ -6,8 +6,8 @@
 #include <pcl_semantic/dataset/synthetic_labels.h>
 #include <pcl_semantic/dataset/synthetic_writer.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/pipeline/calibration_sequence.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ protected:
   {
     return std::make_shared<CalibrationSequence>(
         CalibrationFolders{folder_->path("street"), folder_->path("street/labels"),
-                      folder_->path("street/gt")},
+                           folder_->path("street/gt")},
         labelSet().size());
   }
 

@@ -51,8 +51,7 @@ public:
   }
 
   void addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                  Eigen::Ref<Eigen::MatrixXf> result,
-                  const VariableMask& active) const override;
+                  Eigen::Ref<Eigen::MatrixXf> result) const override;
 
   /** \brief The lattice of a term. */
   const PermutohedralLattice&

@@ -28,19 +28,12 @@ public:
   }
 
   void addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                  Eigen::Ref<Eigen::MatrixXf> result,
-                  const VariableMask& active) const override;
+                  Eigen::Ref<Eigen::MatrixXf> result) const override;
 
   const Eigen::MatrixXf&
   matrix() const
   {
     return matrix_;
-  }
-
-  bool
-  isSymmetric() const
-  {
-    return matrix_ == matrix_.transpose();
   }
 
 private:

@@ -47,14 +47,6 @@ public:
     return last_change_;
   }
 
-  /** \brief One update of one variable after the other (first y, then x, in their
-   * order), each from the newest values. For symmetric models without self-interaction
-   * whose members hear distributions, freeEnergy() never rises.
-   * \return as update()
-   * \throws InvalidParameterException unless all kernels are MatrixKernels, and these
-   * and the compatibility are symmetric */
-  double updateSequentially();
-
   /** \brief Q(x), L x N, columns sum to one: not a copy, the next update changes it. */
   Marginals marginals() const;
 

@@ -6,17 +6,11 @@
 
 #include <Eigen/Core>
 
-#include <cstdint>
-#include <vector>
-
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief How a Gaussian kernel k is normalised, with D_i = sum over all j of k_ij, i
  * included: D^-1/2 K D^-1/2, D^-1 K, or not at all. */
 enum class Normalization { symmetric, one_sided, none };
-
-/** \brief One byte a variable, 0 or 1; empty = all variables. */
-using VariableMask = std::vector<std::uint8_t>;
 
 /** \brief A kernel matrix K over N variables, normalised and weighted, known by what it
  * does to values: the pairwise term of the CRF, eq. (6). */
@@ -30,16 +24,14 @@ public:
   /** \brief K_ii, what a variable would say to itself. */
   virtual float diagonal(Eigen::Index i) const = 0;
 
-  /** \brief result(:, i) += sum over j != i of K_ij values(:, j), for the variables i
-   * of a mask; the columns of others stay as they are.
+  /** \brief result(:, i) += sum over j != i of K_ij values(:, j).
    *
    * Fastest where columns start at multiples of 64 bytes and have a multiple of 16
    * rows; the result does not depend on that.
    * \param[in] values any number of rows x N
    * \param[in,out] result as values */
   virtual void addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                          Eigen::Ref<Eigen::MatrixXf> result,
-                          const VariableMask& active) const = 0;
+                          Eigen::Ref<Eigen::MatrixXf> result) const = 0;
 };
 
 } // namespace pcl_semantic

@@ -79,13 +79,13 @@ public:
   };
 
   /** \brief For every term result(:, i) += slice_i sum_j k_ij splat_j values(:, j) -
-   * diagonal_i values(:, i), j = i included, for all i or those of a mask.
+   * diagonal_i values(:, i), j = i included.
    * \param[in] values any number of rows x N, finite
    * \param[in] terms of lattices that are neighbours of the first one
    * \param[in,out] result as values, not the same matrix
    * \throws InvalidParameterException if lattices are not neighbours */
   static void addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                          const std::vector<Term>& terms, const VariableMask& active,
+                          const std::vector<Term>& terms,
                           Eigen::Ref<Eigen::MatrixXf> result,
                           LatticeBlur blur = LatticeBlur::symmetric);
 

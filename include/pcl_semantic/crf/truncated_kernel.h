@@ -30,16 +30,13 @@ public:
   /** \param[in] positions 3 x N
    * \param[in] terms all of one position deviation; their features have N columns
    * \param[in] radius of the sums, in deviations of positions
-   * \param[in] known_sums D_i of the points that are known, terms x N; NaN or none =
-   * to be summed. For a part of a cloud, whose border has neighbours outside.
    * \throws InvalidParameterException at a deviation or radius that is not positive,
    * deviations of positions that differ, a negative weight, features of another size,
    * values that are not finite, positions too far apart (canHold()), or more pairs than
    * memory is meant to hold (2^31) */
   TruncatedKernel(const Eigen::Matrix3Xf& positions,
                   const std::vector<GaussianTerm>& terms, float radius,
-                  Normalization normalization = Normalization::symmetric,
-                  const Eigen::MatrixXf& known_sums = Eigen::MatrixXf());
+                  Normalization normalization = Normalization::symmetric);
   ~TruncatedKernel() override;
 
   Eigen::Index
@@ -55,15 +52,7 @@ public:
   }
 
   void addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                  Eigen::Ref<Eigen::MatrixXf> result,
-                  const VariableMask& active) const override;
-
-  /** \brief D_i = sum over all j of k_ij, i included, of each term: terms x N. */
-  const Eigen::MatrixXf&
-  sums() const
-  {
-    return sums_;
-  }
+                  Eigen::Ref<Eigen::MatrixXf> result) const override;
 
   /** \brief Factor of the variance of positions for a radius in deviations: 2 at 2
    * deviations, 1.15 at 2.5, next to 1 beyond 3; 1 without normalisation. */
@@ -88,13 +77,12 @@ private:
                 const std::vector<GaussianTerm>& terms, Normalization normalization);
 
   void normalize(SortedPoints& points, const std::vector<GaussianTerm>& terms,
-                 std::size_t point, Normalization normalization);
+                 std::size_t point, const float* sums, Normalization normalization);
 
   void makeWeights(const SortedPoints& points);
 
   std::vector<std::int32_t> order_; // empty = the points came sorted
   std::vector<Chunk> chunks_;
-  Eigen::MatrixXf sums_;
   Eigen::VectorXf diagonal_;
 };
 

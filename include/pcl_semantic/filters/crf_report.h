@@ -12,7 +12,6 @@ struct CRFReport {
   int updates = 0;                 ///< mean-field updates made
   double last_change = 0.0;        ///< largest change of a marginal in the last of them
   std::size_t unlabelled = 0;      ///< elements that take part without a measurement
-  std::size_t taken_over = 0;      ///< elements whose result is that of the run before
   std::size_t cliques = 0;         ///< cliques that take part
   std::size_t skipped_cliques = 0; ///< cliques of which no member does
   double free_energy = 0.0;        ///< MeanField::freeEnergy(), if it was asked for

@@ -11,12 +11,9 @@
 #include <pcl/PointIndices.h>
 #include <pcl/types.h>
 
-#include <memory>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
-
-class DenseHistory;
 
 /** \brief What SemanticCRF and ImageCRF share: the model over elements (points of a
  * cloud, pixels of an image), its settings, and the inference on matrices. */
@@ -76,12 +73,6 @@ public:
    * need a symmetric compatibility. */
   void setComputeEnergies(bool compute);
 
-  /** \brief Whether a run takes over from the one before what cannot have changed: for
-   * a map of which each frame changes a part. Works for the dense model with one update
-   * and truncated kernels of one deviation; others run as without. Results are the same
-   * up to rounding. Keeps a copy of the last input. */
-  void setIncremental(bool incremental);
-
   /** \brief Of the last run. */
   const CRFReport&
   getReport() const
@@ -102,8 +93,7 @@ protected:
     std::size_t total = 0;     ///< elements of the whole cloud or image
     pcl::Indices indices;      ///< of the n that take part, each once
     Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the positions
-    Eigen::MatrixXf colours; ///< rows x n [grey levels]; empty = no colour
+    Eigen::MatrixXf colours;   ///< rows x n [grey levels]; empty = no colour
   };
 
   ~LabelRefiner() = default;
@@ -137,8 +127,6 @@ private:
   Eigen::MatrixXf clique_costs_;
   LabelDistributions initial_;
   bool compute_energies_ = false;
-  bool incremental_ = false;
-  std::shared_ptr<const DenseHistory> history_; // of the last run
   CRFReport report_;
 };
 

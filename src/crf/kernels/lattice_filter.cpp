@@ -203,8 +203,6 @@ slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice
     const std::size_t later = laterColumn(points, i);
     __builtin_prefetch(columns.values + later * columns.values_stride);
     __builtin_prefetch(columns.result + later * columns.result_stride, 1);
-    if (columns.active && !columns.active[column])
-      continue;
     Values sum = Values::zero();
     for (std::size_t k = i * points.corners; k < (i + 1) * points.corners; ++k) {
       const float* const row = lattice + std::size_t(points.rows[k]) * width;

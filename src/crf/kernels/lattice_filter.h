@@ -41,11 +41,10 @@ struct LatticeColumns {
   std::size_t values_stride;
   float* result;
   std::size_t result_stride;
-  std::size_t rows;           ///< of interest, up to the width
-  const float* splat_scale;   ///< by column
-  const float* slice_scale;   ///< by column
-  const float* diagonal;      ///< by column
-  const std::uint8_t* active; ///< by column; null = all
+  std::size_t rows;         ///< of interest, up to the width
+  const float* splat_scale; ///< by column
+  const float* slice_scale; ///< by column
+  const float* diagonal;    ///< by column
 };
 
 struct LatticeFilter {
