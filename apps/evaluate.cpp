@@ -7,7 +7,6 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/evaluation_report.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 
 #include <iostream>
@@ -67,7 +66,7 @@ parse(int argc, char** argv, Options& options)
       "classes whose truth does not count, numbers or names with commas between them, "
       "or none; default: sky,pedestrian,cyclist, as far as the label set has them")(
       "output,o", po::value(&options.output),
-      "folder for metrics.json, confusion.csv and confusion.png")(
+      "folder for metrics.json and confusion.csv")(
       "row", po::value(&options.row), "print one row of a Markdown table of this name")(
       "header", po::bool_switch(&options.header), "print the header of such a table");
   po::variables_map values;
@@ -118,8 +117,6 @@ report(const Options& options, const ConfusionMatrix& confusion,
     writeTextFile(options.output + "/metrics.json", scoresJson(scores, label_set));
     writeTextFile(options.output + "/confusion.csv",
                   confusionCsv(confusion, label_set));
-    writePng(options.output + "/confusion.png",
-             drawConfusion(confusion, label_set, evaluated));
   }
   if (!options.row.empty())
     std::cout << scoresMarkdownRow(scores, range.empty() ? options.row

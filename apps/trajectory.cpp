@@ -3,9 +3,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/evaluation/trajectory_picture.h>
 #include <pcl_semantic/evaluation/trajectory_report.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
@@ -17,14 +15,14 @@ const tool::Usage usage{
     "pcl_semantic_trajectory", "compare TRUTH ESTIMATE [options]",
     "Compares two trajectories, KITTI (matched by row) or TUM (matched by time): "
     "errors\n"
-    "by KITTI's definition, distances of the positions, and a picture of both paths.",
+    "by KITTI's definition, and distances of the positions.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_odometry /tmp/street /tmp/poses.txt && \\\n"
     "  pcl_semantic_trajectory compare /tmp/street/poses.txt /tmp/poses.txt \\\n"
-    "    --lengths 10,20 --picture /tmp/paths.png"};
+    "    --lengths 10,20"};
 
 struct Options {
-  std::string command, truth, estimate, times, picture;
+  std::string command, truth, estimate, times;
   std::string lengths = "100,200,300,400,500,600,700,800";
   int step = 1;
   double tolerance = 0.01; ///< [s]
@@ -39,8 +37,7 @@ parseOptions(int argc, char** argv, Options& options)
       "truth", po::value(&options.truth), "trajectory that is right")(
       "estimate", po::value(&options.estimate),
       "trajectory to judge")("times", po::value(&options.times),
-                             "times.txt of a KITTI trajectory that meets a TUM one")(
-      "picture", po::value(&options.picture), "picture of both paths to write (.png)");
+                             "times.txt of a KITTI trajectory that meets a TUM one");
   tool::addOption(visible, "lengths", options.lengths,
                   "of the pieces that are compared [m]");
   tool::addOption(visible, "step", options.step,
@@ -60,9 +57,6 @@ parseOptions(int argc, char** argv, Options& options)
     tool::failUsage(usage, "compare needs two trajectories");
   if (!(options.tolerance >= 0.0))
     tool::failUsage(usage, "--tolerance is less than 0");
-  tool::requireExtension(options.picture, ".png");
-  tool::refuseSameFiles({options.truth, options.estimate, options.times},
-                        {options.picture});
   return true;
 }
 
@@ -147,8 +141,6 @@ compare(const Options& options)
       kittiErrors(matched.first, matched.second, lengths, options.step),
       errorsFromStart(matched.first, matched.second),
       errorsAligned(matched.first, matched.second)};
-  if (!options.picture.empty())
-    writePng(options.picture, drawTrajectories(matched.first, matched.second));
   tool::printFigures(trajectoryTable(errors), trajectoryJson(errors));
   return tool::exit_done;
 }

@@ -158,66 +158,63 @@ TEST(StereoTool, SwappedPairsAreWarnedOf)
 TEST(StereoTool, BadPairs)
 {
   const std::string folders = "stereo STREET/image_2 STREET/image_3 STREET/calib.txt ";
-  for (
-      const BadCase& bad : std::vector<BadCase>{
-          {"nothing", 2, "expected LEFT RIGHT CALIBRATION OUT", "stereo"},
-          {"kind of output", 2, "ends in .pcd", one_pair + "TEMP/out.ply"},
-          {"kind of picture", 2, "ends in .png",
-           one_pair + "TEMP/out.pcd --disparity TEMP/d.jpg"},
-          {"engine", 2, "expected sgm, elas or sgbm",
-           one_pair + "TEMP/out.pcd --stereo orb"},
-          {"range", 2, "disparities is 100",
-           one_pair + "TEMP/out.pcd --disparities 100"},
-          {"depth", 2, "--max-depth", one_pair + "TEMP/out.pcd --max-depth -1"},
-          {"image and folder", 2, "two images, or two folders",
-           "stereo STREET/image_2 STREET/image_3/000000.png STREET/calib.txt OUT"},
-          {"a pattern", 3, "is not there",
-           "stereo 'STREET/image_2/*.png' 'STREET/image_3/*.png' STREET/calib.txt OUT"},
-          {"a folder that cannot be", 5, "cannot be made",
-           "stereo STREET/image_2 STREET/image_3 STREET/calib.txt "
-           "STREET/calib.txt/OUT"},
-          {"not a number", 2, "--max-depth is nan",
-           one_pair + "TEMP/out.pcd --max-depth nan"},
-          {"a map among the images", 2, "holds images of frames",
-           "map STREET --output STREET/image_2 --labels STREET/labels"},
-          {"poses over an image", 2, "is a name for an image",
-           "odometry STREET STREET/image_2/000001.png"},
-          {"a picture over the calibration", 2, "ends in .png",
-           "trajectory compare STREET/poses.txt STREET/poses.txt --lengths 1 --picture "
-           "STREET/calib.txt"},
-          {"times that stand still", 3, "times.txt line 2: is not later",
-           "odometry STREET TEMP/out.txt",
-           [](const std::string& street) {
-             std::ofstream(street + "/times.txt") << "0.5\n0.5\n0.6\n";
-           }},
-          {"no image", 3, "000009.png",
-           "stereo STREET/image_2/000009.png STREET/image_3/000000.png "
-           "STREET/calib.txt TEMP/out.pcd"},
-          {"one image twice", 3, "both the left and the right image",
-           "stereo STREET/image_2/000000.png STREET/image_2/000000.png "
-           "STREET/calib.txt TEMP/out.pcd"},
-          {"no calibration", 3, "none.txt",
-           "stereo STREET/image_2 STREET/image_3 STREET/none.txt OUT"},
-          {"swapped", 3, "left and right are swapped", folders + "OUT --strict",
-           swapSides},
-          {"swapped in a map", 3, "frame 0: left and right are swapped",
-           "--labels STREET/labels --strict", swapSides},
-          {"swapped for odometry", 3, "frame 0: left and right are swapped",
-           "odometry STREET TEMP/poses.txt --strict", swapSides},
-          {"blank", 3, "frame 1: ", "--labels STREET/labels --strict",
-           [](const std::string& street) {
-             writePng(street + "/image_3/000001.png",
-                      cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(3)));
-           }},
-          {"fewer right images", 3, "matches 3 files, but", folders + "OUT",
-           [](const std::string& street) {
-             std::filesystem::remove(street + "/image_3/000002.png");
-           }},
-          {"another size", 3, "has 100 x 64 pixels, expected 208 x 64", folders + "OUT",
-           [](const std::string& street) {
-             writePng(street + "/image_3/000000.png",
-                      cv::Mat(64, 100, CV_8UC3, cv::Scalar::all(90)));
-           }}})
+  for (const BadCase& bad : std::vector<BadCase>{
+           {"nothing", 2, "expected LEFT RIGHT CALIBRATION OUT", "stereo"},
+           {"kind of output", 2, "ends in .pcd", one_pair + "TEMP/out.ply"},
+           {"kind of picture", 2, "ends in .png",
+            one_pair + "TEMP/out.pcd --disparity TEMP/d.jpg"},
+           {"engine", 2, "expected sgm, elas or sgbm",
+            one_pair + "TEMP/out.pcd --stereo orb"},
+           {"range", 2, "disparities is 100",
+            one_pair + "TEMP/out.pcd --disparities 100"},
+           {"depth", 2, "--max-depth", one_pair + "TEMP/out.pcd --max-depth -1"},
+           {"image and folder", 2, "two images, or two folders",
+            "stereo STREET/image_2 STREET/image_3/000000.png STREET/calib.txt OUT"},
+           {"a pattern", 3, "is not there",
+            "stereo 'STREET/image_2/*.png' 'STREET/image_3/*.png' STREET/calib.txt "
+            "OUT"},
+           {"a folder that cannot be", 5, "cannot be made",
+            "stereo STREET/image_2 STREET/image_3 STREET/calib.txt "
+            "STREET/calib.txt/OUT"},
+           {"not a number", 2, "--max-depth is nan",
+            one_pair + "TEMP/out.pcd --max-depth nan"},
+           {"a map among the images", 2, "holds images of frames",
+            "map STREET --output STREET/image_2 --labels STREET/labels"},
+           {"poses over an image", 2, "is a name for an image",
+            "odometry STREET STREET/image_2/000001.png"},
+           {"times that stand still", 3, "times.txt line 2: is not later",
+            "odometry STREET TEMP/out.txt",
+            [](const std::string& street) {
+              std::ofstream(street + "/times.txt") << "0.5\n0.5\n0.6\n";
+            }},
+           {"no image", 3, "000009.png",
+            "stereo STREET/image_2/000009.png STREET/image_3/000000.png "
+            "STREET/calib.txt TEMP/out.pcd"},
+           {"one image twice", 3, "both the left and the right image",
+            "stereo STREET/image_2/000000.png STREET/image_2/000000.png "
+            "STREET/calib.txt TEMP/out.pcd"},
+           {"no calibration", 3, "none.txt",
+            "stereo STREET/image_2 STREET/image_3 STREET/none.txt OUT"},
+           {"swapped", 3, "left and right are swapped", folders + "OUT --strict",
+            swapSides},
+           {"swapped in a map", 3, "frame 0: left and right are swapped",
+            "--labels STREET/labels --strict", swapSides},
+           {"swapped for odometry", 3, "frame 0: left and right are swapped",
+            "odometry STREET TEMP/poses.txt --strict", swapSides},
+           {"blank", 3, "frame 1: ", "--labels STREET/labels --strict",
+            [](const std::string& street) {
+              writePng(street + "/image_3/000001.png",
+                       cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(3)));
+            }},
+           {"fewer right images", 3, "matches 3 files, but", folders + "OUT",
+            [](const std::string& street) {
+              std::filesystem::remove(street + "/image_3/000002.png");
+            }},
+           {"another size", 3, "has 100 x 64 pixels, expected 208 x 64",
+            folders + "OUT", [](const std::string& street) {
+              writePng(street + "/image_3/000000.png",
+                       cv::Mat(64, 100, CV_8UC3, cv::Scalar::all(90)));
+            }}})
     expectFails(bad);
 }
 

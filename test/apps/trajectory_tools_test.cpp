@@ -78,12 +78,11 @@ TEST(TrajectoryTool, ComparesRowsAndTimes)
   const std::string poses = tinyStreet() + "/poses.txt", tum = folder.path("tum.txt");
   const Trajectory truth = readKittiTrajectory(poses);
   writeTumTrajectory(tum, {{0.1, truth[1]}, {0.2, truth[2]}}); // frame 0 is a gap
-  const ToolResult rows = runTool("trajectory compare " + poses + " " + poses +
-                                  " --lengths 0.5 --picture " + folder.path("p.png"));
+  const ToolResult rows =
+      runTool("trajectory compare " + poses + " " + poses + " --lengths 0.5");
   EXPECT_EQ(rows.code, 0);
   EXPECT_EQ(rows.text.rfind("3 poses, 1.7 m\n", 0), 0u) << rows.text;
   EXPECT_NE(rows.text.find("0.0000          0.00000"), std::string::npos) << rows.text;
-  EXPECT_EQ(readPng(folder.path("p.png"), ImageKind::grey_or_colour).cols, 800);
   const ToolResult times = runTool("trajectory compare " + poses + " " + tum +
                                    " --times " + tinyStreet() + "/times.txt");
   EXPECT_EQ(times.code, 0);

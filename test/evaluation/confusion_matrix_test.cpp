@@ -222,23 +222,4 @@ TEST(EvaluationReport, NothingToEvaluate)
           .is_null());
 }
 
-TEST(EvaluationReport, PictureShowsTheDiagonal)
-{
-  ConfusionMatrix confusion(4);
-  const cv::Mat1b image(9, 9, Label(3));
-  confusion.add(image, image);
-  const cv::Mat picture = drawConfusion(confusion, fourClasses(), evaluated);
-  ASSERT_EQ(picture.type(), CV_8UC3);
-  // The only dark blue is the cell of class 3: second row, second of five columns.
-  cv::Mat dark;
-  cv::inRange(picture, cv::Scalar(130, 60, 10), cv::Scalar(130, 60, 10), dark);
-  ASSERT_GT(cv::countNonZero(dark), 1000);
-  std::vector<cv::Point> where;
-  cv::findNonZero(dark, where);
-  const auto [left, right] = std::minmax_element(
-      where.begin(), where.end(), [](auto a, auto b) { return a.x < b.x; });
-  EXPECT_GT(left->x, picture.cols / 4);
-  EXPECT_LT(right->x, picture.cols * 2 / 3);
-}
-
 } // namespace pcl_semantic

@@ -3,11 +3,8 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/trajectory_error.h>
-#include <pcl_semantic/evaluation/trajectory_picture.h>
 
 #include <gtest/gtest.h>
-
-#include <opencv2/core.hpp>
 
 #include <cmath>
 
@@ -130,23 +127,6 @@ TEST(MatchByTime, TakesEveryPoseOnceThoughTheOtherFileIsDenser)
     for (std::size_t i = 0; i < 3; ++i)
       EXPECT_EQ(matched.first[i].matrix(), matched.second[i].matrix());
   }
-}
-
-TEST(TrajectoryPicture, ShowsBothPaths)
-{
-  // Both go ahead, which is up; the second bends to the right.
-  const cv::Mat picture = drawTrajectories(drive(50, 1.0, 0.0), drive(50, 1.0, 0.02));
-  ASSERT_EQ(picture.size(), cv::Size(800, 800));
-  cv::Mat grey, red;
-  cv::inRange(picture, cv::Scalar::all(140), cv::Scalar::all(160), grey);
-  cv::inRange(picture, cv::Scalar(0, 0, 180), cv::Scalar(120, 120, 255), red);
-  EXPECT_GT(cv::countNonZero(grey), 500);
-  EXPECT_GT(cv::countNonZero(red), 200);
-  std::vector<cv::Point> in_grey, in_red;
-  cv::findNonZero(grey.rowRange(0, 200), in_grey);
-  cv::findNonZero(red.rowRange(0, 300), in_red);
-  EXPECT_GT(in_red.front().x, in_grey.front().x + 20);
-  thrownMessage<InvalidParameterException>([] { drawTrajectories({}, {}); });
 }
 
 } // namespace

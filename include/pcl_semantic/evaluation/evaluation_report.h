@@ -25,10 +25,4 @@ std::string scoresJson(const Scores& scores, const LabelSet& label_set);
 /** \brief All counts as CSV: a row a true label, a column a predicted one. */
 std::string confusionCsv(const ConfusionMatrix& confusion, const LabelSet& label_set);
 
-/** \brief Picture of a confusion matrix: a row an evaluated class of the truth, a
- * column a predicted one ("uncovered" and "other" last), each row in percent of its
- * pixels. \return CV_8UC3 (BGR) */
-cv::Mat drawConfusion(const ConfusionMatrix& confusion, const LabelSet& label_set,
-                      const std::vector<Label>& evaluated);
-
 } // namespace pcl_semantic
