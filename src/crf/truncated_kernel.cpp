@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "finite.h"
+#include "kernels/run_search.h"
 #include "kernels/truncated_sums.h"
 #include "padded_columns.h"
 #include "point_rows.h"
-#include "scratch.h"
-#include "sorted_points.h"
-#include "truncated_chunk.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/parallel_guard.h>
+#include <pcl_semantic/crf/gaussian_term.h>
 #include <pcl_semantic/crf/truncated_kernel.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -40,7 +44,175 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
   }
 }
 
+/** \brief Memory of a thread that its next task may use again, at a multiple of 64
+ * bytes. */
+class Scratch {
+public:
+  /** \brief At least so many floats; what they hold is not defined. */
+  float*
+  floats(std::size_t count)
+  {
+    if (count > size_) {
+      floats_.reset(static_cast<float*>(
+          ::operator new(count * sizeof(float), std::align_val_t(64))));
+      size_ = count;
+    }
+    return floats_.get();
+  }
+
+private:
+  struct Delete {
+    void
+    operator()(float* floats) const
+    {
+      ::operator delete(floats, std::align_val_t(64));
+    }
+  };
+
+  std::unique_ptr<float[], Delete> floats_;
+  std::size_t size_ = 0;
+};
+
 } // namespace
+
+/** \brief Positions and features of points in some order, and the scales of the terms,
+ * as the arrays that the inner loops take. */
+class SortedPoints {
+public:
+  /** \param[in] order numbers of the columns of \a positions
+   * \param[in] squared_radius pairs farther apart are none
+   * \param[in] variance of positions, in all terms */
+  SortedPoints(const Eigen::Matrix3Xf& positions,
+               const std::vector<std::int32_t>& order,
+               const std::vector<GaussianTerm>& terms, float squared_radius,
+               float variance);
+  SortedPoints(const SortedPoints&) = delete; // views point into it
+  SortedPoints& operator=(const SortedPoints&) = delete;
+
+  const kernels::PointsView&
+  view() const
+  {
+    return view_;
+  }
+
+  /** \brief Factors of a term's values, on the side of the point and of its neighbour:
+   * weight / D, or its root on both sides. */
+  float*
+  left(std::size_t term)
+  {
+    return left_.data() + term * stride_;
+  }
+
+  float*
+  right(std::size_t term)
+  {
+    return arrays_.data() + (view_.features_end + term) * stride_;
+  }
+
+private:
+  std::size_t stride_;
+  std::vector<float> arrays_; // see PointsView
+  std::vector<float> left_;   // of the terms
+  std::vector<const float*> left_arrays_;
+  std::vector<kernels::TermView> terms_;
+  kernels::PointsView view_;
+};
+
+namespace {
+
+constexpr std::size_t padding = 16; // the loops read as many values behind the last
+constexpr float log2_e = 1.44269504f;
+
+} // namespace
+
+SortedPoints::SortedPoints(const Eigen::Matrix3Xf& positions,
+                           const std::vector<std::int32_t>& order,
+                           const std::vector<GaussianTerm>& terms, float squared_radius,
+                           float variance)
+    : stride_(order.size() + padding)
+{
+  std::size_t arrays = 3;
+  for (const GaussianTerm& term : terms) {
+    terms_.push_back({int(term.features.rows()), arrays});
+    arrays += std::size_t(term.features.rows());
+  }
+  arrays_.resize((arrays + terms.size()) * stride_);
+  left_.resize(terms.size() * stride_);
+  for (std::size_t m = 0; m < terms.size(); ++m)
+    left_arrays_.push_back(left(m));
+  view_ = {arrays_.data(),
+           stride_,
+           arrays,
+           squared_radius,
+           log2_e / (2.0f * variance),
+           terms_.data(),
+           int(terms_.size()),
+           left_arrays_.data()};
+  const auto copyRows = [&](const auto& matrix, std::size_t first, float scale) {
+#pragma omp parallel for schedule(static)
+    for (std::size_t i = 0; i < order.size(); ++i)
+      for (Eigen::Index row = 0; row < matrix.rows(); ++row)
+        arrays_[(first + std::size_t(row)) * stride_ + i] =
+            scale * matrix(row, order[i]);
+  };
+  copyRows(positions, 0, 1.0f);
+  for (std::size_t m = 0; m < terms.size(); ++m)
+    copyRows(terms[m].features, terms_[m].first, std::sqrt(log2_e / 2.0f));
+}
+
+/** \brief The neighbours of some sorted points, by groups of these. */
+struct TruncatedKernel::Chunk {
+  static constexpr std::size_t most_points = 256;
+
+  PointRows::Groups groups;
+  std::vector<std::uint32_t> lengths;       // points in the runs of each group
+  std::vector<std::uint32_t> pair_ends;     // of each group, in pairs
+  std::unique_ptr<std::uint32_t[]> weights; // two pairs each
+  std::size_t pairs = 0;                    // of all groups
+  std::size_t longest = 0;                  // points in the runs of a group
+  std::size_t first = 0;                    // point
+
+  void find(const PointRows& rows, std::size_t begin);
+
+  std::size_t
+  size() const
+  {
+    return lengths.size();
+  }
+
+  kernels::GroupView
+  view(std::size_t g) const
+  {
+    const std::size_t run = g == 0 ? 0 : groups.run_ends[g - 1];
+    const std::size_t point = g == 0 ? first : groups.point_ends[g - 1];
+    return {groups.runs.data() + run, groups.run_ends[g] - run, lengths[g], point,
+            int(groups.point_ends[g] - point)};
+  }
+
+  std::uint32_t*
+  weightsOf(std::size_t g) const
+  {
+    return weights.get() + (g == 0 ? 0 : pair_ends[g - 1]) / 2;
+  }
+};
+
+void
+TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin)
+{
+  first = begin;
+  groups = rows.findRuns(begin, std::min(rows.size(), begin + most_points));
+  groups.runs.shrink_to_fit();
+  std::size_t run = 0;
+  for (std::size_t g = 0; g < groups.run_ends.size(); ++g) {
+    std::size_t length = 0;
+    for (; run < groups.run_ends[g]; ++run)
+      length += groups.runs[run] & kernels::run_length_mask;
+    lengths.push_back(std::uint32_t(length));
+    longest = std::max(longest, length);
+    pairs += std::size_t(view(g).points) * kernels::strideOf(length);
+    pair_ends.push_back(std::uint32_t(pairs)); // a chunk with more is refused
+  }
+}
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
                                  const std::vector<GaussianTerm>& terms, float radius,
