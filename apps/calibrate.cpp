@@ -8,10 +8,9 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/evaluation/evaluation_report.h>
+#include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>
-#include <pcl_semantic/pipeline/clique_trial.h>
 #include <pcl_semantic/pipeline/listed_labels.h>
 
 #include <nlohmann/json.hpp>

@@ -8,7 +8,7 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>
-#include <pcl_semantic/pipeline/clique_config.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <pcl/common/io.h>
 

@@ -8,7 +8,6 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/small_png.h>
 #include <pcl_semantic/io/label_sheet.h>
 
 #include <filesystem>

@@ -5,7 +5,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/evaluation/evaluation_report.h>
+#include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 

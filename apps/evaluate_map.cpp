@@ -5,8 +5,8 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/velodyne_scan.h>
-#include <pcl_semantic/evaluation/geometry_report.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
+#include <pcl_semantic/evaluation/map_geometry.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/map_folder.h>

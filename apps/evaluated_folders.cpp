@@ -2,7 +2,7 @@
 #include "evaluated_folders.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/semantic_kitti_labels.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>

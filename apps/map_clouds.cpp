@@ -5,9 +5,9 @@
 #include "messages.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/rectified_pair.h>
+#include <pcl_semantic/dataset/rectifier.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>
-#include <pcl_semantic/odometry/pose_file.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
 
 #include <filesystem>
 

@@ -4,7 +4,7 @@
 #include "map_arguments.h"
 
 #include <pcl_semantic/dataset/frame_sequence.h>
-#include <pcl_semantic/pipeline/extra_output.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
 
 namespace pcl_semantic::tool {
 

@@ -2,7 +2,7 @@
 #include "map_poses.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/odometry/pose_file.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
 
 namespace pcl_semantic::tool {
 

@@ -6,7 +6,7 @@
 
 #include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/odometry/pose_source.h>
-#include <pcl_semantic/pipeline/extra_output.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 

@@ -3,7 +3,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/evaluation/trajectory_report.h>
+#include <pcl_semantic/evaluation/trajectory_error.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 

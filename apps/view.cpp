@@ -9,7 +9,6 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/files/small_png.h>
 
 #include <iostream>
 

@@ -14,7 +14,7 @@
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/map/seen_through.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
-#include <pcl_semantic/odometry/pose_file.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 

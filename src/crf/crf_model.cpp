@@ -5,8 +5,165 @@
 #include <pcl_semantic/crf/crf_model.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 
 namespace pcl_semantic {
+
+LabelCompatibility::LabelCompatibility(Eigen::MatrixXf costs) : costs_(std::move(costs))
+{
+  if (costs_.rows() != costs_.cols() || costs_.rows() == 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "the label compatibility is "
+                                                       << costs_.rows() << " x "
+                                                       << costs_.cols()
+                                                       << ", expected L x L");
+  for (Eigen::Index k = 0; k < labels(); ++k)
+    for (Eigen::Index l = 0; l < labels(); ++l) {
+      // Beyond that sums of messages would leave the range of floats.
+      if (!(std::abs(costs_(l, k)) <= 1e9f))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "the compatibility of labels "
+                                << l << " and " << k << " (from 0) is " << costs_(l, k)
+                                << ", expected -1e9 to 1e9");
+      is_potts_ = is_potts_ && costs_(l, k) == float(l != k);
+      is_symmetric_ = is_symmetric_ && costs_(l, k) == costs_(k, l);
+    }
+}
+
+namespace {
+
+constexpr std::size_t largest = std::numeric_limits<std::int32_t>::max();
+
+// last_clique[i] is the clique that variable i was last seen in.
+void
+validate(const std::vector<std::int32_t>& members, std::size_t clique,
+         std::vector<std::int32_t>& last_clique)
+{
+  if (members.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException, "clique " << clique << " is empty");
+  for (const std::int32_t i : members) {
+    if (i < 0 || std::size_t(i) >= last_clique.size())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "clique " << clique << " has the member " << i
+                                    << ", expected 0 to less than "
+                                    << last_clique.size());
+    if (last_clique[std::size_t(i)] == std::int32_t(clique))
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "clique " << clique << " has the member " << i << " twice");
+    last_clique[std::size_t(i)] = std::int32_t(clique);
+  }
+}
+
+// The rows of each index instead of the indices of each row.
+IndexLists
+transpose(const IndexLists& lists, std::size_t rows)
+{
+  IndexLists result;
+  result.starts.assign(rows + 1, 0);
+  for (const std::int32_t i : lists.indices)
+    ++result.starts[std::size_t(i) + 1];
+  std::partial_sum(result.starts.begin(), result.starts.end(), result.starts.begin());
+  result.indices.resize(lists.indices.size());
+  std::vector<std::size_t> next(result.starts.begin(), result.starts.end() - 1);
+  for (std::size_t row = 0; row < lists.size(); ++row)
+    for (const std::int32_t i : lists[row])
+      result.indices[next[std::size_t(i)]++] = std::int32_t(row);
+  return result;
+}
+
+} // namespace
+
+CliqueSet::CliqueSet(const std::vector<std::vector<std::int32_t>>& cliques,
+                     std::size_t variables)
+{
+  if (variables > largest || cliques.size() > largest)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        cliques.size()
+                            << " cliques over " << variables
+                            << " variables, expected less than 2^31 of each");
+  std::vector<std::int32_t> last_clique(variables, -1);
+  members_.starts.reserve(cliques.size() + 1);
+  for (std::size_t c = 0; c < cliques.size(); ++c) {
+    validate(cliques[c], c, last_clique);
+    members_.starts.push_back(members_.starts.back() + cliques[c].size());
+  }
+  members_.indices.reserve(members_.starts.back());
+  for (const auto& clique : cliques)
+    members_.indices.insert(members_.indices.end(), clique.begin(), clique.end());
+  cliques_ = transpose(members_, variables);
+}
+
+namespace {
+
+void
+validateWeights(const Eigen::MatrixXf& weights, Eigen::Index labels,
+                Eigen::Index cliques)
+{
+  if ((weights.rows() != 1 && weights.rows() != labels) ||
+      (weights.cols() != 1 && weights.cols() != cliques))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "clique weights are " << weights.rows() << " x "
+                                              << weights.cols() << ", expected 1 or "
+                                              << labels << " labels x 1 or " << cliques
+                                              << " cliques");
+  for (Eigen::Index c = 0; c < weights.cols(); ++c)
+    for (Eigen::Index l = 0; l < weights.rows(); ++l)
+      if (!(weights(l, c) >= 0.0f && weights(l, c) <= 1e9f))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "the weight of clique " << c << " is " << weights(l, c)
+                                                    << ", expected 0 to 1e9");
+}
+
+void
+validateUnary(const Eigen::MatrixXf& unary, Eigen::Index labels, Eigen::Index cliques)
+{
+  if (unary.rows() != labels || unary.cols() != cliques)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "the unary costs of the cliques are "
+                                                       << unary.rows() << " x "
+                                                       << unary.cols() << ", expected "
+                                                       << labels << " x " << cliques);
+  for (Eigen::Index c = 0; c < cliques; ++c)
+    if (!unary.col(c).allFinite())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "a unary cost of clique " << c << " is not finite");
+}
+
+} // namespace
+
+void
+CliquePotential::validate(Eigen::Index labels, Eigen::Index variables) const
+{
+  if (!cliques)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "a clique potential has no cliques");
+  const auto count = Eigen::Index(cliques->size());
+  if (Eigen::Index(cliques->variables()) != variables)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cliques are over " << cliques->variables()
+                                            << " variables, expected " << variables);
+  validateWeights(weights, labels, count);
+  if (!(truncation > 0.0f && truncation <= 1.0f))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "truncation is " << truncation
+                                         << ", expected more than 0 and up to 1");
+  if (type == Type::pn_potts && (unary.size() > 0 || !kernels.empty()))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "P^n Potts cliques have no variables: unary costs of them and "
+                        "kernels between them need the robust potential");
+  if (!hears_members && !kernels.empty())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cliques that do not hear their members do not hear each other "
+                        "either: kernels between them need cliques that do");
+  if (unary.size() > 0)
+    validateUnary(unary, labels, count);
+  for (const auto& kernel : kernels)
+    if (!kernel || kernel->size() != count)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "a kernel between cliques is "
+                              << (kernel ? "over " + std::to_string(kernel->size())
+                                         : std::string("missing"))
+                              << ", expected one over " << count << " cliques");
+}
 
 namespace {
 

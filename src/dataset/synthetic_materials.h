@@ -3,7 +3,14 @@
 
 #include "synthetic_street.h"
 
+#include <Eigen/Core>
+
+#include <cstdint>
+
 namespace pcl_semantic::synthetic {
+
+/** \brief Light of the sky in a direction of length 1, world axes; linear, 0..1. */
+Eigen::Vector3f skyColour(const Eigen::Vector3d& direction, std::uint32_t seed);
 
 /** \brief Reflectance of a surface: red, green, blue, linear, 0..1.
  * \param[in] footprint width of a pixel on the surface [m]; finer structure is left out

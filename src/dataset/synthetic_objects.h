@@ -60,4 +60,10 @@ private:
   std::uint32_t parts_ = 0;
 };
 
+/** \brief Puts everything that stands along a road: houses and their fences, hedges and
+ * trees, parked cars, lamp posts, signs, people.
+ * \param[in] length how far along the road [m] */
+std::vector<Primitive> buildStreet(const RoadLine& road, double length,
+                                   std::uint32_t seed);
+
 } // namespace pcl_semantic::synthetic

@@ -2,7 +2,6 @@
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 
 #include "synthetic_materials.h"
-#include "synthetic_sky.h"
 
 #include <pcl_semantic/core/exceptions.h>
 

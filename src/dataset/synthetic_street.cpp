@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "synthetic_street.h"
 
-#include "synthetic_builder.h"
+#include "synthetic_objects.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
 

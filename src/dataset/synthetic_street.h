@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "synthetic_box_tree.h"
 #include "synthetic_road.h"
+#include "synthetic_shapes.h"
 
 namespace pcl_semantic::synthetic {
 

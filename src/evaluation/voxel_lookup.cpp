@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
+#include <pcl_semantic/map/cube_renderer.h>
 #include <pcl_semantic/map/ray_traversal.h>
 
 #include <cmath>
@@ -155,6 +157,55 @@ labelsAt(const cv::Mat& places, const std::vector<Label>& labels)
     for (int column = 0; column < places.cols; ++column)
       result.at<Label>(row, column) =
           labelAt(places.at<std::int32_t>(row, column), labels);
+  return result;
+}
+
+cv::Mat
+labelsAtDepth(const SemanticVoxelMap& map,
+              const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+              const Eigen::Isometry3d& T_world_camera, double max_depth)
+{
+  if (!cloud.isOrganized())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "looking labels up at depth needs an organized cloud");
+  const int width = static_cast<int>(cloud.width);
+  const int height = static_cast<int>(cloud.height);
+  cv::Mat labels = cv::Mat::zeros(height, width, CV_8UC1);
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::size_t> pixels;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud[i].z <= max_depth) { // false for NaN
+      points.push_back(T_world_camera * cloud[i].getVector3fMap().cast<double>());
+      pixels.push_back(i);
+    }
+  const std::vector<Label> found = map.labels(points);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    labels.data[pixels[i]] = found[i];
+  return labels;
+}
+
+RenderedLabels
+renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
+             const Eigen::Isometry3d& T_world_camera, double max_depth)
+{
+  if (!voxels.cloud || voxels.cloud->size() != voxels.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the voxels have " << voxels.size() << " indices, their cloud "
+                                           << (voxels.cloud ? voxels.cloud->size() : 0)
+                                           << " points");
+  const CubeImage cubes =
+      renderCubes(voxels.indices, voxels.voxel_size, camera, T_world_camera, max_depth);
+  RenderedLabels result;
+  result.labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
+  cubes.depth.convertTo(result.depth, CV_32FC1);
+  result.places = cubes.voxel;
+  for (int row = 0; row < camera.height; ++row)
+    for (int column = 0; column < camera.width; ++column) {
+      const int voxel = cubes.voxel.at<int>(row, column);
+      if (voxel >= 0)
+        result.labels.at<std::uint8_t>(row, column) =
+            static_cast<std::uint8_t>((*voxels.cloud)[std::size_t(voxel)].label);
+    }
   return result;
 }
 

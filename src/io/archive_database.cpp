@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_database.h"
 #include "archive_file.h"
-#include "sealed_bytes.h"
+#include "block_encoding.h"
 
 #include <pcl_semantic/core/exceptions.h>
 

@@ -1,18 +1,76 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_database.h"
 #include "archive_meta.h"
+#include "block_counter.h"
 #include "block_encoding.h"
-#include "block_sealing.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/parallel_guard.h>
+#include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/map/semantic_voxel.h>
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace pcl_semantic {
+
+using IndexedBlocks = std::vector<std::pair<VoxelIndex, const VoxelBlock*>>;
+
+/** \brief Encodes and compresses blocks on all threads; the result does not depend on
+ * how many there are.
+ * \param[in] classes L
+ * \return a frame a block, see encodeBlock() and Sealer */
+std::vector<Bytes> sealBlocks(const IndexedBlocks& blocks, int classes);
+
+using SealedBlocks = std::vector<std::pair<VoxelIndex, Bytes>>;
+
+/** \brief Calls \a open for each block, on all threads. */
+std::vector<std::unique_ptr<VoxelBlock>> openBlocks(
+    const SealedBlocks& blocks,
+    const std::function<std::unique_ptr<VoxelBlock>(const VoxelIndex&, const Bytes&)>&
+        open);
+
+std::vector<Bytes>
+sealBlocks(const IndexedBlocks& blocks, int classes)
+{
+  std::vector<Bytes> sealed(blocks.size());
+  ParallelGuard guard;
+#pragma omp parallel
+  {
+    std::optional<Sealer> sealer; // one a thread
+#pragma omp for schedule(dynamic, 16)
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      guard.run([&] {
+        if (!sealer)
+          sealer.emplace();
+        sealed[i] =
+            sealer->seal(encodeBlock(blocks[i].first, *blocks[i].second, classes));
+      });
+  }
+  guard.rethrow();
+  return sealed;
+}
+
+std::vector<std::unique_ptr<VoxelBlock>>
+openBlocks(const SealedBlocks& blocks,
+           const std::function<std::unique_ptr<VoxelBlock>(const VoxelIndex&,
+                                                           const Bytes&)>& open)
+{
+  std::vector<std::unique_ptr<VoxelBlock>> opened(blocks.size());
+  ParallelGuard guard;
+#pragma omp parallel for schedule(dynamic, 16)
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    guard.run([&] { opened[i] = open(blocks[i].first, blocks[i].second); });
+  guard.rethrow();
+  return opened;
+}
 
 namespace {
 
@@ -274,6 +332,86 @@ MapArchive::state() const
 {
   const std::lock_guard<std::recursive_mutex> lock(implementation_->mutex);
   return implementation_->state;
+}
+
+namespace {
+
+class Verifier {
+public:
+  Verifier(const std::string& path, const BlockProgress& progress)
+      : database_(path, ArchiveDatabase::Access::read), progress_(progress)
+  {}
+
+  std::vector<std::string>
+  faults()
+  {
+    check([&] {
+      for (const std::string& fault : database_.integrityFaults())
+        found_.push_back(database_.path() + ": is damaged: " + fault);
+    });
+    check([&] { checkContent(); });
+    return found_;
+  }
+
+private:
+  // Keeps what is thrown as a fault.
+  template <typename Check>
+  void
+  check(Check&& body)
+  {
+    try {
+      body();
+    }
+    catch (const BadInputException& error) {
+      found_.push_back(error.what());
+    }
+  }
+
+  void
+  checkContent()
+  {
+    const int classes = readHeader(database_).label_set.size();
+    const ArchiveState state = readState(database_);
+    check([&] { checkBlocks(state, classes); });
+    check([&] { checkFrames(state); });
+  }
+
+  void
+  checkBlocks(const ArchiveState& state, int classes)
+  {
+    BlockIndexSet keys;
+    BlockCounter counter(progress_, state.blocks);
+    database_.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
+      keys.insert(index);
+      counter.step();
+      check([&] {
+        const Bytes content =
+            database_.unsealBlock(index, {sealed.begin(), sealed.end()});
+        readAt(database_.path() + ": " + nameOfBlock(index),
+               [&] { decodeBlock(content, index, classes); });
+      });
+    });
+    checkBlockKeys(database_.path(), keys, state);
+  }
+
+  void
+  checkFrames(const ArchiveState& state)
+  {
+    checkFrameCount(database_, state);
+    database_.forEachFrame([](int, const Bytes&) {});
+  }
+
+  ArchiveDatabase database_;
+  const BlockProgress& progress_;
+  std::vector<std::string> found_;
+};
+
+} // namespace
+
+std::vector<std::string>
+verifyArchive(const std::string& path, const BlockProgress& progress)
+{
+  return Verifier(path, progress).faults();
 }
 
 } // namespace pcl_semantic

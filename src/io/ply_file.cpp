@@ -3,10 +3,105 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/io/ply_file.h>
+#include <pcl_semantic/map/voxel_set.h>
 
 #include <iomanip>
+#include <limits>
+#include <unordered_map>
 
 namespace pcl_semantic {
+
+namespace {
+
+// What makes two vertices the same.
+struct VertexKey {
+  VoxelIndex corner;
+  std::uint32_t look; // label, red, green, blue
+
+  bool
+  operator==(const VertexKey& other) const
+  {
+    return corner == other.corner && look == other.look;
+  }
+};
+
+struct VertexHash {
+  std::size_t
+  operator()(const VertexKey& key) const
+  {
+    return VoxelIndexHash()(key.corner) ^ key.look * 0x9E3779B97F4A7C15ull;
+  }
+};
+
+// The corners of a face of the voxel at 0, counterclockwise from outside.
+std::array<VoxelIndex, 4>
+faceCorners(int axis, bool upper)
+{
+  const VoxelIndex right = VoxelIndex::Unit((axis + 1) % 3),
+                   up = VoxelIndex::Unit((axis + 2) % 3);
+  const VoxelIndex begin =
+      upper ? VoxelIndex(VoxelIndex::Unit(axis)) : VoxelIndex(0, 0, 0);
+  if (upper)
+    return {begin, begin + right, begin + right + up, begin + up};
+  return {begin, begin + up, begin + right + up, begin + right};
+}
+
+class MeshMaker {
+public:
+  // The vertex of the voxel in this row at a corner.
+  std::uint32_t
+  vertex(const VoxelIndex& corner, std::uint32_t look, std::uint32_t row)
+  {
+    const auto number = static_cast<std::uint32_t>(mesh.corners.size());
+    const auto [place, is_new] = numbers_.try_emplace({corner, look}, number);
+    if (is_new) {
+      if (number == std::uint32_t(std::numeric_limits<std::int32_t>::max()))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "the mesh has more than " << number << " vertices");
+      mesh.corners.push_back(corner);
+      mesh.voxels.push_back(row);
+    }
+    return place->second;
+  }
+
+  VoxelMesh mesh;
+
+private:
+  std::unordered_map<VertexKey, std::uint32_t, VertexHash> numbers_;
+};
+
+} // namespace
+
+VoxelMesh
+blockyMesh(const VoxelScene& scene, const std::vector<cv::Vec3b>& colours)
+{
+  const std::vector<VoxelIndex>& voxels = scene.voxels.indices;
+  if (colours.size() != voxels.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException, colours.size()
+                                                       << " colours for "
+                                                       << voxels.size() << " voxels");
+  const VoxelSet occupied(voxels);
+  VoxelSet::Reader reader(occupied);
+  MeshMaker maker;
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const cv::Vec3b& colour = colours[i];
+    const std::uint32_t look = (*scene.voxels.cloud)[i].label << 24 |
+                               std::uint32_t(colour[2]) << 16 |
+                               std::uint32_t(colour[1]) << 8 | colour[0];
+    for (int axis = 0; axis < 3; ++axis)
+      for (const bool upper : {false, true}) {
+        const VoxelIndex step = VoxelIndex::Unit(axis) * (upper ? 1 : -1);
+        if (reader.contains(voxels[i] + step))
+          continue;
+        std::array<std::uint32_t, 4> face;
+        const std::array<VoxelIndex, 4> corners = faceCorners(axis, upper);
+        for (std::size_t c = 0; c < 4; ++c)
+          face[c] = maker.vertex(voxels[i] + corners[c], look, std::uint32_t(i));
+        maker.mesh.faces.push_back(face);
+      }
+  }
+  return std::move(maker.mesh);
+}
 
 namespace {
 

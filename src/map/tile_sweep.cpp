@@ -2,10 +2,245 @@
 #include "tile_sweep.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
+#include <numeric>
 
 namespace pcl_semantic {
+
+void
+RayTile::set(const DirectedRay* const* rays, std::size_t count)
+{
+  sortByLeaf(rays, count);
+  makeLevels();
+}
+
+inline RayTile::Outermost
+RayTile::outermostOf(std::size_t ray) const
+{
+  const float u = rays_.slopes[0][ray], v = rays_.slopes[1][ray];
+  Outermost ends;
+  ends.outward = {-u, u, -v, v, -u - v, u - v, v - u, u + v};
+  ends.row_slope.fill(u);
+  ends.column_slope.fill(v);
+  ends.end_slab.fill(rays_.numbers[kEndSlab][ray]);
+  ends.longest = rays_.numbers[kEndSlab][ray];
+  return ends;
+}
+
+void
+RayTile::sortByLeaf(const DirectedRay* const* rays, std::size_t count)
+{
+  rays_.reserve(count);
+  rays_.count = count;
+  leaf_.resize(count);
+  std::array<std::uint32_t, (1 << (2 * kLeafBits)) + 1> next{};
+  for (std::size_t i = 0; i < count; ++i)
+    ++next[rays[i]->leaf + 1u];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (std::size_t i = 0; i < count; ++i) {
+    const DirectedRay& ray = *rays[i];
+    const std::size_t to = next[ray.leaf]++;
+    rays_.slopes[0][to] = ray.row_slope;
+    rays_.slopes[1][to] = ray.column_slope;
+    rays_.numbers[kEndSlab][to] = ray.end_slab;
+    rays_.numbers[kEndRow][to] = ray.end_row;
+    rays_.numbers[kEndColumn][to] = ray.end_column;
+    rays_.numbers[kPoint][to] = std::int32_t(ray.point);
+    leaf_[to] = ray.leaf;
+  }
+}
+
+inline void
+RayTile::Outermost::take(const Outermost& other)
+{
+  for (std::size_t k = 0; k < directions; ++k) { // the loop that compilers make wide
+    const bool further = other.outward[k] > outward[k];
+    outward[k] = further ? other.outward[k] : outward[k];
+    row_slope[k] = further ? other.row_slope[k] : row_slope[k];
+    column_slope[k] = further ? other.column_slope[k] : column_slope[k];
+    end_slab[k] = further ? other.end_slab[k] : end_slab[k];
+  }
+  longest = std::max(longest, other.longest);
+}
+
+void
+RayTile::makeLevels()
+{
+  outermost_.resize(std::size_t(1) << (2 * kLeafBits));
+  std::size_t count = rays_.count; // of parts: at first each ray is one
+  for (BundleRows& level : levels_) {
+    const bool of_rays = &level == &levels_.front();
+    const int shift = of_rays ? 0 : 2;
+    level.count = 0;
+    level.reserve(count);
+    for (std::size_t i = 0; i < count;) {
+      const std::size_t begin = i;
+      const auto leaf = std::uint16_t(leaf_[i] >> shift);
+      Outermost all = of_rays ? outermostOf(i) : outermost_[i];
+      for (++i; i < count && leaf_[i] >> shift == leaf; ++i)
+        all.take(of_rays ? outermostOf(i) : outermost_[i]);
+      leaf_[level.count] = leaf;
+      outermost_[level.count] = all;
+      addTo(level, all, begin, i);
+    }
+    count = level.count;
+  }
+}
+
+void
+RayTile::addTo(BundleRows& level, const Outermost& rays, std::size_t begin,
+               std::size_t end)
+{
+  const std::size_t to = level.count++;
+  for (std::size_t k = 0; k < 2; ++k) {
+    level.slopes[k][to] = rays.row_slope[k];
+    level.slopes[2 + k][to] = rays.column_slope[2 + k];
+  }
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    level.slopes[4 + corner][to] = rays.row_slope[4 + corner];
+    level.slopes[8 + corner][to] = rays.column_slope[4 + corner];
+  }
+  level.numbers[kLongest][to] = rays.longest;
+  level.numbers[kReach][to] =
+      *std::min_element(rays.end_slab.begin(), rays.end_slab.end());
+  level.numbers[kBegin][to] = std::int32_t(begin);
+  level.numbers[kEnd][to] = std::int32_t(end);
+}
+
+kernels::RayView
+columnsOf(const RayRows& rays)
+{
+  return {rays.slopes[0].data(), rays.slopes[1].data(), rays.numbers[kEndSlab].data(),
+          rays.numbers[kEndRow].data(), rays.numbers[kEndColumn].data()};
+}
+
+kernels::BundleView
+columnsOf(const BundleRows& bundles)
+{
+  kernels::BundleView view{bundles.slopes[0].data(),
+                           bundles.slopes[1].data(),
+                           bundles.slopes[2].data(),
+                           bundles.slopes[3].data(),
+                           {},
+                           {},
+                           bundles.numbers[kLongest].data(),
+                           bundles.numbers[kReach].data()};
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    view.corner_row[corner] = bundles.slopes[4 + corner].data();
+    view.corner_column[corner] = bundles.slopes[8 + corner].data();
+  }
+  return view;
+}
+
+namespace {
+
+std::uint64_t
+eightBytes(const std::uint8_t* from)
+{
+  std::uint64_t bytes;
+  std::memcpy(&bytes, from, sizeof bytes);
+  return bytes;
+}
+
+// Bit i of the result is byte i, which is 0 or 1.
+std::uint64_t
+eightBits(std::uint64_t bytes)
+{
+  return bytes * 0x0102040810204080u >> 56;
+}
+
+constexpr std::size_t line_size = 64; // eight rows of eight layers
+
+bool
+isEmpty(const std::uint8_t* line)
+{
+  std::uint64_t any = 0;
+  for (std::size_t k = 0; k < line_size; k += 8)
+    any |= eightBytes(line + k);
+  return any == 0;
+}
+
+} // namespace
+
+FaceAxes::FaceAxes(int face)
+    : along(face / 2), row(along == 1 ? 0 : 1), column(along == 2 ? 0 : 2),
+      step(face % 2 ? -1 : 1)
+{}
+
+void
+SlabBuffer::begin(const VoxelIndex& start, const FaceAxes& axes, const Extent& extent)
+{
+  axes_ = axes;
+  const int first_row = (start[axes.row] + extent.first_row) & ~(kBlockEdge - 1);
+  corner_[axes.row] = first_row;
+  corner_[axes.column] = start[axes.column] + extent.first_column;
+  first_row_ = first_row - start[axes.row];
+  first_column_ = extent.first_column;
+  const int rows = extent.last_row - first_row_ + 1;
+  lines_ = (rows + kBlockEdge - 1) / kBlockEdge;
+  columns_ = extent.last_column - extent.first_column + 1;
+  const std::size_t size = std::size_t(columns_) * std::size_t(lines_) * line_size;
+  if (cells_.size() < size + line_size) // one more line for what lies nowhere
+    cells_.resize(size + line_size);
+}
+
+void
+SlabBuffer::show(int layer, kernels::SlabView& slab)
+{
+  slab.first_row = first_row_;
+  slab.first_column = first_column_;
+  slab.rows = lines_ * kBlockEdge;
+  slab.columns = columns_;
+  slab.column_stride = lines_ * int(line_size);
+  slab.nowhere = columns_ * slab.column_stride;
+  slab.cells = cells_.data() + layer;
+}
+
+void
+SlabBuffer::flush(int block_along, CrossedVoxels& crossed)
+{
+  VoxelIndex block;
+  block[axes_.along] = block_along;
+  std::uint8_t* line = cells_.data();
+  for (int c = 0; c < columns_; ++c) {
+    const int column = corner_[axes_.column] + c;
+    block[axes_.column] = column >> kBlockBits;
+    for (int l = 0; l < lines_; ++l, line += line_size) {
+      if (isEmpty(line))
+        continue;
+      block[axes_.row] = (corner_[axes_.row] >> kBlockBits) + l;
+      flushLine(line, crossed.slotOf(block), column & (kBlockEdge - 1), crossed);
+      std::memset(line, 0, line_size);
+    }
+  }
+  std::memset(line, 0, line_size);
+}
+
+void
+SlabBuffer::flushLine(const std::uint8_t* line, std::size_t slot, int column,
+                      CrossedVoxels& crossed) const
+{
+  std::uint64_t bits = 0;
+  std::array<std::uint64_t, kBlockEdge> by_layer{};
+  for (int row = 0; row < kBlockEdge; ++row) {
+    const std::uint64_t layers = eightBytes(line + row * kBlockEdge);
+    if (axes_.along == 0) // layers are x, rows y, the column is z
+      bits |= eightBits(layers) << (row * kBlockEdge);
+    else if (axes_.along == 1) // layers are y, rows x, the column is z
+      bits |= layers << row;
+    else // layers are z, rows y, the column is x
+      for (int z = 0; z < kBlockEdge; ++z)
+        by_layer[z] |= (layers >> (8 * z) & 1) << (row * kBlockEdge + column);
+  }
+  if (axes_.along != 2)
+    crossed.add(slot, column, bits);
+  else
+    for (int z = 0; z < kBlockEdge; ++z)
+      crossed.add(slot, z, by_layer[z]);
+}
 
 namespace {
 

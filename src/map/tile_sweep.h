@@ -1,17 +1,202 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "ray_tile.h"
-#include "slab_buffer.h"
+#include "kernels/slab_crossing.h"
 
 #include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/map/crossed_voxels.h>
+#include <pcl_semantic/map/directed_ray.h>
 #include <pcl_semantic/map/ray_traversal.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace pcl_semantic {
+
+/** \brief Rays or bundles of rays, column by column, as wide loops want them. The first
+ * column of numbers is the slab that none of their rays goes beyond. */
+template <std::size_t Slopes, std::size_t Numbers> struct RayTable {
+  std::array<std::vector<float>, Slopes> slopes;
+  std::array<std::vector<std::int32_t>, Numbers> numbers;
+  std::size_t count = 0; ///< of rows; the columns have kernels::slab_lanes more
+
+  /** \brief Makes room for some rows in all. */
+  void
+  reserve(std::size_t rows)
+  {
+    if (numbers[0].size() >= rows + kernels::slab_lanes)
+      return;
+    forEachColumn([&](auto& column) { column.resize(2 * rows + kernels::slab_lanes); });
+  }
+
+  /** \brief Adds some rows of another table, for which there is room. */
+  void
+  add(const RayTable& from, std::size_t begin, std::size_t end)
+  {
+    constexpr std::size_t step = 4; // what is copied beyond the end counts for nothing
+    for (std::size_t i = begin; i < end; i += step) {
+      const std::size_t to = count + (i - begin);
+      for (std::size_t c = 0; c < Slopes; ++c)
+        std::memcpy(&slopes[c][to], &from.slopes[c][i], step * sizeof(float));
+      for (std::size_t c = 0; c < Numbers; ++c)
+        std::memcpy(&numbers[c][to], &from.numbers[c][i], step * sizeof(std::int32_t));
+    }
+    count += end - begin;
+  }
+
+  /** \brief Removes the rows of which all rays end before a slab. */
+  void
+  removeEnded(int slab)
+  {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool keep = numbers[0][i] >= slab;
+      forEachColumn([&](auto& column) { column[kept] = column[i]; });
+      kept += keep;
+    }
+    count = kept;
+  }
+
+private:
+  template <typename Do>
+  void
+  forEachColumn(Do&& apply)
+  {
+    for (auto& column : slopes)
+      apply(column);
+    for (auto& column : numbers)
+      apply(column);
+  }
+};
+
+/** \brief Rays: row and column slope, and the numbers of DirectedRay. */
+using RayRows = RayTable<2, 4>;
+enum RayNumber : std::size_t { kEndSlab, kEndRow, kEndColumn, kPoint };
+
+/** \brief Bundles of rays of neighbouring directions: the slopes of kernels::BundleView
+ * in its order, its numbers, and the range of their parts: smaller bundles, or rays. */
+using BundleRows = RayTable<12, 4>;
+enum BundleNumber : std::size_t { kLongest, kReach, kBegin, kEnd };
+
+kernels::RayView columnsOf(const RayRows& rays);
+
+kernels::BundleView columnsOf(const BundleRows& bundles);
+
+/** \brief The rays of one tile, ordered by leaf, and their bundles of several sizes. */
+class RayTile {
+public:
+  static constexpr int kLevels = kLeafBits + 1; ///< of bundles
+
+  /** \brief Range of slopes of the bundles of a level. */
+  static float
+  widthOf(int level)
+  {
+    return float(1 << level) / float(1 << (kTileBits + kLeafBits - 1));
+  }
+
+  /** \brief Takes the rays of a tile, in any order; there is at least one. */
+  void set(const DirectedRay* const* rays, std::size_t count);
+
+  /** \brief The parts of level 0 are rays, those of level l are bundles of l - 1. */
+  const BundleRows&
+  bundles(int level) const
+  {
+    return levels_[std::size_t(level)];
+  }
+
+  /** \brief The one bundle of all rays. */
+  const BundleRows&
+  all() const
+  {
+    return levels_.back();
+  }
+
+  const RayRows&
+  rays() const
+  {
+    return rays_;
+  }
+
+  /** \brief Removes the rays that end before a slab; the parts of the bundles of level
+   * 0 do not hold any more. */
+  void
+  removeEnded(int slab)
+  {
+    rays_.removeEnded(slab);
+  }
+
+private:
+  // The outermost of some rays in eight directions: low and high row, low and high
+  // column, and the four corners.
+  struct Outermost {
+    static constexpr std::size_t directions = 8;
+
+    std::array<float, directions> outward; // how far they go
+    std::array<float, directions> row_slope, column_slope;
+    std::array<std::int32_t, directions> end_slab;
+    std::int32_t longest;
+
+    void take(const Outermost& other);
+  };
+
+  Outermost outermostOf(std::size_t ray) const;
+
+  void sortByLeaf(const DirectedRay* const* rays, std::size_t count);
+
+  void makeLevels();
+
+  static void addTo(BundleRows& level, const Outermost& rays, std::size_t begin,
+                    std::size_t end);
+
+  RayRows rays_;
+  std::array<BundleRows, kLevels> levels_;
+  std::vector<std::uint16_t> leaf_;  // of the parts of a level
+  std::vector<Outermost> outermost_; // of their rays
+};
+
+/** \brief The axes of a face of directions: rays are longest along one axis; their
+ * cells have a row and a column along the two others. */
+struct FaceAxes {
+  int along, row, column; ///< 0, 1 or 2
+  int step;               ///< 1 or -1: direction along the axis
+
+  /** \param[in] face 0..5: twice the axis, and one for its negative direction */
+  explicit FaceAxes(int face);
+};
+
+/** \brief A byte for each cell of up to eight slabs: those in one layer of blocks. Rays
+ * set bytes, which costs little; then they become bits of CrossedVoxels. */
+class SlabBuffer {
+public:
+  /** \brief Range of cells, from the voxel of the start; inside the window. */
+  struct Extent {
+    int first_row, last_row, first_column, last_column;
+  };
+
+  /** \param[in] start voxel of the start */
+  void begin(const VoxelIndex& start, const FaceAxes& axes, const Extent& extent);
+
+  /** \brief Completes a view with the bytes of a slab.
+   * \param[in] layer of the slab in its block, 0..7 */
+  void show(int layer, kernels::SlabView& slab);
+
+  /** \brief Adds the set cells to the crossed voxels, and clears them.
+   * \param[in] block_along of the slabs, along the axis */
+  void flush(int block_along, CrossedVoxels& crossed);
+
+private:
+  void flushLine(const std::uint8_t* line, std::size_t slot, int column,
+                 CrossedVoxels& crossed) const;
+
+  std::vector<std::uint8_t> cells_; // by column, row and layer
+  FaceAxes axes_{0};
+  VoxelIndex corner_ = VoxelIndex::Zero(); // voxel of the first row and column
+  int first_row_ = 0, first_column_ = 0;   // from the voxel of the start
+  int lines_ = 0, columns_ = 0;            // of eight rows
+};
 
 /** \brief Finds the voxels that the rays of a tile cross: the same set as traversing
  * each of them, but many rays at a time.

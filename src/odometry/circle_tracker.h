@@ -7,6 +7,21 @@
 
 namespace pcl_semantic::odometry {
 
+/** \brief New corners, at most one in each cell of a grid that holds no old one.
+ *
+ * Candidates come from FAST; of a cell's candidates the one is taken whose window
+ * localises best (largest smaller eigenvalue of the gradients, Shi and Tomasi 1994).
+ * \param[in] image CV_8UC1 \param[in] old points that are followed already
+ * \param[in] wanted about how many cells the grid has */
+std::vector<cv::Point2f> detectCorners(const cv::Mat& image,
+                                       const std::vector<cv::Point2f>& old, int wanted);
+
+/** \brief Whole-pixel disparity of a corner of the left image: the smallest sum of
+ * absolute differences of 11 x 11 pixels along the row of the right image.
+ * \return -1 if there is no clear one */
+int searchDisparity(const cv::Mat& left, const cv::Mat& right,
+                    const cv::Point2f& corner, int max_disparity);
+
 /** \brief A feature in both images of a pair [px]. */
 struct StereoFeature {
   cv::Point2f left, right;

@@ -1,11 +1,96 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/evaluation/voxel_lookup.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/labelling/stored_predictor.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/frame_calibration.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
 namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string
+lastPartOf(const std::string& path)
+{
+  const fs::path normal = (fs::path(path) / "").lexically_normal().parent_path();
+  return normal.filename().string();
+}
+
+} // namespace
+
+CalibrationSequence::CalibrationSequence(const CalibrationFolders& folders, int classes)
+    : folders_(folders), sequence_(folders.sequence), classes_(classes),
+      name_(lastPartOf(folders.sequence))
+{
+  const std::string poses = sequence_.posesPath();
+  if (poses.empty())
+    PCL_THROW_EXCEPTION(BadInputException, folders.sequence
+                                               << ": has no poses.txt; write it with "
+                                                  "pcl_semantic_odometry");
+  trajectory_ = readKittiTrajectory(poses);
+  const std::vector<std::size_t> chosen = selectFrames(sequence_, folders.frames);
+  for (const std::size_t i : chosen)
+    frames_.push_back(sequence_.frame(i));
+  makePoses()->requirePoses(frameTimes(sequence_, chosen));
+  readTruth();
+}
+
+void
+CalibrationSequence::readTruth()
+{
+  truths_.resize(frames_.size());
+  bool has_truth = false;
+  for (const FrameFile& file : listFrameFiles(folders_.truth, {".png"})) {
+    const auto frame =
+        std::find_if(frames_.begin(), frames_.end(), [&](const StereoFrame& each) {
+          return each.number == file.frame;
+        });
+    if (frame == frames_.end())
+      continue;
+    cv::Mat& truth = truths_[std::size_t(frame - frames_.begin())];
+    truth = readPng(file.path, ImageKind::labels);
+    double largest = 0.0;
+    cv::minMaxLoc(truth, nullptr, &largest);
+    if (truth.size() != frame->left.size() || largest > classes_)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          file.path << ": " << truth.cols << " x " << truth.rows
+                                    << " pixels with labels up to " << largest
+                                    << ", expected " << frame->left.cols << " x "
+                                    << frame->left.rows << " up to " << classes_);
+    has_truth = true;
+  }
+  if (!has_truth)
+    PCL_THROW_EXCEPTION(BadInputException, folders_.truth
+                                               << ": has no truth image of a frame of "
+                                               << folders_.sequence);
+}
+
+std::unique_ptr<LabelPredictor>
+CalibrationSequence::makePredictor(double png_confidence) const
+{
+  return std::make_unique<StoredPredictor>(folders_.labels, classes_,
+                                           float(png_confidence));
+}
+
+std::unique_ptr<PoseSource>
+CalibrationSequence::makePoses() const
+{
+  return std::make_unique<TrajectoryPoses>(trajectory_, sequence_.T_camera0_camera(),
+                                           sequence_.posesPath());
+}
 
 namespace {
 
@@ -115,6 +200,99 @@ tryCalibration(const std::vector<CalibrationSamples>& sequences,
           trial.held_out);
   }
   return trial;
+}
+
+namespace {
+
+constexpr int none = -1;
+
+std::vector<int>
+cliquesOfVoxels(const std::vector<pcl::PointIndices>& cliques, std::size_t voxels)
+{
+  std::vector<int> numbers(voxels, none);
+  for (std::size_t c = 0; c < cliques.size(); ++c)
+    for (const pcl::index_t i : cliques[c].indices)
+      numbers[std::size_t(i)] = int(c);
+  return numbers;
+}
+
+// The voxels that each pixel of truth meets, at its own depth and as the map is seen.
+std::vector<std::pair<Label, std::int32_t>>
+voxelsWithTruth(const MappedFrame& mapped, const StereoCamera& camera,
+                const cv::Mat& truth, double max_depth)
+{
+  const VoxelLookup lookup(mapped.voxels);
+  const RenderedLabels seen =
+      renderLabels(mapped.voxels, camera, mapped.T_world_camera, max_depth);
+  std::vector<std::pair<Label, std::int32_t>> voxels;
+  const auto add = [&](Label label, std::int32_t place) {
+    if (place != VoxelLookup::none)
+      voxels.push_back({label, place});
+  };
+  for (std::size_t i = 0; i < mapped.cloud->size(); ++i) {
+    const Label label = truth.data[i];
+    if (label == kUnlabelled)
+      continue;
+    const pcl::PointXYZRGB& point = (*mapped.cloud)[i];
+    if (point.z <= max_depth) // not if it is NaN
+      add(label,
+          lookup.at(mapped.T_world_camera * point.getVector3fMap().cast<double>()));
+    add(label, seen.places.at<std::int32_t>(int(i)));
+  }
+  return voxels;
+}
+
+// A sample for each class that a clique's pixels have, with their number.
+void
+append(const CliqueEvidence& evidence,
+       const std::vector<std::pair<Label, std::int32_t>>& truth,
+       const std::vector<int>& cliques, CalibrationSamples& samples)
+{
+  std::map<std::pair<int, Label>, int> pixels;
+  for (const auto& [label, voxel] : truth)
+    if (cliques[std::size_t(voxel)] != none)
+      ++pixels[{cliques[std::size_t(voxel)], label}];
+  LabelDistributions::Matrix& all = samples.network.matrix();
+  Eigen::Index column = all.cols();
+  all.conservativeResize(evidence.distributions.classes(),
+                         column + Eigen::Index(pixels.size()));
+  for (const auto& [key, number] : pixels) {
+    const auto& [clique, label] = key;
+    all.col(column++) = evidence.distributions.matrix().col(clique);
+    samples.features.push_back(evidence.features[std::size_t(clique)]);
+    samples.truth.push_back(label);
+    samples.weights.push_back(float(number));
+  }
+}
+
+} // namespace
+
+CalibrationSamples
+cliqueSamples(const CalibrationSequence& sequence, const MapperConfig& config,
+              const LabelSet& label_set, const std::vector<Label>& ground)
+{
+  MapperConfig plain = config;
+  plain.crf = "none";
+  SemanticMapper mapper(sequence.camera(), label_set, plain,
+                        sequence.makePredictor(plain.label_confidence),
+                        sequence.makePoses());
+  if (!sequence.calibration().empty())
+    mapper.setLabelCalibration(readCalibration(sequence.calibration(), label_set));
+  MapCliques map_cliques(plain, label_set);
+  map_cliques.setGround(ground);
+  CalibrationSamples samples;
+  samples.of = "cliques";
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+    const MappedFrame mapped = mapper.process(sequence.frames()[i]);
+    map_cliques.setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
+    const auto cliques = map_cliques.group(mapped.voxels); // keeps superpixels, too
+    if (!sequence.truth(i).empty())
+      append(map_cliques.evidence(mapped.voxels, cliques),
+             voxelsWithTruth(mapped, sequence.camera(), sequence.truth(i),
+                             plain.map.max_range),
+             cliquesOfVoxels(cliques, mapped.voxels.size()), samples);
+  }
+  return samples;
 }
 
 } // namespace pcl_semantic

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/semantic_kitti_labels.h>
-#include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/atomic_file.h>

@@ -1,11 +1,378 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/cliques/slic_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/yaml_config.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 namespace pcl_semantic {
+
+namespace {
+
+template <typename... Visitors> struct Overloaded : Visitors... {
+  using Visitors::operator()...;
+};
+template <typename... Visitors> Overloaded(Visitors...) -> Overloaded<Visitors...>;
+
+int
+parseInteger(const std::string& text, const std::string& where)
+{
+  const double value = parseNumber(text, where);
+  if (value != std::floor(value) || std::abs(value) > 1e9)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where << ": '" << text << "' is no integer up to 1e9");
+  return static_cast<int>(value);
+}
+
+Eigen::Vector3d
+parseVector(std::string text, const std::string& where)
+{
+  std::replace(text.begin(), text.end(), ',', ' ');
+  const std::vector<double> numbers = parseNumbers(text, where);
+  if (numbers.size() != 3)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where << ": '" << text << "' is no X,Y,Z triple");
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+std::string
+printNumber(double value)
+{
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+int
+parseChoice(const std::string& text, const std::vector<std::string>& words,
+            const std::string& where)
+{
+  const auto word = std::find(words.begin(), words.end(), text);
+  if (word == words.end())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        where << ": '" << text << "', expected " << joinWords(words));
+  return int(word - words.begin());
+}
+
+bool
+parseBool(const std::string& text, const std::string& where)
+{
+  return parseChoice(text, {"false", "true"}, where) == 1;
+}
+
+// The text of a value in a YAML file; a triple may also be written as a list.
+std::string
+yamlText(const YamlMap& file, const ConfigParameter& parameter)
+{
+  if (!std::holds_alternative<Eigen::Vector3d*>(parameter.value))
+    return file.require<std::string>(parameter.name);
+  std::vector<std::string> items;
+  try {
+    items = file.require<std::vector<std::string>>(parameter.name);
+  }
+  catch (const BadInputException&) {
+    return file.require<std::string>(parameter.name);
+  }
+  std::string text;
+  for (const std::string& item : items)
+    text += item + " ";
+  return text;
+}
+
+} // namespace
+
+std::string
+ConfigParameter::option() const
+{
+  std::string option = name;
+  std::replace(option.begin(), option.end(), '_', '-');
+  return option;
+}
+
+std::string
+ConfigParameter::text() const
+{
+  return std::visit(
+      Overloaded{[](const bool* v) { return std::string(*v ? "true" : "false"); },
+                 [](const ConfigChoice& v) { return v.words.at(std::size_t(v.get())); },
+                 [](const int* v) { return std::to_string(*v); },
+                 [](const double* v) { return printNumber(*v); },
+                 [](const std::string* v) { return *v; },
+                 [](const Eigen::Vector3d* v) {
+                   return printNumber(v->x()) + "," + printNumber(v->y()) + "," +
+                          printNumber(v->z());
+                 }},
+      value);
+}
+
+void
+ConfigParameter::set(const std::string& text, const std::string& where)
+{
+  std::visit(Overloaded{[&](bool* v) { *v = parseBool(text, where); },
+                        [&](const ConfigChoice& v) {
+                          v.set(parseChoice(text, v.words, where));
+                        },
+                        [&](int* v) { *v = parseInteger(text, where); },
+                        [&](double* v) { *v = parseNumber(text, where); },
+                        [&](std::string* v) { *v = text; },
+                        [&](Eigen::Vector3d* v) { *v = parseVector(text, where); }},
+             value);
+}
+
+std::string
+joinWords(const std::vector<std::string>& words)
+{
+  std::string joined;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    joined += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  return joined;
+}
+
+void
+readParameters(const std::string& path, ConfigParameters parameters)
+{
+  const YamlMap file = YamlMap::load(path);
+  for (ConfigParameter& parameter : parameters)
+    if (file.has(parameter.name))
+      parameter.set(yamlText(file, parameter), file.where(parameter.name));
+  file.refuseUnknownKeys();
+}
+
+std::string
+printParameters(const ConfigParameters& parameters)
+{
+  std::ostringstream text;
+  for (const ConfigParameter& parameter : parameters) {
+    const bool is_list = std::holds_alternative<Eigen::Vector3d*>(parameter.value);
+    text << parameter.name << ": "
+         << (is_list ? "[" + parameter.text() + "]" : parameter.text()) << "  # "
+         << parameter.help << "\n";
+  }
+  return text.str();
+}
+
+namespace {
+
+double
+numberAfterColon(const std::string& text)
+{
+  try {
+    return parseNumber(text.substr(text.find(':') + 1), "cliques '" + text + "'");
+  }
+  catch (const BadInputException& error) {
+    PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
+  }
+}
+
+// `word` or `word:NUMBER`; false if the text is something else.
+bool
+parseSuperpixels(const std::string& text, const std::string& word,
+                 SlicParameters& parameters)
+{
+  if (text == word)
+    return true;
+  if (text.rfind(word + ":", 0) != 0)
+    return false;
+  const double number = numberAfterColon(text);
+  if (!(number >= 1.0 && number <= 65536.0) || number != std::floor(number))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "cliques are '"
+                                                       << text << "', expected " << word
+                                                       << ":N with N 1 to 65536");
+  parameters.superpixels = int(number);
+  return true;
+}
+
+} // namespace
+
+void
+CliqueParameters::validate() const
+{
+  superpixel.validate();
+  supervoxel.validate();
+}
+
+ConfigParameters
+parametersOf(CliqueParameters& parameters)
+{
+  SuperpixelParameters& superpixel = parameters.superpixel;
+  SupervoxelParameters& supervoxel = parameters.supervoxel;
+  return {{"superpixel_keep",
+           "voxels out of view stay in the superpixel that last held them",
+           &superpixel.keep},
+          {"superpixel_depth_jump",
+           "superpixels are split where the line through the points of neighbouring "
+           "pixels passes the camera nearer than this [m]; 0 = nowhere",
+           &superpixel.passing_distance},
+          {"superpixel_compactness",
+           "of superpixels: more makes them squarer, less has them follow colours",
+           &superpixel.slic.compactness},
+          {"supervoxel_resolution", "points this near are one voxel to supervoxels [m]",
+           &supervoxel.voxel_resolution},
+          {"supervoxel_colour_weight", "of colours, when supervoxels grow",
+           &supervoxel.colour_weight},
+          {"supervoxel_spatial_weight", "of distances, when supervoxels grow",
+           &supervoxel.spatial_weight},
+          {"supervoxel_normal_weight", "of normals, when supervoxels grow",
+           &supervoxel.normal_weight}};
+}
+
+bool
+parseSlic(const std::string& text, SlicParameters& parameters)
+{
+  return parseSuperpixels(text, "slic", parameters);
+}
+
+bool
+namesCloudCliques(const std::string& text)
+{
+  const std::string word = text.substr(0, text.find(':'));
+  return word == "cubes" || word == "slic" || word == "supervoxel";
+}
+
+CliqueGenerator::Ptr
+makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
+{
+  SuperpixelParameters superpixel = parameters.superpixel;
+  if (text == "cubes")
+    return std::make_shared<CubeCliques>();
+  if (text.rfind("cubes:", 0) == 0)
+    return std::make_shared<CubeCliques>(numberAfterColon(text));
+  if (parseSlic(text, superpixel.slic))
+    return std::make_shared<SlicCliques>(superpixel.slic);
+  if (parseSuperpixels(text, "superpixel", superpixel.slic))
+    return std::make_shared<SuperpixelCliques>(superpixel);
+  if (text == "supervoxel" || text.rfind("supervoxel:", 0) == 0) {
+    SupervoxelParameters supervoxel = parameters.supervoxel;
+    if (text != "supervoxel")
+      supervoxel.seed_resolution = numberAfterColon(text);
+    return std::make_shared<SupervoxelCliques>(supervoxel);
+  }
+  PCL_THROW_EXCEPTION(InvalidParameterException,
+                      "cliques are '"
+                          << text
+                          << "', expected cubes[:SIZE], slic, superpixel or "
+                             "supervoxel");
+}
+
+namespace {
+
+void
+append(ConfigParameters& to, ConfigParameters from)
+{
+  for (ConfigParameter& parameter : from)
+    to.push_back(std::move(parameter));
+}
+
+ConfigParameters
+cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
+{
+  return {{"clique_weight", "k_c, what a member pays that differs from its clique",
+           &crf.clique_weight},
+          {"clique_free_label", "a clique may let go of its members", &crf.free_label},
+          {"clique_truncation", "share of members that may differ before it does",
+           &crf.clique_truncation},
+          {"clique_hears_members", "it does not keep to what its own costs say",
+           &crf.cliques_hear_members},
+          {"clique_members_hear_map", "its MAP label alone, not its distribution",
+           &crf.members_hear_map},
+          {"clique_smoothness_weight", "of the kernel of the cliques' mean positions",
+           &crf.clique_smoothness_weight},
+          {"clique_smoothness_deviation", "of positions, in that kernel [" + unit + "]",
+           &crf.clique_smoothness_deviation},
+          {"clique_appearance_weight",
+           "of the kernel of their mean positions and colours",
+           &crf.clique_appearance_weight},
+          {"clique_appearance_deviation", "of positions, in that kernel [" + unit + "]",
+           &crf.clique_appearance_deviation},
+          {"clique_colour_deviation", "of colours, in that kernel [grey levels]",
+           &crf.clique_colour_deviation}};
+}
+
+} // namespace
+
+ConfigParameters
+parametersOf(SemanticCRFParameters& crf, const std::string& unit)
+{
+  ConfigParameters parameters = {
+      {"crf_iterations", "mean-field updates a run, at most", &crf.iterations},
+      {"crf_settled", "stop when no probability changed by more; 0 = never",
+       &crf.settled},
+      {"crf_kernels", "automatic, truncated (sums over near pairs) or lattice",
+       chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"})},
+      {"crf_radius", "truncated sums reach this many deviations", &crf.radius},
+      {"crf_normalization", "of kernels: symmetric, one-sided or none",
+       chooseFrom(crf.normalization, {"symmetric", "one-sided", "none"})},
+      {"crf_self_interaction", "points hear themselves, as in densecrf",
+       &crf.self_interaction},
+      {"smoothness_weight", "of the kernel of positions", &crf.smoothness_weight},
+      {"smoothness_deviation", "of positions, in that kernel [" + unit + "]",
+       &crf.smoothness_deviation},
+      {"appearance_weight", "of the kernel of positions and colours",
+       &crf.appearance_weight},
+      {"appearance_deviation", "of positions, in that kernel [" + unit + "]",
+       &crf.appearance_deviation},
+      {"colour_deviation", "of colours, in that kernel [grey levels]",
+       &crf.colour_deviation}};
+  append(parameters, cliqueParametersOf(crf, unit));
+  return parameters;
+}
+
+void
+CRFConfig::validate() const
+{
+  parameters.validate();
+  if (!(label_confidence > 0.0 && label_confidence <= 1.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "label_confidence is " << label_confidence
+                                               << ", expected more than 0, at most 1");
+}
+
+void
+CRFConfig::requireFittingCliques() const
+{
+  const bool needed =
+      model == CRFModelType::pn_potts || model == CRFModelType::hierarchical;
+  if (needed != (cliques != "none"))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        (needed ? "the models pn-potts and hierarchical need cliques: "
+                                : "cliques are for the models pn-potts and "
+                                  "hierarchical, not with: ")
+                            << "--cliques " << cliques);
+}
+
+ConfigParameters
+parametersOf(CRFConfig& config)
+{
+  ConfigParameters parameters = {
+      {"crf", "unary, dense, pn-potts or hierarchical",
+       chooseFrom(config.model, {"unary", "dense", "pn-potts", "hierarchical"})},
+      {"cliques", config.clique_words, &config.cliques},
+      {"label_confidence", "probability of the class that a label states",
+       &config.label_confidence}};
+  append(parameters, parametersOf(config.parameters, config.unit));
+  parameters.push_back({"threads", "0 = all processors", &config.threads});
+  return parameters;
+}
+
+void
+readCRFConfig(const std::string& path, CRFConfig& config)
+{
+  if (path.empty())
+    return;
+  readParameters(path, parametersOf(config));
+  try {
+    config.validate();
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
+  }
+}
 
 namespace {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/evaluation/depth_lookup.h>
-#include <pcl_semantic/evaluation/label_reprojection.h>
+#include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>

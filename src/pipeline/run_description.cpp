@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "digest.h"
-
 #include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/run_description.h>
@@ -9,11 +7,35 @@
 #include <opencv2/core/version.hpp>
 
 #include <charconv>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <sstream>
 
 namespace pcl_semantic {
+
+/** \brief FNV-1a over all bytes that were added: tells what was changed by mistake, not
+ * what was forged. */
+class Digest {
+public:
+  void
+  add(const void* bytes, std::size_t size)
+  {
+    const auto* const begin = static_cast<const std::uint8_t*>(bytes);
+    for (std::size_t i = 0; i < size; ++i)
+      value_ = (value_ ^ begin[i]) * 0x100000001B3ull;
+  }
+
+  std::uint64_t
+  value() const
+  {
+    return value_;
+  }
+
+private:
+  std::uint64_t value_ = 0xCBF29CE484222325ull;
+};
 
 namespace {
 

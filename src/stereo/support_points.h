@@ -1,13 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "gradient_image.h"
+#include "kernels/descriptors.h"
 
 #include <pcl_semantic/stereo/elas.h>
+
+#include <opencv2/core/mat.hpp>
 
 #include <vector>
 
 namespace pcl_semantic {
+
+/** \brief Gradients of a grey image, of which the descriptors are made. */
+class GradientImage {
+public:
+  /** \param[in] grey CV_8UC1 */
+  explicit GradientImage(const cv::Mat& grey);
+
+  int
+  width() const
+  {
+    return width_;
+  }
+
+  int
+  height() const
+  {
+    return height_;
+  }
+
+  /** \brief Descriptors of the pixels of a row, with kernels::descriptor_margin more on
+   * both sides; rows beyond the image are those at its border. */
+  void describeRow(int v, std::vector<std::uint8_t>& row) const;
+
+  /** \brief First pixel of a row that describeRow() made. */
+  static const std::uint8_t*
+  firstPixel(const std::vector<std::uint8_t>& row)
+  {
+    return row.data() + kernels::descriptor_margin * kernels::descriptor_bytes;
+  }
+
+private:
+  int width_, height_, stride_;
+  std::vector<std::uint8_t> horizontal_, vertical_;
+};
 
 /** \brief A pixel of the left image whose match in the right one is sure. */
 struct SupportPoint {

@@ -4,8 +4,7 @@
 #include "support/same_image.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/semantic_kitti_labels.h>
-#include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/input_file.h>

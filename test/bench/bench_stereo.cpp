@@ -11,7 +11,7 @@
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/stereo/elas.h>

@@ -2,7 +2,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/clique_set.h>
+#include <pcl_semantic/crf/crf_model.h>
 
 #include <gtest/gtest.h>
 

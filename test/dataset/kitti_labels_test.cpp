@@ -4,8 +4,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_range.h>
-#include <pcl_semantic/dataset/semantic_kitti_labels.h>
-#include <pcl_semantic/dataset/velodyne_scan.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
 
 #include <fstream>
 #include <limits>

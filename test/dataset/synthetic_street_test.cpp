@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/dataset/synthetic_builder.h"
+#include "../src/dataset/synthetic_objects.h"
 #include "../src/dataset/synthetic_street.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/evaluation/evaluation_report.h>
+#include <pcl_semantic/evaluation/confusion_matrix.h>
 
 #include <nlohmann/json.hpp>
 

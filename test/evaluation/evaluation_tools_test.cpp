@@ -3,7 +3,7 @@
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/core/label_set.h>
-#include <pcl_semantic/dataset/semantic_kitti_labels.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/evaluation/label_reprojection.h>
+#include <pcl_semantic/evaluation/voxel_lookup.h>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,6 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/files/small_png.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>

@@ -3,7 +3,6 @@
 // What a damaged or foreign file may do: be refused, or do no harm.
 
 #include "io/block_encoding.h"
-#include "io/sealed_bytes.h"
 #include "support/archives.h"
 #include "support/mutate.h"
 #include "support/thrown_message.h"

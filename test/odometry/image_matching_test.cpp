@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <odometry/circle_tracker.h>
-#include <odometry/corner_detector.h>
-#include <odometry/epipolar_search.h>
 
 #include <opencv2/imgproc.hpp>
 

@@ -3,7 +3,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/odometry/pose_file.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <odometry/rigid_motion.h>
+#include <odometry/stereo_projection.h>
 
 #include <gtest/gtest.h>
 

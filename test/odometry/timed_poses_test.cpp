@@ -2,7 +2,6 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/odometry/timed_poses.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 
 #include <gtest/gtest.h>

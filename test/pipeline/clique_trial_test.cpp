@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/calibration_street.h"
 
-#include <pcl_semantic/evaluation/label_reprojection.h>
-#include <pcl_semantic/pipeline/clique_trial.h>
+#include <pcl_semantic/evaluation/voxel_lookup.h>
+#include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/synthetic_sequence.h>
 #include <pcl_semantic/files/trajectory_file.h>
-#include <pcl_semantic/odometry/pose_file.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/map_sequence.h>
 
 #include <gtest/gtest.h>

@@ -5,8 +5,7 @@
 #include <pcl_semantic/dataset/synthetic_labels.h>
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
-#include <pcl_semantic/evaluation/depth_lookup.h>
-#include <pcl_semantic/evaluation/label_reprojection.h>
+#include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/map/seen_through.h>

@@ -6,7 +6,7 @@
 #include <pcl_semantic/dataset/synthetic_labels.h>
 #include <pcl_semantic/dataset/synthetic_writer.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/pipeline/calibration_sequence.h>
+#include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <gtest/gtest.h>

@@ -1,15 +1,231 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/crf/clique_potential.h>
-#include <pcl_semantic/crf/label_compatibility.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief mu(l, l'), what two linked variables pay for labels l and l', eq. (5) of the
+ * paper. */
+class LabelCompatibility {
+public:
+  /** \brief Potts: mu(l, l') = 1 if l != l', else 0, for any number of labels. */
+  LabelCompatibility() = default;
+
+  /** \brief Any costs.
+   * \param[in] costs L x L; a negative cost attracts
+   * \throws InvalidParameterException unless \a costs is square and not empty, and its
+   * values are within +-1e9 */
+  explicit LabelCompatibility(Eigen::MatrixXf costs);
+
+  /** \brief Potts, also if it was given as a matrix. */
+  bool
+  isPotts() const
+  {
+    return is_potts_;
+  }
+
+  /** \brief mu(l, l') = mu(l', l) for all labels, to the last bit. Updates do without;
+   * an energy needs it. */
+  bool
+  isSymmetric() const
+  {
+    return is_symmetric_;
+  }
+
+  /** \brief L; 0 = any number. */
+  Eigen::Index
+  labels() const
+  {
+    return costs_.rows();
+  }
+
+  /** \brief mu(l, k), labels counted from 0. */
+  float
+  cost(Eigen::Index l, Eigen::Index k) const
+  {
+    return costs_.size() > 0 ? costs_(l, k) : float(l != k);
+  }
+
+private:
+  Eigen::MatrixXf costs_; // empty = Potts for any number of labels
+  bool is_potts_ = true;
+  bool is_symmetric_ = true;
+};
+
+/** \brief A run of indices, for range-based loops. */
+struct IndexRange {
+  const std::int32_t* first;
+  const std::int32_t* last;
+
+  const std::int32_t*
+  begin() const
+  {
+    return first;
+  }
+
+  const std::int32_t*
+  end() const
+  {
+    return last;
+  }
+
+  std::size_t
+  size() const
+  {
+    return std::size_t(last - first);
+  }
+};
+
+/** \brief Lists of indices, one after the other: list r is indices[starts[r]] up to
+ * indices[starts[r + 1]]. */
+struct IndexLists {
+  std::vector<std::size_t> starts{0};
+  std::vector<std::int32_t> indices;
+
+  std::size_t
+  size() const
+  {
+    return starts.size() - 1;
+  }
+
+  IndexRange
+  operator[](std::size_t row) const
+  {
+    return {indices.data() + starts[row], indices.data() + starts[row + 1]};
+  }
+};
+
+/** \brief C cliques over N variables: the members of each clique, and the cliques of
+ * each variable. Cliques may overlap and need not cover every variable. */
+class CliqueSet {
+public:
+  /** \brief No cliques over no variables. */
+  CliqueSet() = default;
+
+  /** \param[in] cliques the members of each, from 0 (pcl::Indices fit)
+   * \param[in] variables N, up to 2^31 - 1
+   * \throws InvalidParameterException that names the clique, if one is empty, has a
+   * member outside 0..N-1 or one twice */
+  CliqueSet(const std::vector<std::vector<std::int32_t>>& cliques,
+            std::size_t variables);
+
+  /** \brief C, the number of cliques. */
+  std::size_t
+  size() const
+  {
+    return members_.size();
+  }
+
+  /** \brief N, the number of variables. */
+  std::size_t
+  variables() const
+  {
+    return cliques_.size();
+  }
+
+  /** \brief The variables of every clique, in the order they were given in. */
+  const IndexLists&
+  members() const
+  {
+    return members_;
+  }
+
+  /** \brief The cliques of every variable, in rising order. */
+  const IndexLists&
+  cliques() const
+  {
+    return cliques_;
+  }
+
+private:
+  IndexLists members_;
+  IndexLists cliques_;
+};
+
+/** \brief What the members of cliques pay for disagreeing, eqs. (7)-(9) of the paper.
+ *
+ * *P^n Potts* (Kohli, Kumar and Torr 2007; inference as Vineet, Warrell and Torr 2014):
+ * a clique whose members all take l gains k_c^l over one whose members do not agree,
+ * psi_c(x_c) = max_l k_c^l - (k_c^l if all members take l, else 0).
+ *
+ * *Robust P^n*: a clique has a variable y_c of its own that takes a label or the free
+ * label, psi_c(x_c) = min over y_c of psi_c(y_c) + sum over i in c of psi_ci(y_c, x_i)
+ * with psi_ci(l, x_i) = k_c^l where x_i != l; psi_ci(free, .) = 0 and psi_c(free) =
+ * gamma_max(c) = q |c| max_l k_c^l: every label bears a share q of members that
+ * disagree, at least, before the clique lets go. */
+struct CliquePotential {
+  enum class Type { pn_potts, robust };
+
+  Type type = Type::robust;
+  std::shared_ptr<const CliqueSet> cliques;
+
+  /** \brief k_c^l, 0 or more: L x C, or L x 1, 1 x C or 1 x 1 where all cliques, labels
+   * or both have the same. */
+  Eigen::MatrixXf weights = Eigen::MatrixXf::Ones(1, 1);
+
+  // The rest is for the robust potential only; P^n Potts has no y_c.
+
+  /** \brief y_c may take the free label; without it the penalty is not truncated, which
+   * is the paper's text. */
+  bool free_label = true;
+
+  float truncation = 0.3f; ///< q, more than 0 and up to 1
+
+  /** \brief psi_c(l), L x C; empty = mean unary cost of the members, shifted so that
+   * its minimum over l is 0. */
+  Eigen::MatrixXf unary;
+
+  /** \brief Kernels over the C cliques, Potts: y_c and y_d pay k_cd if both take labels
+   * and these differ; the free label is compatible with everything. */
+  std::vector<std::shared_ptr<const PairwiseKernel>> kernels;
+
+  /** \brief Members hear the label of largest Q(y_c) alone (the paper's algorithm text)
+   * instead of the distribution (its eq. (11)). Of equal ones the first is taken. */
+  bool members_hear_map = false;
+
+  /** \brief Without it the cliques are known: Q(y_c) stays exp(-psi_c(y_c)),
+   * normalised, and members hear it. For costs that were learned from all that is known
+   * of a clique, its members' opinion included: eq. (10) would have it count again, and
+   * so often as there are members. */
+  bool hears_members = true;
+
+  /** \brief k_c^l. */
+  float
+  weight(Eigen::Index l, Eigen::Index c) const
+  {
+    return weights(weights.rows() == 1 ? 0 : l, weights.cols() == 1 ? 0 : c);
+  }
+
+  /** \brief max_l k_c^l. */
+  float
+  largestWeight(Eigen::Index c) const
+  {
+    return weights.col(weights.cols() == 1 ? 0 : c).maxCoeff();
+  }
+
+  /** \brief gamma_max(c), what the free label costs. */
+  double
+  freeCost(Eigen::Index c) const
+  {
+    return double(truncation) * double(cliques->members()[std::size_t(c)].size()) *
+           double(largestWeight(c));
+  }
+
+  /** \throws InvalidParameterException if something is missing, has another size than
+   * L = \a labels and N = \a variables want, is not finite or out of its range, or
+   * would be ignored (a unary cost or kernels of P^n Potts) */
+  void validate(Eigen::Index labels, Eigen::Index variables) const;
+};
 
 /** \brief A CRF over N variables and L labels, eqs. (3) and (9) of the paper: unary
  * costs, pairwise kernels and cliques. Each of the last two may be missing. */

@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
-#include <pcl_semantic/dataset/rectified_pair.h>
+#include <pcl_semantic/dataset/rectifier.h>
 
 #include <string>
 #include <vector>

@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -85,5 +86,22 @@ struct Scores {
  * \throws InvalidParameterException if a class is 0 or beyond L */
 Scores computeScores(const ConfusionMatrix& confusion,
                      const std::vector<Label>& evaluated);
+
+/** \brief Scores as an aligned table of text, figures in percent. */
+std::string scoresTable(const Scores& scores, const LabelSet& label_set);
+
+/** \brief The two header lines that belong to scoresMarkdownRow. */
+std::string scoresMarkdownHeader(const Scores& scores, const LabelSet& label_set);
+
+/** \brief One row of a Markdown table in percent: name, exclusive IoU of each class and
+ * their mean, global accuracy, mean inclusive IoU, coverage; "-" for what is not there.
+ */
+std::string scoresMarkdownRow(const Scores& scores, const std::string& name);
+
+/** \brief Scores as JSON; ratios are 0..1, null where there is none. */
+std::string scoresJson(const Scores& scores, const LabelSet& label_set);
+
+/** \brief All counts as CSV: a row a true label, a column a predicted one. */
+std::string confusionCsv(const ConfusionMatrix& confusion, const LabelSet& label_set);
 
 } // namespace pcl_semantic

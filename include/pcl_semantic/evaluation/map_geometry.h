@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -98,5 +99,22 @@ struct GeometryScores {
 };
 
 GeometryScores scoreGeometry(const GeometrySamples& samples);
+
+/** \brief The geometry of maps as text, a figure a line. */
+std::string geometryTable(const GeometrySamples& samples,
+                          const GeometryParameters& parameters);
+
+/** \brief The two header lines that belong to geometryMarkdownRow. */
+std::string geometryMarkdownHeader(const GeometryParameters& parameters);
+
+/** \brief One row of a Markdown table: name, distances [cm], shares of the judged
+ * voxels and, by band, of the surface [%]. */
+std::string geometryMarkdownRow(const GeometrySamples& samples,
+                                const GeometryParameters& parameters,
+                                const std::string& name);
+
+/** \brief The same as JSON, metres and ratios 0..1; null where there is none. */
+std::string geometryJson(const GeometrySamples& samples,
+                         const GeometryParameters& parameters);
 
 } // namespace pcl_semantic

@@ -4,9 +4,8 @@
 #include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/crf/label_compatibility.h>
+#include <pcl_semantic/crf/crf_model.h>
 #include <pcl_semantic/filters/crf_parameters.h>
-#include <pcl_semantic/filters/crf_report.h>
 
 #include <pcl/PointIndices.h>
 #include <pcl/types.h>

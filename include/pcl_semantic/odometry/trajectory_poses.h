@@ -5,9 +5,35 @@
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
 
+#include <memory>
 #include <string>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Poses from a TUM trajectory, found by the time of a frame. */
+class TimedPoses : public PoseSource {
+public:
+  /** \param[in] trajectory camera-0 poses, see readTumTrajectory
+   * \param[in] T_camera0_camera the camera that takes the images, in camera 0
+   * \param[in] name its file, for messages
+   * \param[in] tolerance how far a pose's time may be from its frame's [s] */
+  TimedPoses(TimedTrajectory trajectory, const Eigen::Isometry3d& T_camera0_camera,
+             std::string name = "the trajectory", double tolerance = 0.01);
+
+  Eigen::Isometry3d pose(const StereoFrame& frame) override;
+
+  void requirePoses(const std::vector<FrameTime>& frames) const override;
+
+private:
+  const TimedPose* find(const FrameTime& frame) const;
+
+  std::string lackOf(const FrameTime& frame) const;
+
+  TimedTrajectory trajectory_;
+  Eigen::Isometry3d T_camera0_camera_;
+  std::string name_;
+  double tolerance_; ///< [s]
+};
 
 /** \brief Poses from a KITTI trajectory: row n is the pose of camera 0 at frame n. */
 class TrajectoryPoses : public PoseSource {
@@ -31,5 +57,17 @@ private:
   Eigen::Isometry3d T_camera0_camera_;
   std::string name_;
 };
+
+/** \brief The poses of a trajectory file, KITTI's or TUM's, whichever it is.
+ * \param[in] T_camera0_camera the camera that takes the images, in camera 0, whose
+ * poses the file holds \throws BadInputException as readKittiTrajectory() and
+ * readTumTrajectory() */
+std::unique_ptr<PoseSource>
+readPoses(const std::string& path,
+          const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity());
+
+/** \brief The same of a file that holds the poses of the sensor itself, T_world_sensor
+ * in a world with z up (x forward, if the map shall be seen as it was driven). */
+std::unique_ptr<PoseSource> readSensorPoses(const std::string& path);
 
 } // namespace pcl_semantic

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/evaluation/label_reprojection.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 

@@ -6,15 +6,54 @@
 #include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/map/scan.h>
-#include <pcl_semantic/pipeline/stage_times.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
+#include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include <Eigen/Geometry>
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Seconds of each stage of one frame, in the order they ran. */
+class StageTimes {
+public:
+  /** \brief Runs a stage and keeps its wall time. \return what \a stage returns */
+  template <typename Stage>
+  auto
+  measure(const std::string& name, Stage&& stage)
+  {
+    const Stopwatch stopwatch{*this, name, Clock::now()};
+    return stage();
+  }
+
+  const std::vector<std::pair<std::string, double>>&
+  seconds() const
+  {
+    return seconds_;
+  }
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Stopwatch {
+    StageTimes& times;
+    const std::string& name;
+    Clock::time_point start;
+
+    ~Stopwatch()
+    {
+      times.seconds_.emplace_back(
+          name, std::chrono::duration<double>(Clock::now() - start).count());
+    }
+  };
+
+  std::vector<std::pair<std::string, double>> seconds_;
+};
 
 /** \brief What became of one frame. */
 struct MappedFrame {
