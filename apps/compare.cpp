@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "default_label_set.h"
 #include "messages.h"
-#include "progress_bar.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>

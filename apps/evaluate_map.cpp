@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
-#include "progress_bar.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>

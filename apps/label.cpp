@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "label_arguments.h"
+#include "default_label_set.h"
 #include "messages.h"
 #include "pair_watch.h"
-#include "progress_bar.h"
+#include "sequence_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
@@ -10,9 +10,284 @@
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
+#include <pcl_semantic/labelling/stored_predictor.h>
+#include <pcl_semantic/stereo/disparity_to_cloud.h>
+
+#include <pcl/common/io.h>
+#include <pcl/common/point_tests.h>
 
 #include <filesystem>
+#include <string>
+
+namespace pcl_semantic::tool {
+
+/** \brief The command line of pcl_semantic_label. */
+struct LabelArguments {
+  SequenceOptions sequence;
+  std::string clouds; ///< instead of the sequence: organized clouds to label
+  std::string output, network, model, labels, label_set;
+  std::string frames = ":";
+  std::string format = "float32";
+  double label_confidence = 0.8; ///< of a stored `.png`
+  int threads = 0;
+};
+
+extern const Usage label_usage;
+
+/** \brief Reads it.
+ * \return false if nothing is left to do, see parseCommandLine()
+ * \throws InvalidParameterException */
+bool parseLabelArguments(int argc, char** argv, LabelArguments& arguments);
+
+/** \brief Labels clouds: writes a labelled cloud for each. \return exit code
+ * \throws BadInputException, BadModelException, OutputException */
+int labelClouds(const LabelArguments& arguments);
+
+const Usage label_usage{
+    "pcl_semantic_label",
+    "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)\n"
+    "  --network FILE.yaml --output DIR [options]\n"
+    "or --clouds (DIR | CLOUD.pcd) (--network FILE.yaml | --labels (DIR | FILE))\n"
+    "  --output (DIR | OUT.pcd) [options]",
+    "Runs a segmentation network over the left images and stores the class "
+    "distributions\nof their pixels, once for many runs of pcl_semantic_map --labels; "
+    "or "
+    "gives organized\nclouds of a camera the labels of their pixels, from a network or "
+    "stored ones.",
+    "pcl_semantic_synthesize /tmp/street && \\\n"
+    "  pcl_semantic_stereo /tmp/street/image_2 /tmp/street/image_3 "
+    "/tmp/street/calib.txt \\\n"
+    "    /tmp/street_clouds && \\\n"
+    "  pcl_semantic_label --clouds /tmp/street_clouds --labels /tmp/street/labels \\\n"
+    "    --output /tmp/street_labelled"};
+
+namespace {
+
+po::options_description
+describeOptions(LabelArguments& arguments)
+{
+  po::options_description visible("Options");
+  addSequenceOptions(arguments.sequence, visible);
+  visible.add_options()(
+      "clouds", po::value(&arguments.clouds),
+      "instead of SEQUENCE: organized clouds, one a frame, as pcl_semantic_stereo "
+      "writes them: one .pcd, a folder or a pattern in quotes")(
+      "output,o", po::value(&arguments.output),
+      "folder to write to; of one cloud: the cloud to write (.pcd)")(
+      "network", po::value(&arguments.network), "description of the network (.yaml)")(
+      "model", po::value(&arguments.model), "the network itself (.onnx)")(
+      "labels", po::value(&arguments.labels),
+      "of --clouds: folder of stored label distributions (.bin, .npy or .png a frame), "
+      "or the file of one cloud")("label-set", po::value(&arguments.label_set),
+                                  "classes of --labels (default: "
+                                  "label_sets/kitti11.yaml)")(
+      "frames", po::value(&arguments.frames), "A:B, frames numbered A <= n < B");
+  addOption(visible, "format", arguments.format,
+            "of SEQUENCE: float32 or float16 (.npy, half the size), or ids: the most "
+            "probable class only (.png)");
+  addOption(visible, "label-confidence", arguments.label_confidence,
+            "probability of the class that a stored .png states");
+  addOption(visible, "threads", arguments.threads, "0 = all processors");
+  return visible;
+}
+
+void
+requireSequenceAndNetwork(const LabelArguments& arguments)
+{
+  requireSequence(arguments.sequence, label_usage.name);
+  if (!arguments.labels.empty() || !arguments.label_set.empty())
+    failUsage(label_usage, "--labels and --label-set are for --clouds");
+  if (arguments.output.empty())
+    failUsage(label_usage, "--output is missing");
+  if (arguments.network.empty())
+    failUsage(label_usage, "--network is missing");
+  if (arguments.format != "float32" && arguments.format != "float16" &&
+      arguments.format != "ids")
+    failUsage(label_usage, "--format is '" + arguments.format +
+                               "', expected float32, float16 or ids");
+}
+
+void
+requireClouds(const LabelArguments& arguments, bool has_format)
+{
+  if (!arguments.sequence.folder.empty() || arguments.sequence.hasFiles() ||
+      arguments.sequence.strict)
+    failUsage(label_usage, "--clouds and a SEQUENCE, or options of one, exclude each "
+                           "other");
+  if (arguments.output.empty())
+    failUsage(label_usage, "--output is missing");
+  if (arguments.labels.empty() == arguments.network.empty())
+    failUsage(label_usage, "expected either --labels or --network");
+  if (!arguments.model.empty() && arguments.network.empty())
+    failUsage(label_usage, "--model needs --network");
+  if (!arguments.label_set.empty() && arguments.labels.empty())
+    failUsage(label_usage, "--label-set is for --labels; the description of a network "
+                           "names its own");
+  if (has_format)
+    failUsage(label_usage, "--format is for a SEQUENCE: clouds are written as .pcd");
+}
+
+} // namespace
+
+bool
+parseLabelArguments(int argc, char** argv, LabelArguments& arguments)
+{
+  const po::options_description visible = describeOptions(arguments);
+  po::positional_options_description positional;
+  positional.add("sequence", 1);
+  po::variables_map values;
+  if (!parseCommandLine(argc, argv, label_usage, visible, positional, values))
+    return false;
+  if (arguments.clouds.empty())
+    requireSequenceAndNetwork(arguments);
+  else
+    requireClouds(arguments, !values["format"].defaulted());
+  return true;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The one file of labels that belongs to the one cloud.
+class FilePredictor : public LabelPredictor {
+public:
+  FilePredictor(std::string path, int classes, float confidence)
+      : path_(std::move(path)), classes_(classes), confidence_(confidence)
+  {}
+
+  LabelDistributions
+  predict(const StereoFrame& frame) override
+  {
+    return readDistributions(path_, frame.left.cols, frame.left.rows, classes_,
+                             confidence_);
+  }
+
+private:
+  std::string path_;
+  int classes_;
+  float confidence_;
+};
+
+bool
+isFolder(const std::string& path)
+{
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+std::unique_ptr<LabelPredictor>
+makePredictor(const LabelArguments& arguments)
+{
+  if (!arguments.network.empty()) {
+    const NetworkDescription network = readNetworkDescription(arguments.network);
+    return std::make_unique<NetworkPredictor>(
+        network, readLabelSet(network.label_set_path), arguments.model);
+  }
+  const int classes = readLabelSetOrDefault(arguments.label_set).size();
+  const auto confidence = float(arguments.label_confidence);
+  if (isFolder(arguments.labels) || fs::path(arguments.clouds).extension() != ".pcd")
+    return std::make_unique<StoredPredictor>(arguments.labels, classes, confidence);
+  return std::make_unique<FilePredictor>(arguments.labels, classes, confidence);
+}
+
+// The cloud as a predictor takes it.
+StereoFrame
+frameOf(const LabelledCloud& labelled, const std::string& path, int number,
+        bool is_seen)
+{
+  if (is_seen && !labelled.has_colour)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has no colours; a network needs rgb or rgba");
+  if (is_seen && !labelled.cloud->isOrganized())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": is no organized cloud; a network needs the whole "
+                                "image");
+  pcl::PointCloud<pcl::PointXYZRGB> cloud;
+  pcl::copyPointCloud(*labelled.cloud, cloud);
+  StereoFrame frame;
+  frame.number = number;
+  frame.left = imageOfCloud(cloud);
+  return frame;
+}
+
+// Gives the share of points that have a place and a label.
+double
+labelCloud(const std::string& path, int number, const std::string& output,
+           LabelPredictor& predictor)
+{
+  const bool is_seen = dynamic_cast<NetworkPredictor*>(&predictor) != nullptr;
+  LabelledCloud labelled = readLabelledCloud(path);
+  pcl::PointCloud<pcl::PointXYZRGBL>& cloud = *labelled.cloud;
+  if (cloud.empty())
+    PCL_THROW_EXCEPTION(BadInputException, path << ": has no points");
+  labelled.distributions = predictor.predict(frameOf(labelled, path, number, is_seen));
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud[i].label = labelled.distributions.mapLabel(Eigen::Index(i));
+    known += pcl::isXYZFinite(cloud[i]) && cloud[i].label != kUnlabelled;
+  }
+  writeLabelledCloud(output, labelled);
+  return double(known) / double(cloud.size());
+}
+
+// Where each cloud goes: the same name in another folder.
+std::string
+outputOf(const LabelArguments& arguments, const std::string& path)
+{
+  if (fs::path(arguments.output).extension() == ".pcd")
+    return arguments.output;
+  return (fs::path(arguments.output) / fs::path(path).filename()).string();
+}
+
+// The clouds to label, once it is clear that each has a place to go to.
+std::vector<std::size_t>
+prepareClouds(const LabelArguments& arguments, const CloudSequence& clouds)
+{
+  const std::vector<std::size_t> chosen =
+      chooseClouds(arguments.clouds, clouds, arguments.frames);
+  const bool is_cloud = fs::path(arguments.output).extension() == ".pcd";
+  if (is_cloud && chosen.size() > 1)
+    failUsage(label_usage, "--output is one cloud, but --clouds are " +
+                               std::to_string(chosen.size()));
+  for (const std::size_t i : chosen)
+    refuseSameFiles({clouds.path(i)}, {outputOf(arguments, clouds.path(i))});
+  if (!is_cloud)
+    makeOutputFolder(arguments.output);
+  return chosen;
+}
+
+} // namespace
+
+int
+labelClouds(const LabelArguments& arguments)
+{
+  setNumberOfThreads(arguments.threads);
+  const CloudSequence clouds(arguments.clouds);
+  const auto predictor = makePredictor(arguments);
+  const std::vector<std::size_t> chosen = prepareClouds(arguments, clouds);
+  catchInterrupts();
+  double share = 0.0;
+  {
+    ProgressBar progress("labelling", chosen.size(), "clouds");
+    for (const std::size_t i : chosen) {
+      const std::string& path = clouds.path(i);
+      share += labelCloud(path, clouds.frameNumber(i), outputOf(arguments, path),
+                          *predictor);
+      if (interrupted())
+        return exit_interrupted;
+      progress.step();
+    }
+  }
+  printResults({{"clouds", chosen.size()},
+                {"share_labelled", share / double(chosen.size())},
+                {"output", arguments.output}});
+  return exit_done;
+}
+
+} // namespace pcl_semantic::tool
 
 using namespace pcl_semantic;
 

@@ -3,7 +3,6 @@
 #include "map_arguments.h"
 #include "map_source.h"
 #include "messages.h"
-#include "progress_bar.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>

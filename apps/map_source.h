@@ -2,19 +2,61 @@
 #pragma once
 
 #include "map_arguments.h"
-#include "map_labelling.h"
 
 #include <pcl_semantic/core/stereo_frame.h>
+#include <pcl_semantic/dataset/frame_sequence.h>
+#include <pcl_semantic/labelling/label_calibration.h>
+#include <pcl_semantic/labelling/label_predictor.h>
 #include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace pcl_semantic::tool {
+
+/** \brief What --also asks for.
+ * \param[in] sequence null for clouds, which have no scans beside them
+ * \throws InvalidParameterException at a word that it does not know, or a value of
+ * --scan-within that makes no sense
+ * \throws BadInputException if a frame has no scan, or nobody knows the scanner's pose
+ */
+ExtraOptions makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
+                        const std::vector<std::size_t>& frames);
+
+/** \brief Where the labels of a run come from. */
+struct Labelling {
+  LabelSet label_set;
+  std::unique_ptr<LabelPredictor> predictor;
+  std::string model; ///< path; empty without a network
+};
+
+/** \throws BadInputException, BadModelException */
+Labelling makeLabelling(const MapArguments& arguments);
+
+/** \brief What labels and cliques are worth, as far as it is given. */
+struct Calibrations {
+  std::optional<LabelCalibration> labels, cliques;
+};
+
+/** \throws BadInputException */
+Calibrations readCalibrations(const MapArguments& arguments, const LabelSet& label_set);
+
+void setCalibrations(const Calibrations& calibrations, SemanticMapper& mapper);
+
+/** \brief Where the poses of a run come from: the path of a trajectory, or "odometry".
+ * \throws BadInputException if the sequence shall have a trajectory and has none
+ * \throws InvalidParameterException if the run is archived and has no trajectory */
+std::string choosePoses(const MapArguments& arguments, const FrameSequence& sequence);
+
+/** \brief Opens what choosePoses() has chosen. */
+std::unique_ptr<PoseSource> makePoses(const std::string& chosen,
+                                      const FrameSequence& sequence);
 
 /** \brief Where the frames of a map come from: stereo images or labelled clouds. */
 class MapSource {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pair_watch.h"
 #include "messages.h"
-#include "progress_bar.h"
 
 #include <pcl_semantic/core/exceptions.h>
 

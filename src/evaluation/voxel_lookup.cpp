@@ -14,7 +14,7 @@ namespace {
 constexpr std::int32_t block_edge = 8; // voxels
 
 VoxelIndex
-blockOf(const VoxelIndex& index)
+lookupBlockOf(const VoxelIndex& index)
 {
   return {floorDivide(index.x(), block_edge), floorDivide(index.y(), block_edge),
           floorDivide(index.z(), block_edge)};
@@ -67,7 +67,7 @@ VoxelLookup::VoxelLookup(const VoxelCloud& voxels) : voxel_size_(voxels.voxel_si
   places_.reserve(voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     places_.emplace(voxels.indices[i], static_cast<std::int32_t>(i));
-    blocks_.insert(blockOf(voxels.indices[i]));
+    blocks_.insert(lookupBlockOf(voxels.indices[i]));
   }
 }
 
@@ -94,7 +94,7 @@ VoxelLookup::nearest(const Eigen::Vector3d& point, double within) const
   const VoxelIndex last = indexOf(point.array() + within, voxel_size_);
   double least = std::nextafter(within * within, 1e300);
   VoxelIndex best = VoxelIndex::Constant(std::numeric_limits<int>::max());
-  visitBox(blockOf(first), blockOf(last), [&](const VoxelIndex& block) {
+  visitBox(lookupBlockOf(first), lookupBlockOf(last), [&](const VoxelIndex& block) {
     if (blocks_.count(block)) // most are empty
       nearestInBlock(
           point, first.cwiseMax(block * block_edge),

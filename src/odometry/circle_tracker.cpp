@@ -14,20 +14,20 @@ namespace pcl_semantic::odometry {
 
 namespace {
 
-constexpr int kBorder = 12;    // windows are compared whole [px]
-constexpr int kThreshold = 10; // of FAST, grey levels
-constexpr int kHalf = 3;       // window of the eigenvalue
+constexpr int kCornerBorder = 12; // windows are compared whole [px]
+constexpr int kThreshold = 10;    // of FAST, grey levels
+constexpr int kCornerHalf = 3;    // window of the eigenvalue
 
 // Smaller eigenvalue of the gradients' second moments around a pixel.
 double
 smallerEigenvalue(const cv::Mat& image, int x, int y)
 {
   int xx = 0, xy = 0, yy = 0;
-  for (int row = y - kHalf; row <= y + kHalf; ++row) {
+  for (int row = y - kCornerHalf; row <= y + kCornerHalf; ++row) {
     const std::uint8_t* const above = image.ptr(row - 1);
     const std::uint8_t* const here = image.ptr(row);
     const std::uint8_t* const below = image.ptr(row + 1);
-    for (int column = x - kHalf; column <= x + kHalf; ++column) {
+    for (int column = x - kCornerHalf; column <= x + kCornerHalf; ++column) {
       const int dx = here[column + 1] - here[column - 1];
       const int dy = below[column] - above[column];
       xx += dx * dx;
@@ -59,8 +59,8 @@ detectCorners(const cv::Mat& image, const std::vector<cv::Point2f>& old, int wan
   std::vector<cv::Point2f> corners(taken.size(), {-1.0f, -1.0f});
   for (const cv::KeyPoint& candidate : candidates) {
     const int x = int(candidate.pt.x), y = int(candidate.pt.y);
-    if (x < kBorder || y < kBorder || x >= image.cols - kBorder ||
-        y >= image.rows - kBorder || taken[cellOf(candidate.pt)])
+    if (x < kCornerBorder || y < kCornerBorder || x >= image.cols - kCornerBorder ||
+        y >= image.rows - kCornerBorder || taken[cellOf(candidate.pt)])
       continue;
     const double value = smallerEigenvalue(image, x, y);
     if (value > best[cellOf(candidate.pt)]) {
@@ -77,8 +77,8 @@ detectCorners(const cv::Mat& image, const std::vector<cv::Point2f>& old, int wan
 
 namespace {
 
-constexpr int kHalf = 5;
-constexpr int kPixels = (2 * kHalf + 1) * (2 * kHalf + 1);
+constexpr int kSearchHalf = 5;
+constexpr int kPixels = (2 * kSearchHalf + 1) * (2 * kSearchHalf + 1);
 constexpr double kClear = 0.8; // of the second best, elsewhere on the row
 
 } // namespace
@@ -88,13 +88,14 @@ searchDisparity(const cv::Mat& left, const cv::Mat& right, const cv::Point2f& co
                 int max_disparity)
 {
   const int x = cvRound(corner.x), y = cvRound(corner.y);
-  if (x < kHalf || y < kHalf || x >= left.cols - kHalf || y >= left.rows - kHalf)
+  if (x < kSearchHalf || y < kSearchHalf || x >= left.cols - kSearchHalf ||
+      y >= left.rows - kSearchHalf)
     return -1;
-  const int count = std::min(max_disparity, x - kHalf) + 1;
+  const int count = std::min(max_disparity, x - kSearchHalf) + 1;
   // costs[k] belongs to disparity count - 1 - k, so that both are read forwards.
   std::vector<std::uint16_t> costs(std::size_t(count), 0);
-  for (int dy = -kHalf; dy <= kHalf; ++dy)
-    for (int dx = -kHalf; dx <= kHalf; ++dx) {
+  for (int dy = -kSearchHalf; dy <= kSearchHalf; ++dy)
+    for (int dx = -kSearchHalf; dx <= kSearchHalf; ++dx) {
       const int value = left.ptr(y + dy)[x + dx];
       const std::uint8_t* const row = right.ptr(y + dy) + x + dx - (count - 1);
       for (int k = 0; k < count; ++k)

@@ -2,6 +2,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>

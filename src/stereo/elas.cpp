@@ -141,7 +141,6 @@ BandMatcher::dropContradicted(std::int16_t* disparity) const
 
 namespace {
 
-constexpr int steps = kernels::disparity_steps;
 constexpr int band_rows = 16;
 constexpr int largest_image = 16384; // the triangulation is exact up to here [px]
 

@@ -13,7 +13,7 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr int reach = 2; // of a descriptor [px]
+constexpr int descriptor_reach = 2; // of a descriptor [px]
 
 struct Element {
   bool vertical;
