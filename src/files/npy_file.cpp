@@ -5,7 +5,7 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/npy_file.h>
 
-#include <opencv2/core.hpp>
+#include <Eigen/Core>
 
 #include <cstring>
 #include <regex>
@@ -109,7 +109,7 @@ readNpy(const std::string& path)
     std::memcpy(array.values.data(), data, expected);
   else
     for (std::size_t i = 0; i < count; ++i) {
-      cv::float16_t value;
+      Eigen::half value;
       std::memcpy(static_cast<void*>(&value), data + 2 * i, 2);
       array.values[i] = float(value);
     }
@@ -130,7 +130,7 @@ writeNpy(const std::string& path, int height, int width, int depth, const float*
   if (half) {
     std::vector<std::uint16_t> halves(count);
     for (std::size_t i = 0; i < count; ++i) {
-      const cv::float16_t value(values[i]);
+      const Eigen::half value(values[i]);
       std::memcpy(&halves[i], &value, 2);
     }
     bytes.putColumn(halves);

@@ -67,7 +67,7 @@ TEST(MapTool, StoredLabelsOfEveryKind)
   for (std::size_t i = 0; i < bytes.size(); i += sizeof(float)) {
     float value = 0.0f;
     std::memcpy(&value, &bytes[i], sizeof(value));
-    const cv::float16_t half(value);
+    const Eigen::half half(value);
     halves.append(reinterpret_cast<const char*>(&half), sizeof(half));
   }
   std::ofstream(stored + ".npy") << npyBytes("<f2", "(64, 208, 11)", halves);
