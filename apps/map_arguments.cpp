@@ -22,50 +22,51 @@ describeOptions(MapArguments& arguments)
   addSequenceOptions(arguments.sequence, options);
   options.add_options()(
       "clouds", po::value(&arguments.clouds),
-      "instead of SEQUENCE: clouds of any sensor, labelled or not, each in the "
-      "sensor's "
-      "frame, one a frame: folder or pattern of .pcd; needs --poses FILE")(
+      "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or pattern "
+      "of "
+      ".pcd, one per frame, in the sensor's frame; needs --poses FILE")(
       "sensor", po::value(&arguments.sensor),
-      "of --clouds: own = any, --poses are its own, in a world with z up; with "
-      "--calibration, whose camera 0 --poses are of: camera or grey = the left camera "
-      "(of KITTI's colour or grey pair), laser = KITTI's Tr (default: own, camera with "
+      "sensor of --clouds: own = any, --poses are its poses in a world with z up; or, "
+      "with --calibration and poses of its camera 0: camera or grey = left camera of "
+      "KITTI's colour or grey pair, laser = KITTI's Tr (default: own, or camera with "
       "--calibration)")("output", po::value(&arguments.output),
-                        "folder to write to; an earlier map in it is replaced")(
+                        "output folder; replaces an earlier map in it")(
       "labels", po::value(&arguments.labels),
-      "folder of stored label distributions: .bin, .npy or .png a frame")(
+      "folder of stored label distributions, one .bin, .npy or .png per frame")(
       "label-set", po::value(&arguments.label_set),
-      "classes of --labels (default: label_sets/kitti11.yaml)")(
-      "network", po::value(&arguments.network), "description of a network (.yaml)")(
-      "model", po::value(&arguments.model), "the network itself (.onnx)")(
+      "label set of --labels (default: label_sets/kitti11.yaml)")(
+      "network", po::value(&arguments.network), "network description (.yaml)")(
+      "model", po::value(&arguments.model),
+      "network (.onnx; default: as its description says)")(
       "label-calibration", po::value(&arguments.label_calibration),
-      "what the labels are worth, as pcl_semantic_calibrate writes it (.yaml)")(
+      "calibration of the label distributions, see pcl_semantic_calibrate (.yaml)")(
       "clique-calibration", po::value(&arguments.clique_calibration),
-      "what cliques are worth, as pcl_semantic_calibrate --clique-config writes it "
+      "calibration of the cliques, see pcl_semantic_calibrate --clique-config "
       "(.yaml)")(
       "poses", po::value(&arguments.poses)->default_value("auto"),
-      "KITTI or TUM trajectory file, 'sequence' for its own poses.txt, 'odometry' to "
-      "find them in the images, 'auto': its own or else odometry")(
-      "frames", po::value(&arguments.frames), "A:B, frames numbered A <= n < B")(
+      "KITTI or TUM trajectory file; or sequence = its poses.txt, odometry = estimate "
+      "them from the images, auto = poses.txt if there is one, else odometry")(
+      "frames", po::value(&arguments.frames), "A:B = frames with numbers A <= n < B")(
       "also", po::value(&arguments.also),
-      "writes more, for evaluation, words with commas between them: measured (labels "
-      "before the CRF), depth (of the pixels), scans (the class of each point of the "
-      "sequence's laser scans)")(
+      "further output for evaluation, separated by commas: measured = labels before "
+      "the "
+      "CRF, depth = depth images, scans = the class of each point of the sequence's "
+      "laser scans")(
       "scan-within",
       po::value(&arguments.scan_within)->default_value(arguments.scan_within),
-      "of scans also the class of the nearest voxel so far away [m]; 0 = only that of "
-      "the one that holds the point")(
+      "maximum distance of a scan point's voxel [m]; 0 = the voxel that contains it")(
       "archive", po::value(&arguments.archive.path),
-      "file that keeps the map: the run can be killed and go on")(
+      "archive file of the map; a killed run can be resumed from it")(
       "archive-every", po::value(&arguments.archive.every)->default_value(10),
-      "frames from one commit to the archive to the next")(
+      "commit to the archive every N frames")(
       "view", po::bool_switch(&arguments.view),
-      "open a window that shows the map as it grows; closing it changes nothing")(
+      "show the map in a window while it grows")(
       "resume", po::bool_switch(&arguments.archive.resume),
-      "go on with the archive; begin if there is none")(
+      "resume from the archive; start if there is none")(
       "config", po::value(&arguments.config),
-      "parameters as YAML; options override it")(
+      "parameter file (.yaml); options override it")(
       "print-config", po::bool_switch(&arguments.print_config),
-      "print the effective parameters as YAML and end");
+      "print the effective parameters as YAML and exit");
   return options;
 }
 

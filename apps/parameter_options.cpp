@@ -12,7 +12,10 @@ addParameters(const ConfigParameters& parameters, po::options_description& optio
 {
   po::options_description group("Parameters (with their defaults)");
   for (const ConfigParameter& parameter : parameters)
-    group.add_options()(parameter.option().c_str(),
+    // Further names are understood, but not shown.
+    group.add_options()((parameter.option() + (parameter.old_name.empty() ? "" : ",") +
+                         parameter.oldOption())
+                            .c_str(),
                         po::value<std::string>()->value_name(parameter.text()),
                         parameter.help.c_str());
   options.add(group);

@@ -27,17 +27,18 @@ addSequenceOptions(SequenceOptions& options, po::options_description& descriptio
   description.add_options()("sequence", po::value(&options.folder),
                             "folder in KITTI's odometry layout")(
       "left", po::value(&files.left),
-      "instead of SEQUENCE: left images of any camera, a pattern in quotes "
-      "('left/*.png')")("right", po::value(&files.right), "right images, as many")(
+      "left images of any stereo camera, instead of SEQUENCE: a pattern in quotes "
+      "('left/*.png')")("right", po::value(&files.right),
+                        "right images, one for each left image")(
       "calibration", po::value(&files.calibration),
-      "of --left and --right, as OpenCV's stereoCalibrate gives it (.yaml, .yml), "
-      "or KITTI's (.txt)")("extrinsics", po::value(&files.extrinsics),
-                           "R and T, if they are not in --calibration (.yaml)")(
+      "calibration of --left and --right: of OpenCV's stereoCalibrate (.yaml, .yml) or "
+      "KITTI (.txt)")("extrinsics", po::value(&files.extrinsics),
+                      "file with R and T, if they are not in --calibration (.yaml)")(
       "times", po::value(&files.times),
-      "when the images were taken, one time a row [s] (default: ten pairs a second)")(
+      "time stamps of the images, one per line [s] (default: 10 Hz)")(
       "strict", po::bool_switch(&options.strict),
-      "refuse pairs that look blank, identical, swapped or unrelated instead of "
-      "warning of them");
+      "reject pairs that look blank, identical, swapped or unrelated instead of "
+      "warning");
 }
 
 void

@@ -48,9 +48,9 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
   how.name = usage.name;
   general.add_options()("help,h", "print this help")("version", "print the version")(
       "quiet,q", po::bool_switch(&how.quiet),
-      "print errors, warnings and the figures that the program is for alone")(
+      "print only errors, warnings and results")(
       "verbose,v", po::bool_switch(&how.verbose),
-      "tell of each step, with the time since the beginning")(
+      "print each step with the time since the start")(
       "json", po::bool_switch(&how.json),
       "print results as JSON")("man", "print this help as a manual page");
   po::options_description all;

@@ -158,7 +158,7 @@ RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
     setCosts(c, costs);
   softMax(costs_.column(0), messages_.column(0), marginals_.column(0),
           std::size_t(count), std::size_t(costs_.stride()));
-  if (!potential_.hears_members)
+  if (!potential_.update_from_members)
     for (Eigen::Index c = 0; c < count; ++c)
       speak(c);
 }
@@ -252,7 +252,7 @@ RobustTerm::speak(Eigen::Index c)
   const float* const q = marginals_.column(c);
   const float* const weight = weights(c);
   float* const said = said_.column(c);
-  if (!potential_.members_hear_map) {
+  if (!potential_.map_messages) {
     for (Eigen::Index l = 0; l < labels_; ++l)
       said[l] = weight[l] * q[l];
     return;
@@ -266,7 +266,7 @@ RobustTerm::speak(Eigen::Index c)
 double
 RobustTerm::update(const PaddedColumns& marginals)
 {
-  if (!potential_.hears_members)
+  if (!potential_.update_from_members)
     return 0.0;
   hear();
   float change = 0.0f;

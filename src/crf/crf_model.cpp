@@ -150,7 +150,7 @@ CliquePotential::validate(Eigen::Index labels, Eigen::Index variables) const
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "P^n Potts cliques have no variables: unary costs of them and "
                         "kernels between them need the robust potential");
-  if (!hears_members && !kernels.empty())
+  if (!update_from_members && !kernels.empty())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "cliques that do not hear their members do not hear each other "
                         "either: kernels between them need cliques that do");

@@ -241,17 +241,16 @@ MeanField::update()
 }
 
 int
-MeanField::run(int max_updates, double settled)
+MeanField::run(int max_updates, double tolerance)
 {
   if (max_updates < 0)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "updates are " << max_updates << ", expected 0 or more");
-  if (!(settled >= 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the change of settled marginals is "
-                                                       << settled
-                                                       << ", expected 0 or more");
+  if (!(tolerance >= 0.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the tolerance is " << tolerance << ", expected 0 or more");
   for (int i = 1; i <= max_updates; ++i)
-    if (update() <= settled && settled > 0.0)
+    if (update() <= tolerance && tolerance > 0.0)
       return i;
   return max_updates;
 }

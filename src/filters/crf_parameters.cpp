@@ -41,7 +41,7 @@ SemanticCRFParameters::validate() const
   require(radius > 0.0 && radius <= 100.0, "radius", radius,
           "more than 0, at most 100");
   require(iterations >= 0, "iterations", iterations, "0 or more");
-  require(settled >= 0.0, "settled", settled, "0 or more");
+  require(tolerance >= 0.0, "tolerance", tolerance, "0 or more");
   requireWeight("clique_weight", clique_weight);
   require(clique_truncation > 0.0 && clique_truncation <= 1.0, "clique_truncation",
           clique_truncation, "more than 0, at most 1");

@@ -298,8 +298,8 @@ LabelRefiner::Builder::addCliques(CrfModel& model)
     potential.type = CliquePotential::Type::robust;
     potential.free_label = parameters_.free_label;
     potential.truncation = float(parameters_.clique_truncation);
-    potential.hears_members = parameters_.cliques_hear_members;
-    potential.members_hear_map = parameters_.members_hear_map;
+    potential.update_from_members = parameters_.update_from_members;
+    potential.map_messages = parameters_.map_messages;
     potential.unary = keptColumns(refiner_.clique_costs_, all, kept, "costs");
     potential.kernels = cliqueKernels(cliques);
   }
@@ -505,7 +505,7 @@ LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
   if (compute_energies_)
     kept = model;
   MeanField inference(std::move(model), initial.size() > 0 ? &initial : nullptr);
-  report_.updates = inference.run(parameters_.iterations, parameters_.settled);
+  report_.updates = inference.run(parameters_.iterations, parameters_.tolerance);
   report_.last_change = inference.lastChange();
   if (compute_energies_) {
     report_.free_energy = inference.freeEnergy();

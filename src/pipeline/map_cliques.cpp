@@ -110,8 +110,8 @@ cliqueEvidence(const VoxelCloud& voxels, const std::vector<pcl::PointIndices>& c
 MapCliques::MapCliques(const MapperConfig& config, const LabelSet& label_set)
     : generator_(makeCliqueGenerator(config.cliques, config.clique_parameters)),
       superpixels_(std::dynamic_pointer_cast<SuperpixelCliques>(generator_)),
-      left_out_(listedLabels(config.clique_leaves_out, label_set, "clique_leaves_out")),
-      leaves_out_above_(float(config.clique_leaves_out_above)),
+      left_out_(listedLabels(config.clique_exclude, label_set, "clique_exclude")),
+      exclude_threshold_(float(config.clique_exclude_threshold)),
       classes_(label_set.size())
 {}
 
@@ -154,7 +154,7 @@ MapCliques::group(const VoxelCloud& voxels)
     float likely = 0.0f;
     for (const Label label : left_out_)
       likely += voxels.measured.column(i)[label - 1];
-    return likely > leaves_out_above_;
+    return likely > exclude_threshold_;
   };
   for (pcl::PointIndices& clique : cliques) {
     pcl::Indices& members = clique.indices;

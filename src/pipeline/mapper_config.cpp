@@ -68,16 +68,16 @@ parseBool(const std::string& text, const std::string& where)
 
 // The text of a value in a YAML file; a triple may also be written as a list.
 std::string
-yamlText(const YamlMap& file, const ConfigParameter& parameter)
+yamlText(const YamlMap& file, const std::string& key, bool is_triple)
 {
-  if (!std::holds_alternative<Eigen::Vector3d*>(parameter.value))
-    return file.require<std::string>(parameter.name);
+  if (!is_triple)
+    return file.require<std::string>(key);
   std::vector<std::string> items;
   try {
-    items = file.require<std::vector<std::string>>(parameter.name);
+    items = file.require<std::vector<std::string>>(key);
   }
   catch (const BadInputException&) {
-    return file.require<std::string>(parameter.name);
+    return file.require<std::string>(key);
   }
   std::string text;
   for (const std::string& item : items)
@@ -85,14 +85,25 @@ yamlText(const YamlMap& file, const ConfigParameter& parameter)
   return text;
 }
 
+std::string
+withDashes(std::string name)
+{
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
 } // namespace
 
 std::string
 ConfigParameter::option() const
 {
-  std::string option = name;
-  std::replace(option.begin(), option.end(), '_', '-');
-  return option;
+  return withDashes(name);
+}
+
+std::string
+ConfigParameter::oldOption() const
+{
+  return withDashes(old_name);
 }
 
 std::string
@@ -138,9 +149,14 @@ void
 readParameters(const std::string& path, ConfigParameters parameters)
 {
   const YamlMap file = YamlMap::load(path);
-  for (ConfigParameter& parameter : parameters)
-    if (file.has(parameter.name))
-      parameter.set(yamlText(file, parameter), file.where(parameter.name));
+  for (ConfigParameter& parameter : parameters) {
+    const bool is_triple = std::holds_alternative<Eigen::Vector3d*>(parameter.value);
+    for (const std::string& key : {parameter.name, parameter.old_name})
+      if (!key.empty() && file.has(key)) {
+        parameter.set(yamlText(file, key, is_triple), file.where(key));
+        break; // the old name beside the new one is an unknown key
+      }
+  }
   file.refuseUnknownKeys();
 }
 
@@ -202,24 +218,24 @@ parametersOf(CliqueParameters& parameters)
 {
   SuperpixelParameters& superpixel = parameters.superpixel;
   SupervoxelParameters& supervoxel = parameters.supervoxel;
-  return {{"superpixel_keep",
-           "voxels out of view stay in the superpixel that last held them",
-           &superpixel.keep},
-          {"superpixel_depth_jump",
-           "superpixels are split where the line through the points of neighbouring "
-           "pixels passes the camera nearer than this [m]; 0 = nowhere",
-           &superpixel.passing_distance},
-          {"superpixel_compactness",
-           "of superpixels: more makes them squarer, less has them follow colours",
-           &superpixel.slic.compactness},
-          {"supervoxel_resolution", "points this near are one voxel to supervoxels [m]",
-           &supervoxel.voxel_resolution},
-          {"supervoxel_colour_weight", "of colours, when supervoxels grow",
-           &supervoxel.colour_weight},
-          {"supervoxel_spatial_weight", "of distances, when supervoxels grow",
-           &supervoxel.spatial_weight},
-          {"supervoxel_normal_weight", "of normals, when supervoxels grow",
-           &supervoxel.normal_weight}};
+  return {
+      {"superpixel_keep", "keep voxels that are out of view in their last superpixel",
+       &superpixel.keep},
+      {"superpixel_depth_jump",
+       "split superpixels where the line through the points of neighbouring pixels "
+       "passes the camera closer than this [m]; 0 = off",
+       &superpixel.passing_distance},
+      {"superpixel_compactness",
+       "compactness of superpixels: high = square, low = along colour edges",
+       &superpixel.slic.compactness},
+      {"supervoxel_resolution", "voxel size of the supervoxel clustering [m]",
+       &supervoxel.voxel_resolution},
+      {"supervoxel_colour_weight", "weight of colour in the supervoxel clustering",
+       &supervoxel.colour_weight},
+      {"supervoxel_spatial_weight", "weight of distance in the supervoxel clustering",
+       &supervoxel.spatial_weight},
+      {"supervoxel_normal_weight", "weight of normals in the supervoxel clustering",
+       &supervoxel.normal_weight}};
 }
 
 bool
@@ -272,26 +288,34 @@ append(ConfigParameters& to, ConfigParameters from)
 ConfigParameters
 cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
 {
-  return {{"clique_weight", "k_c, what a member pays that differs from its clique",
-           &crf.clique_weight},
-          {"clique_free_label", "a clique may let go of its members", &crf.free_label},
-          {"clique_truncation", "share of members that may differ before it does",
-           &crf.clique_truncation},
-          {"clique_hears_members", "it does not keep to what its own costs say",
-           &crf.cliques_hear_members},
-          {"clique_members_hear_map", "its MAP label alone, not its distribution",
-           &crf.members_hear_map},
-          {"clique_smoothness_weight", "of the kernel of the cliques' mean positions",
-           &crf.clique_smoothness_weight},
-          {"clique_smoothness_deviation", "of positions, in that kernel [" + unit + "]",
-           &crf.clique_smoothness_deviation},
-          {"clique_appearance_weight",
-           "of the kernel of their mean positions and colours",
-           &crf.clique_appearance_weight},
-          {"clique_appearance_deviation", "of positions, in that kernel [" + unit + "]",
-           &crf.clique_appearance_deviation},
-          {"clique_colour_deviation", "of colours, in that kernel [grey levels]",
-           &crf.clique_colour_deviation}};
+  return {
+      {"clique_weight", "k_c, cost of a member whose label differs from its clique's",
+       &crf.clique_weight},
+      {"clique_free_label",
+       "whether cliques have the free label, eq. (7): true or false", &crf.free_label},
+      {"clique_truncation",
+       "fraction of members that may differ before the free label is cheaper",
+       &crf.clique_truncation},
+      {"clique_update_from_members",
+       "whether members update their clique, eq. (10): true or false",
+       &crf.update_from_members, "clique_hears_members"},
+      {"clique_map_messages",
+       "whether a clique passes on its MAP label instead of its distribution: true "
+       "or false",
+       &crf.map_messages, "clique_members_hear_map"},
+      {"clique_smoothness_weight",
+       "weight of the kernel over the cliques' mean positions; 0 = off",
+       &crf.clique_smoothness_weight},
+      {"clique_smoothness_deviation", "its standard deviation [" + unit + "]",
+       &crf.clique_smoothness_deviation},
+      {"clique_appearance_weight",
+       "weight of the kernel over the cliques' mean positions and colours; 0 = off",
+       &crf.clique_appearance_weight},
+      {"clique_appearance_deviation",
+       "its standard deviation of positions [" + unit + "]",
+       &crf.clique_appearance_deviation},
+      {"clique_colour_deviation", "its standard deviation of colours [grey levels]",
+       &crf.clique_colour_deviation}};
 }
 
 } // namespace
@@ -300,24 +324,29 @@ ConfigParameters
 parametersOf(SemanticCRFParameters& crf, const std::string& unit)
 {
   ConfigParameters parameters = {
-      {"crf_iterations", "mean-field updates a run, at most", &crf.iterations},
-      {"crf_settled", "stop when no probability changed by more; 0 = never",
-       &crf.settled},
-      {"crf_kernels", "automatic, truncated (sums over near pairs) or lattice",
+      {"crf_iterations", "maximum number of mean-field updates", &crf.iterations},
+      {"crf_tolerance", "stop when no probability changes by more than this; 0 = never",
+       &crf.tolerance, "crf_settled"},
+      {"crf_kernels",
+       "evaluation of the kernels: automatic, truncated (exact within a radius) or "
+       "lattice",
        chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"})},
-      {"crf_radius", "truncated sums reach this many deviations", &crf.radius},
-      {"crf_normalization", "of kernels: symmetric, one-sided or none",
+      {"crf_radius", "radius of truncated kernels [standard deviations]", &crf.radius},
+      {"crf_normalization",
+       "normalisation of the kernels: symmetric, one-sided or none",
        chooseFrom(crf.normalization, {"symmetric", "one-sided", "none"})},
-      {"crf_self_interaction", "points hear themselves, as in densecrf",
+      {"crf_self_interaction",
+       "whether kernels include the point itself, as densecrf does: true or false",
        &crf.self_interaction},
-      {"smoothness_weight", "of the kernel of positions", &crf.smoothness_weight},
-      {"smoothness_deviation", "of positions, in that kernel [" + unit + "]",
+      {"smoothness_weight", "weight of the smoothness kernel (positions)",
+       &crf.smoothness_weight},
+      {"smoothness_deviation", "its standard deviation [" + unit + "]",
        &crf.smoothness_deviation},
-      {"appearance_weight", "of the kernel of positions and colours",
+      {"appearance_weight", "weight of the appearance kernel (positions and colours)",
        &crf.appearance_weight},
-      {"appearance_deviation", "of positions, in that kernel [" + unit + "]",
+      {"appearance_deviation", "its standard deviation of positions [" + unit + "]",
        &crf.appearance_deviation},
-      {"colour_deviation", "of colours, in that kernel [grey levels]",
+      {"colour_deviation", "its standard deviation of colours [grey levels]",
        &crf.colour_deviation}};
   append(parameters, cliqueParametersOf(crf, unit));
   return parameters;
@@ -353,10 +382,11 @@ parametersOf(CRFConfig& config)
       {"crf", "unary, dense, pn-potts or hierarchical",
        chooseFrom(config.model, {"unary", "dense", "pn-potts", "hierarchical"})},
       {"cliques", config.clique_words, &config.cliques},
-      {"label_confidence", "probability of the class that a label states",
+      {"label_confidence", "probability of the class that a label gives",
        &config.label_confidence}};
   append(parameters, parametersOf(config.parameters, config.unit));
-  parameters.push_back({"threads", "0 = all processors", &config.threads});
+  parameters.push_back(
+      {"threads", "number of threads; 0 = all processors", &config.threads});
   return parameters;
 }
 
@@ -416,15 +446,15 @@ MapperConfig::validate()
     if (!(value >= 0.0 && value <= 100.0))
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           name << " is " << value << ", expected 0 to 100");
-  if (!(hit_share >= 0.0 && hit_share <= 1.0))
+  if (!(min_hit_ratio >= 0.0 && min_hit_ratio <= 1.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "hit_share is " << hit_share << ", expected 0 to 1");
+                        "min_hit_ratio is " << min_hit_ratio << ", expected 0 to 1");
   if (crf_every < 1)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "crf_every is " << crf_every << ", expected 1 or more");
-  if (!(clique_leaves_out_above >= 0.0 && clique_leaves_out_above <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "clique_leaves_out_above is "
-                                                       << clique_leaves_out_above
+  if (!(clique_exclude_threshold >= 0.0 && clique_exclude_threshold <= 1.0))
+    PCL_THROW_EXCEPTION(InvalidParameterException, "clique_exclude_threshold is "
+                                                       << clique_exclude_threshold
                                                        << ", expected 0 to 1");
   if (!(label_confidence > 0.0 && label_confidence <= 1.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -438,63 +468,73 @@ parametersOf(MapperConfig& config)
   FusionParameters& fusion = config.map.fusion;
   ConfigParameters parameters = {
       {"stereo", "engine: " + joinWords(disparityEngines()), &config.stereo},
-      {"disparities", "range of the stereo search, a multiple of 64 [px]",
+      {"disparities", "range of the disparity search, a multiple of 64 [px]",
        &config.disparities},
       {"max_deviation",
-       "disparities with a larger standard deviation give no depth [px]; 0 = all do",
+       "discard disparities whose standard deviation exceeds this [px]; 0 = keep all",
        &config.max_deviation},
       {"deviation_scale",
-       "nothing is cleared within two deviations of a depth, times this; 0 = always",
+       "do not clear space within two standard deviations of a depth, times this; 0 = "
+       "clear up to the depth",
        &config.deviation_scale},
-      {"hit_share",
-       "share of the pixels that see a voxel or look past it that must hit it; 0 = one "
-       "does",
-       &config.hit_share},
-      {"label_confidence", "probability of the class that a stored .png states",
+      {"min_hit_ratio",
+       "minimum fraction of the pixels whose rays reach a voxel that must hit it, "
+       "against foreground fattening; 0 = off",
+       &config.min_hit_ratio, "hit_share"},
+      {"label_confidence", "probability of the class that a .png of --labels gives",
        &config.label_confidence},
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
       {"window", "extent of the window around the camera: X,Y,Z, world axes [m]",
        &config.map.window},
-      {"max_depth", "pixels beyond this depth only clear space [m]",
+      {"max_depth", "maximum depth of a hit [m]; pixels beyond it only clear space",
        &config.map.max_range},
-      {"hit_probability", "of being occupied, given a hit", &fusion.hit_probability},
-      {"miss_probability", "of being occupied, given a ray through it",
+      {"hit_probability", "probability of being occupied, given a hit",
+       &fusion.hit_probability},
+      {"miss_probability", "probability of being occupied, given a ray that passes",
        &fusion.miss_probability},
-      {"min_probability", "clamp of occupancy from below", &fusion.min_probability},
-      {"max_probability", "clamp of occupancy from above", &fusion.max_probability},
-      {"occupied_probability", "occupied at or above", &fusion.occupied_probability},
-      {"per_ray_counting", "every ray counts, as in the paper: true or false",
+      {"min_probability", "lower bound of the occupancy probability",
+       &fusion.min_probability},
+      {"max_probability", "upper bound of the occupancy probability",
+       &fusion.max_probability},
+      {"occupied_probability", "a voxel is occupied at this probability or above",
+       &fusion.occupied_probability},
+      {"per_ray_counting",
+       "count every ray instead of one hit or miss a frame, as in the paper: true or "
+       "false",
        &fusion.per_ray_counting},
-      {"dynamic_decay", "log-odds that voxels of dynamic classes lose at each frame",
+      {"dynamic_decay",
+       "log-odds that voxels of dynamic classes lose per frame; 0 = off",
        &fusion.dynamic_decay},
-      {"pixel_fusion", "pixels of a frame in one voxel: mean or product",
+      {"pixel_fusion", "fusion of the pixels of a frame in one voxel: mean or product",
        &config.pixel_fusion},
-      {"label_min_probability", "clamp of each label measurement from below",
+      {"label_min_probability", "lower bound of each measured class probability",
        &fusion.label_min_probability},
-      {"label_max_ratio", "clamp of a fused distribution: largest / smallest",
+      {"label_max_ratio",
+       "upper bound of largest / smallest probability of a fused distribution",
        &fusion.label_max_ratio},
       {"crf", "model: " + joinWords(crf_models), &config.crf},
-      {"crf_every", "the CRF runs at the first and every N-th frame after it",
+      {"crf_every", "run the CRF at the first frame and every N-th after it",
        &config.crf_every},
       {"crf_write_back",
-       "what the CRF concludes takes the place of what was measured: true or false",
+       "replace the measured distributions by those of the CRF: true or false",
        &config.crf_write_back},
       {"cliques",
-       "of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] (of a frame) "
-       "or supervoxel[:SEEDS' DISTANCE [m]]",
+       "cliques of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] (of "
+       "a "
+       "frame) or supervoxel[:SEED_DISTANCE [m]]",
        &config.cliques},
-      {"clique_leaves_out",
-       "none, or classes with commas between: voxels that are likely one of them are "
-       "in no "
-       "clique",
-       &config.clique_leaves_out},
-      {"clique_leaves_out_above", "probability of these classes, in that",
-       &config.clique_leaves_out_above}};
+      {"clique_exclude",
+       "classes, separated by commas, whose voxels are in no clique, or none",
+       &config.clique_exclude, "clique_leaves_out"},
+      {"clique_exclude_threshold",
+       "threshold on the probability of the classes of --clique-exclude",
+       &config.clique_exclude_threshold, "clique_leaves_out_above"}};
   for (ConfigParameter& parameter : parametersOf(config.clique_parameters))
     parameters.push_back(std::move(parameter));
   for (ConfigParameter& parameter : parametersOf(config.crf_parameters, "m"))
     parameters.push_back(std::move(parameter));
-  parameters.push_back({"threads", "0 = all processors", &config.threads});
+  parameters.push_back(
+      {"threads", "number of threads; 0 = all processors", &config.threads});
   return parameters;
 }
 

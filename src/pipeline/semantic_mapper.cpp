@@ -202,10 +202,10 @@ SemanticMapper::integrate(const MappedFrame& mapped)
   try {
     auto cloud = mapped.cloud; // stays as it was measured
     std::size_t erased = 0;
-    if (camera_ && config_.hit_share > 0.0) {
+    if (camera_ && config_.min_hit_ratio > 0.0) {
       cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(*cloud);
       erased = eraseSeenThrough(*cloud, *camera_, mapped.T_world_camera,
-                                map_.parameters().voxel_size, config_.hit_share);
+                                map_.parameters().voxel_size, config_.min_hit_ratio);
     }
     ScanCounts counts;
     if (mapped.has_colour)

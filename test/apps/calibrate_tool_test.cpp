@@ -168,8 +168,9 @@ TEST_F(CalibrateTool, TheMapTakesIt)
 
 TEST_F(CalibrateTool, LearnsWhatCliquesAreWorth)
 {
-  folder_.write("map.yaml", "crf: hierarchical\ncliques: \"superpixel:50\"\n"
-                            "clique_hears_members: false\nclique_leaves_out: pole\n");
+  folder_.write("map.yaml",
+                "crf: hierarchical\ncliques: \"superpixel:50\"\n"
+                "clique_update_from_members: false\nclique_exclude: pole\n");
   const std::string config = " --clique-config " + folder_.path("map.yaml");
   const ToolResult result = calibrateStreets(config);
   ASSERT_EQ(result.code, 0) << result.text;
@@ -292,9 +293,9 @@ TEST(CalibrateToolUsage, BadInput)
             "--labels STREET/labels --clique-calibration STREET/c.yaml",
             calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
            {"cliques leave out", 2, "class 'lawn' is not in the label set",
-            "--labels STREET/labels --clique-leaves-out lawn"},
-           {"no likelihood", 2, "clique_leaves_out_above is 2, expected 0 to 1",
-            "--labels STREET/labels --clique-leaves-out-above 2"},
+            "--labels STREET/labels --clique-exclude lawn"},
+           {"no likelihood", 2, "clique_exclude_threshold is 2, expected 0 to 1",
+            "--labels STREET/labels --clique-exclude-threshold 2"},
            {"unknown class", 3, "c.yaml line 4: class 'lawn' is not in the label set",
             map,
             calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {lawn: {}}\n")},

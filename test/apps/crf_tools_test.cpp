@@ -234,7 +234,7 @@ TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
         " --crf hierarchical --cliques slic:40 --crf-iterations 7 --clique-weight 2.5 "
         "--crf-kernels lattice --crf-normalization one-sided --crf-self-interaction "
         "true "
-        "--clique-free-label false --crf-settled 0.001 --print-config";
+        "--clique-free-label false --crf-tolerance 0.001 --print-config";
     const ToolResult printed = runTool(tool + options);
     EXPECT_EQ(printed.code, 0);
     EXPECT_NE(printed.text.find("\ncrf_normalization: one-sided "), std::string::npos);

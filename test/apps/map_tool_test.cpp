@@ -14,6 +14,15 @@ namespace pcl_semantic {
 
 namespace fs = std::filesystem;
 
+TEST(MapToolOptions, OldNamesAreUnderstoodAndNotShown)
+{
+  const ToolResult config = runTool("map --hit-share 0.2 --print-config");
+  EXPECT_EQ(config.code, 0) << config.text;
+  EXPECT_TRUE(holds(config.text, "min_hit_ratio: 0.2")) << config.text;
+  EXPECT_FALSE(holds(runTool("map --help").text, "hit-share"));
+  EXPECT_EQ(runTool("map --hit-share 0.2 --min-hit-ratio 0.3 --print-config").code, 2);
+}
+
 TEST(MapTool, FramesKeepTheirNumbers)
 {
   const TemporaryFolder folder;

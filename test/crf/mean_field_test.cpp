@@ -74,7 +74,7 @@ TEST(MeanField, UpdatesWhereMembersHearTheMapEqualAPlainImplementation)
     for (NamedCrf& model : makeEveryModel(40, labels, 9, 3.0f, 60)) {
       SCOPED_TRACE(model.name + ", " + std::to_string(labels) + " labels");
       for (PlainCliques& cliques : model.crf.cliques)
-        cliques.members_hear_map = true;
+        cliques.map_messages = true;
       expectSameUpdates(model.crf, 4);
     }
 }
@@ -87,7 +87,7 @@ TEST(MeanField, CliquesThatAreKnownStayAsTheirCostsSay)
       for (PlainCliques& cliques : model.crf.cliques) {
         if (!cliques.isRobust())
           continue;
-        cliques.hears_members = false;
+        cliques.update_from_members = false;
         cliques.kernels.clear();
         cliques.unary =
             makeRandomMatrix(labels, Eigen::Index(cliques.members.size()), 0, 2, 71);
@@ -102,7 +102,7 @@ TEST(MeanField, CliquesThatHearNobodyHaveNoKernels)
   crf.unary = makeRandomMatrix(3, 4, 0.0f, 1.0f, 1);
   crf.cliques.emplace_back();
   crf.cliques[0].members = {{0, 1}, {2, 3}};
-  crf.cliques[0].hears_members = false;
+  crf.cliques[0].update_from_members = false;
   EXPECT_NO_THROW(MeanField{makeModel(crf)});
   crf.cliques[0].kernels.push_back(makeRandomMatrix(2, 2, 0.0f, 1.0f, 2));
   EXPECT_TRUE(holds(
@@ -248,8 +248,8 @@ TEST(MeanField, RefusesMarginalsThatAreNone)
 TEST(MeanField, RunStopsWhenTheMarginalsHaveSettled)
 {
   const CrfModel model = makeModel(makeEveryModel(30, 4, 6, 0.5f, 82)[6].crf);
-  const auto updatesOf = [&](int most, double settled) {
-    return MeanField(model).run(most, settled);
+  const auto updatesOf = [&](int most, double tolerance) {
+    return MeanField(model).run(most, tolerance);
   };
   MeanField by_hand(model);
   std::vector<double> changes;

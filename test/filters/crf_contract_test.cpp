@@ -589,8 +589,8 @@ TEST(CRFInput, ParametersOutOfRangeAreRefused)
     refused([&](SemanticCRFParameters& p) { p.clique_colour_deviation = bad; });
   }
   refused([&](SemanticCRFParameters& p) { p.clique_truncation = 1.1; });
-  refused([&](SemanticCRFParameters& p) { p.settled = -1e-3; });
-  refused([&](SemanticCRFParameters& p) { p.settled = nan; });
+  refused([&](SemanticCRFParameters& p) { p.tolerance = -1e-3; });
+  refused([&](SemanticCRFParameters& p) { p.tolerance = nan; });
   refused([&](SemanticCRFParameters& p) { p.iterations = -1; });
 }
 

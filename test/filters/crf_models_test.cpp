@@ -83,7 +83,7 @@ struct Setting {
     potential.weights.setConstant(1, 1, float(parameters.clique_weight));
     potential.free_label = parameters.free_label;
     potential.truncation = float(parameters.clique_truncation);
-    potential.members_hear_map = parameters.members_hear_map;
+    potential.map_messages = parameters.map_messages;
     crf.cliques.push_back(potential);
     return crf;
   }
@@ -236,7 +236,7 @@ TEST(CRFModels, TheHierarchicalModelsOptions)
   };
   expect([](SemanticCRFParameters& p) { p.free_label = false; }, "no free label");
   expect([](SemanticCRFParameters& p) { p.clique_truncation = 0.8; }, "truncation");
-  expect([](SemanticCRFParameters& p) { p.members_hear_map = true; }, "MAP of y");
+  expect([](SemanticCRFParameters& p) { p.map_messages = true; }, "MAP of y");
 }
 
 TEST(CRFModels, KernelsBetweenCliques)
@@ -369,7 +369,7 @@ TEST(CRFModels, StartsFromGivenMarginals)
   EXPECT_EQ(first.getReport().updates, 40);
   const double last_change = first.getReport().last_change;
   EXPECT_LT(last_change, 1e-3);
-  setting.parameters.settled = 2e-3;
+  setting.parameters.tolerance = 2e-3;
   Filter second;
   setting.prepare(second, CRFModelType::dense);
   second.filter(output);
@@ -378,7 +378,7 @@ TEST(CRFModels, StartsFromGivenMarginals)
   EXPECT_LT(cold, 40);
   second.setInitialDistributions(first.getLabelDistributions());
   second.filter(output);
-  EXPECT_EQ(second.getReport().updates, 1); // it was settled
+  EXPECT_EQ(second.getReport().updates, 1); // it had converged
 }
 
 TEST(CRFModels, EnergiesAreThoseOfTheMapLabels)

@@ -74,8 +74,9 @@ TEST_F(CloudFrames, OfACameraLoseWhatIsSeenThroughAndKeepTheImage)
 {
   const MappedFrame mapped = makeMapper(camera_)->process(frame(0));
   auto rest = *scans_[0].cloud;
-  const std::size_t erased = eraseSeenThrough(
-      rest, camera_, mapped.T_world_camera, config_.map.voxel_size, config_.hit_share);
+  const std::size_t erased =
+      eraseSeenThrough(rest, camera_, mapped.T_world_camera, config_.map.voxel_size,
+                       config_.min_hit_ratio);
   EXPECT_GT(erased, 0u);
   EXPECT_EQ(mapped.counts.seen_through, erased);
   ASSERT_EQ(mapped.frame.left.size(), cv::Size(width, height));

@@ -152,14 +152,14 @@ TEST(MapCliques, LeavesOutWhatIsLikelyOfAClass)
       voxels.measured.matrix().col(i) << 0.4f, 0.2f, 0.4f;
   MapperConfig config = cubes();
   EXPECT_EQ(MapCliques(config, label_set).group(voxels).size(), 2u);
-  config.clique_leaves_out = "pole";
+  config.clique_exclude = "pole";
   const auto cliques = MapCliques(config, label_set).group(voxels);
   ASSERT_EQ(cliques.size(), 1u);
   ASSERT_EQ(cliques[0].indices.size(), 95u);
   EXPECT_EQ(cliques[0].indices[0], 5);
-  config.clique_leaves_out_above = 0.5;
+  config.clique_exclude_threshold = 0.5;
   EXPECT_EQ(MapCliques(config, label_set).group(voxels).size(), 2u);
-  config.clique_leaves_out = "pole,wall"; // together
+  config.clique_exclude = "pole,wall"; // together
   EXPECT_EQ(MapCliques(config, label_set).group(voxels).size(), 1u);
 }
 
@@ -196,7 +196,7 @@ TEST(MapCliques, SameForAnyNumberOfThreads)
 TEST(MapCliques, RefusesWhatDoesNotFitTheLabelSet)
 {
   MapperConfig config = cubes();
-  config.clique_leaves_out = "pole,lawn";
+  config.clique_exclude = "pole,lawn";
   EXPECT_TRUE(holds(
       thrownMessage<InvalidParameterException>([&] { MapCliques(config, label_set); }),
       "class 'lawn' is not in the label set"));

@@ -49,6 +49,27 @@ TEST(MapperConfig, SetsWhatTheFileNamesAndKeepsTheRest)
   EXPECT_EQ(config.crf_every, 5);
 }
 
+TEST(MapperConfig, UnderstandsOldNames)
+{
+  const TemporaryFolder folder;
+  MapperConfig config;
+  readMapperConfig(writeConfig(folder, "hit_share: 0.2\ncrf_settled: 0.01\n"
+                                       "clique_hears_members: false\n"
+                                       "clique_members_hear_map: true\n"
+                                       "clique_leaves_out: pole\n"
+                                       "clique_leaves_out_above: 0.4\n"),
+                   config);
+  EXPECT_EQ(config.min_hit_ratio, 0.2);
+  EXPECT_EQ(config.crf_parameters.tolerance, 0.01);
+  EXPECT_FALSE(config.crf_parameters.update_from_members);
+  EXPECT_TRUE(config.crf_parameters.map_messages);
+  EXPECT_EQ(config.clique_exclude, "pole");
+  EXPECT_EQ(config.clique_exclude_threshold, 0.4);
+  EXPECT_EQ(printMapperConfig(config).find("hit_share"), std::string::npos);
+  EXPECT_TRUE(
+      holds(complaintAbout("hit_share: 0.2\nmin_hit_ratio: 0.3\n"), "hit_share"));
+}
+
 TEST(MapperConfig, WhatIsPrintedIsReadBackTheSame)
 {
   MapperConfig config;

@@ -190,9 +190,9 @@ TEST_F(Street, RimsThatAreLookedPastAreNotMapped)
 {
   MapperConfig config;
   config.crf = "none";
-  config.hit_share = 0.0;
+  config.min_hit_ratio = 0.0;
   const MappedFrame all = makeMapper(config).process(frame(0));
-  config.hit_share = 0.33;
+  config.min_hit_ratio = 0.33;
   const MappedFrame fewer = makeMapper(config).process(frame(0));
   auto rest = *all.cloud;
   const std::size_t erased = eraseSeenThrough(

@@ -23,8 +23,8 @@ struct PlainCliques {
   float truncation = 0.3f;
   Eigen::MatrixXf unary; // L x C or empty
   std::vector<Eigen::MatrixXf> kernels;
-  bool members_hear_map = false;
-  bool hears_members = true;
+  bool map_messages = false;
+  bool update_from_members = true;
 
   bool
   isRobust() const
@@ -90,8 +90,8 @@ makeModel(const PlainCrf& crf)
     potential.unary = cliques.unary;
     for (const Eigen::MatrixXf& kernel : cliques.kernels)
       potential.kernels.push_back(std::make_shared<MatrixKernel>(kernel));
-    potential.members_hear_map = cliques.members_hear_map;
-    potential.hears_members = cliques.hears_members;
+    potential.map_messages = cliques.map_messages;
+    potential.update_from_members = cliques.update_from_members;
     model.cliques.push_back(potential);
   }
   return model;

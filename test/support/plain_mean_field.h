@@ -35,7 +35,7 @@ public:
   update()
   {
     for (std::size_t p = 0; p < crf_.cliques.size(); ++p)
-      if (crf_.cliques[p].isRobust() && crf_.cliques[p].hears_members)
+      if (crf_.cliques[p].isRobust() && crf_.cliques[p].update_from_members)
         updateCliques(crf_.cliques[p], q_cliques[p]);
     Eigen::MatrixXd costs(q.rows(), q.cols());
     for (int i = 0; i < q.cols(); ++i)
@@ -111,7 +111,7 @@ private:
     q_y.maxCoeff(&map);
     double sum = 0.0;
     for (int y = 0; y < q_y.size(); ++y)
-      sum += (cliques.members_hear_map ? double(y == map) : q_y(y)) *
+      sum += (cliques.map_messages ? double(y == map) : q_y(y)) *
              plainMemberCost(crf_, cliques, c, y, l);
     return sum;
   }

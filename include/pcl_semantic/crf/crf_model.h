@@ -191,13 +191,13 @@ struct CliquePotential {
 
   /** \brief Members hear the label of largest Q(y_c) alone (the paper's algorithm text)
    * instead of the distribution (its eq. (11)). Of equal ones the first is taken. */
-  bool members_hear_map = false;
+  bool map_messages = false;
 
   /** \brief Without it the cliques are known: Q(y_c) stays exp(-psi_c(y_c)),
    * normalised, and members hear it. For costs that were learned from all that is known
    * of a clique, its members' opinion included: eq. (10) would have it count again, and
    * so often as there are members. */
-  bool hears_members = true;
+  bool update_from_members = true;
 
   /** \brief k_c^l. */
   float

@@ -33,12 +33,12 @@ public:
    * \return the largest change of a marginal, of x or y */
   double update();
 
-  /** \brief Updates until the largest change is at most \a settled, but no more than
+  /** \brief Updates until the largest change is at most \a tolerance, but no more than
    * \a max_updates.
-   * \param[in] settled 0 = never stop early
+   * \param[in] tolerance 0 = never stop early
    * \return the number of updates made
    * \throws InvalidParameterException if an argument is negative or not a number */
-  int run(int max_updates, double settled = 0.0);
+  int run(int max_updates, double tolerance = 0.0);
 
   /** \brief What the last update returned; 0 before the first. */
   double

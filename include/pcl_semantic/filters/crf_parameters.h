@@ -32,15 +32,15 @@ struct SemanticCRFParameters {
   Normalization normalization = Normalization::symmetric;
   bool self_interaction = false; ///< points hear themselves, as in densecrf and PCL
 
-  int iterations = 1;   ///< mean-field updates, at most
-  double settled = 0.0; ///< stops when no marginal changed by more; 0 = never
+  int iterations = 1;     ///< mean-field updates, at most
+  double tolerance = 0.0; ///< stop when no marginal changed by more; 0 = never
 
   // The cliques of the last two models; all but the weight: of the hierarchical one.
-  double clique_weight = 1.0;     ///< k_c, eq. (8)
-  bool free_label = true;         ///< a clique may let go of its members
-  double clique_truncation = 0.3; ///< q, the share of members that may disagree before
-  bool cliques_hear_members = true; ///< else they keep to what their costs say
-  bool members_hear_map = false; ///< the clique's MAP label instead of its distribution
+  double clique_weight = 1.0;      ///< k_c, eq. (8)
+  bool free_label = true;          ///< a clique may let go of its members
+  double clique_truncation = 0.3;  ///< q, the share of members that may disagree before
+  bool update_from_members = true; ///< else they keep to what their costs say
+  bool map_messages = false; ///< the clique's MAP label instead of its distribution
 
   // Kernels between cliques, over the mean position and colour of their members.
   double clique_smoothness_weight = 0.0;    ///< of positions alone

@@ -43,9 +43,13 @@ struct ConfigParameter {
   std::string name;
   std::string help;
   Value value;
+  std::string old_name{}; ///< that is still understood; empty = none
 
   /** \brief Name of the option: dashes for underscores. */
   std::string option() const;
+
+  /** \brief The old name as an option; empty = none. */
+  std::string oldOption() const;
 
   /** \brief The value as text: "0.1", "25,25,8", "true". */
   std::string text() const;
@@ -134,8 +138,8 @@ struct MapperConfig {
   std::string stereo = "sgm"; ///< engine, one of disparityEngines()
   int disparities = 128;      ///< range of the stereo search [px]
   double max_deviation = 0.0; ///< less sure disparities give no depth [px]; 0 = all do
-  double deviation_scale = 0.0; ///< of the depth-deviation model; 0 = none
-  double hit_share = 0.33; ///< of a voxel's pixels must hit it, see eraseSeenThrough
+  double deviation_scale = 0.0;  ///< of the depth-deviation model; 0 = none
+  double min_hit_ratio = 0.33;   ///< see eraseSeenThrough(); 0 = off
   double label_confidence = 0.8; ///< probability of the class a stored `.png` states
   SemanticVoxelMap::Parameters map;
   std::string pixel_fusion = "mean"; ///< PixelFusion by name
@@ -144,9 +148,9 @@ struct MapperConfig {
   bool crf_write_back = false; ///< what it concludes is the prior of later frames
   std::string cliques = "cubes:1"; ///< of the last two, as makeCliqueGenerator takes
   CliqueParameters clique_parameters;
-  std::string clique_leaves_out = "none"; ///< classes with commas between: voxels that
-                                          ///< are likely one of them are in no clique
-  double clique_leaves_out_above = 0.3;   ///< this likely
+  std::string clique_exclude = "none";   ///< classes with commas between: voxels that
+                                         ///< are likely one of them are in no clique
+  double clique_exclude_threshold = 0.3; ///< this likely
   SemanticCRFParameters crf_parameters;
   int threads = 0; ///< 0 = all processors
 

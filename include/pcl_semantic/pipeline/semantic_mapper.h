@@ -39,7 +39,7 @@ public:
 
   /** \brief For clouds alone.
    * \param[in] camera that took them, if one did: all are organized as its images, in
-   * its frame, so that `hit_share`, calibrations and superpixels can be used
+   * its frame, so that `min_hit_ratio`, calibrations and superpixels can be used
    * \throws InvalidParameterException */
   SemanticMapper(const std::optional<StereoCamera>& camera, const LabelSet& label_set,
                  MapperConfig config, std::unique_ptr<PoseSource> poses,
