@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Every command of the README, run in a folder that looks like the project after
+// Every command of the README and doc/kitti.md, run in a folder that looks like the
+// project after
 // ./dev demo, with a tiny street in the place of KITTI.
 
 #include "support/code_blocks.h"
@@ -17,6 +18,7 @@ using namespace pcl_semantic;
 namespace fs = std::filesystem;
 
 const char* const readme = PCL_SEMANTIC_SOURCE_DIR "/README.md";
+const char* const kitti = PCL_SEMANTIC_SOURCE_DIR "/doc/kitti.md";
 
 TEST(Readme, ItsCommandsRun)
 {
@@ -36,7 +38,10 @@ TEST(Readme, ItsCommandsRun)
                                 "; MODEL=" + folder.write("city.onnx", cityNetwork()) +
                                 "; ";
   int run = 0;
-  for (const std::string& command : bashCommandsOf(readme)) {
+  std::vector<std::string> commands = bashCommandsOf(readme);
+  for (const std::string& command : bashCommandsOf(kitti))
+    commands.push_back(command);
+  for (const std::string& command : commands) {
     if (command.rfind("SEQUENCE=", 0) == 0 || command.rfind("MODEL=", 0) == 0)
       continue; // the reader's own paths
     if (command.rfind("./dev ", 0) == 0)
