@@ -12,7 +12,7 @@
 
 namespace pcl_semantic {
 
-/** \brief The P^n Potts potential (Vineet, Warrell and Torr 2014): a member i hears
+/** \brief The P^n Potts potential (Vineet, Warrell and Torr 2014): member i receives
  * k_c^l prod over the other members j of Q_j(l).
  *
  * Design and paper speak of logarithms; kernels/column_products.h says why double
@@ -42,7 +42,7 @@ private:
 
 /** \brief The robust P^n potential with its variables y_c, eqs. (7)-(10).
  *
- * Of eq. (11) a member hears of label l what all labels but l say, sum over y != l of
+ * By eq. (11) a member's cost of label l is the sum over y != l of
  * k_c^y Q_c(y); up to a constant that is minus k_c^l Q_c(l), one column a clique. */
 class RobustTerm : public CliqueTerm {
 public:
@@ -62,19 +62,19 @@ public:
 
 private:
   void setCosts(Eigen::Index c, const PaddedColumns& costs);
-  void hear();
+  void passMessages();
   void sumMembers(Eigen::Index c, const PaddedColumns& marginals, double* sums) const;
-  void addCosts(Eigen::Index c, const double* sums, const float* heard, double share,
-                double* costs) const;
+  void addCosts(Eigen::Index c, const double* sums, const float* messages,
+                double factor, double* costs) const;
   float updateClique(Eigen::Index c, const PaddedColumns& marginals);
-  void speak(Eigen::Index c);
+  void updateCliqueMessage(Eigen::Index c);
 
   bool self_interaction_;
   Eigen::Index labels_;
-  PaddedColumns costs_;     // psi_c(y), the free label last if there is one
-  PaddedColumns marginals_; // Q(y_c), as the costs
-  PaddedColumns messages_;  // sum over d of k_cd Q_d; zero between updates
-  PaddedColumns said_;      // k_c^l Q_c(l), what members hear
+  PaddedColumns costs_;           // psi_c(y), the free label last if there is one
+  PaddedColumns marginals_;       // Q(y_c), as the costs
+  PaddedColumns messages_;        // sum over d of k_cd Q_d; zero between updates
+  PaddedColumns clique_messages_; // k_c^l Q_c(l), to the members
 };
 
 PnPottsTerm::PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals)
@@ -149,10 +149,10 @@ RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
   costs_ = PaddedColumns(rows, count);
   marginals_ = PaddedColumns(rows, count);
   messages_ = PaddedColumns(rows, count);
-  said_ = PaddedColumns(labels_, count);
+  clique_messages_ = PaddedColumns(labels_, count);
   marginals_.setZero();
   messages_.setZero();
-  said_.setZero();
+  clique_messages_.setZero();
 #pragma omp parallel for schedule(dynamic, 8) if (count > 8)
   for (Eigen::Index c = 0; c < count; ++c)
     setCosts(c, costs);
@@ -160,7 +160,7 @@ RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
           std::size_t(count), std::size_t(costs_.stride()));
   if (!potential_.update_from_members)
     for (Eigen::Index c = 0; c < count; ++c)
-      speak(c);
+      updateCliqueMessage(c);
 }
 
 void
@@ -196,7 +196,7 @@ RobustTerm::sumMembers(Eigen::Index c, const PaddedColumns& marginals,
 }
 
 void
-RobustTerm::hear()
+RobustTerm::passMessages()
 {
   for (const auto& kernel : potential_.kernels) {
     kernel->addProduct(marginals_.view(), messages_.view());
@@ -206,20 +206,21 @@ RobustTerm::hear()
   }
 }
 
-// Adds the mean costs of the labels of y_c: those that the members pay, from the sums
-// of their marginals, and a share of those between cliques, from what is heard of the
+// Adds the mean costs of the labels of y_c: those of the members, from the sums of
+// their marginals, and a multiple of those between cliques, from the messages of the
 // others.
 void
-RobustTerm::addCosts(Eigen::Index c, const double* sums, const float* heard,
-                     double share, double* costs) const
+RobustTerm::addCosts(Eigen::Index c, const double* sums, const float* messages,
+                     double factor, double* costs) const
 {
   const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
   const float* const weight = weights(c);
   double all = 0.0;
   for (Eigen::Index l = 0; l < labels_; ++l)
-    all += double(heard[l]);
+    all += double(messages[l]);
   for (Eigen::Index l = 0; l < labels_; ++l)
-    costs[l] += double(weight[l]) * (size - sums[l]) + share * (all - double(heard[l]));
+    costs[l] +=
+        double(weight[l]) * (size - sums[l]) + factor * (all - double(messages[l]));
 }
 
 // Eq. (10). The costs of a large clique are large, and their differences count: they
@@ -242,25 +243,25 @@ RobustTerm::updateClique(Eigen::Index c, const PaddedColumns& marginals)
   const float change =
       softMax(shifted.data(), messages_.column(c), marginals_.column(c), 1,
               std::size_t(marginals_.stride()));
-  speak(c);
+  updateCliqueMessage(c);
   return change;
 }
 
 void
-RobustTerm::speak(Eigen::Index c)
+RobustTerm::updateCliqueMessage(Eigen::Index c)
 {
   const float* const q = marginals_.column(c);
   const float* const weight = weights(c);
-  float* const said = said_.column(c);
+  float* const message = clique_messages_.column(c);
   if (!potential_.map_messages) {
     for (Eigen::Index l = 0; l < labels_; ++l)
-      said[l] = weight[l] * q[l];
+      message[l] = weight[l] * q[l];
     return;
   }
   const Eigen::Index map = std::max_element(q, q + marginals_.rows()) - q;
-  std::fill_n(said, labels_, 0.0f);
-  if (map < labels_) // the free label says nothing
-    said[map] = weight[map];
+  std::fill_n(message, labels_, 0.0f);
+  if (map < labels_) // the free label sends no message
+    message[map] = weight[map];
 }
 
 double
@@ -268,7 +269,7 @@ RobustTerm::update(const PaddedColumns& marginals)
 {
   if (!potential_.update_from_members)
     return 0.0;
-  hear();
+  passMessages();
   float change = 0.0f;
   const Eigen::Index count = marginals_.columns();
 #pragma omp parallel for schedule(dynamic, 8) reduction(max : change) if (count > 8)
@@ -283,22 +284,22 @@ RobustTerm::addMessages(const PaddedColumns&, Eigen::Index begin, Eigen::Index e
 {
   const IndexLists& cliques = potential_.cliques->cliques();
   columnSums().add(cliques.starts.data() + begin, cliques.indices.data(),
-                   std::size_t(end - begin), said_.column(0),
-                   std::size_t(said_.stride()), messages.column(begin));
+                   std::size_t(end - begin), clique_messages_.column(0),
+                   std::size_t(clique_messages_.stride()), messages.column(begin));
 }
 
 double
 RobustTerm::freeEnergy(const PaddedColumns& marginals) const
 {
-  PaddedColumns heard(marginals_.rows(), marginals_.columns());
-  heard.setZero();
+  PaddedColumns messages(marginals_.rows(), marginals_.columns());
+  messages.setZero();
   for (const auto& kernel : potential_.kernels)
-    kernel->addProduct(marginals_.view(), heard.view());
+    kernel->addProduct(marginals_.view(), messages.view());
   return orderedSum(marginals_.columns(), 64, [&](Eigen::Index c) {
     alignas(64) std::array<double, most_labels> sums, costs;
     sumMembers(c, marginals, sums.data());
     std::copy_n(costs_.column(c), marginals_.rows(), costs.data());
-    addCosts(c, sums.data(), heard.column(c), 0.5, costs.data()); // each pair once
+    addCosts(c, sums.data(), messages.column(c), 0.5, costs.data()); // each pair once
     double sum = 0.0;
     for (Eigen::Index l = 0; l < marginals_.rows(); ++l) {
       const double q = marginals_.column(c)[l];

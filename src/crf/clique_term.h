@@ -9,8 +9,8 @@
 
 namespace pcl_semantic {
 
-/** \brief One clique potential within mean-field inference: what its cliques hear from
- * the variables x, and say to them. */
+/** \brief One clique potential within mean-field inference: the messages from the
+ * variables x to its cliques and back. */
 class CliqueTerm {
 public:
   CliqueTerm(CliquePotential&& potential, Eigen::Index labels);
@@ -20,7 +20,7 @@ public:
    * \return the largest change of a marginal of y */
   virtual double update(const PaddedColumns& marginals) = 0;
 
-  /** \brief Adds what the cliques say to the messages of the variables begin..end-1:
+  /** \brief Adds the messages of the cliques to those of the variables begin..end-1:
    * minus the mean cost of each label, up to a constant of the variable. */
   virtual void addMessages(const PaddedColumns& marginals, Eigen::Index begin,
                            Eigen::Index end, PaddedColumns& messages) const = 0;

@@ -47,16 +47,16 @@ pairCosts(const std::vector<std::shared_ptr<const PairwiseKernel>>& kernels,
   if (kernels.empty())
     return 0.0;
   Eigen::MatrixXf taken = Eigen::MatrixXf::Zero(rows, columns);
-  Eigen::MatrixXf heard = taken;
+  Eigen::MatrixXf messages = taken;
   for (Eigen::Index i = 0; i < columns; ++i)
     if (labels[i] < rows)
       taken(labels[i], i) = 1.0f;
   for (const auto& kernel : kernels)
-    kernel->addProduct(taken, heard);
+    kernel->addProduct(taken, messages);
   double sum = 0.0;
   for (Eigen::Index i = 0; i < columns; ++i)
     for (Eigen::Index k = 0; k < rows && labels[i] < rows; ++k)
-      sum += 0.5 * double(cost(labels[i], k)) * double(heard(k, i));
+      sum += 0.5 * double(cost(labels[i], k)) * double(messages(k, i));
   return sum;
 }
 

@@ -151,9 +151,9 @@ CliquePotential::validate(Eigen::Index labels, Eigen::Index variables) const
                         "P^n Potts cliques have no variables: unary costs of them and "
                         "kernels between them need the robust potential");
   if (!update_from_members && !kernels.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques that do not hear their members do not hear each other "
-                        "either: kernels between them need cliques that do");
+    PCL_THROW_EXCEPTION(
+        InvalidParameterException,
+        "kernels between cliques need cliques that are updated from their members");
   if (unary.size() > 0)
     validateUnary(unary, labels, count);
   for (const auto& kernel : kernels)

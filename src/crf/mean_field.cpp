@@ -12,9 +12,8 @@
 
 namespace pcl_semantic {
 
-/** \brief What MeanField does, on padded columns: an update has every clique hear its
- * members, gathers the messages of the kernels, then finishes variable after variable
- * while its columns are in the fast cache. */
+/** \brief Mean-field inference on padded columns. Messages are negative costs, -sum_j
+ * K_ij Q_j(l), so that softMax() takes costs less messages. */
 class MeanField::Engine {
 public:
   Engine(CrfModel&& model, const Eigen::MatrixXf* initial);
@@ -35,7 +34,7 @@ private:
   void setUp(const Eigen::MatrixXf& unary);
   void setUpPairs(const CrfModel& model);
   void start(const Eigen::MatrixXf& initial);
-  double finish(Eigen::Index begin, Eigen::Index end);
+  double updateMarginals(Eigen::Index begin, Eigen::Index end);
 
   std::vector<std::shared_ptr<const PairwiseKernel>> kernels_;
   LabelCompatibility compatibility_;
@@ -152,40 +151,43 @@ MeanField::Engine::start(const Eigen::MatrixXf& initial)
   }
 }
 
-// From what the kernels said to the marginals of some variables.
-double
-MeanField::Engine::finish(Eigen::Index begin, Eigen::Index end)
-{
-  const Eigen::Index stride = messages_.stride();
-  if (!self_responses_.empty())
-    for (Eigen::Index i = begin; i < end; ++i)
-      for (Eigen::Index l = 0; l < stride; ++l)
-        messages_.column(i)[l] +=
-            self_responses_[std::size_t(i)] * marginals_.column(i)[l];
-  if (mixing_.columns() > 0)
-    mixLabels(mixing_.column(0), std::size_t(mixing_.columns()),
-              messages_.column(begin), std::size_t(end - begin), std::size_t(stride));
-  for (const auto& term : terms_)
-    term->addMessages(marginals_, begin, end, messages_);
-  return double(softMax(costs_.column(begin), messages_.column(begin),
-                        marginals_.column(begin), std::size_t(end - begin),
-                        std::size_t(stride)));
-}
-
+// One iteration: every Q(y_c) from the Q(x_i), then every Q(x_i) from both.
 double
 MeanField::Engine::update()
 {
   double change = 0.0;
-  for (const auto& term : terms_)
+  for (const auto& term : terms_) // Q(y_c), eq. (10)
     change = std::max(change, term->update(marginals_));
-  for (const auto& kernel : kernels_)
+  for (const auto& kernel : kernels_) // message passing: sum_j K_ij Q_j(l), eq. (6)
     kernel->addProduct(marginals_.view(), messages_.view());
   const Eigen::Index count = marginals_.columns();
 #pragma omp parallel for schedule(static) reduction(max                                \
                                                     : change) if (count > block_size)
   for (Eigen::Index begin = 0; begin < count; begin += block_size)
-    change = std::max(change, finish(begin, std::min(count, begin + block_size)));
+    change =
+        std::max(change, updateMarginals(begin, std::min(count, begin + block_size)));
   return change;
+}
+
+// Q(x_i), eq. (11), for some variables, whose columns stay in the fast cache.
+double
+MeanField::Engine::updateMarginals(Eigen::Index begin, Eigen::Index end)
+{
+  const auto count = std::size_t(end - begin);
+  const auto stride = std::size_t(messages_.stride());
+  if (!self_responses_.empty()) // j = i, which the kernels leave out
+    for (Eigen::Index i = begin; i < end; ++i)
+      for (std::size_t l = 0; l < stride; ++l)
+        messages_.column(i)[l] +=
+            self_responses_[std::size_t(i)] * marginals_.column(i)[l];
+  if (mixing_.columns() > 0) // compatibility transform: sum_k mu(l, k), eq. (5)
+    mixLabels(mixing_.column(0), std::size_t(mixing_.columns()),
+              messages_.column(begin), count, stride);
+  for (const auto& term : terms_) // messages of the cliques, eqs. (7)-(8)
+    term->addMessages(marginals_, begin, end, messages_);
+  // Local update and normalisation: exp(-psi_i(l) + message), eq. (4).
+  return double(softMax(costs_.column(begin), messages_.column(begin),
+                        marginals_.column(begin), count, stride));
 }
 
 const PaddedColumns*
@@ -200,10 +202,10 @@ MeanField::Engine::freeEnergy() const
   if (!compatibility_.isSymmetric())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "a free energy needs a symmetric label compatibility");
-  PaddedColumns heard(marginals_.rows(), marginals_.columns());
-  heard.setZero();
+  PaddedColumns messages(marginals_.rows(), marginals_.columns());
+  messages.setZero();
   for (const auto& kernel : kernels_)
-    kernel->addProduct(marginals_.view(), heard.view());
+    kernel->addProduct(marginals_.view(), messages.view());
   double sum = offset_;
   sum += orderedSum(marginals_.columns(), 256, [&](Eigen::Index i) {
     double part = 0.0;
@@ -213,7 +215,7 @@ MeanField::Engine::freeEnergy() const
         continue;
       double pairs = 0.0; // each is met twice
       for (Eigen::Index k = 0; k < marginals_.rows(); ++k)
-        pairs += double(compatibility_.cost(l, k)) * double(heard.column(i)[k]);
+        pairs += double(compatibility_.cost(l, k)) * double(messages.column(i)[k]);
       part += q * (double(costs_.column(i)[l]) + 0.5 * pairs + std::log(q));
     }
     return part;

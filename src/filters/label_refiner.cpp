@@ -365,9 +365,9 @@ normalize(const pcl::Indices& indices, LabelDistributions& distributions)
   }
 }
 
-// The marginals for the measurements. An element that is unlabelled and hears of no
-// label either has a uniform one, of which the first class would be the largest: it
-// stays unlabelled.
+// The marginals for the measurements. An element that is unlabelled and receives no
+// message has a uniform one, of which the first class would be the largest: it stays
+// unlabelled.
 void
 writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
             LabelDistributions& distributions)

@@ -107,7 +107,7 @@ TEST(MeanField, CliquesThatHearNobodyHaveNoKernels)
   crf.cliques[0].kernels.push_back(makeRandomMatrix(2, 2, 0.0f, 1.0f, 2));
   EXPECT_TRUE(holds(
       thrownMessage<InvalidParameterException>([&] { MeanField{makeModel(crf)}; }),
-      "do not hear each other"));
+      "kernels between cliques need"));
 }
 
 TEST(MeanField, UpdatesWithKernelsAndCompatibilitiesThatAreNotSymmetric)

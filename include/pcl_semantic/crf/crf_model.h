@@ -189,14 +189,15 @@ struct CliquePotential {
    * and these differ; the free label is compatible with everything. */
   std::vector<std::shared_ptr<const PairwiseKernel>> kernels;
 
-  /** \brief Members hear the label of largest Q(y_c) alone (the paper's algorithm text)
-   * instead of the distribution (its eq. (11)). Of equal ones the first is taken. */
+  /** \brief Cliques pass on the label of largest Q(y_c) alone (the paper's algorithm
+   * text) instead of the distribution (its eq. (11)). Of equal ones the first is taken.
+   */
   bool map_messages = false;
 
   /** \brief Without it the cliques are known: Q(y_c) stays exp(-psi_c(y_c)),
-   * normalised, and members hear it. For costs that were learned from all that is known
-   * of a clique, its members' opinion included: eq. (10) would have it count again, and
-   * so often as there are members. */
+   * normalised, and passed on to the members. For costs that were learned from all that
+   * is known of a clique, its members' opinion included: eq. (10) would have it count
+   * again, and so often as there are members. */
   bool update_from_members = true;
 
   /** \brief k_c^l. */
@@ -238,9 +239,9 @@ struct CrfModel {
 
   LabelCompatibility compatibility;
 
-  /** \brief Every variable hears itself through every kernel (K_ii, between cliques
-   * too), as in densecrf and PCL, instead of j != i only as eqs. (10)-(11) say. It is
-   * part of the updates, not of any energy. */
+  /** \brief Every variable receives its own message through every kernel (K_ii, between
+   * cliques too), as in densecrf and PCL, instead of j != i only as eqs. (10)-(11) say.
+   * It is part of the updates, not of any energy. */
   bool self_interaction = false;
 
   std::vector<CliquePotential> cliques;

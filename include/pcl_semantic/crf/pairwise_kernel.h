@@ -21,7 +21,7 @@ public:
   /** \brief N, the number of variables. */
   virtual Eigen::Index size() const = 0;
 
-  /** \brief K_ii, what a variable would say to itself. */
+  /** \brief K_ii, the weight of a variable's own value. */
   virtual float diagonal(Eigen::Index i) const = 0;
 
   /** \brief result(:, i) += sum over j != i of K_ij values(:, j).

@@ -30,7 +30,7 @@ struct SemanticCRFParameters {
   KernelMethod kernel_method = KernelMethod::automatic;
   double radius = 2.0; ///< of truncated sums [position deviations]
   Normalization normalization = Normalization::symmetric;
-  bool self_interaction = false; ///< points hear themselves, as in densecrf and PCL
+  bool self_interaction = false; ///< kernels include the point itself, as densecrf does
 
   int iterations = 1;     ///< mean-field updates, at most
   double tolerance = 0.0; ///< stop when no marginal changed by more; 0 = never
@@ -39,7 +39,7 @@ struct SemanticCRFParameters {
   double clique_weight = 1.0;      ///< k_c, eq. (8)
   bool free_label = true;          ///< a clique may let go of its members
   double clique_truncation = 0.3;  ///< q, the share of members that may disagree before
-  bool update_from_members = true; ///< else they keep to what their costs say
+  bool update_from_members = true; ///< else Q(y_c) follows from the clique costs alone
   bool map_messages = false; ///< the clique's MAP label instead of its distribution
 
   // Kernels between cliques, over the mean position and colour of their members.

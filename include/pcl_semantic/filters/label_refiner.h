@@ -101,7 +101,7 @@ protected:
    * \param[in,out] elements are brought into the order that suits the kernels
    * \param[in,out] distributions of the whole cloud or image: the columns of the
    * elements hold their measurements and then the refined distributions; an element
-   * that had no measurement and heard of no label stays unlabelled
+   * without measurement that receives no message stays unlabelled
    * \throws InvalidParameterException if something that was set does not fit
    * \throws BadInputException if a measurement is negative or not finite */
   void refine(Elements& elements, LabelDistributions& distributions);
