@@ -113,7 +113,7 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     batch.share[k] =
         std::min(reach <= range ? 1.0 : double(range / reach), clearShare(scan, i));
     batch.in_range[k] = reach <= range;
-    if (batch.count == kernels::RayBatch::room)
+    if (batch.count == kernels::RayBatch::capacity)
       addRays(scan, T_world_sensor, settings, batch, part);
   }
   addRays(scan, T_world_sensor, settings, batch, part);

@@ -5,9 +5,9 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Instruction sets that the hot loops (`src/<room>/kernels/`) are compiled for.
- * plain is what every processor of its kind has: SSE2 on x86-64, NEON on ARM64. Results
- * are bit-identical in every tier and for any number of threads. */
+/** \brief Instruction sets that the hot loops (`src/<module>/kernels/`) are compiled
+ * for. plain is what every processor of its kind has: SSE2 on x86-64, NEON on ARM64.
+ * Results are bit-identical in every tier and for any number of threads. */
 enum class SimdTier { plain, avx2, avx512 };
 
 /** \brief The widest tier of this processor, or the one that the environment variable

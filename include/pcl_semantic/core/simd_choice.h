@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// How the hot loops (src/<room>/kernels/*.cpp) are compiled: Google Highway includes
+// How the hot loops (src/<module>/kernels/*.cpp) are compiled: Google Highway includes
 // such a file once a target, and PCL_SEMANTIC_OF_TIER chooses among what came of it.
 //
 //     #include <pcl_semantic/core/simd_choice.h>
-//     #define HWY_TARGET_INCLUDE "room/kernels/this_file.cpp"
+//     #define HWY_TARGET_INCLUDE "module/kernels/this_file.cpp"
 //     #include <hwy/foreach_target.h>
 //     #include <hwy/highway.h>
 //     HWY_BEFORE_NAMESPACE();

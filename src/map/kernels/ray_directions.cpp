@@ -24,7 +24,7 @@ findEnds(const RayStart& start, RayBatch& rays)
     const double* const pose = start.pose[axis];
     const double scale = start.scale, from = start.start[axis];
     const std::int32_t in_voxel = start.in_voxel[axis];
-    for (std::size_t k = 0; k < RayBatch::room; ++k) {
+    for (std::size_t k = 0; k < RayBatch::capacity; ++k) {
       const double share = rays.share[k];
       const double x = share * double(rays.x[k]), y = share * double(rays.y[k]),
                    z = share * double(rays.z[k]);
@@ -61,7 +61,7 @@ void
 findDirections(const RayStart& start, RayBatch& rays)
 {
   findEnds(start, rays);
-  for (std::size_t k = 0; k < RayBatch::room; ++k) {
+  for (std::size_t k = 0; k < RayBatch::capacity; ++k) {
     const std::int32_t x = rays.end[0][k], y = rays.end[1][k], z = rays.end[2][k];
     const std::int32_t length_x = __builtin_abs(x), length_y = __builtin_abs(y),
                        length_z = __builtin_abs(z);

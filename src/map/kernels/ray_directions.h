@@ -20,20 +20,21 @@ struct RayStart {
 
 /** \brief Some rays, value by value. */
 struct RayBatch {
-  static constexpr std::size_t room = 128;
+  static constexpr std::size_t capacity = 128;
 
   std::size_t count = 0;
   // What is given of each: its number in the scan, whether the point is in range, the
   // point in the sensor's frame [m], and the share of the way to it at which it ends.
-  std::uint32_t point[room];
-  bool in_range[room];
-  float x[room], y[room], z[room];
-  double share[room];
+  std::uint32_t point[capacity];
+  bool in_range[capacity];
+  float x[capacity], y[capacity], z[capacity];
+  double share[capacity];
   // What is found: the end from the start [quanta, voxels], by axis; members of
   // DirectedRay.
-  std::int32_t end[3][room], cell[3][room];
-  float row_slope[room], column_slope[room];
-  std::int32_t end_slab[room], end_row[room], end_column[room], tile[room], leaf[room];
+  std::int32_t end[3][capacity], cell[3][capacity];
+  float row_slope[capacity], column_slope[capacity];
+  std::int32_t end_slab[capacity], end_row[capacity], end_column[capacity],
+      tile[capacity], leaf[capacity];
 };
 
 using FindDirections = void (*)(const RayStart& start, RayBatch& rays);

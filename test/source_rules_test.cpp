@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The rules of the house: includes point downward, every source has its header, and no
-// compiler flag changes the instruction set.
+// The rules of the sources: includes point downward, every source has its header, and
+// no compiler flag changes the instruction set.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 const fs::path source_folder = PCL_SEMANTIC_SOURCE_DIR;
 
-// Rooms by level, lowest first; those of one level do not know each other.
+// Modules by level, lowest first; those of one level do not know each other.
 const std::vector<std::vector<std::string>> levels = {
     {"core", "version.h"},
     {"crf", "files"},
@@ -30,10 +30,10 @@ const std::vector<std::vector<std::string>> levels = {
     {"apps"}};
 
 int
-levelOf(const std::string& room)
+levelOf(const std::string& module)
 {
   for (std::size_t level = 0; level < levels.size(); ++level)
-    if (std::count(levels[level].begin(), levels[level].end(), room))
+    if (std::count(levels[level].begin(), levels[level].end(), module))
       return static_cast<int>(level);
   return -1;
 }
@@ -48,9 +48,10 @@ readText(const fs::path& path)
   return text.str();
 }
 
-// Why a file of `room` must not hold the include `name` (in <> or ""); empty if it may.
+// Why a file of `module` must not hold the include `name` (in <> or ""); empty if it
+// may.
 std::string
-includeFault(const std::string& room, const std::string& name, bool quoted)
+includeFault(const std::string& module, const std::string& name, bool quoted)
 {
   static const std::regex ours("pcl_semantic/([^/]+)(/.*)?");
   if (name.find("..") != std::string::npos)
@@ -60,22 +61,22 @@ includeFault(const std::string& room, const std::string& name, bool quoted)
     const std::string first = name.substr(0, name.find('/'));
     if (levelOf(first) >= 0 && first.size() < name.size())
       return "expected <pcl_semantic/...>";
-    return quoted && room != "apps" && name == "tool.h" ? "belongs to apps" : "";
+    return quoted && module != "apps" && name == "tool.h" ? "belongs to apps" : "";
   }
   const std::string target = match[1];
   if (quoted)
     return "expected <> around it";
   if (levelOf(target) < 0)
-    return "no such room";
-  if (target == room || levelOf(target) < levelOf(room))
+    return "no such module";
+  if (target == module || levelOf(target) < levelOf(module))
     return "";
-  return levelOf(target) == levelOf(room) ? "is a sideways include"
-                                          : "is an upward include";
+  return levelOf(target) == levelOf(module) ? "is a sideways include"
+                                            : "is an upward include";
 }
 
-// One line for every include of `text` that a file of `room` must not hold.
+// One line for every include of `text` that a file of `module` must not hold.
 std::vector<std::string>
-includeFaults(const std::string& room, const std::string& text)
+includeFaults(const std::string& module, const std::string& text)
 {
   static const std::regex pattern("^\\s*#\\s*include\\s*([<\"])([^>\"]+)[>\"]");
   std::vector<std::string> faults;
@@ -86,7 +87,7 @@ includeFaults(const std::string& room, const std::string& text)
     std::smatch match;
     if (!std::regex_search(line, match, pattern))
       continue;
-    const std::string fault = includeFault(room, match[2], match[1] == "\"");
+    const std::string fault = includeFault(module, match[2], match[1] == "\"");
     if (!fault.empty())
       faults.push_back("line " + std::to_string(number) + ": " + match[2].str() + " " +
                        fault);
@@ -110,9 +111,9 @@ isCode(const fs::path& path)
   return extension == ".h" || extension == ".hpp" || extension == ".cpp";
 }
 
-// The code of the library and the programs, by room.
+// The code of the library and the programs, by module.
 std::multimap<std::string, fs::path>
-codeOfTheHouse()
+codeFiles()
 {
   std::multimap<std::string, fs::path> files;
   for (const char* const root : {"include/pcl_semantic", "src", "apps"})
@@ -120,19 +121,19 @@ codeOfTheHouse()
       if (!entry.is_regular_file() || !isCode(entry.path()))
         continue;
       const fs::path relative = fs::relative(entry.path(), source_folder / root);
-      const std::string room =
+      const std::string module =
           root == std::string("apps") ? "apps" : relative.begin()->string();
-      files.emplace(room, entry.path());
+      files.emplace(module, entry.path());
     }
   return files;
 }
 
 } // namespace
 
-TEST(House, TheCheckerFindsBadIncludes)
+TEST(SourceRules, TheCheckerFindsBadIncludes)
 {
-  const auto count = [](const std::string& room, const std::string& text) {
-    return includeFaults(room, text).size();
+  const auto count = [](const std::string& module, const std::string& text) {
+    return includeFaults(module, text).size();
   };
   // upward
   EXPECT_EQ(count("core", "#include <pcl_semantic/map/semantic_voxel_map.h>\n"), 1u);
@@ -158,25 +159,25 @@ TEST(House, TheCheckerFindsBadIncludes)
   EXPECT_EQ(count("apps", "#include \"tool.h\"\n#include <pcl_semantic/io/a.h>\n"), 0u);
 }
 
-TEST(House, IncludesPointDownward)
+TEST(SourceRules, IncludesPointDownward)
 {
-  const auto files = codeOfTheHouse();
+  const auto files = codeFiles();
   ASSERT_GT(files.size(), 20u);
-  for (const auto& [room, path] : files) {
-    EXPECT_GE(levelOf(room), 0)
-        << path << ": room '" << room << "' is not in the design";
-    for (const std::string& fault : includeFaults(room, readText(path)))
+  for (const auto& [module, path] : files) {
+    EXPECT_GE(levelOf(module), 0)
+        << path << ": module '" << module << "' is not in the design";
+    for (const std::string& fault : includeFaults(module, readText(path)))
       ADD_FAILURE() << path.string() << " " << fault;
   }
 }
 
 // Without the macro what a header declares cannot be called from outside the library;
 // with the header comes the check of the consumer's flags.
-TEST(House, PublicHeadersExportWhatTheyDeclare)
+TEST(SourceRules, PublicHeadersExportWhatTheyDeclare)
 {
   int checked = 0;
-  for (const auto& [room, path] : codeOfTheHouse()) {
-    if (path.extension() != ".h" || room == "apps" ||
+  for (const auto& [module, path] : codeFiles()) {
+    if (path.extension() != ".h" || module == "apps" ||
         path.string().find("/include/") == std::string::npos)
       continue;
     const std::string text = readText(path), name = path.filename().string();
@@ -191,9 +192,9 @@ TEST(House, PublicHeadersExportWhatTheyDeclare)
 }
 
 // What a file declares is found in the header of its name.
-TEST(House, EverySourceHasItsHeaderOrIsAProgram)
+TEST(SourceRules, EverySourceHasItsHeaderOrIsAProgram)
 {
-  for (const auto& [room, path] : codeOfTheHouse()) {
+  for (const auto& [module, path] : codeFiles()) {
     if (path.extension() != ".cpp" || path.parent_path().filename() == "examples")
       continue;
     fs::path header = path;
@@ -201,19 +202,19 @@ TEST(House, EverySourceHasItsHeaderOrIsAProgram)
     const fs::path exported = source_folder / "include/pcl_semantic" /
                               fs::relative(header, source_folder / "src");
     const bool is_program =
-        room == "apps" && readText(path).find("\nmain(") != std::string::npos;
+        module == "apps" && readText(path).find("\nmain(") != std::string::npos;
     EXPECT_TRUE(fs::exists(header) || fs::exists(exported) || is_program) << path;
   }
 }
 
-TEST(House, FilesNameTheirLicense)
+TEST(SourceRules, FilesNameTheirLicense)
 {
-  for (const auto& [room, path] : codeOfTheHouse())
+  for (const auto& [module, path] : codeFiles())
     EXPECT_EQ(readText(path).find("// SPDX-License-Identifier: BSD-3-Clause\n"), 0u)
         << path;
 }
 
-TEST(House, NoFlagChangesTheInstructionSet)
+TEST(SourceRules, NoFlagChangesTheInstructionSet)
 {
   EXPECT_TRUE(hasInstructionSetFlag("add_compile_options(-O3 -march=native)\n"));
   EXPECT_TRUE(hasInstructionSetFlag("# fast\nset(F \"-mavx2\") # faster\n"));
@@ -230,7 +231,7 @@ TEST(House, NoFlagChangesTheInstructionSet)
     EXPECT_FALSE(hasInstructionSetFlag(readText(path))) << path;
 }
 
-TEST(House, PackagesHaveTheVersionOfTheProject)
+TEST(SourceRules, PackagesHaveTheVersionOfTheProject)
 {
   const std::string project = readText(source_folder / "CMakeLists.txt");
   std::smatch match;
