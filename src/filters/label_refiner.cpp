@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "kernels/negative_logs.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/crf_energy.h>
 #include <pcl_semantic/crf/crf_model.h>
@@ -67,6 +69,7 @@ unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& col
 {
   constexpr float smallest = 1e-6f;
   constexpr std::size_t block = 64; // logarithms are quicker many at a time
+  const kernels::NegativeLogs negateLogs = kernels::negativeLogs(simdTier());
   Eigen::MatrixXf costs(measured.rows(), Eigen::Index(columns.size()));
 #pragma omp parallel for schedule(static)
   for (std::size_t begin = 0; begin < columns.size(); begin += block) {
@@ -81,9 +84,8 @@ unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& col
       else
         costs.col(Eigen::Index(k)).setOnes(); // no cost
     }
-    Eigen::Map<Eigen::ArrayXf> values(costs.data() + Eigen::Index(begin) * costs.rows(),
-                                      Eigen::Index(end - begin) * costs.rows());
-    values = -values.max(smallest).log();
+    negateLogs(costs.data() + Eigen::Index(begin) * costs.rows(),
+               (end - begin) * std::size_t(costs.rows()), smallest);
   }
   return costs;
 }
