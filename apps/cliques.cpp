@@ -211,19 +211,20 @@ parse(int argc, char** argv, Arguments& arguments)
   po::options_description options("Options");
   options.add_options()("input", po::value(&arguments.input), "the cloud")(
       "output", po::value(&arguments.output),
-      "the cloud to write")("method", po::value(&arguments.method), "see above")(
+      "output cloud (.pcd)")("method", po::value(&arguments.method), "see above")(
       "frame", po::value(&frame.path),
-      "organized cloud in the camera's frame (.pcd), as of pcl_semantic_stereo")(
+      "organized cloud in the camera frame (.pcd), see pcl_semantic_stereo")(
       "pose", po::value(&frame.pose),
-      "of the frame: 'x y z qx qy qz qw' in the world, or FILE:N, row N of a KITTI "
-      "trajectory (default: the VIEWPOINT of --frame, in the axes of IN.pcd)")(
+      "pose of the frame: 'x y z qx qy qz qw' in the world, or FILE:N = row N of a "
+      "KITTI trajectory (default: VIEWPOINT of --frame)")(
       "calibration", po::value(&frame.calibration),
-      "KITTI's calib.txt, if the pose is camera 0's and the frame camera 2's")(
+      "KITTI's calib.txt, if the pose is of camera 0 and the frame of camera 2")(
       "coloured", po::value(&arguments.coloured),
-      "also writes the points in a colour for each clique, for pcl_viewer (.pcd)");
+      "output cloud with one colour per clique, for pcl_viewer (.pcd)");
   ConfigParameters parameters = {
-      {"voxel_size", "of the map, for superpixels [m]", &frame.voxel_size},
-      {"map_origin", "X,Y,Z, map_origin of the map's summary [m]", &frame.map_origin}};
+      {"voxel_size", "voxel size of the map, for superpixels [m]", &frame.voxel_size},
+      {"map_origin", "map_origin of the map's summary.json: X,Y,Z [m]",
+       &frame.map_origin}};
   for (ConfigParameter& parameter : parametersOf(arguments))
     parameters.push_back(std::move(parameter));
   parameters.push_back({"threads", "0 = all processors", &arguments.threads});

@@ -51,14 +51,14 @@ parse(int argc, char** argv, Arguments& arguments)
 {
   bool print_config = false;
   po::options_description options("Options");
-  options.add_options()("input", po::value(&arguments.input), "the labelled cloud")(
-      "output", po::value(&arguments.output), "the cloud to write")(
+  options.add_options()("input", po::value(&arguments.input), "labelled input cloud")(
+      "output", po::value(&arguments.output), "output cloud")(
       "label-set", po::value(&arguments.label_set),
-      "classes (YAML), if labels alone do not show how many there are")(
+      "label set (YAML), if the labels do not show the number of classes")(
       "config", po::value(&arguments.config),
-      "parameters as YAML; options override it")(
+      "parameter file (.yaml); options override it")(
       "print-config", po::bool_switch(&print_config),
-      "print the effective parameters as YAML and end");
+      "print the effective parameters as YAML and exit");
   tool::addParameters(parametersOf(arguments.parameters), options);
   po::positional_options_description positional;
   positional.add("input", 1).add("output", 1);

@@ -47,28 +47,28 @@ parse(int argc, char** argv, Options& options)
   namespace po = tool::po;
   po::options_description description("Options");
   description.add_options()("prediction", po::value(&options.predictions)->required(),
-                            "folder of label images, or of labels of scans")(
+                            "folder of predicted label images, or of scan labels")(
       "truth", po::value(&options.truths)->required(),
-      "folder of truth, 0 = no truth; each file needs a prediction")(
+      "folder of ground truth, 0 = none; each file needs a prediction")(
       "covered-by", po::value(&options.covered_by),
-      "folder likewise: count only pixels where the file of the same name is not 0")(
+      "folder of label images: count only pixels that are not 0 there")(
       "truth-depth", po::value(&options.truth_depths),
-      "folder of the depths of the truth, as pcl_semantic_lidar_truth writes them")(
+      "folder of the ground truth's depth, see pcl_semantic_lidar_truth")(
       "range", po::value(&options.ranges),
-      "A:B, count only truth of depths A <= z < B [m]; given several times: each by "
-      "itself")("label-set", po::value(&options.label_set)->required(),
-                "classes (YAML)")(
-      "label-mapping", po::value(&options.label_mapping),
-      "ids of .label truth to the classes (YAML), for that of SemanticKITTI")(
+      "A:B = count only ground truth with depth A <= z < B [m]; repeat for several "
+      "ranges")("label-set", po::value(&options.label_set)->required(),
+                "classes (YAML)")("label-mapping", po::value(&options.label_mapping),
+                                  "mapping from the ids of .label ground truth to "
+                                  "classes (YAML), for SemanticKITTI")(
       "ignore", po::value<std::string>()->notifier([&](const std::string& words) {
         options.ignore = words;
       }),
-      "classes whose truth does not count, numbers or names with commas between them, "
-      "or none; default: sky,pedestrian,cyclist, as far as the label set has them")(
+      "classes not evaluated, as numbers or names separated by commas, or none "
+      "(default: sky,pedestrian,cyclist, if in the label set)")(
       "output,o", po::value(&options.output),
-      "folder for metrics.json and confusion.csv")(
-      "row", po::value(&options.row), "print one row of a Markdown table of this name")(
-      "header", po::bool_switch(&options.header), "print the header of such a table");
+      "output folder for metrics.json and confusion.csv")(
+      "row", po::value(&options.row), "print a row of a Markdown table with this name")(
+      "header", po::bool_switch(&options.header), "print the header of that table");
   po::variables_map values;
   if (!tool::parseCommandLine(argc, argv, usage, description, {}, values))
     return false;

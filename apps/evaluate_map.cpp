@@ -57,13 +57,14 @@ parseOptions(int argc, char** argv, Options& options)
   visible.add_options()("map", po::value(&options.maps),
                         "MAP; may be given several times, with as many sequences: they "
                         "are evaluated as one")(
-      "sequence", po::value(&options.sequences),
-      "SEQUENCE of the map")("output,o", po::value(&options.output), "figures as JSON")(
+      "sequence", po::value(&options.sequences), "SEQUENCE of the map")(
+      "output,o", po::value(&options.output), "output file for the figures (.json)")(
       "row", po::value(&options.row), "print one row of a Markdown table of this name")(
       "header", po::bool_switch(&options.header), "print the header of such a table");
-  tool::addOption(visible, "bands", options.bands,
-                  "borders of the bands of depth, commas between them; what is farther "
-                  "than the last does not count [m]");
+  tool::addOption(
+      visible, "bands", options.bands,
+      "limits of the depth bands, separated by commas; points beyond the last "
+      "do not count [m]");
   tool::addOption(visible, "within", options.parameters.within,
                   "distance of the widest of the shares of the surface [m]");
   tool::addOption(visible, "behind", options.parameters.behind,

@@ -148,25 +148,27 @@ optionsOf(ExportArguments& arguments, Texts& texts)
 {
   po::options_description options("Options");
   options.add_options()("map", po::value(&arguments.map), "the map")(
-      "output", po::value(&arguments.output), "the file to write")(
-      "format", po::value(&texts.format),
-      "octree, colour-octree, points, mesh, occupancy, traversability, statistics; "
-      "default: by the name of the output")(
+      "output", po::value(&arguments.output),
+      "output file")("format", po::value(&texts.format),
+                     "octree, colour-octree, points, mesh, occupancy, traversability "
+                     "or statistics (default: by the name of the output)")(
       "label-set", po::value(&arguments.hints.label_set),
-      "classes (YAML); default: an archive's own, or the eleven of KITTI")(
+      "label set (YAML; default: that of the archive, or label_sets/kitti11.yaml)")(
       "voxel-size", po::value(&arguments.hints.voxel_size),
-      "edge of the voxels [m]; default: what the map says, or its points")(
+      "voxel size [m] (default: that of the map, or of its points)")(
       "ground", po::value(&texts.ground),
-      "classes that the ground is made of: a,b,c; default: road, sidewalk, terrain, "
-      "parking and other ground, if there are such")(
+      "ground classes, separated by commas (default: road, sidewalk, terrain, parking "
+      "and other ground, if there are such)")(
       "traversable", po::value(&texts.traversable),
-      "classes of the ground to go on; default: road, sidewalk and parking");
-  addOption(options, "colour", texts.colour, "class or rgb, of what has colours");
+      "traversable classes of the ground (default: road, sidewalk and parking)");
+  addOption(options, "colour", texts.colour,
+            "colour of points and meshes: class or rgb");
   addOption(options, "min-height", arguments.min_height,
-            "above the ground: what is lower is no obstacle [m]");
-  addOption(options, "max-height", arguments.max_height, "nor what is higher [m]");
+            "minimum height of an obstacle above the ground [m]");
+  addOption(options, "max-height", arguments.max_height,
+            "maximum height of an obstacle above the ground [m]");
   addOption(options, "ground-reach", arguments.reach,
-            "how far from seen ground its height is taken for known [m]");
+            "distance over which the height of the ground is extrapolated [m]");
   return options;
 }
 

@@ -70,26 +70,27 @@ describeOptions(LabelArguments& arguments)
 {
   po::options_description visible("Options");
   addSequenceOptions(arguments.sequence, visible);
-  visible.add_options()(
-      "clouds", po::value(&arguments.clouds),
-      "instead of SEQUENCE: organized clouds, one a frame, as pcl_semantic_stereo "
-      "writes them: one .pcd, a folder or a pattern in quotes")(
+  visible.add_options()("clouds", po::value(&arguments.clouds),
+                        "organized clouds of pcl_semantic_stereo instead of SEQUENCE, "
+                        "one per frame: a .pcd, a folder or a pattern in quotes")(
       "output,o", po::value(&arguments.output),
-      "folder to write to; of one cloud: the cloud to write (.pcd)")(
-      "network", po::value(&arguments.network), "description of the network (.yaml)")(
-      "model", po::value(&arguments.model), "the network itself (.onnx)")(
+      "output folder; for one cloud the output cloud (.pcd)")(
+      "network", po::value(&arguments.network), "network description (.yaml)")(
+      "model", po::value(&arguments.model),
+      "network (.onnx; default: as its description says)")(
       "labels", po::value(&arguments.labels),
-      "of --clouds: folder of stored label distributions (.bin, .npy or .png a frame), "
-      "or the file of one cloud")("label-set", po::value(&arguments.label_set),
-                                  "classes of --labels (default: "
-                                  "label_sets/kitti11.yaml)")(
-      "frames", po::value(&arguments.frames), "A:B, frames numbered A <= n < B");
+      "stored label distributions for --clouds: folder with one .bin, .npy or .png per "
+      "frame, or one file")("label-set", po::value(&arguments.label_set),
+                            "label set of --labels (default: "
+                            "label_sets/kitti11.yaml)")(
+      "frames", po::value(&arguments.frames), "A:B = frames with numbers A <= n < B");
   addOption(visible, "format", arguments.format,
-            "of SEQUENCE: float32 or float16 (.npy, half the size), or ids: the most "
-            "probable class only (.png)");
+            "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
+            "(.png, most probable class)");
   addOption(visible, "label-confidence", arguments.label_confidence,
-            "probability of the class that a stored .png states");
-  addOption(visible, "threads", arguments.threads, "0 = all processors");
+            "probability of the class that a .png of --labels gives");
+  addOption(visible, "threads", arguments.threads,
+            "number of threads; 0 = all processors");
   return visible;
 }
 

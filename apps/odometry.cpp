@@ -42,21 +42,23 @@ parseOptions(int argc, char** argv, Options& options)
   po::options_description visible("Options");
   StereoOdometry::Parameters& parameters = options.parameters;
   tool::addSequenceOptions(options.sequence, visible);
-  visible.add_options()("output", po::value(&options.output), "trajectory to write")(
+  visible.add_options()("output", po::value(&options.output), "output trajectory")(
       "report", po::value(&options.report),
-      "table (.csv): what was tracked and the covariance of each pose");
-  tool::addOption(visible, "format", options.format,
-                  "kitti (12 numbers a row) or tum (time, quaternion)");
-  tool::addOption(visible, "frames", options.frames, "A:B, frames numbered A <= n < B");
-  tool::addOption(visible, "threads", options.threads,
-                  "0 = all processors; the poses do not depend on it");
-  tool::addOption(visible, "features", parameters.features,
-                  "how many are followed at most");
-  tool::addOption(visible, "window", parameters.window,
-                  "how many keyframes are adjusted together");
+      "output table (.csv): tracked features and covariance of each pose");
   tool::addOption(
-      visible, "offset-drift", parameters.offset_drift,
-      "how fast the offset of all disparities may change [px]; 0 = there is none");
+      visible, "format", options.format,
+      "format of the output: kitti (12 numbers per row) or tum (time, quaternion)");
+  tool::addOption(visible, "frames", options.frames,
+                  "A:B = frames with numbers A <= n < B");
+  tool::addOption(visible, "threads", options.threads,
+                  "number of threads; 0 = all processors");
+  tool::addOption(visible, "features", parameters.features,
+                  "maximum number of tracked features");
+  tool::addOption(visible, "window", parameters.window,
+                  "number of keyframes in the bundle adjustment");
+  tool::addOption(visible, "offset-drift", parameters.offset_drift,
+                  "standard deviation of the change of the disparity offset per "
+                  "keyframe [px]; 0 = no offset");
   po::positional_options_description positional;
   positional.add("sequence", 1).add("output", 1);
   po::variables_map values;

@@ -54,20 +54,20 @@ addPictureOptions(PictureOptions& options, po::options_description& description)
 {
   description.add_options()(
       "trajectory", po::value(&options.hints.trajectory),
-      "path to draw, KITTI or TUM; default: trajectory.txt of the folder")(
+      "trajectory to draw, KITTI or TUM (default: trajectory.txt of the folder)")(
       "from", po::value(&options.texts.from),
-      "look from X,Y,Z, as the cloud's points [m]")(
-      "look-at", po::value(&options.texts.look_at), "look towards X,Y,Z [m]")(
+      "position of the view, X,Y,Z in the frame of the map [m]")(
+      "look-at", po::value(&options.texts.look_at), "point to look at, X,Y,Z [m]")(
       "label-set", po::value(&options.hints.label_set),
-      "classes (YAML); default: an archive's own, or the eleven of KITTI")(
+      "label set (YAML; default: that of the archive, or label_sets/kitti11.yaml)")(
       "voxel-size", po::value(&options.hints.voxel_size),
-      "edge of the cubes [m]; default: what the map says, or its points");
+      "voxel size [m] (default: that of the map, or of its points)");
   addOption(description, "view", options.view,
             "angle (along the path from above), above, camera");
   addOption(description, "frame", options.frame,
-            "row of the trajectory that --view camera looks from");
+            "row of the trajectory for --view camera");
   addOption(description, "field-of-view", options.texts.degrees,
-            "over the width, of --from and --view camera [degrees]");
+            "horizontal field of view of --from and --view camera [degrees]");
 }
 
 void

@@ -67,17 +67,17 @@ optionsOf(RenderArguments& arguments)
 {
   po::options_description options("Options");
   options.add_options()("map", po::value(&arguments.map), "the map")(
-      "output", po::value(&arguments.output), "the picture to write")(
-      "compare", po::value(&arguments.compare),
-      "another map, from before: shows where the classes changed since")(
-      "small", po::bool_switch(&arguments.small),
-      "half the bytes, in fewer shades of colour");
+      "output", po::value(&arguments.output),
+      "output image (.png)")("compare", po::value(&arguments.compare),
+                             "earlier map; shows where classes changed since")(
+      "small", po::bool_switch(&arguments.small), "palette image of half the size");
   addPictureOptions(arguments.picture, options);
   addOption(options, "size", arguments.picture.texts.size,
-            "of the picture without its legend");
+            "size of the image without its legend [px]");
   addOption(options, "colour", arguments.colour,
             "class, rgb, entropy, observations, clique, change (needs --compare)");
-  addOption(options, "threads", arguments.threads, "0 = all processors");
+  addOption(options, "threads", arguments.threads,
+            "number of threads; 0 = all processors");
   return options;
 }
 

@@ -48,30 +48,30 @@ parseOptions(int argc, char** argv, Options& options)
 {
   namespace po = tool::po;
   po::options_description visible("Options");
-  visible.add_options()("left", po::value(&options.left), "image, or folder of images")(
-      "right", po::value(&options.right), "the other camera's")(
+  visible.add_options()("left", po::value(&options.left),
+                        "left image, or folder of images")(
+      "right", po::value(&options.right), "right image, or folder of images")(
       "calibration", po::value(&options.calibration),
-      "KITTI's calib.txt, or a stereo calibration of OpenCV "
-      "(.yaml, .yml): then the cloud is that of the "
-      "rectified left camera")("extrinsics", po::value(&options.extrinsics),
-                               "file of R and T, if not in the calibration")(
-      "output", po::value(&options.output), "cloud to write, or folder for them")(
+      "KITTI's calib.txt, or a stereo calibration of OpenCV (.yaml, .yml); the cloud "
+      "is in the frame of the rectified left camera")(
+      "extrinsics", po::value(&options.extrinsics),
+      "file with R and T, if they are not in --calibration (.yaml)")(
+      "output", po::value(&options.output), "output cloud (.pcd), or output folder")(
       "disparity", po::value(&options.disparity),
-      "also draws the disparities: picture, or folder for them (blue is far, red "
-      "near)")("strict", po::bool_switch(&options.strict),
-               "refuse pairs that look wrong instead of warning of them");
-  tool::addOption(visible, "stereo", options.engine, "sgm, elas or sgbm");
-  tool::addOption(visible, "disparities", options.disparities,
-                  "range of the search, a multiple of 64 (elas, sgbm: of 16) [px]");
-  tool::addOption(visible, "max-depth", options.max_depth,
-                  "what is farther has no depth [m]; 0 = all has");
+      "output image of the disparities, or folder (blue = far, red = near)")(
+      "strict", po::bool_switch(&options.strict),
+      "reject pairs that look wrong instead of warning");
+  tool::addOption(visible, "stereo", options.engine, "engine: sgm, elas or sgbm");
   tool::addOption(
-      visible, "max-deviation", options.max_deviation,
-      "nor have disparities that are less sure than this [px]: the default keeps what "
-      "was "
-      "matched, 0 also what was filled in between");
+      visible, "disparities", options.disparities,
+      "range of the disparity search, a multiple of 64 (elas, sgbm: 16) [px]");
+  tool::addOption(visible, "max-depth", options.max_depth,
+                  "maximum depth [m]; 0 = unlimited");
+  tool::addOption(visible, "max-deviation", options.max_deviation,
+                  "discard disparities whose standard deviation exceeds this [px]; the "
+                  "default keeps matched pixels, 0 keeps interpolated ones too");
   tool::addOption(visible, "threads", options.threads,
-                  "0 = all processors; the clouds do not depend on it");
+                  "number of threads; 0 = all processors");
   po::positional_options_description positional;
   positional.add("left", 1).add("right", 1).add("calibration", 1).add("output", 1);
   po::variables_map values;

@@ -202,7 +202,7 @@ LatticePass::blur(std::size_t stage, std::size_t part) const
 }
 
 constexpr std::size_t widest = 16; // rows that are filtered at a time
-// To wake threads costs more than to filter fewer rows than that by oneself.
+// Below this number of rows, threading costs more than it saves.
 constexpr std::size_t few_rows = 2000;
 
 using Passes = std::vector<std::unique_ptr<LatticePass>>;
