@@ -52,9 +52,9 @@ firstLine(int socket)
 } // namespace
 
 LiveView::LiveView(const MappingRun& run)
-    : camera_(run.camera), label_set_(run.label_set)
+    : camera_(run.camera.value_or(StereoCamera())), label_set_(run.label_set)
 {
-  if (camera_.width == 0) // camera 0 stands in
+  if (!run.camera) // camera 0 stands in
     T_sensor_camera_ = run.T_camera0_camera.inverse();
   const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   int ends[2];

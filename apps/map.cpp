@@ -7,7 +7,6 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
@@ -23,25 +22,15 @@ using namespace pcl_semantic;
 using tool::MapArguments;
 using tool::MapSource;
 
-MappingOutput
-makeOutput(const MapArguments& arguments, const MapSource& source,
-           const MappingArchive& archive)
+// What the summary says beyond what the map depends on.
+MappingRun
+describedRun(const MapArguments& arguments, const MapSource& source)
 {
-  auto inputs = tool::inputsOf(arguments.sequence);
-  inputs.insert(inputs.end(), {{"clouds", arguments.clouds},
-                               {"sensor", arguments.sensor},
-                               {"frames", arguments.frames},
-                               {"poses", source.poses()},
-                               {"labels", arguments.labels},
-                               {"label_set", arguments.label_set},
-                               {"network", arguments.network},
-                               {"model", arguments.model},
-                               {"label_calibration", arguments.label_calibration},
-                               {"clique_calibration", arguments.clique_calibration},
-                               {"archive", arguments.archive.path}});
-  const MappingRun& run = source.run();
-  return {arguments.output,     run.camera,        run.label_set,     run.config,
-          run.T_camera0_camera, std::move(inputs), archive.records(), source.extras()};
+  MappingRun run = source.run();
+  run.inputs.insert(run.inputs.end(), {{"frames", arguments.frames},
+                                       {"label_set", arguments.label_set},
+                                       {"archive", arguments.archive.path}});
+  return run;
 }
 
 void
@@ -53,7 +42,7 @@ printResults(const MapArguments& arguments, const MapSource& source,
     results.push_back({"resumed_after", archive.records().size()});
   results.push_back({"map", arguments.output + "/map.pcd"});
   results.push_back({"top_view", arguments.output + "/top_view.png"});
-  if (source.run().camera.width > 0)
+  if (source.run().camera)
     results.push_back({"overlays", arguments.output + "/overlay"});
   results.push_back({"figures", arguments.output + "/summary.json"});
   if (!arguments.archive.path.empty())
@@ -75,14 +64,16 @@ void
 mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
           MappingOutput& output, tool::LiveView* view)
 {
-  const std::vector<int>& frames = source.run().frames;
+  const std::size_t mapped_before = archive.records().size();
+  source.skip(mapped_before);
   tool::catchInterrupts();
-  tool::ProgressBar progress("mapping", frames.size() - archive.records().size());
-  bool is_empty = archive.records().empty();
-  for (std::size_t i = 0; i < frames.size() && !tool::interrupted(); ++i) {
-    if (archive.holds(frames[i]))
-      continue;
-    const MappedFrame mapped = source.map(i, mapper);
+  tool::ProgressBar progress("mapping", source.run().frames.size() - mapped_before);
+  bool is_empty = mapped_before == 0;
+  while (!tool::interrupted()) {
+    const std::optional<SensorFrame> frame = source.next();
+    if (!frame)
+      break;
+    const MappedFrame mapped = mapper.process(*frame);
     output.writeFrame(mapped, mapper.map());
     archive.add(mapped, mapper);
     if (view)
@@ -97,10 +88,8 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
 }
 
 void
-judgeTracking(const MapArguments& arguments, const PoseSource& poses, int frames)
+judgeTracking(const MapArguments& arguments, int lost, int frames)
 {
-  const auto* const odometry = dynamic_cast<const StereoOdometry*>(&poses);
-  const int lost = odometry ? odometry->lostFrames() : 0;
   if (lost == 0)
     return;
   if (lost + 1 == frames)
@@ -125,10 +114,11 @@ mapSource(const MapArguments& arguments)
     view = std::make_unique<tool::LiveView>(run);
   MappingArchive archive(arguments.archive, run);
   const auto mapper = source->makeMapper(std::move(owned_poses), archive.store());
-  MappingOutput output = makeOutput(arguments, *source, archive);
+  MappingOutput output(arguments.output, describedRun(arguments, *source),
+                       archive.records(), source->extras());
   archive.resume(*mapper);
   mapFrames(*source, *mapper, archive, output, view.get());
-  judgeTracking(arguments, poses, int(run.frames.size()));
+  judgeTracking(arguments, poses.lostFrames(), int(run.frames.size()));
   archive.finish(*mapper);
   output.finish(mapper->map());
   if (view)

@@ -144,7 +144,7 @@ namespace {
 class SequenceSource : public MapSource {
 public:
   explicit SequenceSource(const MapArguments& arguments)
-      : arguments_(arguments), sequence_(openSequence(arguments.sequence)),
+      : sequence_(openSequence(arguments.sequence)),
         watch_("pcl_semantic_map", arguments.sequence.strict)
   {
     poses_ = choosePoses(arguments, *sequence_);
@@ -180,12 +180,14 @@ public:
     return makePoses(poses_, *sequence_);
   }
 
-  MappedFrame
-  map(std::size_t i, SemanticMapper& mapper) override
+  std::optional<SensorFrame>
+  next() override
   {
-    const StereoFrame pair = sequence_->frame(positions_[i]);
+    if (next_ >= positions_.size())
+      return std::nullopt;
+    const StereoFrame pair = sequence_->frame(positions_[next_++]);
     watch_.look(pair);
-    return mapper.process(pair);
+    return pair;
   }
 
 private:
@@ -193,12 +195,11 @@ private:
   newMapper(std::unique_ptr<PoseSource> poses,
             std::shared_ptr<BlockStore> store) override
   {
-    return std::make_unique<SemanticMapper>(run_.camera, run_.label_set, run_.config,
+    return std::make_unique<SemanticMapper>(*run_.camera, run_.label_set, run_.config,
                                             std::move(labelling_.predictor),
                                             std::move(poses), std::move(store));
   }
 
-  MapArguments arguments_;
   std::unique_ptr<FrameSequence> sequence_;
   PairWatch watch_;
   Labelling labelling_;
@@ -246,7 +247,7 @@ public:
     for (const std::size_t i : positions_)
       run_.frames.push_back(clouds_.frameNumber(i));
     setSensor();
-    if (run_.camera.width == 0 && !arguments.also.empty())
+    if (!run_.camera && !arguments.also.empty())
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           "--also is for frames of a camera");
     run_.inputs = inputsOf(arguments.sequence);
@@ -276,18 +277,20 @@ public:
                                       : readPoses(poses_, run_.T_camera0_camera);
   }
 
-  MappedFrame
-  map(std::size_t i, SemanticMapper& mapper) override
+  std::optional<SensorFrame>
+  next() override
   {
+    if (next_ >= positions_.size())
+      return std::nullopt;
+    const std::size_t i = positions_[next_++];
     const CloudFrame frame =
-        clouds_.frame(positions_[i], run_.label_set.size(),
-                      float(arguments_.parameters.label_confidence));
+        clouds_.frame(i, run_.label_set.size(), float(run_.config.label_confidence));
     if (frame.distributions.empty() && !frame.cloud->empty() && !told_of_labels_) {
-      warn(clouds_.path(positions_[i]) +
+      warn(clouds_.path(i) +
            ": has no field 'label' or 'probability': it gives the map no labels");
       told_of_labels_ = true;
     }
-    return mapper.process(frame);
+    return frame;
   }
 
 private:
@@ -295,10 +298,7 @@ private:
   newMapper(std::unique_ptr<PoseSource> poses,
             std::shared_ptr<BlockStore> store) override
   {
-    std::optional<StereoCamera> camera;
-    if (run_.camera.width > 0)
-      camera = run_.camera;
-    return std::make_unique<SemanticMapper>(camera, run_.label_set, run_.config,
+    return std::make_unique<SemanticMapper>(run_.camera, run_.label_set, run_.config,
                                             std::move(poses), std::move(store));
   }
 

@@ -63,7 +63,7 @@ class MapSource {
 public:
   virtual ~MapSource() = default;
 
-  /** \brief What the map depends on; the camera of clouds without one has width 0. */
+  /** \brief What the map depends on. */
   const MappingRun&
   run() const
   {
@@ -93,14 +93,23 @@ public:
     return extras_;
   }
 
-  /** \brief Reads the i-th of these frames and maps it. */
-  virtual MappedFrame map(std::size_t i, SemanticMapper& mapper) = 0;
+  /** \brief Reads the next frame; none at the end.
+   * \throws BadInputException that names the file */
+  virtual std::optional<SensorFrame> next() = 0;
+
+  /** \brief Leaves out the next frames, which are mapped already. */
+  void
+  skip(std::size_t count)
+  {
+    next_ += count;
+  }
 
 protected:
   MappingRun run_;
   std::string poses_;
   ExtraOptions extras_;
   Calibrations calibrations_;
+  std::size_t next_ = 0; // of the frames
 
 private:
   /** \brief makeMapper() without the calibrations. */

@@ -87,12 +87,6 @@ MappingArchive::resume(SemanticMapper& mapper) const
   mapper.resume(static_cast<int>(records_.size()), state.finished, state.cloud_origin);
 }
 
-bool
-MappingArchive::holds(int frame) const
-{
-  return !records_.empty() && frame <= records_.back().number;
-}
-
 void
 MappingArchive::add(const MappedFrame& mapped, SemanticMapper& mapper)
 {

@@ -80,19 +80,16 @@ isSummary(const std::string& path)
 
 } // namespace
 
-MappingOutput::MappingOutput(const std::string& folder, const StereoCamera& camera,
-                             const LabelSet& label_set, const MapperConfig& config,
-                             const Eigen::Isometry3d& T_camera0_camera, Inputs inputs,
+MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
                              std::vector<FrameRecord> records, ExtraOptions extra)
-    : folder_(folder), camera_(camera), label_set_(label_set), config_(config),
-      T_camera0_camera_(T_camera0_camera), inputs_(std::move(inputs)),
-      frames_(std::move(records)),
-      extra_(folder, camera, config.map.max_range, std::move(extra))
+    : folder_(folder), run_(run), frames_(std::move(records)),
+      extra_(folder, run.camera.value_or(StereoCamera()), run.config.map.max_range,
+             std::move(extra))
 {
   requireImages();
   refuseForeignImages();
   makeOutputFolder(folder_);
-  if (hasCamera())
+  if (run_.camera)
     for (const char* name : image_folders)
       makeOutputFolder(path(name));
 }
@@ -157,7 +154,7 @@ MappingOutput::path(const std::string& name) const
 void
 MappingOutput::requireImages() const
 {
-  if (!hasCamera())
+  if (!run_.camera)
     return;
   for (const FrameRecord& frame : frames_)
     for (const char* name : frame_folders) {
@@ -175,7 +172,7 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   if (!replaced_)
     replaceEarlierRun();
   replaced_ = true;
-  if (hasCamera())
+  if (run_.camera)
     writeImages(mapped, map);
   frames_.push_back(recordOf(mapped));
 }
@@ -184,15 +181,15 @@ void
 MappingOutput::writeImages(const MappedFrame& mapped, const SemanticVoxelMap& map) const
 {
   const std::string name = "/" + frameFileName(mapped.frame.number, ".png");
-  const double max_depth = config_.map.max_range;
+  const double max_depth = run_.config.map.max_range;
   const RenderedLabels rendered =
-      renderLabels(mapped.voxels, camera_, mapped.T_world_camera, max_depth);
+      renderLabels(mapped.voxels, *run_.camera, mapped.T_world_camera, max_depth);
   writePng(path("labels" + name), rendered.labels);
   writePng(path("labels_at_depth" + name),
            labelsAtDepth(map, *mapped.cloud, mapped.T_world_camera, max_depth));
   writePng(path("network_labels" + name), networkLabels(mapped));
   writePng(path("overlay" + name),
-           drawOverlay(mapped.frame.left, rendered.labels, label_set_));
+           drawOverlay(mapped.frame.left, rendered.labels, run_.label_set));
   extra_.writeFrame(mapped, rendered);
 }
 
@@ -200,17 +197,18 @@ void
 MappingOutput::finish(const SemanticVoxelMap& map)
 {
   const VoxelCloud voxels = map.occupiedEverywhere();
-  writeVoxelCloud(path("map.pcd"), voxels, label_set_, VoxelColour::measured);
-  writeVoxelCloud(path("map_classes.pcd"), voxels, label_set_, VoxelColour::classes);
-  writeLabelSet(path("label_set.yaml"), label_set_);
+  writeVoxelCloud(path("map.pcd"), voxels, run_.label_set, VoxelColour::measured);
+  writeVoxelCloud(path("map_classes.pcd"), voxels, run_.label_set,
+                  VoxelColour::classes);
+  writeLabelSet(path("label_set.yaml"), run_.label_set);
 
-  if (hasCamera())
+  if (run_.camera)
     writeFinalImages(voxels);
   std::vector<Eigen::Vector3d> positions;
   for (const FrameRecord& frame : frames_)
     positions.push_back(frame.T_world_camera.translation());
   writeKittiTrajectory(path("trajectory.txt"), trajectory());
-  writePng(path("top_view.png"), drawTopView(voxels, positions, label_set_));
+  writePng(path("top_view.png"), drawTopView(voxels, positions, run_.label_set));
   writeSummary(voxels);
 }
 
@@ -222,7 +220,7 @@ MappingOutput::writeFinalImages(const VoxelCloud& voxels) const
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
     const RenderedLabels rendered =
-        renderLabels(voxels, camera_, T_world_camera, config_.map.max_range);
+        renderLabels(voxels, *run_.camera, T_world_camera, run_.config.map.max_range);
     writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
              rendered.labels);
     extra_.writeFinal(frame.number, T_world_camera, labels, rendered);
@@ -237,7 +235,8 @@ MappingOutput::trajectory() const
   Trajectory poses;
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d pose = worldFromFirstCamera().inverse() *
-                                   frame.T_world_camera * T_camera0_camera_.inverse();
+                                   frame.T_world_camera *
+                                   run_.T_camera0_camera.inverse();
     poses.resize(std::size_t(frame.number), poses.empty() ? pose : poses.back());
     poses.push_back(pose);
   }
@@ -249,7 +248,7 @@ MappingOutput::writeSummary(const VoxelCloud& voxels) const
 {
   Json summary;
   summary["finished"] = true;
-  for (const auto& [name, value] : inputs_)
+  for (const auto& [name, value] : run_.inputs)
     summary["inputs"][name] = value;
   summary["frames"] = frames_.size();
   summary["frame_numbers"] = Json::array();
@@ -274,7 +273,7 @@ MappingOutput::writeSummary(const VoxelCloud& voxels) const
   for (const auto& [stage, all] : seconds)
     summary["seconds"][stage] = {{"median", quantile(all, 0.5)},
                                  {"95 %", quantile(all, 0.95)}};
-  MapperConfig config = config_;
+  MapperConfig config = run_.config;
   for (const ConfigParameter& parameter : parametersOf(config))
     summary["options"][parameter.name] = parameter.text();
   summary["versions"] = versions();

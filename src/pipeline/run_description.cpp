@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/version.h>
@@ -95,7 +94,7 @@ describeFrames(const std::vector<int>& frames, std::ostream& text)
 void
 describeCamera(const MappingRun& run, std::ostream& text)
 {
-  const StereoCamera& camera = run.camera;
+  const StereoCamera camera = run.camera.value_or(StereoCamera());
   text << "camera:";
   for (const double value :
        {camera.fx, camera.fy, camera.cx, camera.cy, camera.baseline})
@@ -140,8 +139,7 @@ describeRun(const MappingRun& run)
 {
   std::ostringstream text;
   // Others round in another way.
-  text << "version: " << PCL_SEMANTIC_VERSION << ", OpenCV " << CV_VERSION
-       << "\nsimd: " << nameOf(simdTier()) << "\n";
+  text << "version: " << PCL_SEMANTIC_VERSION << ", OpenCV " << CV_VERSION << "\n";
   for (const auto& [name, value] : run.inputs)
     text << name << ": " << describeInput(value) << "\n";
   describeFrames(run.frames, text);

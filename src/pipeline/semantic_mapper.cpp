@@ -154,6 +154,12 @@ SemanticMapper::process(const CloudFrame& frame)
   return result;
 }
 
+MappedFrame
+SemanticMapper::process(const SensorFrame& frame)
+{
+  return std::visit([this](const auto& each) { return process(each); }, frame);
+}
+
 // From a labelled cloud with its pose to the map.
 void
 SemanticMapper::fuse(MappedFrame& mapped)

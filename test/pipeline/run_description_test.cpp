@@ -18,8 +18,9 @@ makeRun(const std::string& poses)
   MappingRun run;
   run.inputs = {{"sequence", "streets/05"}, {"poses", poses}, {"network", ""}};
   run.frames = {2, 3, 7};
-  run.camera.fx = 700.1;
-  run.camera.baseline = 0.5;
+  run.camera.emplace();
+  run.camera->fx = 700.1;
+  run.camera->baseline = 0.5;
   run.label_set = LabelSet({{"road", {1, 2, 3}}, {"car", {4, 5, 6}, false, true}});
   return run;
 }

@@ -3,9 +3,12 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/stereo_frame.h>
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
+
+#include <variant>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -17,5 +20,8 @@ struct CloudFrame {
   LabelDistributions distributions; ///< L x points, or empty: a cloud without labels
   bool has_colour = false;          ///< whether the cloud's colours mean anything
 };
+
+/** \brief What a sensor gives at one moment: a pair of images or a cloud. */
+using SensorFrame = std::variant<StereoFrame, CloudFrame>;
 
 } // namespace pcl_semantic

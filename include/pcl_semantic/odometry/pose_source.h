@@ -37,6 +37,13 @@ public:
   virtual void
   requirePoses(const std::vector<FrameTime>& /*frames*/) const
   {}
+
+  /** \brief Frames so far whose poses are predicted, as nothing could be tracked. */
+  virtual int
+  lostFrames() const
+  {
+    return 0;
+  }
 };
 
 } // namespace pcl_semantic

@@ -87,7 +87,7 @@ public:
   const OdometryResult& result() const;
 
   /** \brief How many frames were lost since the beginning. */
-  int lostFrames() const;
+  int lostFrames() const override;
 
 private:
   class Engine;

@@ -49,9 +49,6 @@ public:
     return records_;
   }
 
-  /** \brief Whether a frame was in the archive already; frames come in order. */
-  bool holds(int frame) const;
-
   /** \brief After each frame: commits, if it is time. */
   void add(const MappedFrame& mapped, SemanticMapper& mapper);
 

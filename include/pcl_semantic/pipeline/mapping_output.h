@@ -5,6 +5,7 @@
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/pipeline/extra_output.h>
 #include <pcl_semantic/pipeline/frame_record.h>
+#include <pcl_semantic/pipeline/run_description.h>
 
 #include <string>
 #include <utility>
@@ -17,22 +18,16 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  */
 class MappingOutput {
 public:
-  /** \brief What the run was made from, for the summary: ("sequence", "kitti/05"). */
-  using Inputs = std::vector<std::pair<std::string, std::string>>;
-
   /** \brief Makes the folders. What an earlier run left in them stays until the first
    * frame is written.
-   * \param[in] camera that the images are of; one of width 0 for clouds of another
-   * sensor: then none are written
-   * \param[in] T_camera0_camera the camera, or sensor, in KITTI's camera 0
+   * \param[in] run what is mapped; without a camera no images are written. Its inputs
+   * go to the summary
    * \param[in] records of the frames that are in the map already, of a run that goes
    * on: images of others are removed with the first frame that is written
    * \param[in] extra what is written beyond the map and its images
    * \throws BadInputException if images of those frames are missing
    * \throws OutputException also if images lie there that no run of ours has left */
-  MappingOutput(const std::string& folder, const StereoCamera& camera,
-                const LabelSet& label_set, const MapperConfig& config,
-                const Eigen::Isometry3d& T_camera0_camera, Inputs inputs = {},
+  MappingOutput(const std::string& folder, const MappingRun& run,
                 std::vector<FrameRecord> records = {}, ExtraOptions extra = {});
 
   /** \brief What is put into the folder: names of files and of folders. */
@@ -49,12 +44,6 @@ public:
 private:
   std::string path(const std::string& name) const;
 
-  bool
-  hasCamera() const
-  {
-    return camera_.width > 0;
-  }
-
   void writeImages(const MappedFrame& mapped, const SemanticVoxelMap& map) const;
 
   void writeFinalImages(const VoxelCloud& voxels) const;
@@ -70,11 +59,7 @@ private:
   void writeSummary(const VoxelCloud& voxels) const;
 
   std::string folder_;
-  StereoCamera camera_;
-  LabelSet label_set_;
-  MapperConfig config_;
-  Eigen::Isometry3d T_camera0_camera_;
-  Inputs inputs_;
+  MappingRun run_;
   std::vector<FrameRecord> frames_;
   ExtraOutput extra_;
   bool replaced_ = false; // an earlier run's files are gone

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,8 +21,8 @@ struct MappingRun {
   /** Names and values: ("sequence", "kitti/05"). Of a value that is the path of a file
    * its bytes count too. */
   std::vector<std::pair<std::string, std::string>> inputs;
-  std::vector<int> frames; ///< numbers, in order
-  StereoCamera camera;
+  std::vector<int> frames;            ///< numbers, in order
+  std::optional<StereoCamera> camera; ///< none: clouds of another sensor
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
   LabelSet label_set;
   MapperConfig config;

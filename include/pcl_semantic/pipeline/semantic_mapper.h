@@ -76,6 +76,9 @@ public:
    * images are */
   MappedFrame process(const CloudFrame& frame);
 
+  /** \brief Either. \throws as process() of what it is */
+  MappedFrame process(const SensorFrame& frame);
+
   /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
    * that the finished map is refined throughout. */
   void finish();
