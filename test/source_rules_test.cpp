@@ -59,8 +59,11 @@ includeFault(const std::string& module, const std::string& name, bool quoted)
   std::smatch match;
   if (!std::regex_match(name, match, ours)) {
     const std::string first = name.substr(0, name.find('/'));
-    if (levelOf(first) >= 0 && first.size() < name.size())
-      return "expected <pcl_semantic/...>";
+    if (levelOf(first) >= 0 && first.size() < name.size()) { // of src/
+      if (!quoted || first == module)
+        return quoted ? "expected the name alone" : "expected quotes around it";
+      return levelOf(first) < levelOf(module) ? "" : "is an upward or sideways include";
+    }
     return quoted && module != "apps" && name == "tool.h" ? "belongs to apps" : "";
   }
   const std::string target = match[1];
@@ -143,7 +146,11 @@ TEST(SourceRules, TheCheckerFindsBadIncludes)
   EXPECT_EQ(count("map", "#include <pcl_semantic/cliques/clique_generator.h>\n"), 1u);
   EXPECT_EQ(count("crf", "#include <pcl_semantic/files/npy_file.h>\n"), 1u);
   EXPECT_EQ(count("io", "#include <pcl_semantic/evaluation/confusion_matrix.h>\n"), 1u);
+  EXPECT_EQ(count("map", "#include \"pipeline/a.h\"\n"), 1u);
+  EXPECT_EQ(count("map", "#include \"stereo/a.h\"\n"), 1u);
   // around the rules
+  EXPECT_EQ(count("map", "#include \"map/a.h\"\n"), 1u);
+  EXPECT_EQ(count("map", "#include <core/a.h>\n"), 1u);
   EXPECT_EQ(count("core", "#include \"pcl_semantic/core/label_set.h\"\n"), 1u);
   EXPECT_EQ(count("map", "#include \"../stereo/sgbm.h\"\n"), 1u);
   EXPECT_EQ(count("io", "#include \"tool.h\"\n"), 1u);
@@ -154,6 +161,7 @@ TEST(SourceRules, TheCheckerFindsBadIncludes)
                   "#include <pcl_semantic/map/a.h>\n#include <pcl_semantic/core/b.h>\n"
                   "#include <pcl_semantic/files/c.h>\n#include <pcl/io/pcd_io.h>\n"
                   "#include <pcl_semantic/evaluation/d.h>\n#include \"kernels/e.h\"\n"
+                  "#include \"core/f.h\"\n"
                   "#include <map>\n#include <pcl_semantic/version.h>\n"),
             0u);
   EXPECT_EQ(count("apps", "#include \"tool.h\"\n#include <pcl_semantic/io/a.h>\n"), 0u);

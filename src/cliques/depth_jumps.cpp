@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/parallel_guard.h"
+
 #include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
 
 #include <pcl/common/point_tests.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "organized_image.h"
+#include "slic_cliques.h"
 
-#include <pcl_semantic/cliques/slic_cliques.h>
+#include "organized_image.h"
 
 namespace pcl_semantic {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/parallel_guard.h"
+#include "core/voxel_table.h"
 #include "organized_image.h"
 
 #include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/core/quantized_point.h>
 #include <pcl_semantic/core/voxel_index.h>
-#include <pcl_semantic/core/voxel_table.h>
 
 #include <Eigen/Geometry>
 #include <pcl/common/point_tests.h>

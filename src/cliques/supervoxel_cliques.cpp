@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/parallel_guard.h"
+
 #include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
 
 #include <pcl/common/point_tests.h>
 #include <pcl/kdtree/kdtree_flann.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/grey_image.h>
+
+#include "grey_image.h"
 
 #include <opencv2/imgproc.hpp>
 

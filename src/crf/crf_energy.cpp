@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "crf_energy.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/crf_energy.h>
 
 #include <algorithm>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lattice_structure.h"
 
+#include "core/parallel_guard.h"
 #include "kernels/lattice_embedding.h"
 #include "kernels/lattice_filter.h"
 #include "kernels/lattice_search.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "truncated_kernel.h"
+
+#include "core/parallel_guard.h"
 #include "finite.h"
 #include "kernels/run_search.h"
 #include "kernels/truncated_sums.h"
@@ -6,9 +9,7 @@
 #include "point_rows.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/crf/gaussian_term.h>
-#include <pcl_semantic/crf/truncated_kernel.h>
 
 #include <algorithm>
 #include <atomic>

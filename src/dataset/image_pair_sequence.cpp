@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/file_pattern.h"
 #include "stereo_pair_reader.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
-#include <pcl_semantic/files/file_pattern.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <algorithm>

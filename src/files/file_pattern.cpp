@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "file_pattern.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/file_pattern.h>
 
 #include <algorithm>
 #include <cerrno>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "byte_writer.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/npy_file.h>
 

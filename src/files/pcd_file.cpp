@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pcd_file.h"
+
 #include "pcd_data.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/files/pcd_table.h>
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "yaml_config.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/yaml_config.h>
 
 #include <yaml-cpp/yaml.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "crf/crf_energy.h"
 #include "kernels/negative_logs.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/crf_energy.h>
 #include <pcl_semantic/crf/crf_model.h>
 #include <pcl_semantic/crf/lattice_kernel.h>
 #include <pcl_semantic/crf/mean_field.h>

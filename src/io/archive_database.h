@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "files/byte_reader.h"
 #include "sqlite_database.h"
-#include <pcl_semantic/files/byte_reader.h>
 
 #include <pcl_semantic/core/voxel_index.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/files/byte_reader.h>
+#include "files/byte_reader.h"
+
 #include <pcl_semantic/map/semantic_voxel.h>
 
 #include <memory>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/file_pattern.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/file_pattern.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/cloud_sequence.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>

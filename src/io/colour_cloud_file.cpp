@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/files/pcd_file.h>
+#include "files/pcd_file.h"
+
 #include <pcl_semantic/io/colour_cloud_file.h>
 
 #include <cstring>

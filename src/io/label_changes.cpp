@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "label_changes.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/label_changes.h>
 
 #include <algorithm>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/grey_image.h"
+#include "label_changes.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/grey_image.h>
-#include <pcl_semantic/io/label_changes.h>
 #include <pcl_semantic/io/label_sheet.h>
 #include <pcl_semantic/io/map_pictures.h>
 #include <pcl_semantic/io/picture_parts.h>

@@ -3,10 +3,10 @@
 #include "archive_meta.h"
 #include "block_counter.h"
 #include "block_encoding.h"
+#include "core/parallel_guard.h"
+#include "files/byte_writer.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
-#include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 

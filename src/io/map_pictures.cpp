@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/grey_image.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/io/map_pictures.h>
 #include <pcl_semantic/io/picture_parts.h>
 

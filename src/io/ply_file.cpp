@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/byte_writer.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/io/ply_file.h>
 #include <pcl_semantic/map/voxel_set.h>
 

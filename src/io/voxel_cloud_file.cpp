@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/pcd_file.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 
 #include <cstring>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map/cube_renderer.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/picture_view.h>
 #include <pcl_semantic/io/voxel_picture.h>
-#include <pcl_semantic/map/cube_renderer.h>
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <opencv2/core/mat.hpp>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration_term.h"
+#include "core/parallel_guard.h"
+#include "files/yaml_config.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
-#include <pcl_semantic/files/yaml_config.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 
 #include <limits>

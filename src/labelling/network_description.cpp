@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/yaml_config.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/yaml_config.h>
 #include <pcl_semantic/labelling/network_description.h>
 
 #include <cmath>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "onnx_check.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
-#include <pcl_semantic/labelling/onnx_check.h>
 
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>

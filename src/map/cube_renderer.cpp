@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cube_renderer.h"
+
+#include "core/parallel_guard.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/parallel_guard.h>
-#include <pcl_semantic/map/cube_renderer.h>
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/parallel_guard.h"
 #include "kernels/ray_directions.h"
 #include "tile_sweep.h"
 
-#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/map/ray_caster.h>
 #include <pcl_semantic/map/ray_traversal.h>
 

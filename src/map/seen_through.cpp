@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/voxel_table.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/quantized_point.h>
-#include <pcl_semantic/core/voxel_table.h>
 #include <pcl_semantic/map/seen_through.h>
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/parallel_guard.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/label_set.h>
-#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/map/block_reader.h>
 #include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/ray_caster.h>

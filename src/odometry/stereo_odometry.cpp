@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "circle_tracker.h"
+#include "core/grey_image.h"
 #include "keyframe_window.h"
 #include "pose_ransac.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
 #include <algorithm>

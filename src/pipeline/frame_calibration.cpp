@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "frame_calibration.h"
+#include "stereo/cloud_features.h"
+#include "stereo/ground_plane.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/pipeline/frame_calibration.h>
-#include <pcl_semantic/stereo/cloud_features.h>
-#include <pcl_semantic/stereo/ground_plane.h>
 
 namespace pcl_semantic {
 

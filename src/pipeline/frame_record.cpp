@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/byte_reader.h"
+#include "files/byte_writer.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/byte_reader.h>
-#include <pcl_semantic/files/byte_writer.h>
 #include <pcl_semantic/pipeline/frame_record.h>
 
 namespace pcl_semantic {

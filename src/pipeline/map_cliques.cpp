@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "frame_calibration.h"
+#include "stereo/ground_plane.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/label_calibration.h>
-#include <pcl_semantic/pipeline/frame_calibration.h>
 #include <pcl_semantic/pipeline/listed_labels.h>
 #include <pcl_semantic/pipeline/map_cliques.h>
-#include <pcl_semantic/stereo/ground_plane.h>
 
 #include <Eigen/Eigenvalues>
 #include <pcl/common/io.h>

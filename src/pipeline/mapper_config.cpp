@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cliques/slic_cliques.h"
+#include "files/yaml_config.h"
+
 #include <pcl_semantic/cliques/cube_cliques.h>
-#include <pcl_semantic/cliques/slic_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/yaml_config.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 

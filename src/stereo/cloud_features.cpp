@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_features.h"
+#include "ground_plane.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/stereo/cloud_features.h>
-#include <pcl_semantic/stereo/ground_plane.h>
 
 #include <opencv2/imgproc.hpp>
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "disparity_cleaning.h"
 
+#include "core/parallel_guard.h"
 #include "kernels/map_disparity.h"
 #include "kernels/smoothing.h"
-
-#include <pcl_semantic/core/parallel_guard.h>
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/grey_image.h"
+#include "core/parallel_guard.h"
 #include "disparity_cleaning.h"
 #include "image_pair.h"
 #include "kernels/map_disparity.h"
@@ -6,8 +8,6 @@
 #include "support_points.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/grey_image.h>
-#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/stereo/elas.h>
 
 #include <opencv2/core/mat.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ground_plane.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/stereo/ground_plane.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/grey_image.h"
 #include "image_pair.h"
 
-#include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/stereo/pair_check.h>
 
 #include <opencv2/imgproc.hpp>

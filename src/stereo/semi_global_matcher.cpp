@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/grey_image.h"
+#include "core/parallel_guard.h"
 #include "disparity_cleaning.h"
 #include "image_pair.h"
 #include "kernels/map_disparity.h"
 #include "semi_global_band.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/grey_image.h>
-#include <pcl_semantic/core/parallel_guard.h>
 #include <pcl_semantic/stereo/semi_global_matcher.h>
 
 #include <algorithm>

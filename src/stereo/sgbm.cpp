@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/grey_image.h"
 #include "image_pair.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/grey_image.h>
 #include <pcl_semantic/stereo/sgbm.h>
 
 #include <opencv2/calib3d.hpp>

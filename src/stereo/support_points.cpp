@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support_points.h"
 
+#include "core/parallel_guard.h"
 #include "kernels/map_disparity.h"
-
-#include <pcl_semantic/core/parallel_guard.h>
 
 #include <algorithm>
 #include <cstdlib>

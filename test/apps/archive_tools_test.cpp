@@ -2,10 +2,10 @@
 
 // pcl_semantic_archive, and what pcl_semantic_map says of archives it cannot use.
 
+#include "files/pcd_file.h"
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/io/map_archive.h>
 
 namespace pcl_semantic {

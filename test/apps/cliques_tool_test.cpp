@@ -3,6 +3,7 @@
 // pcl_semantic_cliques, what pcl_semantic_crf makes of its field, and cliques of
 // pcl_semantic_map.
 
+#include "files/pcd_file.h"
 #include "support/bad_case.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
@@ -11,7 +12,6 @@
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
 #include <pcl_semantic/core/quantized_point.h>
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/odometry/pose_source.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/pcd_file.h"
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
 #include "support/virtual_display.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>

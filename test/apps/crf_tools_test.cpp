@@ -2,6 +2,7 @@
 
 // pcl_semantic_crf and pcl_semantic_image_crf.
 
+#include "files/pcd_file.h"
 #include "support/bad_case.h"
 #include "support/tiny_street.h"
 
@@ -9,7 +10,6 @@
 #include <pcl_semantic/cliques/slic.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/filters/image_crf.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 

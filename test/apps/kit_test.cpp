@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/pcd_file.h"
 #include "support/bad_case.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
-
-#include <pcl_semantic/files/pcd_file.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

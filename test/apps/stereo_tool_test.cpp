@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/pcd_file.h"
 #include "support/bad_case.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 

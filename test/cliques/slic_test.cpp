@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../../src/cliques/kernels/slic_assignment.h"
 
+#include "cliques/slic_cliques.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/cliques/slic_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/parallel_guard.h>
+
+#include "core/parallel_guard.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "crf/crf_energy.h"
 #include "support/enumerated_crf.h"
 #include "support/random_crf.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/crf_energy.h>
 
 #include <gtest/gtest.h>
 

@@ -2,12 +2,12 @@
 
 // Models that must be refused, and the parts they are made of.
 
+#include "crf/matrix_kernel.h"
 #include "support/brute_force_crf.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/crf_model.h>
-#include <pcl_semantic/crf/matrix_kernel.h>
 #include <pcl_semantic/crf/mean_field.h>
 
 #include <gtest/gtest.h>

@@ -2,11 +2,11 @@
 #include "crf/kernels/run_search.h"
 #include "crf/kernels/truncated_sums.h"
 #include "crf/point_rows.h"
+#include "crf/truncated_kernel.h"
 #include "support/brute_force_crf.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/crf/truncated_kernel.h>
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/file_pattern.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 #include "support/unprivileged.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/file_pattern.h>
 
 #include <gtest/gtest.h>
 

@@ -4,12 +4,12 @@
 
 #include "../../src/files/pcd_data.h"
 
+#include "files/pcd_file.h"
 #include "support/mutate.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/pcd_file.h>
 
 #include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/pcd_file.h"
 #include "support/full_disk.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/pcd_file.h>
 
 #include <gtest/gtest.h>
 #include <pcl/conversions.h>

@@ -2,11 +2,11 @@
 
 // Reading what PCL and we write; bad files are in pcd_bad_input_test.cpp.
 
+#include "files/pcd_file.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/pcd_file.h>
 
 #include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/yaml_config.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/yaml_config.h>
 
 #include <gtest/gtest.h>
 

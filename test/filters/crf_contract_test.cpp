@@ -2,11 +2,11 @@
 
 // What a user may rely on besides the mathematics: places, types, bad input.
 
+#include "cliques/slic_cliques.h"
 #include "support/plain_cloud_crf.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
-#include <pcl_semantic/cliques/slic_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/pcd_file.h"
 #include "support/full_disk.h"
 #include "support/mutate.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/pcd_file.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>
 
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "io/label_changes.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/io/label_changes.h>
 #include <pcl_semantic/io/label_sheet.h>
 #include <pcl_semantic/io/map_pictures.h>
 #include <pcl_semantic/io/voxel_picture.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "labelling/onnx_check.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/labelling/onnx_check.h>
 
 #include <support/onnx_writer.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map/cube_renderer.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/map/cube_renderer.h>
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <gtest/gtest.h>

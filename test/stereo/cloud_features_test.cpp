@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/cloud_features.h"
 #include "support/thrown_message.h"
 #include "support/tilted_street.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/stereo/cloud_features.h>
 
 #include <gtest/gtest.h>
 

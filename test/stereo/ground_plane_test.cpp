@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/ground_plane.h"
 #include "support/thrown_message.h"
 #include "support/tilted_street.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/stereo/ground_plane.h>
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>

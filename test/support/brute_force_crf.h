@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/crf/truncated_kernel.h>
+#include "crf/truncated_kernel.h"
 
 #include <cmath>
 #include <limits>

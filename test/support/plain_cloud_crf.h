@@ -4,10 +4,10 @@
 
 #pragma once
 
+#include "crf/truncated_kernel.h"
 #include "support/brute_force_crf.h"
 #include "support/plain_crf.h"
 
-#include <pcl_semantic/crf/truncated_kernel.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <numeric>

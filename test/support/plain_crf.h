@@ -5,8 +5,9 @@
 
 #pragma once
 
+#include "crf/matrix_kernel.h"
+
 #include <pcl_semantic/crf/crf_model.h>
-#include <pcl_semantic/crf/matrix_kernel.h>
 
 #include <algorithm>
 #include <cstdint>

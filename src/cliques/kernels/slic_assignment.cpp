@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slic_assignment.h"
-
-#include <pcl_semantic/core/simd_choice.h>
+#include "core/simd_choice.h"
 
 #define HWY_TARGET_INCLUDE "cliques/kernels/slic_assignment.cpp"
 #include <hwy/foreach_target.h>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "column_products.h"
 
+#include "core/simd_choice.h"
 #include "fetch_ahead.h"
-
-#include <pcl_semantic/core/simd_choice.h>
 
 #define HWY_TARGET_INCLUDE "crf/kernels/column_products.cpp"
 #include <hwy/foreach_target.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "label_mix.h"
-
-#include <pcl_semantic/core/simd_choice.h>
+#include "core/simd_choice.h"
 
 #define HWY_TARGET_INCLUDE "crf/kernels/label_mix.cpp"
 #include <hwy/foreach_target.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_max.h"
-
-#include <pcl_semantic/core/simd_choice.h>
+#include "core/simd_choice.h"
 
 #define HWY_TARGET_INCLUDE "crf/kernels/soft_max.cpp"
 #include <hwy/foreach_target.h>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "truncated_sums.h"
 
+#include "core/simd_choice.h"
 #include "run_search.h"
-
-#include <pcl_semantic/core/simd_choice.h>
 
 #define HWY_TARGET_INCLUDE "crf/kernels/truncated_sums.cpp"
 #include <hwy/cache_control.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "negative_logs.h"
-
-#include <pcl_semantic/core/simd_choice.h>
+#include "core/simd_choice.h"
 
 #include <cmath>
 

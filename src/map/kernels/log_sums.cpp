@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "log_sums.h"
-
-#include <pcl_semantic/core/simd_choice.h>
+#include "core/simd_choice.h"
 
 #define HWY_TARGET_INCLUDE "map/kernels/log_sums.cpp"
 #include <hwy/foreach_target.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ray_directions.h"
+#include "core/simd_choice.h"
 
-#include <pcl_semantic/core/simd_choice.h>
 #include <pcl_semantic/map/directed_ray.h>
 #include <pcl_semantic/map/ray_traversal.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_disparity.h"
 
-#include <pcl_semantic/core/simd_choice.h>
+#include "core/simd_choice.h"
 
 #define HWY_TARGET_INCLUDE "stereo/kernels/map_disparity.cpp"
 #include <hwy/foreach_target.h>

@@ -4,9 +4,8 @@
 #include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/cliques/slic.h>
-#include <pcl_semantic/core/export.h>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Superpixels of an organized cloud's colours as cliques, split where they jump
  * in depth: every finite point is in exactly one. Points without depth take part in the

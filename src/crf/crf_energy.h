@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/crf_model.h>
 
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief The energy of a labelling, eq. (9) of the paper without the minimum: unary
  * and pairwise costs (each pair once) plus those of the cliques.

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-
 #include <exception>
 #include <mutex>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Carries an exception out of an OpenMP region, which none may leave by itself:
  * a lack of memory in a thread would end the program. */

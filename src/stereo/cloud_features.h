@@ -2,7 +2,6 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/point_features.h>
 
 #include <Eigen/Geometry>
@@ -12,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Colour, and above a ground height, distance, levelness and side of the points
  * of an organized cloud; the same for any number of threads.

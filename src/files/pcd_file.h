@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/files/pcd_table.h>
 
 #include <iosfwd>
 #include <string>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Reads a `.pcd` file: ascii, binary or binary_compressed, fields of any name,
  * order and type, as PCL 1.13 and others write them. PCL's own reader crashes on an

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/export.h>
-#include <pcl_semantic/files/byte_writer.h>
+#include "byte_writer.h"
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+#include <pcl_semantic/core/exceptions.h>
+
+namespace pcl_semantic {
 
 /** \brief Reads what ByteWriter wrote; never beyond the end.
  * Every method throws BadInputException if there are too few bytes. */

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/crf/gaussian_term.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
@@ -9,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 class PointRows;
 class SortedPoints;

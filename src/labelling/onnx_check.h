@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Checks an ONNX file before OpenCV reads it: OpenCV 4.6 trusts the dimensions
  * of tensors and ends the program where they exceed the data.

@@ -3,8 +3,7 @@
 // How the hot loops (src/<module>/kernels/*.cpp) are compiled: Google Highway includes
 // such a file once a target, and PCL_SEMANTIC_OF_TIER chooses among what came of it.
 //
-//     #include <pcl_semantic/core/simd_choice.h>
-//     #define HWY_TARGET_INCLUDE "module/kernels/this_file.cpp"
+//     //     #define HWY_TARGET_INCLUDE "module/kernels/this_file.cpp"
 //     #include <hwy/foreach_target.h>
 //     #include <hwy/highway.h>
 //     HWY_BEFORE_NAMESPACE();
@@ -25,7 +24,8 @@
 
 #pragma once
 
-#include <pcl_semantic/core/export.h>
+#include "simd_choice.h"
+
 #include <pcl_semantic/core/simd.h>
 
 // GCC before 12.3 can go wrong in Highway's emulated vectors, which are then replaced

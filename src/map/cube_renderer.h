@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/core/voxel_index.h>
 
@@ -10,7 +9,7 @@
 
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Which voxel each pixel sees, and how far away it is. */
 struct CubeImage {

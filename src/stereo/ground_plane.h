@@ -2,7 +2,6 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
-#include <pcl_semantic/core/export.h>
 
 #include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
@@ -12,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief The plane of the ground before a camera, its normal towards the camera: least
  * squares with Cauchy weights of 5 cm, begun from the median height, so that kerbs and

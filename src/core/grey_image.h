@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-
 #include <opencv2/core/mat.hpp>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief A grey image as it is, a colour one (BGR) as grey.
  * \param[in] image CV_8UC1 or CV_8UC3

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Finds the place of a voxel in a list; of one that is there several times, the
  * first. Open addressing: many times faster to make than a std::unordered_map. */

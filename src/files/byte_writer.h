@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -10,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 using Bytes = std::vector<std::uint8_t>;
 
