@@ -54,7 +54,7 @@ TEST(RunDescription, NamesWhatHasChanged)
             "network was none, is net.yaml");
   EXPECT_EQ(change([](MappingRun& run) { run.inputs[0].second = "streets/06"; }),
             "sequence was streets/05, is streets/06");
-  EXPECT_TRUE(holds(change([](MappingRun& run) { run.camera.baseline += 1e-12; }),
+  EXPECT_TRUE(holds(change([](MappingRun& run) { run.camera->baseline += 1e-12; }),
                     "camera was 700.1 0 0 0 0.5 0x0, is 700.1 0 0 0 0.50000000000"));
   EXPECT_TRUE(holds(
       change([](MappingRun& run) { run.T_camera0_camera.translation().x() = 0.06; }),
