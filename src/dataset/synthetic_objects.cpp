@@ -110,9 +110,11 @@ ObjectBuilder::tree(double height, Random& random)
       Vector3f(0.20f, 0.15f, 0.10f));
   for (int k = 0; k < 3; ++k) {
     const double size = reach * random.uniform(0.75, 1.15);
-    const Vector3d offset(0.35 * reach * random.uniform(-1.0, 1.0),
-                          0.35 * reach * random.uniform(-1.0, 1.0),
-                          trunk * random.uniform(0.75, 1.0) + 0.2 * height * k);
+    // One after the other: compilers evaluate arguments in orders of their own.
+    const double up = trunk * random.uniform(0.75, 1.0) + 0.2 * height * k;
+    const double left = 0.35 * reach * random.uniform(-1.0, 1.0);
+    const double along = 0.35 * reach * random.uniform(-1.0, 1.0);
+    const Vector3d offset(along, left, up);
     Primitive& crown = add(Shape::bush, Material::leaves, synthetic_vegetation, offset,
                            {1.1 * size, 1.1 * size, 0.9 * size}, leaves);
     crown.roughness = 0.42;
@@ -301,8 +303,8 @@ buildParkedCars(ObjectBuilder& builder, const RoadLine& road, double end,
     for (double s = kBegin; s < end; s += random.uniform(5.6, 7.5)) {
       if (random.chance(0.62))
         continue;
-      builder.place(road, {s, side * random.uniform(4.05, 4.2)},
-                    random.uniform(-0.03, 0.03));
+      const double turned = random.uniform(-0.03, 0.03);
+      builder.place(road, {s, side * random.uniform(4.05, 4.2)}, turned);
       builder.car(random);
     }
   }
