@@ -5,8 +5,8 @@
 
 namespace pcl_semantic {
 
-template class PCL_SEMANTIC_EXPORT SemanticCRF<pcl::PointXYZL>;
-template class PCL_SEMANTIC_EXPORT SemanticCRF<pcl::PointXYZRGBL>;
-template class PCL_SEMANTIC_EXPORT SemanticCRF<pcl::PointXYZLNormal>;
+template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZL>;
+template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZRGBL>;
+template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZLNormal>;
 
 } // namespace pcl_semantic

@@ -79,8 +79,8 @@ BlockReader::countOccupied(const VoxelBlock& block) const
     return 0;
   std::size_t count = 0; // not by isOccupied(): this loop compilers make wide
   for (std::size_t place = 0; place < kBlockVoxels; ++place)
-    count += (block.record_of[place] != VoxelBlock::kNoRecord) &
-             occupancy_.isOccupied(block.log_odds[place]);
+    count += int(block.record_of[place] != VoxelBlock::kNoRecord) &
+             int(occupancy_.isOccupied(block.log_odds[place]));
   return count;
 }
 

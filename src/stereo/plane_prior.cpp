@@ -10,7 +10,7 @@ namespace pcl_semantic {
 
 PlanePrior::PlanePrior(std::vector<SupportPoint> points, int width, int height,
                        int disparities)
-    : width_(width), height_(height), columns_((width + cell_size - 1) / cell_size),
+    : width_(width), columns_((width + cell_size - 1) / cell_size),
       rows_((height + cell_size - 1) / cell_size), bytes_(disparities / 8),
       seen_(std::size_t(columns_ * rows_ * bytes_), 0)
 {

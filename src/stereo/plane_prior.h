@@ -42,7 +42,7 @@ private:
 
   void markSeen(const std::vector<SupportPoint>& points);
 
-  int width_, height_;
+  int width_;
   int columns_, rows_; // of the cells
   int bytes_;          // a cell
   std::vector<Triangle> triangles_;

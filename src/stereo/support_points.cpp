@@ -12,8 +12,6 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr int descriptor_reach = 2; // of a descriptor [px]
-
 struct Element {
   bool vertical;
   int u, v;

@@ -35,3 +35,7 @@ them, and objects are corrupted"
 /** \brief What the library shows of itself: everything that a public header declares in
  * `namespace PCL_SEMANTIC_EXPORT pcl_semantic`. All else is hidden. */
 #define PCL_SEMANTIC_EXPORT [[gnu::visibility("default")]]
+
+/** \brief The same for an instantiation of a template, where compilers differ about the
+ * place of a standard attribute: `template class PCL_SEMANTIC_INSTANCE Name<Type>`. */
+#define PCL_SEMANTIC_INSTANCE __attribute__((visibility("default")))
