@@ -62,7 +62,7 @@ noteTimes(const MappedFrame& mapped)
 // Maps what the run has and the archive does not hold yet.
 void
 mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
-          MappingOutput& output, tool::LiveView* view)
+          MappingOutput& output, bool is_watched)
 {
   const std::size_t mapped_before = archive.records().size();
   source.skip(mapped_before);
@@ -76,8 +76,8 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
     const MappedFrame mapped = mapper.process(*frame);
     output.writeFrame(mapped, mapper.map());
     archive.add(mapped, mapper);
-    if (view)
-      view->show(mapped);
+    if (is_watched)
+      output.writeLive(mapped);
     noteTimes(mapped);
     progress.step();
     is_empty = is_empty && mapped.voxels.size() == 0;
@@ -109,20 +109,18 @@ mapSource(const MapArguments& arguments)
   std::unique_ptr<PoseSource> owned_poses = source->openPoses();
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(source->times());
-  std::unique_ptr<tool::LiveView> view;
+  std::optional<tool::LiveView> view;
   if (arguments.view)
-    view = std::make_unique<tool::LiveView>(run);
+    view.emplace(arguments.output, arguments.sequence.folder);
   MappingArchive archive(arguments.archive, run);
   const auto mapper = source->makeMapper(std::move(owned_poses), archive.store());
   MappingOutput output(arguments.output, describedRun(arguments, *source),
                        archive.records(), source->extras());
   archive.resume(*mapper);
-  mapFrames(*source, *mapper, archive, output, view.get());
+  mapFrames(*source, *mapper, archive, output, arguments.view);
   judgeTracking(arguments, poses.lostFrames(), int(run.frames.size()));
   archive.finish(*mapper);
   output.finish(mapper->map());
-  if (view)
-    view->finish(mapper->map());
   if (!archive.close())
     tool::warn(arguments.archive.path + ": is being read by another program: " +
                arguments.archive.path + "-wal still belongs to it");

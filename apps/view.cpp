@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "display.h"
-#include "live_frames.h"
 #include "map_viewer.h"
 #include "messages.h"
 #include "view_arguments.h"
@@ -10,6 +9,7 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
 
+#include <csignal>
 #include <iostream>
 
 #ifdef __SANITIZE_ADDRESS__
@@ -55,17 +55,14 @@ viewMap(const ViewArguments& arguments)
 }
 
 int
-viewLive(const ViewArguments& arguments)
+followMap(const ViewArguments& arguments)
 {
-  MapViewer viewer("pcl_semantic_view", arguments.picture.size,
-                   !arguments.screenshot.empty());
-  tool::LiveShow show(arguments, viewer);
-  if (arguments.screenshot.empty()) {
-    show.sayReady();
-    viewer.run([&] { show.showNewest(); });
-  }
-  else
-    show.showLast();
+  MapViewer viewer("pcl_semantic_view: " + arguments.map, arguments.picture.size,
+                   false);
+  tool::FollowedMap map(arguments, viewer);
+  std::cout << "following: " << arguments.map << std::endl;
+  std::signal(SIGPIPE, SIG_IGN); // who started the window may end before it
+  viewer.run([&] { map.update(); });
   return leave(arguments, viewer);
 }
 
@@ -82,7 +79,7 @@ view(const ViewArguments& arguments, char** argv)
     tool::restartOnVirtualDisplay(argv);
   }
   tool::catchInterrupts();
-  return arguments.live ? viewLive(arguments) : viewMap(arguments);
+  return arguments.follow ? followMap(arguments) : viewMap(arguments);
 }
 
 } // namespace

@@ -53,9 +53,9 @@ optionsOf(ViewArguments& arguments, std::string& hide, std::string& keys)
       "show pictures of this sequence (KITTI's layout) where the camera was")(
       "keys", po::value(&keys),
       "keys pressed at the beginning, with commas between them: m,3,Down")(
-      "live", po::bool_switch(&arguments.live),
-      "instead of MAP: show the maps that pcl_semantic_map --view sends on standard "
-      "input");
+      "follow", po::bool_switch(&arguments.follow),
+      "MAP is the output folder of a pcl_semantic_map --view that runs or is about to: "
+      "show the map after each frame; --images shows the newest image");
   options.add_options()("small", po::bool_switch(&arguments.small),
                         "half the bytes, in fewer shades of colour");
   addPictureOptions(arguments.picture, options);
@@ -77,8 +77,10 @@ parseViewArguments(int argc, char** argv, ViewArguments& arguments)
   po::variables_map values;
   if (!parseCommandLine(argc, argv, usage, options, positional, values))
     return false;
-  if (arguments.map.empty() != arguments.live)
-    failUsage(usage, arguments.live ? "--live takes no MAP" : "MAP is missing");
+  if (arguments.map.empty())
+    failUsage(usage, "MAP is missing");
+  if (arguments.follow && !arguments.screenshot.empty())
+    failUsage(usage, "--follow needs a window, --screenshot has none");
   requireExtension(arguments.screenshot, ".png");
   refuseSameFiles({arguments.map, arguments.picture.hints.trajectory,
                    arguments.picture.hints.label_set},

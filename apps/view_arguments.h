@@ -18,7 +18,7 @@ struct ViewArguments {
   double above = -std::numeric_limits<double>::infinity(); ///< [m]
   std::string images;                                      ///< a sequence; empty = none
   std::vector<std::string> keys;                           ///< pressed at the beginning
-  bool live = false;  ///< maps come on standard input
+  bool follow = false;                                     ///< the map is being made
   bool small = false; ///< fewer bytes in the screenshot
   int threads = 0;
   PictureOptions picture;

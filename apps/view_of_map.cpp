@@ -1,20 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view_of_map.h"
 
-#include "live_frames.h"
 #include "view_panel.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
 #include <cmath>
 #include <filesystem>
-#include <iostream>
-#include <mutex>
-#include <thread>
-
-#include <fcntl.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 namespace pcl_semantic::tool {
 
@@ -58,6 +50,17 @@ viewsOf(const PictureOptions& options, const VoxelScene& scene, const Trajectory
   return views;
 }
 
+// Where the camera is now, seen from behind it.
+PictureView
+behindCamera(const ViewedMap& map, const ViewArguments& arguments)
+{
+  const Eigen::Isometry3d& pose = map.path.back();
+  const Eigen::Vector3d behind = pose * Eigen::Vector3d(0.0, -6.0, -10.0),
+                        ahead = pose * Eigen::Vector3d(0.0, 1.0, 12.0);
+  return lookAt(behind - map.grid.corner, ahead - map.grid.corner, 60.0 * M_PI / 180.0,
+                arguments.picture.size);
+}
+
 std::set<Label>
 labelsOf(const std::vector<std::string>& names, const LabelSet& label_set)
 {
@@ -94,7 +97,8 @@ openMap(const ViewArguments& arguments)
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           "--images: where the camera was is not known; name its "
                           "--trajectory");
-    opened.map.pictures = picturesOf(arguments.images, opened.map.path, kMostPictures);
+    opened.map.pictures = picturesOf(arguments.images, opened.map.path,
+                                     arguments.follow ? 1 : kMostPictures);
     opened.state.pictures = true;
   }
   const std::filesystem::path path(arguments.map);
@@ -103,115 +107,50 @@ openMap(const ViewArguments& arguments)
   return opened;
 }
 
-// What the reading thread and the window have in common.
-struct LiveShow::Inbox {
-  std::mutex mutex;
-  std::optional<ViewedMap> newest;
-  std::thread reader;
-};
-
-LiveShow::LiveShow(const ViewArguments& arguments, MapViewer& viewer)
-    : arguments_(arguments), viewer_(viewer), inbox_(std::make_shared<Inbox>())
-{
-  viewer.state().pictures = true;
-}
-
-LiveShow::~LiveShow()
-{
-  if (!inbox_->reader.joinable())
-    return;
-  // The reader may wait for a frame; only a socket can be told to give up.
-  if (shutdown(STDIN_FILENO, SHUT_RDWR) == 0)
-    inbox_->reader.join();
-  else
-    inbox_->reader.detach();
-}
+FollowedMap::FollowedMap(const ViewArguments& arguments, MapViewer& viewer)
+    : arguments_(arguments), viewer_(viewer), folder_(arguments.map)
+{}
 
 void
-LiveShow::sayReady()
+FollowedMap::update()
 {
-  std::cout << "ready" << std::endl;
-  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  dup2(nowhere, STDOUT_FILENO);
-  dup2(nowhere, STDERR_FILENO);
-  close(nowhere);
-  inbox_->reader = std::thread([inbox = inbox_] {
+  for (const std::string& folder : {folder_ + "/live", folder_}) {
+    std::error_code error;
+    const auto written =
+        std::filesystem::last_write_time(folder + "/summary.json", error);
+    if (error)
+      continue;
+    if (written == shown_)
+      return;
+    shown_ = written;
+    arguments_.map = folder;
     try {
-      while (std::optional<ViewedMap> map = readViewedMap(stdin)) {
-        const std::lock_guard<std::mutex> lock(inbox->mutex);
-        inbox->newest = std::move(map);
-      }
+      show(openMap(arguments_));
     }
     catch (const BadInputException&) {
-      // Who sends was killed: what has come stays on the screen.
+      // Nothing to look at yet, or on its way from one frame to the next.
     }
-  });
-}
-
-void
-LiveShow::showNewest()
-{
-  std::optional<ViewedMap> newest;
-  {
-    const std::lock_guard<std::mutex> lock(inbox_->mutex);
-    newest.swap(inbox_->newest);
+    return;
   }
-  if (newest)
-    show(std::move(*newest));
 }
 
 void
-LiveShow::showLast()
+FollowedMap::show(OpenedMap opened)
 {
-  std::optional<ViewedMap> last;
-  while (std::optional<ViewedMap> map = readViewedMap(stdin))
-    last = std::move(map);
-  if (!last)
-    PCL_THROW_EXCEPTION(BadInputException, "standard input: has no map");
-  show(std::move(*last));
-}
-
-void
-LiveShow::show(ViewedMap map)
-{
-  if (map.indices.empty())
-    return; // nothing to look at yet
-  std::vector<PictureView> views = viewsOf(map);
-  if (!map.path.empty()) {
-    const Eigen::Vector3d place = map.path.back().translation();
+  if (!opened.map.path.empty()) {
+    opened.views.insert(opened.views.begin(), behindCamera(opened.map, arguments_));
+    const Eigen::Vector3d place = opened.map.path.back().translation();
     if (!is_first_) // it comes along
       viewer_.move(place - last_place_);
     last_place_ = place;
   }
-  viewer_.show(std::move(map), std::move(views));
+  if (is_first_)
+    viewer_.state() = opened.state;
+  viewer_.show(std::move(opened.map), std::move(opened.views));
   if (is_first_)
     for (const std::string& key : arguments_.keys)
       viewer_.press(key);
   is_first_ = false;
-}
-
-// From behind the camera, and the map as a whole.
-std::vector<PictureView>
-LiveShow::viewsOf(const ViewedMap& map) const
-{
-  const cv::Size size = arguments_.picture.size;
-  VoxelScene scene;
-  scene.grid = map.grid;
-  scene.voxels.indices = map.indices;
-  SensorPath path = pathOf(map.path);
-  for (Eigen::Vector3d& place : path)
-    place -= map.grid.corner;
-  std::vector<PictureView> views;
-  if (!map.path.empty()) {
-    const Eigen::Isometry3d& pose = map.path.back();
-    const Eigen::Vector3d behind = pose * Eigen::Vector3d(0.0, -6.0, -10.0),
-                          ahead = pose * Eigen::Vector3d(0.0, 1.0, 12.0);
-    views.push_back(lookAt(behind - map.grid.corner, ahead - map.grid.corner,
-                           60.0 * M_PI / 180.0, size));
-  }
-  views.push_back(angleView(scene, path, size));
-  views.push_back(aboveView(scene, path, size));
-  return views;
 }
 
 } // namespace pcl_semantic::tool

@@ -4,7 +4,8 @@
 #include "map_viewer.h"
 #include "view_arguments.h"
 
-#include <memory>
+#include <filesystem>
+#include <string>
 
 namespace pcl_semantic::tool {
 
@@ -19,32 +20,22 @@ struct OpenedMap {
  * \throws BadInputException, InvalidParameterException */
 OpenedMap openMap(const ViewArguments& arguments);
 
-/** \brief Shows the maps that come on standard input. */
-class LiveShow {
+/** \brief Shows the map of a folder while pcl_semantic_map --view writes to it: what is
+ * around the sensor after each frame, and at the end the whole. */
+class FollowedMap {
 public:
-  LiveShow(const ViewArguments& arguments, MapViewer& viewer);
-  ~LiveShow();
+  FollowedMap(const ViewArguments& arguments, MapViewer& viewer);
 
-  /** \brief Tells who sends that the window is open, and begins to read: whatever
-   * comes, so that nobody waits for the window. From now on nothing is printed. */
-  void sayReady();
-
-  /** \brief Shows the newest that has come since. */
-  void showNewest();
-
-  /** \brief Waits for the end and shows the last.
-   * \throws BadInputException if none came */
-  void showLast();
+  /** \brief Shows the map if it has changed. */
+  void update();
 
 private:
-  struct Inbox;
+  void show(OpenedMap opened);
 
-  void show(ViewedMap map);
-  std::vector<PictureView> viewsOf(const ViewedMap& map) const;
-
-  const ViewArguments& arguments_;
+  ViewArguments arguments_;
   MapViewer& viewer_;
-  std::shared_ptr<Inbox> inbox_;
+  const std::string folder_;
+  std::filesystem::file_time_type shown_; ///< when that map was written
   bool is_first_ = true;
   Eigen::Vector3d last_place_ = Eigen::Vector3d::Zero(); ///< of the camera
 };

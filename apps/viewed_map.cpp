@@ -43,6 +43,33 @@ classesOf(const ViewedMap& map, const LabelSet& label_set)
   return classes;
 }
 
+// A picture of no more than so many columns, its camera with it.
+ViewedPicture
+smallPicture(const cv::Mat& image, const StereoCamera& camera,
+             const Eigen::Isometry3d& T_map_camera, int columns)
+{
+  ViewedPicture picture{image, camera, T_map_camera};
+  if (image.channels() == 1)
+    cv::cvtColor(image, picture.image, cv::COLOR_GRAY2BGR);
+  picture.camera.width = image.cols;
+  picture.camera.height = image.rows;
+  if (image.cols <= columns)
+    return picture;
+  const int rows = std::max(2, cvRound(double(image.rows) * columns / image.cols));
+  cv::Mat small;
+  cv::resize(picture.image, small, {columns, rows}, 0, 0, cv::INTER_AREA);
+  picture.image = small;
+  const double x = double(columns) / image.cols, y = double(rows) / image.rows;
+  StereoCamera& changed = picture.camera;
+  changed.fx *= x;
+  changed.fy *= y;
+  changed.cx = (changed.cx + 0.5) * x - 0.5;
+  changed.cy = (changed.cy + 0.5) * y - 0.5;
+  changed.width = columns;
+  changed.height = rows;
+  return picture;
+}
+
 } // namespace
 
 ViewedMap
@@ -89,32 +116,6 @@ colouringOf(const ViewedMap& map, const std::string& name)
                                                            << known);
 }
 
-ViewedPicture
-smallPicture(const cv::Mat& image, const StereoCamera& camera,
-             const Eigen::Isometry3d& T_map_camera, int columns)
-{
-  ViewedPicture picture{image, camera, T_map_camera};
-  if (image.channels() == 1)
-    cv::cvtColor(image, picture.image, cv::COLOR_GRAY2BGR);
-  picture.camera.width = image.cols;
-  picture.camera.height = image.rows;
-  if (image.cols <= columns)
-    return picture;
-  const int rows = std::max(2, cvRound(double(image.rows) * columns / image.cols));
-  cv::Mat small;
-  cv::resize(picture.image, small, {columns, rows}, 0, 0, cv::INTER_AREA);
-  picture.image = small;
-  const double x = double(columns) / image.cols, y = double(rows) / image.rows;
-  StereoCamera& changed = picture.camera;
-  changed.fx *= x;
-  changed.fy *= y;
-  changed.cx = (changed.cx + 0.5) * x - 0.5;
-  changed.cy = (changed.cy + 0.5) * y - 0.5;
-  changed.width = columns;
-  changed.height = rows;
-  return picture;
-}
-
 std::vector<ViewedPicture>
 picturesOf(const std::string& sequence, const Trajectory& T_map_camera0,
            std::size_t most)
@@ -137,7 +138,7 @@ picturesOf(const std::string& sequence, const Trajectory& T_map_camera0,
   std::vector<ViewedPicture> pictures;
   const std::size_t count = std::min(most, posed.size());
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = posed[k * posed.size() / count];
+    const std::size_t i = posed[posed.size() - 1 - k * posed.size() / count];
     const Eigen::Isometry3d pose =
         T_map_camera0[std::size_t(frames.frameNumber(i))] * frames.T_camera0_camera();
     pictures.push_back(

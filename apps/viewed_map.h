@@ -66,16 +66,13 @@ ViewedMap viewedMap(const VoxelScene& scene, const LabelSet& label_set,
  * \throws InvalidParameterException if the map cannot be painted so */
 std::size_t colouringOf(const ViewedMap& map, const std::string& name);
 
-/** \brief Some pictures of a KITTI sequence, evenly along the path, small.
+/** \brief Some pictures of a KITTI sequence, evenly along the path and the
+ * last among them, small.
  * \param[in] T_map_camera0 row n belongs to frame n
  * \param[in] most how many
  * \throws BadInputException if it cannot be read or no frame has a pose */
 std::vector<ViewedPicture> picturesOf(const std::string& sequence,
                                       const Trajectory& T_map_camera0,
                                       std::size_t most);
-
-/** \brief A picture of no more than so many columns, its camera with it. */
-ViewedPicture smallPicture(const cv::Mat& image, const StereoCamera& camera,
-                           const Eigen::Isometry3d& T_map_camera, int columns);
 
 } // namespace pcl_semantic::tool

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/filters/semantic_crf.h>
 
-#include <pcl/point_types.h>
-
 namespace pcl_semantic {
 
-template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZL>;
-template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZRGBL>;
-template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZLNormal>;
+template class SemanticCRF<pcl::PointXYZL>;
+template class SemanticCRF<pcl::PointXYZRGBL>;
+template class SemanticCRF<pcl::PointXYZLNormal>;
 
 } // namespace pcl_semantic

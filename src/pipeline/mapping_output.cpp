@@ -58,6 +58,8 @@ constexpr const char* image_folders[] = {"labels", "labels_at_depth", "network_l
 constexpr const char* map_files[] = {"map.pcd", "map_classes.pcd", "label_set.yaml",
                                      "top_view.png", "trajectory.txt"};
 
+constexpr const char* live_folder = "live";
+
 Json
 versions()
 {
@@ -98,7 +100,7 @@ const std::vector<std::string>&
 MappingOutput::names()
 {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all = {"summary.json"};
+    std::vector<std::string> all = {"summary.json", live_folder};
     all.insert(all.end(), std::begin(map_files), std::end(map_files));
     all.insert(all.end(), std::begin(image_folders), std::end(image_folders));
     all.insert(all.end(), ExtraOutput::names().begin(), ExtraOutput::names().end());
@@ -141,6 +143,7 @@ MappingOutput::replaceEarlierRun() const
   extra_.removeEarlier({kept.begin(), kept.end()});
   for (const char* name : map_files)
     std::filesystem::remove(path(name), error);
+  removeLive();
   writeTextFile(path("summary.json"),
                 Json{{"finished", false}, {"versions", versions()}}.dump(2) + "\n");
 }
@@ -194,6 +197,32 @@ MappingOutput::writeImages(const MappedFrame& mapped, const SemanticVoxelMap& ma
 }
 
 void
+MappingOutput::writeLive(const MappedFrame& mapped) const
+{
+  const std::string live = path(live_folder) + "/";
+  makeOutputFolder(live);
+  writeVoxelCloud(live + "map.pcd", mapped.voxels, run_.label_set,
+                  VoxelColour::measured);
+  writeLabelSet(live + "label_set.yaml", run_.label_set);
+  writeKittiTrajectory(live + "trajectory.txt", trajectory());
+  const Json summary{{"finished", true},
+                     {"voxel_size", mapped.voxels.voxel_size},
+                     {"map_origin", toJson(mapped.voxels.origin)},
+                     {"frame", mapped.frame.number}};
+  writeTextFile(live + "summary.json", summary.dump(2) + "\n");
+}
+
+void
+MappingOutput::removeLive() const
+{
+  std::error_code error;
+  for (const char* name :
+       {"summary.json", "map.pcd", "label_set.yaml", "trajectory.txt"})
+    std::filesystem::remove(path(live_folder) + "/" + name, error);
+  std::filesystem::remove(path(live_folder), error); // if nothing else lies there
+}
+
+void
 MappingOutput::finish(const SemanticVoxelMap& map)
 {
   const VoxelCloud voxels = map.occupiedEverywhere();
@@ -210,6 +239,7 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   writeKittiTrajectory(path("trajectory.txt"), trajectory());
   writePng(path("top_view.png"), drawTopView(voxels, positions, run_.label_set));
   writeSummary(voxels);
+  removeLive();
 }
 
 void

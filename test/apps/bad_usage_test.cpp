@@ -152,7 +152,8 @@ TEST(BadOutput, FullDisk)
   const std::string command = "map " + tinyStreet() + " --labels " + tinyStreet() +
                               "/labels --frames 0:1 --crf none --output " + output;
   for (const auto& [bytes, name] :
-       {std::pair<rlim_t, std::string>(300, "labels/000000.png"), {60000, "map.pcd"}}) {
+       {std::pair<rlim_t, std::string>(1200, "labels/000000.png"),
+        {60000, "map.pcd"}}) {
     const ToolResult result = [&, limit = bytes] {
       const FullDisk disk(limit);
       return runTool(command);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/temporary_folder.h"
+
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
@@ -7,8 +9,11 @@
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/io/voxel_scene.h>
 #include <pcl_semantic/map/seen_through.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <gtest/gtest.h>
@@ -16,6 +21,8 @@
 namespace {
 
 using namespace pcl_semantic;
+
+namespace fs = std::filesystem;
 
 constexpr int frames = 5;
 
@@ -121,6 +128,32 @@ TEST_F(Street, TheMapLabelsBetterThanTheNetwork)
   }
   EXPECT_GT(mapped, network + 0.03 * (frames - 1)) << "less than 3 points gained";
   EXPECT_GT(covered / (frames - 1), 0.5);
+}
+
+TEST_F(Street, WhoLooksOnSeesEachFrameUntilTheMapIsFinished)
+{
+  MappingRun run;
+  run.label_set = readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  run.frames = {0, 2};
+  run.config.crf = "none";
+  SemanticMapper mapper = makeMapper(run.config);
+  const TemporaryFolder folder;
+  MappingOutput output(folder.path(), run);
+  const std::string live = folder.path("live");
+  for (const int number : run.frames) {
+    const MappedFrame mapped = mapper.process(frame(number));
+    output.writeFrame(mapped, mapper.map());
+    output.writeLive(mapped);
+    // Places are voxels of the map's grid, whose corner lies at the world's origin.
+    const VoxelScene seen = readVoxelScene(
+        live + "/map.pcd", {mapped.voxels.voxel_size, -mapped.voxels.origin});
+    EXPECT_EQ(seen.voxels.indices, mapped.voxels.indices);
+    EXPECT_EQ(readKittiTrajectory(live + "/trajectory.txt").size(), number + 1u);
+    EXPECT_TRUE(fs::exists(live + "/label_set.yaml"));
+    EXPECT_TRUE(fs::exists(live + "/summary.json"));
+  }
+  output.finish(mapper.map());
+  EXPECT_FALSE(fs::exists(live));
 }
 
 TEST_F(Street, TheCallbackSeesEveryFrameAndTheMapAsItStands)

@@ -12,6 +12,7 @@ namespace pcl_semantic {
  * full disk does, without one. */
 class FullDisk {
 public:
+  /** \param[in] bytes at least 1024: LLVM's OpenMP begins with a file of these */
   explicit FullDisk(rlim_t bytes)
   {
     handler_ = std::signal(SIGXFSZ, SIG_IGN);

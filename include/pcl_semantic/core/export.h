@@ -37,5 +37,6 @@ them, and objects are corrupted"
 #define PCL_SEMANTIC_EXPORT [[gnu::visibility("default")]]
 
 /** \brief The same for an instantiation of a template, where compilers differ about the
- * place of a standard attribute: `template class PCL_SEMANTIC_INSTANCE Name<Type>`. */
+ * place of a standard attribute: `extern template class PCL_SEMANTIC_INSTANCE
+ * Name<Type>`. */
 #define PCL_SEMANTIC_INSTANCE __attribute__((visibility("default")))

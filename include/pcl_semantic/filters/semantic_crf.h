@@ -5,6 +5,7 @@
 #include <pcl_semantic/filters/cloud_refiner.h>
 
 #include <pcl/filters/filter.h>
+#include <pcl/point_types.h>
 
 #include <memory>
 
@@ -42,3 +43,12 @@ private:
 } // namespace pcl_semantic
 
 #include <pcl_semantic/filters/impl/semantic_crf.hpp>
+
+namespace pcl_semantic {
+
+// The library has them: programs need not compile these again.
+extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZL>;
+extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZRGBL>;
+extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZLNormal>;
+
+} // namespace pcl_semantic

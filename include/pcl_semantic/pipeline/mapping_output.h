@@ -37,6 +37,12 @@ public:
    * \throws OutputException */
   void writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
 
+  /** \brief The map as it is around the sensor now, for programs that look on while it
+   * is made: `live`, a map folder of its own (map.pcd, label_set.yaml, trajectory.txt,
+   * summary.json, which is written last), until finish(). After writeFrame().
+   * \throws OutputException */
+  void writeLive(const MappedFrame& mapped) const;
+
   /** \brief map.pcd, map_classes.pcd, label_set.yaml, final_labels, top_view.png,
    * trajectory.txt, summary.json. \throws OutputException */
   void finish(const SemanticVoxelMap& map);
@@ -53,6 +59,8 @@ private:
   void requireImages() const;
 
   void replaceEarlierRun() const;
+
+  void removeLive() const;
 
   Trajectory trajectory() const;
 
