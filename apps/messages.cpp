@@ -39,7 +39,7 @@ printFigures(const Results& results)
 {
   nlohmann::ordered_json object = nlohmann::ordered_json::object();
   for (const auto& [name, value] : results)
-    std::visit([&, &name = name](const auto& known) { object[name] = known; }, value);
+    std::visit([&, &key = name](const auto& known) { object[key] = known; }, value);
   if (manner().json) {
     std::cout << object.dump(2) << "\n";
     return;
