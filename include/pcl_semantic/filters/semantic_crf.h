@@ -44,7 +44,8 @@ private:
 
 #include <pcl_semantic/filters/impl/semantic_crf.hpp>
 
-namespace pcl_semantic {
+/// \cond
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 // The library has them: programs need not compile these again.
 extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZL>;
@@ -52,3 +53,4 @@ extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZRGBL>;
 extern template class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PointXYZLNormal>;
 
 } // namespace pcl_semantic
+/// \endcond
