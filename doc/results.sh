@@ -156,7 +156,8 @@ case ${1:-} in
 esac
 say "tables"
 write_page >"$out/results.md"
-[[ -n ${STREETS:-} ]] || cp "$out/results.md" doc/results.md
+write_appendix >"$out/results_appendix.md"
+[[ -n ${STREETS:-} ]] || cp "$out"/results{,_appendix}.md doc
 echo "tables:   $out/results.md"
 pictures 15 "${streets[@]}"
 echo "pictures: $out/SEQUENCE/pictures and $out/SEQUENCE/MODEL/overlay"

@@ -173,10 +173,22 @@ write_page() {
   cat "$out/made.md"
   printf '\n## Table I, models: sequences %s pooled, lidar truth to 40 m\n\n' "${streets[*]}"
   model_table "${streets[@]}"
-  printf '\n## Table I, models: sequence 15, hand-made truth of frames 0 and 3\n\n'
-  model_table 15
   printf '\n## Table I, systems: sequences %s pooled\n\n' "${streets[*]}"
   preset_table "${streets[@]}"
+  printf '\n## Table II: CRFs over the pixels of images, sequences %s\n\n' "${drawn[*]}"
+  pixel_table "${drawn[@]}"
+  printf '\n## Table III: seconds a frame, 1226 x 370 pixels\n\n'
+  grep '^|' "$out/times.md"
+  printf '\n## Geometry of the finished maps against the lidar\n\n'
+  geometry_table "${streets[@]}"
+  printf '\nBy sequence, by distance, in 3D, ablations: [appendix](results_appendix.md).\n'
+}
+
+# The tables that one looks up.
+write_appendix() {
+  printf '# Appendix to the results\n\nMade with [results.md](results.md), which says what the rows and columns are.\n'
+  printf '\n## Table I, models: sequence 15, hand-made truth of frames 0 and 3\n\n'
+  model_table 15
   printf '\n## Table I, systems: sequence 15\n\n'
   preset_table 15
   printf '\n## Table I by sequence: mean IoU at depth\n\n'
@@ -185,10 +197,6 @@ write_page() {
   sequence_table labels
   printf '\n## Ablations of the hierarchical model with superpixels\n\n'
   ablation_table "${streets[@]}"
-  printf '\n## Table II: CRFs over the pixels of images, sequences %s\n\n' "${drawn[*]}"
-  pixel_table "${drawn[@]}"
-  printf '\n## Table III: seconds a frame, 1226 x 370 pixels\n\n'
-  grep '^|' "$out/times.md"
   printf '\n## By distance\n\n'
   band_table "${streets[@]}"
   printf '\n## In 3D: labelled points against their voxels\n\n'
@@ -201,6 +209,4 @@ write_page() {
     printf '\n## Sequences 05 and 07 alone\n\n'
     image_table 05 07
   fi
-  printf '\n## Geometry of the finished maps against the lidar\n\n'
-  geometry_table "${streets[@]}"
 }
