@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <opencv2/core.hpp>
 #include <sstream>
 
 namespace pcl_semantic {
