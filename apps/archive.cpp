@@ -99,10 +99,10 @@ onlyFile(const Arguments& arguments)
 }
 
 std::string
-textOf(const Eigen::Vector3d& place)
+textOf(const Eigen::Vector3d& position)
 {
   std::ostringstream text;
-  text << place.transpose();
+  text << position.transpose();
   return text.str();
 }
 

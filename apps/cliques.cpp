@@ -123,14 +123,14 @@ setFrame(const CliqueFrame& frame, const std::string& name,
   }
   std::vector<VoxelIndex> voxels;
   for (const pcl::PointXYZRGB& point : points) {
-    const Eigen::Vector3d place = point.getVector3fMap().cast<double>();
+    const Eigen::Vector3d position = point.getVector3fMap().cast<double>();
     const bool is_near =
-        (place.array().abs() < kMaxVoxelIndex * frame.voxel_size).all(); // not NaN
+        (position.array().abs() < kMaxVoxelIndex * frame.voxel_size).all(); // not NaN
     if (pcl::isXYZFinite(point) && !is_near)
       PCL_THROW_EXCEPTION(BadInputException, name << ": point " << voxels.size()
-                                                  << " lies at " << place.transpose()
+                                                  << " lies at " << position.transpose()
                                                   << " m, in no voxel");
-    voxels.push_back(is_near ? voxelOf(quantize(place, frame.voxel_size))
+    voxels.push_back(is_near ? voxelOf(quantize(position, frame.voxel_size))
                              : VoxelIndex::Constant(kMaxVoxelIndex));
   }
   generator.setVoxels(voxels, frame.voxel_size);
@@ -253,8 +253,8 @@ colourCliques(const std::vector<pcl::PointIndices>& cliques,
     const double hue = double(turn) / 4294967296.0 * 6.0;
     for (const pcl::index_t i : clique.indices) {
       const auto channel = [&](double offset) {
-        const double place = std::fmod(hue + offset, 6.0);
-        const double light = std::clamp(std::abs(place - 3.0) - 1.0, 0.0, 1.0);
+        const double position = std::fmod(hue + offset, 6.0);
+        const double light = std::clamp(std::abs(position - 3.0) - 1.0, 0.0, 1.0);
         return std::uint8_t(60.0 + 195.0 * light);
       };
       pcl::PointXYZRGB& point = cloud[std::size_t(i)];

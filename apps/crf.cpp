@@ -11,8 +11,6 @@
 #include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
-#include <pcl/common/io.h>
-
 #include <algorithm>
 #include <cstring>
 #include <iostream>
@@ -73,10 +71,11 @@ parse(int argc, char** argv, Arguments& arguments)
   return !print_config;
 }
 
-template <typename PointT>
+using Filter = SemanticCRF<pcl::PointXYZRGBL>;
+
 void
 setCliques(const std::string& cliques, const Arguments& arguments,
-           const LabelledCloud& input, SemanticCRF<PointT>& crf)
+           const LabelledCloud& input, Filter& crf)
 {
   if (cliques == "none")
     return;
@@ -91,10 +90,8 @@ setCliques(const std::string& cliques, const Arguments& arguments,
     crf.setCliques(readCliques(cliques, input.cloud->size()));
 }
 
-template <typename PointT>
 void
-setMeasurements(const Arguments& arguments, const LabelledCloud& input,
-                SemanticCRF<PointT>& crf)
+setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& crf)
 {
   const int found = input.distributions.classes();
   int classes = found;
@@ -130,30 +127,26 @@ setEntropies(LabelledCloud& cloud)
   cloud.table.setColumn({"entropy", 'F', 4, 1}, bytes);
 }
 
-// Runs the filter over points with colour or without, and says what became of it.
-template <typename PointT>
+// Runs the filter over the cloud, and says what became of it.
 tool::Results
 filter(const Arguments& arguments, LabelledCloud& input)
 {
-  const auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
-  pcl::copyPointCloud(*input.cloud, *cloud);
-  SemanticCRF<PointT> crf;
+  Filter crf;
   crf.setModel(arguments.parameters.model);
   crf.setParameters(arguments.parameters.parameters);
   setCliques(arguments.parameters.cliques, arguments, input, crf);
   setMeasurements(arguments, input, crf);
-  crf.setInputCloud(cloud);
+  crf.setUseColour(input.has_colour);
+  crf.setInputCloud(input.cloud);
   try {
-    crf.filter(*cloud);
+    crf.filter(*input.cloud);
   }
   catch (const BadInputException& error) { // a cloud knows nothing of its file
     PCL_THROW_EXCEPTION(BadInputException, arguments.input << ": " << error.what());
   }
-  for (std::size_t i = 0; i < cloud->size(); ++i)
-    (*input.cloud)[i].label = (*cloud)[i].label;
   input.distributions = crf.getLabelDistributions();
   const CRFReport& report = crf.getReport();
-  return {{"points", cloud->size()},
+  return {{"points", input.cloud->size()},
           {"without_place", crf.getSkippedPoints()},
           {"without_measurement", report.unlabelled},
           {"cliques", report.cliques},
@@ -174,9 +167,7 @@ refine(const Arguments& arguments)
   config.requireFittingCliques();
   setNumberOfThreads(config.threads);
   LabelledCloud cloud = readLabelledCloud(arguments.input);
-  const tool::Results report = cloud.has_colour
-                                   ? filter<pcl::PointXYZRGBL>(arguments, cloud)
-                                   : filter<pcl::PointXYZL>(arguments, cloud);
+  const tool::Results report = filter(arguments, cloud);
   setEntropies(cloud);
   writeLabelledCloud(arguments.output, cloud);
   tool::printResults(report);

@@ -52,8 +52,8 @@ protected:
   void
   OnLeftButtonDown() override
   {
-    const int* const place = Interactor->GetEventPosition();
-    if (!on_click(place[0], place[1]))
+    const int* const position = Interactor->GetEventPosition();
+    if (!on_click(position[0], position[1]))
       Superclass::OnLeftButtonDown();
   }
 };

@@ -214,7 +214,7 @@ frameOf(const LabelledCloud& labelled, const std::string& path, int number,
   return frame;
 }
 
-// Gives the share of points that have a place and a label.
+// Gives the share of points with a finite position and a label.
 double
 labelCloud(const std::string& path, int number, const std::string& output,
            LabelPredictor& predictor)

@@ -41,10 +41,10 @@ sizeOf(const Usage& usage, const std::string& text)
 }
 
 Eigen::Vector3d
-placeOf(const Usage& usage, const std::string& text, const char* option)
+positionOf(const Usage& usage, const std::string& text, const char* option)
 {
-  const std::vector<double> place = numbersOf(usage, text, ',', 3, option);
-  return {place[0], place[1], place[2]};
+  const std::vector<double> position = numbersOf(usage, text, ',', 3, option);
+  return {position[0], position[1], position[2]};
 }
 
 } // namespace
@@ -79,8 +79,8 @@ readPictureOptions(const Usage& usage, PictureOptions& options)
     failUsage(usage, "--from and --look-at belong together");
   options.looks_from = !options.texts.from.empty();
   if (options.looks_from) {
-    options.from = placeOf(usage, options.texts.from, "--from");
-    options.look_at = placeOf(usage, options.texts.look_at, "--look-at");
+    options.from = positionOf(usage, options.texts.from, "--from");
+    options.look_at = positionOf(usage, options.texts.look_at, "--look-at");
   }
   requireOneOf(usage, "--view", options.view, {"angle", "above", "camera"},
                "angle, above or camera");

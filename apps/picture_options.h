@@ -43,7 +43,7 @@ void requireOneOf(const Usage& usage, const char* option, const std::string& val
 
 /** \brief The view that the options ask for, in the frame of the scene's indices.
  * \param[in] poses as posesInScene() has them
- * \throws InvalidParameterException if there is no such pose or place */
+ * \throws InvalidParameterException if there is no such pose or position */
 PictureView viewOf(const PictureOptions& options, const VoxelScene& scene,
                    const Trajectory& poses);
 

@@ -38,7 +38,7 @@ void requireSequence(const SequenceOptions& options, const std::string& program)
 /** \brief Opens it. \throws BadInputException */
 std::unique_ptr<FrameSequence> openSequence(const SequenceOptions& options);
 
-/** \brief Places of the frames that are in the range A:B.
+/** \brief Indices of the frames that are in the range A:B.
  * \throws BadInputException if there are none */
 std::vector<std::size_t> chooseFrames(const SequenceOptions& options,
                                       const FrameSequence& sequence,

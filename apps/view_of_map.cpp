@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view_of_map.h"
-
 #include "view_panel.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -139,10 +138,10 @@ FollowedMap::show(OpenedMap opened)
 {
   if (!opened.map.path.empty()) {
     opened.views.insert(opened.views.begin(), behindCamera(opened.map, arguments_));
-    const Eigen::Vector3d place = opened.map.path.back().translation();
+    const Eigen::Vector3d position = opened.map.path.back().translation();
     if (!is_first_) // it comes along
-      viewer_.move(place - last_place_);
-    last_place_ = place;
+      viewer_.move(position - last_position_);
+    last_position_ = position;
   }
   if (is_first_)
     viewer_.state() = opened.state;

@@ -37,7 +37,7 @@ private:
   const std::string folder_;
   std::filesystem::file_time_type shown_; ///< when that map was written
   bool is_first_ = true;
-  Eigen::Vector3d last_place_ = Eigen::Vector3d::Zero(); ///< of the camera
+  Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero(); ///< of the camera
 };
 
 } // namespace pcl_semantic::tool

@@ -42,9 +42,9 @@ public:
     if (hasRoom()) {
       const cv::Scalar ink = is_hidden ? pale : light_theme.text;
       drawText(picture_, key, {kMargin, bottom_ + kRow - 6}, pale, kLetters);
-      const cv::Rect place(kMargin + 16, bottom_ + 3, kSwatch, kSwatch);
-      cv::rectangle(picture_, place, cv::Scalar(colour), is_hidden ? 1 : cv::FILLED);
-      drawText(picture_, text, {place.x + kSwatch + 8, bottom_ + kRow - 6}, ink,
+      const cv::Rect position(kMargin + 16, bottom_ + 3, kSwatch, kSwatch);
+      cv::rectangle(picture_, position, cv::Scalar(colour), is_hidden ? 1 : cv::FILLED);
+      drawText(picture_, text, {position.x + kSwatch + 8, bottom_ + kRow - 6}, ink,
                kLetters);
     }
     bottom_ += kRow;

@@ -34,8 +34,8 @@ classesOf(const ViewedMap& map, const LabelSet& label_set)
   for (const Label label : map.labels)
     ++counts[label];
   std::vector<ViewedClass> classes;
-  for (int place = 1; place <= label_set.size() + 1; ++place) {
-    const Label label(place <= label_set.size() ? place : 0); // unlabelled is the last
+  for (int index = 1; index <= label_set.size() + 1; ++index) {
+    const Label label(index <= label_set.size() ? index : 0); // unlabelled is the last
     if (counts[label] > 0)
       classes.push_back(
           {label, label_set[label].name, classColour(label_set, label), counts[label]});

@@ -35,8 +35,8 @@ struct ViewedPicture {
   Eigen::Isometry3d T_map_camera = Eigen::Isometry3d::Identity();
 };
 
-/** \brief All that a window shows of a map, painted and ready to be drawn. Places are
- * those of the cloud's points [m]. */
+/** \brief All that a window shows of a map, painted and ready to be drawn. Positions
+ * are those of the cloud's points [m]. */
 struct ViewedMap {
   std::string title;
   VoxelGrid grid;
@@ -62,7 +62,7 @@ struct ViewedMap {
 ViewedMap viewedMap(const VoxelScene& scene, const LabelSet& label_set,
                     const std::string& title);
 
-/** \brief Place of a colouring in the map.
+/** \brief Index of a colouring in the map.
  * \throws InvalidParameterException if the map cannot be painted so */
 std::size_t colouringOf(const ViewedMap& map, const std::string& name);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtk_parts.h"
-
 #include "picture_options.h"
 
 #include <opencv2/imgproc.hpp>
@@ -88,8 +87,8 @@ actorsOf(const ViewedPicture& picture)
   const StereoCamera& camera = picture.camera;
   const double right = camera.width - 0.5, bottom = camera.height - 0.5;
   const auto points = vtkSmartPointer<vtkPoints>::New();
-  const auto texture_places = vtkSmartPointer<vtkFloatArray>::New();
-  texture_places->SetNumberOfComponents(2);
+  const auto texture_positions = vtkSmartPointer<vtkFloatArray>::New();
+  texture_positions->SetNumberOfComponents(2);
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
   cells->InsertNextCell(4);
   std::vector<SensorPath> rays;
@@ -98,13 +97,13 @@ actorsOf(const ViewedPicture& picture)
     const Eigen::Vector3d corner =
         picture.T_map_camera * camera.unproject(u, v, distance);
     cells->InsertCellPoint(points->InsertNextPoint(corner.data()));
-    texture_places->InsertNextTuple2(u > 0.0 ? 1.0 : 0.0, v > 0.0 ? 0.0 : 1.0);
+    texture_positions->InsertNextTuple2(u > 0.0 ? 1.0 : 0.0, v > 0.0 ? 0.0 : 1.0);
     rays.push_back({picture.T_map_camera.translation(), corner});
   }
   const auto data = vtkSmartPointer<vtkPolyData>::New();
   data->SetPoints(points);
   data->SetPolys(cells);
-  data->GetPointData()->SetTCoords(texture_places);
+  data->GetPointData()->SetTCoords(texture_positions);
   auto actor = unlitActor(data);
   const auto texture = vtkSmartPointer<vtkTexture>::New();
   texture->SetInputData(imageOf(picture.image));
@@ -171,12 +170,12 @@ namespace {
 // Drawn while the camera moves, where all faces would take too long.
 constexpr std::size_t kFewPoints = 60000;
 
-// Places and their colours, and nothing that connects them yet.
+// Positions and their colours, and nothing that connects them yet.
 struct Vertices {
   explicit Vertices(vtkIdType count)
   {
-    places->SetNumberOfComponents(3);
-    places->SetNumberOfTuples(count);
+    positions->SetNumberOfComponents(3);
+    positions->SetNumberOfTuples(count);
     colours->SetNumberOfComponents(3);
     colours->SetNumberOfTuples(count);
   }
@@ -185,7 +184,7 @@ struct Vertices {
   mapper(vtkPolyData& data) const
   {
     const auto points = vtkSmartPointer<vtkPoints>::New();
-    points->SetData(places);
+    points->SetData(positions);
     data.SetPoints(points);
     data.GetPointData()->SetScalars(colours);
     auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
@@ -193,7 +192,7 @@ struct Vertices {
     return mapper;
   }
 
-  vtkSmartPointer<vtkFloatArray> places = vtkSmartPointer<vtkFloatArray>::New();
+  vtkSmartPointer<vtkFloatArray> positions = vtkSmartPointer<vtkFloatArray>::New();
   vtkSmartPointer<vtkUnsignedCharArray> colours =
       vtkSmartPointer<vtkUnsignedCharArray>::New();
 };
@@ -208,7 +207,7 @@ mapperOfAll(const std::vector<VoxelFace>& faces)
   cells->AllocateExact(count, 4 * count);
   for (vtkIdType i = 0; i < count; ++i) {
     const VoxelFace& face = faces[std::size_t(i)];
-    std::memcpy(vertices.places->GetPointer(12 * i), face.corners.data(),
+    std::memcpy(vertices.positions->GetPointer(12 * i), face.corners.data(),
                 sizeof face.corners);
     std::memcpy(vertices.colours->GetPointer(12 * i), face.colours.data(),
                 sizeof face.colours);
@@ -229,7 +228,7 @@ mapperOfFew(const std::vector<VoxelFace>& faces)
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
   for (vtkIdType i = 0; i < count; ++i) {
     const VoxelFace& face = faces[std::size_t(i) * step];
-    std::memcpy(vertices.places->GetPointer(3 * i), face.corners.data(),
+    std::memcpy(vertices.positions->GetPointer(3 * i), face.corners.data(),
                 sizeof face.corners[0]);
     std::memcpy(vertices.colours->GetPointer(3 * i), face.colours.data(),
                 sizeof face.colours[0]);

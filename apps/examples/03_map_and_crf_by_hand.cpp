@@ -47,7 +47,7 @@ refine(SemanticVoxelMap& map)
   const VoxelCloud voxels = map.occupied();
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setInputCloud(voxels.cloud);
-  crf.setVoxels(voxels.indices, voxels.voxel_size); // exact places
+  crf.setVoxels(voxels.indices, voxels.voxel_size); // exact positions
   crf.setLabelDistributions(voxels.measured);       // never what a CRF said before
   pcl::PointCloud<pcl::PointXYZRGBL> refined;
   crf.filter(refined);

@@ -33,7 +33,7 @@ public:
             .indices.push_back(pcl::index_t(i));
     }
     std::vector<pcl::PointIndices> cliques;
-    for (const auto& [place, members] : columns)
+    for (const auto& [position, members] : columns)
       cliques.push_back(members);
     return cliques;
   }

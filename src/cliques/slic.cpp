@@ -31,7 +31,7 @@ constexpr int kNone = -1;
 
 // A connected part of the image, with what has joined it.
 struct Part {
-  std::size_t first = 0;                    // its pixels' place in the list of all
+  std::size_t first = 0;                    // its pixels' index in the list of all
   std::size_t end = 0;                      // and their end
   int joined = kNone;                       // has joined this part
   std::int64_t pixels = 0;                  // sums over it and what has joined it

@@ -111,7 +111,7 @@ namespace {
 
 constexpr int kSeedsACube = 8;
 
-// Places are rounded, so that supervoxels of a regular grid, in which many distances
+// Positions are rounded, so that supervoxels of a regular grid, in which many distances
 // are equal, do not change with the last bits of its coordinates: where the cloud lies.
 constexpr int kStepsAVoxel = 256;
 
@@ -216,9 +216,9 @@ SupervoxelCliques::groupByCube(const Cloud& cloud) const
     const auto [entry, is_new] = numbers.try_emplace(cube, groups.size());
     if (is_new)
       groups.push_back({cube, {}});
-    const Eigen::Array3d place = point.getVector3fMap().cast<double>().array() -
-                                 edge * cube.cast<double>().array();
-    const Eigen::Array3f rounded = ((place / step).round() * step).cast<float>();
+    const Eigen::Array3d position = point.getVector3fMap().cast<double>().array() -
+                                    edge * cube.cast<double>().array();
+    const Eigen::Array3f rounded = ((position / step).round() * step).cast<float>();
     const std::uint32_t rgb =
         parameters_.colour_weight > 0.0 ? point.rgba & 0xFFFFFF : 0;
     groups[entry->second].points.push_back(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "simd.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/simd.h>
 
 #include <hwy/targets.h>
 

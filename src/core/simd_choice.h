@@ -24,9 +24,8 @@
 
 #pragma once
 
+#include "simd.h"
 #include "simd_choice.h"
-
-#include <pcl_semantic/core/simd.h>
 
 // GCC before 12.3 can go wrong in Highway's emulated vectors, which are then replaced
 // by single values that know no shuffles. Our tests compare every kernel with a plain

@@ -24,4 +24,15 @@ setNumberOfThreads(int threads)
     cv::setNumThreads(of_opencv);
 }
 
+ThreadScope::ThreadScope(std::optional<int> threads) : before_(omp_get_max_threads())
+{
+  if (threads)
+    setNumberOfThreads(*threads);
+}
+
+ThreadScope::~ThreadScope()
+{
+  omp_set_num_threads(before_);
+}
+
 } // namespace pcl_semantic

@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Finds the place of a voxel in a list; of one that is there several times, the
+/** \brief Finds the index of a voxel in a list; of one that is there several times, the
  * first. Open addressing: many times faster to make than a std::unordered_map. */
 class VoxelTable {
 public:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "finite.h"
+#include "lattice_kernel.h"
 #include "truncated_kernel.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/gaussian_kernels.h>
-#include <pcl_semantic/crf/lattice_kernel.h>
 
 #include <algorithm>
 #include <cmath>

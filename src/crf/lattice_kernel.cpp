@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "lattice_kernel.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/lattice_kernel.h>
 
 #include <cmath>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lattice_structure.h"
-
 #include "core/parallel_guard.h"
 #include "kernels/lattice_embedding.h"
 #include "kernels/lattice_filter.h"
@@ -347,17 +346,17 @@ LatticeBuckets::LatticeBuckets(const LatticeArray<std::int32_t>& bucket_of,
 {
   const std::size_t count = bucket_of.size(), parts = partsOf(count);
   // Members of each bucket in each part, then where the first of them goes.
-  std::vector<std::size_t> places(parts * buckets, 0);
+  std::vector<std::size_t> indices(parts * buckets, 0);
 #pragma omp parallel for schedule(static)
   for (std::size_t p = 0; p < parts; ++p)
     for (std::size_t i = p * part_size; i < std::min(count, (p + 1) * part_size); ++i)
-      ++places[p * buckets + std::size_t(bucket_of[i])];
+      ++indices[p * buckets + std::size_t(bucket_of[i])];
   std::size_t sum = 0;
   for (std::size_t b = 0; b < buckets; ++b) {
     begins[b] = sum;
     for (std::size_t p = 0; p < parts; ++p) {
-      const std::size_t members_here = places[p * buckets + b];
-      places[p * buckets + b] = sum;
+      const std::size_t members_here = indices[p * buckets + b];
+      indices[p * buckets + b] = sum;
       sum += members_here;
     }
   }
@@ -365,7 +364,7 @@ LatticeBuckets::LatticeBuckets(const LatticeArray<std::int32_t>& bucket_of,
 #pragma omp parallel for schedule(static)
   for (std::size_t p = 0; p < parts; ++p)
     for (std::size_t i = p * part_size; i < std::min(count, (p + 1) * part_size); ++i)
-      members[places[p * buckets + std::size_t(bucket_of[i])]++] = std::int32_t(i);
+      members[indices[p * buckets + std::size_t(bucket_of[i])]++] = std::int32_t(i);
 }
 
 /** \brief The least features and the extents from there to the largest.
@@ -426,8 +425,8 @@ orderInTiles(const LatticeFeatures& features, const kernels::LatticeFrame& frame
   };
   const double across = along(0), down = flat ? along(1) : 1.0;
   const auto tile = [&](float feature, int k, double number) {
-    const double place = (double(feature) - frame.low[k]) / extents[k] * number;
-    return extents[k] > 0.0 ? std::min(std::int32_t(place), std::int32_t(number) - 1)
+    const double index = (double(feature) - frame.low[k]) / extents[k] * number;
+    return extents[k] > 0.0 ? std::min(std::int32_t(index), std::int32_t(number) - 1)
                             : 0;
   };
   LatticeArray<std::int32_t> tile_of(count);
@@ -457,7 +456,7 @@ constexpr std::size_t partitions = 1 << partition_bits;
 /** \brief The keys that a chunk touches, numbered in the order of the first touch. */
 template <typename Key> struct ChunkKeys {
   std::vector<Key> keys;                // sorted by partition
-  std::vector<std::uint32_t> places;    // of each number among the sorted
+  std::vector<std::uint32_t> indices;   // of each number among the sorted
   std::uint32_t begins[partitions + 1]; // of the partitions
   std::size_t first = 0;                // keys of earlier chunks
 };
@@ -556,7 +555,7 @@ public:
 #pragma omp parallel for schedule(static)
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
       std::size_t row = structure_.first_rows[c];
-      for (const std::uint32_t k : chunks_[c].places)
+      for (const std::uint32_t k : chunks_[c].indices)
         if (isFirst(chunks_[c], k)) {
           vertices_.keys[row] = chunks_[c].keys[k];
           rows_[chunks_[c].first + k] = -1 - std::int32_t(row++);
@@ -674,13 +673,13 @@ private:
       ++chunk.begins[partitionOf(keys[k]) + 1];
     for (std::size_t p = 0; p < partitions; ++p)
       chunk.begins[p + 1] += chunk.begins[p];
-    std::uint32_t places[partitions];
-    std::copy_n(chunk.begins, partitions, places);
+    std::uint32_t indices[partitions];
+    std::copy_n(chunk.begins, partitions, indices);
     chunk.keys.resize(count);
-    chunk.places.resize(count);
+    chunk.indices.resize(count);
     for (std::size_t k = 0; k < count; ++k) {
-      chunk.places[k] = places[partitionOf(keys[k])]++;
-      chunk.keys[chunk.places[k]] = keys[k];
+      chunk.indices[k] = indices[partitionOf(keys[k])]++;
+      chunk.keys[chunk.indices[k]] = keys[k];
     }
   }
 
@@ -692,7 +691,7 @@ private:
     std::size_t partial = structure_.first_partials[c];
     std::vector<std::int32_t> rows(chunk.keys.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-      const std::int32_t first = rows_[chunk.first + chunk.places[k]];
+      const std::int32_t first = rows_[chunk.first + chunk.indices[k]];
       if (first < 0) {
         rows[k] = -1 - first;
         continue;

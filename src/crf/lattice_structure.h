@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/simd.h"
 #include "kernels/lattice_embedding.h"
 
 #include <pcl_semantic/core/abi_check.h>
-#include <pcl_semantic/core/simd.h>
 
 #include <Eigen/Core>
 

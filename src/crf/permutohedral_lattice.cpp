@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "permutohedral_lattice.h"
 #include "kernels/lattice_filter.h"
 #include "lattice_structure.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/permutohedral_lattice.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "point_rows.h"
-
 #include "kernels/run_search.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -37,9 +36,9 @@ sortByKey(std::vector<std::uint64_t> keys, std::uint64_t largest)
       ++starts[digit(key) + 1];
     std::partial_sum(starts.begin(), starts.end(), starts.begin());
     for (std::size_t i = 0; i < keys.size(); ++i) {
-      const std::size_t place = starts[digit(keys[i])]++;
-      next_keys[place] = keys[i];
-      next_order[place] = order[i];
+      const std::size_t position = starts[digit(keys[i])]++;
+      next_keys[position] = keys[i];
+      next_order[position] = order[i];
     }
     keys.swap(next_keys);
     order.swap(next_order);
@@ -166,14 +165,14 @@ PointRows::buildRows(const Eigen::Matrix3Xf& positions)
   constexpr int widest_gap = 256; // as long as that, a table costs less than a row more
   row_of_.resize(size());
   starts_.reserve(4 * size());
-  // Of points in their cells; on a grid they all have the same place.
+  // Of points in their cells; on a grid they all have the same position.
   Eigen::Array3f lowest = Eigen::Array3f::Ones(), highest = -lowest;
   for (std::size_t i = 0; i < size(); ++i) {
     const Eigen::Vector3i& cell = cells_[i];
-    const Eigen::Array3f place =
+    const Eigen::Array3f position =
         (positions.col(order_[i]).array() - low_) / cell_ - cell.array().cast<float>();
-    lowest = lowest.min(place);
-    highest = highest.max(place);
+    lowest = lowest.min(position);
+    highest = highest.max(position);
     if (i == 0 || cell.z() != cells_[i - 1].z() || cell.y() != cells_[i - 1].y() ||
         cell.x() > cells_[i - 1].x() + widest_gap) {
       if (i > 0)

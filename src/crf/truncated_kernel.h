@@ -22,8 +22,8 @@ class SortedPoints;
  * normalisation, want a radius of 3 (doc/crf.md has the errors).
  * Set-up finds the neighbours of every point and keeps their weights, summed over the
  * terms, as bfloat16 (a relative error of up to 2^-8 each). A product goes over all
- * pairs (i, j) and (j, i). Points of different places may come in any order: the result
- * has the same bits. */
+ * pairs (i, j) and (j, i). Points of different positions may come in any order: the
+ * result has the same bits. */
 class TruncatedKernel : public PairwiseKernel {
 public:
   /** \param[in] positions 3 x N

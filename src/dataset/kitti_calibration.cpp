@@ -31,7 +31,7 @@ readRows(const std::string& path)
     const std::string name = line.text.substr(0, colon);
     if (line.text.empty() || !isKnown(name))
       continue;
-    const std::string where = placeOf(path, line.number) + ": " + name;
+    const std::string where = atLine(path, line.number) + ": " + name;
     if (colon == std::string::npos)
       PCL_THROW_EXCEPTION(BadInputException, where << ": expected a colon");
     const std::vector<double> numbers =

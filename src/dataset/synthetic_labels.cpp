@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/synthetic_labels.h>
-
 #include "synthetic_noise.h"
+
+#include <pcl_semantic/dataset/synthetic_labels.h>
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -46,7 +46,7 @@ constexpr std::array<Confusion, 16> kConfusions{{
 }};
 
 /** \brief What is known of a pixel's surroundings when its mistakes are drawn. */
-struct Place {
+struct Position {
   Vector3d image;    ///< column, row [units of image width / 100], the frame in between
   Vector3d world;    ///< [m]
   double dark = 0.0; ///< 0 lit, 1 dark
@@ -86,7 +86,7 @@ private:
   }
 
   Vector3d
-  imagePlace(int u, int v) const
+  imagePosition(int u, int v) const
   {
     return {u / unit_, v / unit_, 0.0};
   }
@@ -96,34 +96,35 @@ private:
   Label
   wander(int u, int v) const
   {
-    const Vector3d place = imagePlace(u, v);
+    const Vector3d position = imagePosition(u, v);
     const double reach = 1.7 * noise_ * unit_;
-    const double du = fractalNoise(place, 3.5, frame_seed_ + 10);
-    const double dv = fractalNoise(place, 3.5, frame_seed_ + 20);
+    const double du = fractalNoise(position, 3.5, frame_seed_ + 10);
+    const double dv = fractalNoise(position, 3.5, frame_seed_ + 20);
     return truthAt(u + reach * du, v + 0.7 * reach * dv);
   }
 
-  Place
-  placeOf(int u, int v, Label label) const
+  Position
+  positionOf(int u, int v, Label label) const
   {
-    Place place;
-    place.image = imagePlace(u, v);
+    Position position;
+    position.image = imagePosition(u, v);
     const double disparity = view_.disparity.at<float>(v, u);
     if (disparity > 0.0) {
       const double depth = view_.camera.depth(disparity);
-      place.world = view_.T_world_camera * view_.camera.unproject(u, v, depth);
-      place.far = std::min(1.0, depth / 40.0);
+      position.world = view_.T_world_camera * view_.camera.unproject(u, v, depth);
+      position.far = std::min(1.0, depth / 40.0);
     }
     else
-      place.world = place.image;
+      position.world = position.image;
     const cv::Vec3b& pixel = view_.left.at<cv::Vec3b>(v, u);
-    place.dark = std::clamp(1.5 - (pixel[0] + pixel[1] + pixel[2]) / 160.0, 0.0, 1.0);
+    position.dark =
+        std::clamp(1.5 - (pixel[0] + pixel[1] + pixel[2]) / 160.0, 0.0, 1.0);
     for (int k = 0; k < 8; ++k) {
       constexpr std::array<int, 10> ring{2, 0, -2, 0, 2, 2, -2, -2, 2, 0};
       if (truthAt(u + unit_ * ring[k], v + 0.7 * unit_ * ring[k + 1]) != label)
-        place.border += 0.125;
+        position.border += 0.125;
     }
-    return place;
+    return position;
   }
 
   /** \brief Takes the label for another one where the noise of a mistake is high. */
@@ -132,17 +133,19 @@ private:
   {
     if (noise_ == 0.0)
       return label;
-    const Place place = placeOf(u, v, label);
+    const Position position = positionOf(u, v, label);
     for (std::size_t k = 0; k < kConfusions.size(); ++k) {
       const Confusion& confusion = kConfusions[k];
       if (confusion.truth != label)
         continue;
       const std::uint32_t number = static_cast<std::uint32_t>(100 * (k + 1));
-      const double blob = 0.75 * fractalNoise(place.image, 6.0, frame_seed_ + number) +
-                          0.35 * (1.0 - 0.6 * place.far) *
-                              valueNoise(place.world * 0.6, seed_ + number);
-      const double ease = 0.75 * (noise_ - 1.0) + confusion.weight + 0.12 * place.dark +
-                          0.14 * place.border + 0.12 * place.far;
+      const double blob =
+          0.75 * fractalNoise(position.image, 6.0, frame_seed_ + number) +
+          0.35 * (1.0 - 0.6 * position.far) *
+              valueNoise(position.world * 0.6, seed_ + number);
+      const double ease = 0.75 * (noise_ - 1.0) + confusion.weight +
+                          0.12 * position.dark + 0.14 * position.border +
+                          0.12 * position.far;
       if (blob + ease > 0.22)
         return confusion.taken_for;
     }
@@ -234,8 +237,9 @@ syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
   const std::uint32_t doubt_seed = synthetic::hash(seed, 0xd0b7, view.frame);
 #pragma omp parallel for
   for (Eigen::Index i = 0; i < result.size(); ++i) {
-    const Vector3d place(100.0 * (i % width) / width, 100.0 * (i / width) / width, 0.0);
-    const double unsure = 0.5 + 0.5 * valueNoise(place / 5.0, doubt_seed);
+    const Vector3d position(100.0 * (i % width) / width, 100.0 * (i / width) / width,
+                            0.0);
+    const double unsure = 0.5 + 0.5 * valueNoise(position / 5.0, doubt_seed);
     spread(result.column(i), labels.ptr<Label>()[i],
            static_cast<float>(0.04 + 0.5 * label_noise * unsure));
   }

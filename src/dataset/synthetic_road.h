@@ -9,7 +9,8 @@
 
 namespace pcl_semantic::synthetic {
 
-/** \brief A place along the street: \a s along the centre line, \a t to its left [m].
+/** \brief A position along the street: \a s along the centre line, \a t to its left
+ * [m].
  */
 struct RoadPoint {
   double s = 0.0;
@@ -28,7 +29,7 @@ public:
    * \param[in] length smallest length of the line [m] */
   RoadLine(const Eigen::Vector2d& start, double length, std::uint32_t seed);
 
-  /** \brief World position of a place. */
+  /** \brief World position of a position. */
   Eigen::Vector2d position(const RoadPoint& point) const;
 
   /** \brief Direction of the line at \a s: angle from +x to the left [rad]. */
@@ -37,7 +38,7 @@ public:
   /** \brief Curvature at \a s, positive to the left [1/m]. */
   double curvature(double s) const;
 
-  /** \brief The place nearest to a world position. */
+  /** \brief The position nearest to a world position. */
   RoadPoint locate(const Eigen::Vector2d& position) const;
 
 private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/synthetic_scene.h>
-
 #include "synthetic_street.h"
+
+#include <pcl_semantic/dataset/synthetic_scene.h>
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -65,11 +65,11 @@ SyntheticScene::pose(int frame) const
   sinCos(2.0 * (frame % 31) * M_PI / 31.0 - M_PI, unused, weave);
   sinCos(2.0 * (frame % 9) * M_PI / 9.0 - M_PI, nod, unused);
   const synthetic::RoadLine& road = street_->road();
-  const synthetic::RoadPoint place{frame * metres_per_frame,
-                                   synthetic::Street::lane + 0.1 * (1.0 + weave)};
+  const synthetic::RoadPoint position{frame * metres_per_frame,
+                                      synthetic::Street::lane + 0.1 * (1.0 + weave)};
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = turn(road.heading(place.s), 0.004 * nod) * worldFromCamera();
-  pose.translation().head<2>() = road.position(place);
+  pose.linear() = turn(road.heading(position.s), 0.004 * nod) * worldFromCamera();
+  pose.translation().head<2>() = road.position(position);
   pose.translation().z() = 0.008 * nod;
   if (frame == 0) { // exactly the origin, whatever is left of rounding
     pose.linear() = worldFromCamera();

@@ -29,7 +29,7 @@ StereoFrame
 SyntheticSequence::frame(std::size_t i) const
 {
   const SyntheticView seen = view(i);
-  return {frameNumber(i), timestamp(i), seen.left, seen.right};
+  return {{frameNumber(i), timestamp(i)}, seen.left, seen.right};
 }
 
 LabelDistributions

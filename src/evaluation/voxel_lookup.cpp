@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map/cube_renderer.h"
+#include "map/ray_traversal.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
-#include <pcl_semantic/map/ray_traversal.h>
 
 #include <cmath>
 #include <limits>
@@ -56,18 +56,18 @@ squaredDistance(const Eigen::Vector3d& point, const VoxelIndex& index,
 }
 
 Label
-labelAt(std::int32_t place, const std::vector<Label>& labels)
+labelAt(std::int32_t index, const std::vector<Label>& labels)
 {
-  return place == VoxelLookup::none ? kUnlabelled : labels[std::size_t(place)];
+  return index == VoxelLookup::none ? kUnlabelled : labels[std::size_t(index)];
 }
 
 } // namespace
 
 VoxelLookup::VoxelLookup(const VoxelCloud& voxels) : voxel_size_(voxels.voxel_size)
 {
-  places_.reserve(voxels.size());
+  indices_.reserve(voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
-    places_.emplace(voxels.indices[i], static_cast<std::int32_t>(i));
+    indices_.emplace(voxels.indices[i], static_cast<std::int32_t>(i));
     blocks_.insert(lookupBlockOf(voxels.indices[i]));
   }
 }
@@ -75,8 +75,8 @@ VoxelLookup::VoxelLookup(const VoxelCloud& voxels) : voxel_size_(voxels.voxel_si
 std::int32_t
 VoxelLookup::find(const VoxelIndex& index) const
 {
-  const auto found = places_.find(index);
-  return found == places_.end() ? none : found->second;
+  const auto found = indices_.find(index);
+  return found == indices_.end() ? none : found->second;
 }
 
 std::int32_t
@@ -88,9 +88,9 @@ VoxelLookup::at(const Eigen::Vector3d& point) const
 std::int32_t
 VoxelLookup::nearest(const Eigen::Vector3d& point, double within) const
 {
-  const std::int32_t place = at(point);
-  if (place != none || !(within > 0.0) || !isNear(point, voxel_size_))
-    return place;
+  const std::int32_t index = at(point);
+  if (index != none || !(within > 0.0) || !isNear(point, voxel_size_))
+    return index;
   const VoxelIndex first = indexOf(point.array() - within, voxel_size_);
   const VoxelIndex last = indexOf(point.array() + within, voxel_size_);
   double least = std::nextafter(within * within, 1e300);
@@ -121,7 +121,7 @@ VoxelLookup::nearestInBlock(const Eigen::Vector3d& point, const VoxelIndex& firs
 }
 
 std::vector<std::int32_t>
-VoxelLookup::places(const std::vector<Eigen::Vector3d>& points, double within) const
+VoxelLookup::indices(const std::vector<Eigen::Vector3d>& points, double within) const
 {
   std::vector<std::int32_t> result(points.size(), none);
 #pragma omp parallel for schedule(dynamic, 1024)
@@ -141,23 +141,23 @@ MapLabels::MapLabels(const VoxelCloud& voxels) : lookup(voxels)
 }
 
 std::vector<Label>
-labelsAt(const std::vector<std::int32_t>& places, const std::vector<Label>& labels)
+labelsAt(const std::vector<std::int32_t>& indices, const std::vector<Label>& labels)
 {
   std::vector<Label> result;
-  result.reserve(places.size());
-  for (const std::int32_t place : places)
-    result.push_back(labelAt(place, labels));
+  result.reserve(indices.size());
+  for (const std::int32_t index : indices)
+    result.push_back(labelAt(index, labels));
   return result;
 }
 
 cv::Mat
-labelsAt(const cv::Mat& places, const std::vector<Label>& labels)
+labelsAt(const cv::Mat& indices, const std::vector<Label>& labels)
 {
-  cv::Mat result(places.size(), CV_8UC1);
-  for (int row = 0; row < places.rows; ++row)
-    for (int column = 0; column < places.cols; ++column)
+  cv::Mat result(indices.size(), CV_8UC1);
+  for (int row = 0; row < indices.rows; ++row)
+    for (int column = 0; column < indices.cols; ++column)
       result.at<Label>(row, column) =
-          labelAt(places.at<std::int32_t>(row, column), labels);
+          labelAt(indices.at<std::int32_t>(row, column), labels);
   return result;
 }
 
@@ -199,7 +199,7 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
   RenderedLabels result;
   result.labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
   cubes.depth.convertTo(result.depth, CV_32FC1);
-  result.places = cubes.voxel;
+  result.indices = cubes.voxel;
   for (int row = 0; row < camera.height; ++row)
     for (int column = 0; column < camera.width; ++column) {
       const int voxel = cubes.voxel.at<int>(row, column);

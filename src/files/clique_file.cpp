@@ -47,7 +47,7 @@ readCliques(const std::string& path, std::size_t points)
   for (const TextLine& line : readLines(path)) {
     const std::string text = line.text.substr(0, line.text.find('#'));
     if (text.find_first_not_of(" \t") != std::string::npos)
-      cliques.push_back(parseClique(text, points, placeOf(path, line.number)));
+      cliques.push_back(parseClique(text, points, atLine(path, line.number)));
   }
   return cliques;
 }

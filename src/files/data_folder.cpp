@@ -35,12 +35,12 @@ std::string
 findDataFile(const std::string& name)
 {
   // beside bin or lib; beside lib/<architecture>; in a build
-  const char* const places[] = {"../share/pcl_semantic", "../../share/pcl_semantic",
-                                "../../data"};
+  const char* const folders[] = {"../share/pcl_semantic", "../../share/pcl_semantic",
+                                 "../../data"};
   std::error_code error;
   for (const fs::path& home : homes())
-    for (const char* place : places) {
-      const fs::path path = (home / place / name).lexically_normal();
+    for (const char* folder : folders) {
+      const fs::path path = (home / folder / name).lexically_normal();
       if (!home.empty() && fs::exists(path, error))
         return path.string();
     }

@@ -83,7 +83,7 @@ parseNumbers(const std::string& text, const std::string& where)
 }
 
 std::string
-placeOf(const std::string& path, int line)
+atLine(const std::string& path, int line)
 {
   return path + " line " + std::to_string(line);
 }

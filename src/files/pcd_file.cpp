@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcd_file.h"
-
 #include "pcd_data.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -71,9 +70,9 @@ private:
   }
 
   std::string
-  place(const char* keyword) const
+  where(const char* keyword) const
   {
-    return placeOf(path_, line(keyword).number) + ": " + keyword;
+    return atLine(path_, line(keyword).number) + ": " + keyword;
   }
 
   // The lines up to DATA, by their first words.
@@ -93,12 +92,11 @@ private:
         continue;
       if (!known.count(keyword))
         PCL_THROW_EXCEPTION(BadInputException,
-                            placeOf(path_, number)
-                                << ": " << inQuotes(keyword)
-                                << " is no keyword of a .pcd header");
+                            atLine(path_, number) << ": " << inQuotes(keyword)
+                                                  << " is no keyword of a .pcd header");
       const auto [entry, is_new] = lines_.try_emplace(keyword);
       if (!is_new)
-        PCL_THROW_EXCEPTION(BadInputException, placeOf(path_, number)
+        PCL_THROW_EXCEPTION(BadInputException, atLine(path_, number)
                                                    << ": " << keyword
                                                    << " for the second time");
       entry->second.number = number;
@@ -118,7 +116,7 @@ private:
   {
     const Words& found = line(keyword).words;
     if (found.size() != count)
-      PCL_THROW_EXCEPTION(BadInputException, place(keyword)
+      PCL_THROW_EXCEPTION(BadInputException, where(keyword)
                                                  << " has " << found.size()
                                                  << " value(s), expected " << count);
     return found;
@@ -133,7 +131,7 @@ private:
         std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || rest != word.data() + word.size() || value < least ||
         value > most)
-      PCL_THROW_EXCEPTION(BadInputException, place(keyword)
+      PCL_THROW_EXCEPTION(BadInputException, where(keyword)
                                                  << " is " << inQuotes(word)
                                                  << ", expected a whole number from "
                                                  << least << " to " << most);
@@ -147,7 +145,7 @@ private:
     for (std::size_t i = 0; i < allowed.size(); ++i)
       if (word == allowed[i])
         return i;
-    PCL_THROW_EXCEPTION(BadInputException, place(keyword) << " is " << inQuotes(word)
+    PCL_THROW_EXCEPTION(BadInputException, where(keyword) << " is " << inQuotes(word)
                                                           << ", expected " << expected);
   }
 
@@ -156,7 +154,7 @@ private:
   {
     const Words& names = line("FIELDS").words;
     if (names.empty())
-      PCL_THROW_EXCEPTION(BadInputException, place("FIELDS") << " names none");
+      PCL_THROW_EXCEPTION(BadInputException, where("FIELDS") << " names none");
     const Words& sizes = words("SIZE", names.size());
     const Words& types = words("TYPE", names.size());
     const Words counts =
@@ -164,7 +162,7 @@ private:
     std::set<std::string_view> seen;
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (names[i] != "_" && !seen.insert(names[i]).second)
-        PCL_THROW_EXCEPTION(BadInputException, place("FIELDS")
+        PCL_THROW_EXCEPTION(BadInputException, where("FIELDS")
                                                    << " names " << inQuotes(names[i])
                                                    << " for the second time");
       PcdField field;
@@ -174,7 +172,7 @@ private:
       field.type = types[i].size() == 1 ? types[i][0] : '?';
       if (!field.isValid()) // sizes and counts are checked, and words have no blank
         PCL_THROW_EXCEPTION(BadInputException,
-                            place("TYPE")
+                            where("TYPE")
                                 << ": field " << inQuotes(names[i]) << " is "
                                 << inQuotes(types[i]) << " of " << field.size
                                 << " bytes, expected a name, F (4 or 8), I or U (1, "
@@ -183,7 +181,7 @@ private:
     }
     if (header_.table.pointSize() > kMaxPcdPointSize)
       PCL_THROW_EXCEPTION(BadInputException,
-                          place("FIELDS")
+                          where("FIELDS")
                               << " make points of " << header_.table.pointSize()
                               << " bytes, expected at most " << kMaxPcdPointSize);
   }
@@ -199,7 +197,7 @@ private:
     if (has("POINTS") &&
         number("POINTS", words("POINTS", 1)[0], 0, SIZE_MAX) != table.points)
       PCL_THROW_EXCEPTION(BadInputException,
-                          place("POINTS") << " is " << inQuotes(words("POINTS", 1)[0])
+                          where("POINTS") << " is " << inQuotes(words("POINTS", 1)[0])
                                           << ", expected WIDTH x HEIGHT, which is "
                                           << table.points);
   }
@@ -214,7 +212,7 @@ private:
           std::from_chars(values[i].data(), values[i].data() + values[i].size(), value);
       if (error != std::errc() || rest != values[i].data() + values[i].size() ||
           !std::isfinite(value))
-        PCL_THROW_EXCEPTION(BadInputException, place("VIEWPOINT")
+        PCL_THROW_EXCEPTION(BadInputException, where("VIEWPOINT")
                                                    << ": " << inQuotes(values[i])
                                                    << " is not a finite number");
       header_.table.viewpoint[i] = value;
@@ -343,7 +341,7 @@ parsePoint(std::string_view line, const std::vector<Element>& elements,
     const PcdField& field = *elements[i].field;
     const std::string_view word = takeWord(rest);
     if (word.empty())
-      PCL_THROW_EXCEPTION(BadInputException, placeOf(path, number)
+      PCL_THROW_EXCEPTION(BadInputException, atLine(path, number)
                                                  << ": has " << i
                                                  << " number(s), expected "
                                                  << elements.size());
@@ -352,7 +350,7 @@ parsePoint(std::string_view line, const std::vector<Element>& elements,
     if (outcome != Outcome::done)
       PCL_THROW_EXCEPTION(
           BadInputException,
-          placeOf(path, number)
+          atLine(path, number)
               << ": " << inQuotes(word)
               << (outcome == Outcome::no_number ? " is not" : " is too large for")
               << " a number of field " << inQuotes(field.name) << ", type "
@@ -360,7 +358,7 @@ parsePoint(std::string_view line, const std::vector<Element>& elements,
     data.insert(data.end(), bytes, bytes + field.size);
   }
   if (!takeWord(rest).empty())
-    PCL_THROW_EXCEPTION(BadInputException, placeOf(path, number)
+    PCL_THROW_EXCEPTION(BadInputException, atLine(path, number)
                                                << ": has more than " << elements.size()
                                                << " numbers");
 }
@@ -384,7 +382,7 @@ decodePcdAscii(const std::string& path, const PcdHeader& header, std::string_vie
     if (line.find_first_not_of(" \t") == std::string_view::npos)
       continue;
     if (points++ == header.table.points)
-      PCL_THROW_EXCEPTION(BadInputException, placeOf(path, number)
+      PCL_THROW_EXCEPTION(BadInputException, atLine(path, number)
                                                  << ": is beyond the "
                                                  << header.table.points
                                                  << " points of the header");

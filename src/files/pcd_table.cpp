@@ -121,14 +121,14 @@ PcdTable::setColumn(const PcdField& field, const std::vector<std::uint8_t>& valu
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "field '" << field.name << "': " << values.size()
                                   << " bytes do not fit " << points << " points");
-  const int place = find(field.name);
-  if (place < 0) {
+  const int index = find(field.name);
+  if (index < 0) {
     replaceBytes(*this, pointSize(), 0, values.data(), size);
     fields.push_back(field);
     return;
   }
-  PcdField& old = fields[static_cast<std::size_t>(place)];
-  replaceBytes(*this, offsetOf(*this, static_cast<std::size_t>(place)), sizeOf(old),
+  PcdField& old = fields[static_cast<std::size_t>(index)];
+  replaceBytes(*this, offsetOf(*this, static_cast<std::size_t>(index)), sizeOf(old),
                values.data(), size);
   old = field;
 }

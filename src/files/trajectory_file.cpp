@@ -76,7 +76,7 @@ inSeconds(double time)
 Eigen::Isometry3d
 parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
 {
-  const std::string where = placeOf(path, line.number);
+  const std::string where = atLine(path, line.number);
   if (line.text.empty() || isComment(line.text))
     PCL_THROW_EXCEPTION(BadInputException,
                         where << ": holds no pose, but a later line does (every frame "
@@ -108,7 +108,7 @@ parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
 TimedPose
 parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
 {
-  const std::string where = placeOf(path, line.number);
+  const std::string where = atLine(path, line.number);
   const std::vector<double> numbers = parseNumbers(line.text, where);
   if (numbers.size() != 8)
     PCL_THROW_EXCEPTION(
@@ -137,14 +137,13 @@ trajectoryFormatOf(const std::string& path)
   for (const TextLine& line : readLines(path)) {
     if (line.text.empty() || isComment(line.text))
       continue;
-    const std::size_t count =
-        parseNumbers(line.text, placeOf(path, line.number)).size();
+    const std::size_t count = parseNumbers(line.text, atLine(path, line.number)).size();
     if (count == 8)
       return TrajectoryFormat::tum;
     if (count >= 11 && count <= 13) // near 12: the reader says what is wrong with it
       return TrajectoryFormat::kitti;
     PCL_THROW_EXCEPTION(BadInputException,
-                        placeOf(path, line.number)
+                        atLine(path, line.number)
                             << ": has " << count
                             << " numbers, expected 12 (a KITTI trajectory) or 8 (TUM)");
   }
@@ -190,7 +189,7 @@ readTumTrajectory(const std::string& path)
     trajectory.push_back(parseTimedPose(line, path, repairs));
     if (trajectory.size() > 1 &&
         !(trajectory.back().time > trajectory[trajectory.size() - 2].time))
-      PCL_THROW_EXCEPTION(BadInputException, placeOf(path, line.number)
+      PCL_THROW_EXCEPTION(BadInputException, atLine(path, line.number)
                                                  << ": its time is not after that of "
                                                     "the pose before");
   }
@@ -240,7 +239,7 @@ readTimes(const std::string& path)
 {
   std::vector<double> times;
   for (const TextLine& line : rowsOf(path)) {
-    const std::string where = placeOf(path, line.number);
+    const std::string where = atLine(path, line.number);
     const std::vector<double> numbers = parseNumbers(line.text, where);
     if (numbers.size() != 1)
       PCL_THROW_EXCEPTION(BadInputException, where

@@ -16,9 +16,9 @@ struct YamlMap::Impl {
   std::set<std::string> asked;
 
   std::string
-  place(const YAML::Node& at) const
+  where(const YAML::Node& at) const
   {
-    return placeOf(path, at.Mark().line + 1);
+    return atLine(path, at.Mark().line + 1);
   }
 
   // The key's own node, for its line; yaml-cpp's lookup gives only the value.
@@ -38,15 +38,15 @@ struct YamlMap::Impl {
     impl->path = path;
     impl->node.reset(node);
     if (!node.IsMap())
-      PCL_THROW_EXCEPTION(BadInputException, impl->place(node)
+      PCL_THROW_EXCEPTION(BadInputException, impl->where(node)
                                                  << ": expected 'key: value' lines");
     std::set<std::string> keys;
     for (const auto& entry : node) {
       if (!entry.first.IsScalar())
-        PCL_THROW_EXCEPTION(BadInputException, impl->place(entry.first)
+        PCL_THROW_EXCEPTION(BadInputException, impl->where(entry.first)
                                                    << ": a key has to be a word");
       if (!keys.insert(entry.first.Scalar()).second)
-        PCL_THROW_EXCEPTION(BadInputException, impl->place(entry.first)
+        PCL_THROW_EXCEPTION(BadInputException, impl->where(entry.first)
                                                    << ": key '" << entry.first.Scalar()
                                                    << "' is there twice");
     }
@@ -67,7 +67,7 @@ readDocument(const std::string& path)
     const bool is_marker = line.text.rfind("---", 0) == 0;
     if (is_marker && begun)
       PCL_THROW_EXCEPTION(BadInputException,
-                          placeOf(path, line.number)
+                          atLine(path, line.number)
                               << ": a second document begins, expected one");
     begun = begun || is_marker ||
             !(line.text.empty() || is_directive || line.text[0] == '#');
@@ -89,7 +89,7 @@ YamlMap::load(const std::string& path)
     return YamlMap(Impl::make(path, document));
   }
   catch (const YAML::Exception& error) {
-    PCL_THROW_EXCEPTION(BadInputException, placeOf(path, error.mark.line + 1)
+    PCL_THROW_EXCEPTION(BadInputException, atLine(path, error.mark.line + 1)
                                                << ": " << error.msg);
   }
 }
@@ -171,7 +171,7 @@ YamlMap::keys() const
 std::string
 YamlMap::where(const std::string& key) const
 {
-  return impl_->place(impl_->keyNode(key));
+  return impl_->where(impl_->keyNode(key));
 }
 
 void
@@ -179,7 +179,7 @@ YamlMap::refuseUnknownKeys() const
 {
   for (const auto& entry : impl_->node)
     if (!impl_->asked.count(entry.first.Scalar()))
-      PCL_THROW_EXCEPTION(BadInputException, impl_->place(entry.first)
+      PCL_THROW_EXCEPTION(BadInputException, impl_->where(entry.first)
                                                  << ": key '" << entry.first.Scalar()
                                                  << "' is not known");
 }
@@ -187,7 +187,7 @@ YamlMap::refuseUnknownKeys() const
 void
 YamlMap::throwMissing(const std::string& key) const
 {
-  PCL_THROW_EXCEPTION(BadInputException, impl_->place(impl_->node)
+  PCL_THROW_EXCEPTION(BadInputException, impl_->where(impl_->node)
                                              << ": key '" << key << "' is missing");
 }
 

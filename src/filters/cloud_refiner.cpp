@@ -11,16 +11,16 @@ namespace pcl_semantic {
 namespace {
 
 bool
-hasPlace(const Eigen::Vector3f& position)
+hasPosition(const Eigen::Vector3f& position)
 {
   // Written so that NaN has none.
   return (position.array().abs() <= CloudRefiner::most_distant).all();
 }
 
-// The indices of points that have a place, each once, in rising order.
+// The indices of points at a position, each once, in rising order.
 pcl::Indices
-placedPoints(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices,
-             std::size_t& skipped)
+validPoints(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices,
+            std::size_t& skipped)
 {
   std::vector<std::uint8_t> chosen(std::size_t(positions.cols()), 0);
   for (const pcl::index_t index : indices) {
@@ -30,18 +30,18 @@ placedPoints(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices,
                                        << positions.cols() << " points");
     chosen[std::size_t(index)] = 1;
   }
-  pcl::Indices placed;
-  placed.reserve(indices.size());
+  pcl::Indices valid;
+  valid.reserve(indices.size());
   skipped = 0;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!chosen[i])
       continue;
-    if (hasPlace(positions.col(Eigen::Index(i))))
-      placed.push_back(pcl::index_t(i));
+    if (hasPosition(positions.col(Eigen::Index(i))))
+      valid.push_back(pcl::index_t(i));
     else
       ++skipped;
   }
-  return placed;
+  return valid;
 }
 
 // Of each coordinate.
@@ -139,8 +139,8 @@ CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) cons
   elements.positions.resize(3, count);
   if (fields.colours.size() > 0)
     elements.colours.resize(3, count);
-  // Differences from a place among the points keep single precision wherever the cloud
-  // lies; it must not depend on their order, nor on what lies far from most.
+  // Differences from a position among the points keep single precision wherever the
+  // cloud lies; it must not depend on their order, nor on what lies far from most.
   const Eigen::Vector3f middle =
       voxels_.empty() ? medianOf(fields.positions, indices) : Eigen::Vector3f::Zero();
   const VoxelIndex corner =
@@ -171,7 +171,7 @@ CloudRefiner::makeCliques(const Fields& fields)
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f position = fields.positions.col(Eigen::Index(i));
     pcl::PointXYZRGB& point = cloud[i];
-    if (hasPlace(position))
+    if (hasPosition(position))
       point.getVector3fMap() = position;
     else {
       point.x = point.y = point.z = std::numeric_limits<float>::quiet_NaN();
@@ -191,24 +191,26 @@ void
 CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
 {
   const std::size_t count = fields.labels.size();
+  if (!use_colour_)
+    fields.colours.resize(3, 0);
   if (!voxels_.empty())
     requireSize("voxel indices", voxels_.size(), count);
-  const pcl::Indices placed = placedPoints(fields.positions, indices, skipped_points_);
+  const pcl::Indices valid = validPoints(fields.positions, indices, skipped_points_);
   refined_ = measurements(fields, indices);
   for (const pcl::index_t index : indices)
-    if (!hasPlace(fields.positions.col(index))) {
+    if (!hasPosition(fields.positions.col(index))) {
       fields.labels[std::size_t(index)] = kUnlabelled;
       refined_.matrix().col(index).setZero();
     }
-  if (usesCliques() && generator_ && !placed.empty())
+  if (usesCliques() && generator_ && !valid.empty())
     makeCliques(fields);
   Elements elements;
-  if (!placed.empty())
-    elements = elementsOf(fields, placed);
+  if (!valid.empty())
+    elements = elementsOf(fields, valid);
   refine(elements, refined_);
 #pragma omp parallel for schedule(static)
-  for (std::size_t k = 0; k < placed.size(); ++k)
-    fields.labels[std::size_t(placed[k])] = refined_.mapLabel(placed[k]);
+  for (std::size_t k = 0; k < valid.size(); ++k)
+    fields.labels[std::size_t(valid[k])] = refined_.mapLabel(valid[k]);
 }
 
 } // namespace pcl_semantic

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "crf/crf_energy.h"
+#include "crf/lattice_kernel.h"
 #include "kernels/negative_logs.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/crf/crf_model.h>
-#include <pcl_semantic/crf/lattice_kernel.h>
 #include <pcl_semantic/crf/mean_field.h>
 #include <pcl_semantic/filters/label_refiner.h>
 
@@ -246,9 +247,9 @@ LabelRefiner::Builder::initial() const
 std::vector<std::vector<std::int32_t>>
 LabelRefiner::Builder::cliquesOfElements(std::vector<int>& kept) const
 {
-  std::vector<std::int32_t> places(elements_.total, -1);
+  std::vector<std::int32_t> columns(elements_.total, -1);
   for (std::size_t k = 0; k < elements_.indices.size(); ++k)
-    places[std::size_t(elements_.indices[k])] = std::int32_t(k);
+    columns[std::size_t(elements_.indices[k])] = std::int32_t(k);
   std::vector<std::vector<std::int32_t>> cliques;
   std::vector<std::int32_t> last_clique(elements_.total, -1); // that an index was in
   for (std::size_t c = 0; c < refiner_.cliques_.size(); ++c) {
@@ -263,8 +264,8 @@ LabelRefiner::Builder::cliquesOfElements(std::vector<int>& kept) const
         PCL_THROW_EXCEPTION(InvalidParameterException,
                             "clique " << c << " has the index " << index << " twice");
       last_clique[std::size_t(index)] = std::int32_t(c);
-      if (places[std::size_t(index)] >= 0)
-        members.push_back(places[std::size_t(index)]);
+      if (columns[std::size_t(index)] >= 0)
+        members.push_back(columns[std::size_t(index)]);
     }
     if (members.empty())
       continue;
@@ -491,6 +492,7 @@ LabelRefiner::setComputeEnergies(bool compute)
 void
 LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
 {
+  const ThreadScope threads(threads_);
   report_ = CRFReport();
   report_.unlabelled = checkMeasurements(distributions, elements.indices);
   if (compute_energies_ && !compatibility_.isSymmetric())

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_file.h"
 #include "block_counter.h"
+#include "map/voxel_fusion.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/map/semantic_voxel.h>
-#include <pcl_semantic/map/voxel_fusion.h>
 
 #include <algorithm>
 #include <cmath>
@@ -45,14 +45,14 @@ saturate(std::uint64_t value)
 }
 
 StoredLogOdds
-mergeLogOdds(const std::vector<const VoxelBlock*>& blocks, std::size_t place,
+mergeLogOdds(const std::vector<const VoxelBlock*>& blocks, std::size_t offset,
              const FusionParameters& fusion)
 {
   int sum = 0;
   bool is_known = false;
   for (const VoxelBlock* const block : blocks)
-    if (block->log_odds[place] != kUnknown) {
-      sum += block->log_odds[place];
+    if (block->log_odds[offset] != kUnknown) {
+      sum += block->log_odds[offset];
       is_known = true;
     }
   if (!is_known)
@@ -103,11 +103,11 @@ mergeMeasured(const std::vector<Source>& sources, int classes, double log_ratio,
 }
 
 void
-mergeVoxel(const std::vector<Source>& sources, int place, int classes,
+mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
            const FusionParameters& fusion, VoxelBlock& merged)
 {
   const auto count = static_cast<std::size_t>(classes);
-  const auto record = static_cast<std::size_t>(merged.makeRecord(place, classes));
+  const auto record = static_cast<std::size_t>(merged.makeRecord(offset, classes));
   merged.records[record] = mergeRecords(sources);
   float* const measured = merged.measured.data() + record * count;
   std::vector<Source> labelled = sources;
@@ -136,15 +136,15 @@ mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
 {
   VoxelBlock merged;
   std::vector<Source> sources;
-  for (int place = 0; place < kBlockVoxels; ++place) {
-    merged.log_odds[std::size_t(place)] =
-        mergeLogOdds(blocks, std::size_t(place), fusion);
+  for (int offset = 0; offset < kBlockVoxels; ++offset) {
+    merged.log_odds[std::size_t(offset)] =
+        mergeLogOdds(blocks, std::size_t(offset), fusion);
     sources.clear();
     for (const VoxelBlock* const block : blocks)
-      if (block->recordAt(place) != VoxelBlock::kNoRecord)
-        sources.push_back({block, std::size_t(block->recordAt(place))});
+      if (block->recordAt(offset) != VoxelBlock::kNoRecord)
+        sources.push_back({block, std::size_t(block->recordAt(offset))});
     if (!sources.empty())
-      mergeVoxel(sources, place, classes, fusion, merged);
+      mergeVoxel(sources, offset, classes, fusion, merged);
   }
   return merged;
 }

@@ -22,7 +22,7 @@ public:
   bool
   insert(const VoxelIndex& block)
   {
-    auto bit = tiles_[tileOf(block)][placeOf(block)];
+    auto bit = tiles_[tileOf(block)][offsetOf(block)];
     if (bit)
       return false;
     bit = true;
@@ -35,7 +35,7 @@ public:
   contains(const VoxelIndex& block) const
   {
     const auto tile = tiles_.find(tileOf(block));
-    return tile != tiles_.end() && tile->second[placeOf(block)];
+    return tile != tiles_.end() && tile->second[offsetOf(block)];
   }
 
   std::uint64_t
@@ -62,7 +62,7 @@ private:
   }
 
   static std::size_t
-  placeOf(const VoxelIndex& block)
+  offsetOf(const VoxelIndex& block)
   {
     return std::size_t(((block.z() & mask) << bits | (block.y() & mask)) << bits |
                        (block.x() & mask));

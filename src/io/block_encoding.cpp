@@ -87,10 +87,10 @@ putRecords(const VoxelBlock& block, int classes, ByteWriter& writer)
 {
   std::vector<int> order;
   std::array<std::uint8_t, kBlockVoxels / 8> mask{};
-  for (int place = 0; place < kBlockVoxels; ++place)
-    if (block.recordAt(place) != VoxelBlock::kNoRecord) {
-      order.push_back(block.recordAt(place));
-      mask[std::size_t(place / 8)] |= std::uint8_t(1u << (place % 8));
+  for (int offset = 0; offset < kBlockVoxels; ++offset)
+    if (block.recordAt(offset) != VoxelBlock::kNoRecord) {
+      order.push_back(block.recordAt(offset));
+      mask[std::size_t(offset / 8)] |= std::uint8_t(1u << (offset % 8));
     }
   for (const std::uint8_t byte : mask)
     writer.put(byte);
@@ -110,11 +110,11 @@ getRecords(ByteReader& reader, std::size_t records, int classes, VoxelBlock& blo
   block.record_of.assign(kBlockVoxels, VoxelBlock::kNoRecord);
   std::size_t next = 0;
   std::uint8_t byte = 0;
-  for (int place = 0; place < kBlockVoxels; ++place) {
-    if (place % 8 == 0)
+  for (int offset = 0; offset < kBlockVoxels; ++offset) {
+    if (offset % 8 == 0)
       byte = reader.get<std::uint8_t>();
-    if (byte >> (place % 8) & 1)
-      block.record_of[std::size_t(place)] = static_cast<std::int16_t>(next++);
+    if (byte >> (offset % 8) & 1)
+      block.record_of[std::size_t(offset)] = static_cast<std::int16_t>(next++);
   }
   if (next != records)
     PCL_THROW_EXCEPTION(BadInputException,

@@ -13,7 +13,7 @@ namespace pcl_semantic {
 std::size_t encodedBlockSize(std::size_t records, int classes);
 
 /** \brief A block as bytes, without loss: index, occupancy of all voxels, mask of those
- * with records, and the records column by column in the order of place; doc/map.md has
+ * with records, and the records column by column in the order of offset; doc/map.md has
  * the layout. The same voxels give the same bytes, in whatever order they were hit.
  * \param[in] classes L
  * \throws InvalidParameterException if the block's vectors do not fit each other */

@@ -42,7 +42,7 @@ frameNumberOf(const std::string& path)
 
 // Times beyond 1e17 are nanoseconds, as in files of times.
 std::optional<double>
-timeOf(const std::string& path)
+timeInName(const std::string& path)
 {
   auto time = numberOf<double>(path);
   if (time && *time > 1e17)
@@ -98,10 +98,11 @@ CloudSequence::CloudSequence(const std::string& pattern, const std::string& time
                                                            << ": are both frame "
                                                            << numbers_[i]);
   if (numbers_.empty()) {
-    times_ = ofAll<double>(paths_, timeOf);
+    times_ = ofAll<double>(paths_, timeInName);
     if (!times_.empty()) // not the natural order: 0.25 comes before 0.5
-      std::sort(paths_.begin(), paths_.end(),
-                [](const auto& a, const auto& b) { return *timeOf(a) < *timeOf(b); });
+      std::sort(paths_.begin(), paths_.end(), [](const auto& a, const auto& b) {
+        return *timeInName(a) < *timeInName(b);
+      });
     std::sort(times_.begin(), times_.end());
     for (std::size_t i = 0; i < paths_.size(); ++i)
       numbers_.push_back(int(i));
@@ -125,7 +126,7 @@ CloudFrame
 CloudSequence::frame(std::size_t i, int classes, float confidence) const
 {
   const LabelledCloud read = readLabelledCloud(path(i));
-  CloudFrame frame{frameNumber(i), timestamp(i), {}, {}, read.has_colour};
+  CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
   pcl::copyPointCloud(*read.cloud, *frame.cloud);
   frame.distributions = distributionsOf(read, path(i), classes, confidence);

@@ -14,7 +14,7 @@ countLabelChanges(const std::vector<Label>& before, const std::vector<Label>& af
   if (before.size() != after.size() || (!truth.empty() && truth.size() != after.size()))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "labels of " << before.size() << " and " << after.size()
-                                     << " places, truth of " << truth.size());
+                                     << " positions, truth of " << truth.size());
   LabelChanges changes;
   std::vector<std::size_t> counts(256 * 256, 0);
   for (std::size_t i = 0; i < after.size(); ++i) {

@@ -26,7 +26,7 @@ struct LabelChanges {
 };
 
 /** \brief Counts where both labels are there and differ.
- * \param[in] truth of the same places, 0 = not known; empty = none
+ * \param[in] truth of the same positions, 0 = not known; empty = none
  * \throws InvalidParameterException unless all have the same length */
 LabelChanges countLabelChanges(const std::vector<Label>& before,
                                const std::vector<Label>& after,

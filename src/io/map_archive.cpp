@@ -193,10 +193,10 @@ MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
   my.requireWritable();
   VoxelBlock copy = content; // first: without memory nothing changes
   const std::size_t bytes = memoryOf(copy);
-  const auto [place, is_new] = my.pending.try_emplace(block, std::move(copy));
+  const auto [found, is_new] = my.pending.try_emplace(block, std::move(copy));
   if (!is_new) {
-    my.pending_bytes -= memoryOf(place->second);
-    place->second = std::move(copy); // try_emplace left it alone
+    my.pending_bytes -= memoryOf(found->second);
+    found->second = std::move(copy); // try_emplace left it alone
   }
   my.pending_bytes += bytes;
   if (my.pending_bytes > kMostPending)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "block_counter.h"
+#include "map/block_reader.h"
 
 #include <pcl_semantic/io/map_export.h>
-#include <pcl_semantic/map/block_reader.h>
 
 #include <algorithm>
 

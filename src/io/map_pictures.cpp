@@ -31,8 +31,8 @@ struct TopViewGrid {
       low = low.cwiseMin(index);
       high = high.cwiseMax(index);
     }
-    for (const Eigen::Vector2d& place : path) {
-      const Eigen::Vector2i cell = place.array().floor().cast<int>();
+    for (const Eigen::Vector2d& position : path) {
+      const Eigen::Vector2i cell = position.array().floor().cast<int>();
       low.head<2>() = low.head<2>().cwiseMin(cell - Eigen::Vector2i::Constant(margin));
       high.head<2>() =
           high.head<2>().cwiseMax(cell + Eigen::Vector2i::Constant(margin));

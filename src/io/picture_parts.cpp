@@ -55,11 +55,12 @@ drawText(cv::Mat& picture, const std::string& text, cv::Point at,
               cv::FONT_HERSHEY_SIMPLEX, kFontScale * size * kOversampling,
               cv::Scalar::all(255), cvRound(kOversampling * 1.2 * size), cv::LINE_AA);
   cv::resize(strokes, cover, small, 0, 0, cv::INTER_AREA);
-  const cv::Rect place(at - cv::Point(margin, above), small);
-  const cv::Rect inside = place & cv::Rect(cv::Point(), picture.size());
+  const cv::Rect position(at - cv::Point(margin, above), small);
+  const cv::Rect inside = position & cv::Rect(cv::Point(), picture.size());
   for (int v = inside.y; v < inside.y + inside.height; ++v)
     for (int u = inside.x; u < inside.x + inside.width; ++u) {
-      const double part = cover.at<std::uint8_t>(v - place.y, u - place.x) / 255.0;
+      const double part =
+          cover.at<std::uint8_t>(v - position.y, u - position.x) / 255.0;
       cv::Vec3b& pixel = picture.at<cv::Vec3b>(v, u);
       for (int c = 0; c < 3; ++c)
         pixel[c] =
@@ -72,20 +73,20 @@ drawLegend(const std::vector<LegendEntry>& entries, int width,
            const PictureTheme& theme)
 {
   constexpr int row_height = 24, swatch = 14, gap = 8;
-  std::vector<cv::Point> places;
+  std::vector<cv::Point> positions;
   cv::Point at(gap, gap);
   for (const LegendEntry& entry : entries) {
     const int advance = swatch + textWidth(entry.text) + 3 * gap;
     if (at.x > gap && at.x + advance > width)
       at = {gap, at.y + row_height};
-    places.push_back(at);
+    positions.push_back(at);
     at.x += advance;
   }
   cv::Mat legend(at.y + row_height, width, CV_8UC3, theme.background);
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    cv::rectangle(legend, cv::Rect(places[i].x, places[i].y, swatch, swatch),
+    cv::rectangle(legend, cv::Rect(positions[i].x, positions[i].y, swatch, swatch),
                   cv::Scalar(entries[i].colour), cv::FILLED);
-    drawText(legend, entries[i].text, places[i] + cv::Point(swatch + 6, swatch - 2),
+    drawText(legend, entries[i].text, positions[i] + cv::Point(swatch + 6, swatch - 2),
              theme.text);
   }
   return legend;

@@ -193,7 +193,7 @@ lookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target, double field_
   const Eigen::Vector3d way = target - from;
   if (!(way.norm() > 1e-9) || !way.allFinite())
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the place to look from is the one to look at");
+                        "the position to look from is the one to look at");
   const Eigen::Vector3d forward = way.normalized();
   Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ());
   if (right.norm() < 1e-6) // straight down: the world's x is up in the picture

@@ -54,7 +54,7 @@ public:
   vertex(const VoxelIndex& corner, std::uint32_t look, std::uint32_t row)
   {
     const auto number = static_cast<std::uint32_t>(mesh.corners.size());
-    const auto [place, is_new] = numbers_.try_emplace({corner, look}, number);
+    const auto [found, is_new] = numbers_.try_emplace({corner, look}, number);
     if (is_new) {
       if (number == std::uint32_t(std::numeric_limits<std::int32_t>::max()))
         PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -62,7 +62,7 @@ public:
       mesh.corners.push_back(corner);
       mesh.voxels.push_back(row);
     }
-    return place->second;
+    return found->second;
   }
 
   VoxelMesh mesh;

@@ -24,7 +24,7 @@ cv::Mat shadeCubes(const VoxelScene& scene, const CubeImage& cubes,
 
 namespace {
 
-// A place on the surface: the face of a voxel, and where on it.
+// A position on the surface: the face of a voxel, and where on it.
 struct Face {
   VoxelIndex voxel = VoxelIndex::Zero();
   VoxelIndex normal = VoxelIndex::Zero();
@@ -91,8 +91,8 @@ private:
     return 0.55 + 0.62 * std::max(0.0, light_.dot(face.normal.cast<double>()));
   }
 
-  // How open the sky over a place is: voxels beside the cell in front of the face take
-  // some of it away, more the nearer the place is to their corner.
+  // How open the sky over a position is: voxels beside the cell in front of the face
+  // take some of it away, more the nearer the position is to their corner.
   double
   openness(const Face& face)
   {
@@ -238,14 +238,14 @@ public:
     const double depth = (height_ - eye.z()) / ray.z();
     if (!(depth > 0.0) || !std::isfinite(depth))
       return sky_colour;
-    const Eigen::Vector3d place = eye + depth * ray;
+    const Eigen::Vector3d position = eye + depth * ray;
     // What a pixel covers of the ground, along the ray and across it [m].
     const double across = depth / view_.camera.fx;
     const double along =
         across * ray.norm() / std::max(1e-9, std::abs(ray.z()) / ray.norm());
     double line = 0.0;
     for (int axis = 0; axis < 2; ++axis) {
-      const double cells = (place[axis] + corner_[axis]) / step_;
+      const double cells = (position[axis] + corner_[axis]) / step_;
       const double distance = std::abs(cells - std::round(cells)) * step_;
       const double width =
           std::max(across, along * std::abs(ray[axis]) / ray.head<2>().norm());

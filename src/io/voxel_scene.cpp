@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map/block_reader.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/io/voxel_scene.h>
@@ -252,9 +254,9 @@ sceneOf(const SemanticVoxelMap& map, bool with_free)
   scene.knows_free = true;
   const BlockReader reader(map.labelSet().size(), map.parameters().fusion);
   map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
-    for (int place = 0; place < kBlockVoxels; ++place)
-      if (reader.occupancy(block, place) == Occupancy::free)
-        scene.free.push_back(voxelAt(index, place));
+    for (int offset = 0; offset < kBlockVoxels; ++offset)
+      if (reader.occupancy(block, offset) == Occupancy::free)
+        scene.free.push_back(voxelAt(index, offset));
   });
   return scene;
 }

@@ -116,7 +116,7 @@ CalibrationOptions::validate() const
 namespace {
 
 // What a sample's class scores are linear in, but for the sharpness: a constant, and
-// its two places on each of the curves.
+// its two positions on each of the curves.
 struct SparseRow {
   std::array<int, 1 + 2 * feature_count> columns{};
   std::array<double, 1 + 2 * feature_count> values{};
@@ -217,10 +217,10 @@ rowOf(const CalibrationOptions& options, const PointFeatures& features)
   row.add(0, 1.0);
   int first = 1;
   for (const auto& [feature, knots] : options.curves) {
-    const CurvePlace place = placeOn(knots, features[feature]);
-    if (place.first >= 0) {
-      row.add(first + place.first, 1.0 - place.share);
-      row.add(first + place.first + 1, place.share);
+    const CurvePosition position = positionOn(knots, features[feature]);
+    if (position.first >= 0) {
+      row.add(first + position.first, 1.0 - position.share);
+      row.add(first + position.first + 1, position.share);
     }
     first += int(knots.size());
   }

@@ -9,7 +9,7 @@
 namespace pcl_semantic {
 
 /** \brief The two knots a value lies between, and how near it is to the second. */
-struct CurvePlace {
+struct CurvePosition {
   int first = -1; ///< -1: not known, no curve
   float share = 0.0f;
 };
@@ -24,8 +24,8 @@ areKnots(const std::vector<float>& knots)
   return is_fine;
 }
 
-inline CurvePlace
-placeOn(const std::vector<float>& knots, float value)
+inline CurvePosition
+positionOn(const std::vector<float>& knots, float value)
 {
   if (!std::isfinite(value))
     return {};

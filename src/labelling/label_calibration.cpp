@@ -58,10 +58,10 @@ public:
     clampedLog(distribution, classes, logs_.data());
     logs_ = calibration_.sharpness * logs_ + calibration_.bias;
     for (const ClassCurves& curves : calibration_.curves) {
-      const CurvePlace place = placeOn(curves.knots, features[curves.feature]);
-      if (place.first >= 0)
-        logs_ += (1.0f - place.share) * curves.values.col(place.first) +
-                 place.share * curves.values.col(place.first + 1);
+      const CurvePosition position = positionOn(curves.knots, features[curves.feature]);
+      if (position.first >= 0)
+        logs_ += (1.0f - position.share) * curves.values.col(position.first) +
+                 position.share * curves.values.col(position.first + 1);
     }
     shareOut(sum - kept, distribution);
   }

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t memory = 10; // steps that are looked back on
 
 struct Step {
-  Eigen::VectorXd move, change; // of the place, of the gradient
+  Eigen::VectorXd move, change; // of the position, of the gradient
 };
 
 // The inverse Hessian that the last steps suggest, times the gradient.
@@ -37,11 +37,11 @@ directionOf(const std::deque<Step>& steps, const Eigen::VectorXd& gradient)
 Eigen::VectorXd
 minimizeConvex(
     const std::function<double(const Eigen::VectorXd&, Eigen::VectorXd&)>& function,
-    Eigen::VectorXd place, int iterations, double tolerance)
+    Eigen::VectorXd position, int iterations, double tolerance)
 {
   constexpr double decrease = 1e-4; // share of what the slope promises
-  Eigen::VectorXd gradient(place.size()), next_gradient(place.size());
-  double value = function(place, gradient);
+  Eigen::VectorXd gradient(position.size()), next_gradient(position.size());
+  double value = function(position, gradient);
   std::deque<Step> steps;
   for (int i = 0; i < iterations; ++i) {
     if (!(gradient.cwiseAbs().maxCoeff() > tolerance))
@@ -49,25 +49,25 @@ minimizeConvex(
     const Eigen::VectorXd direction = directionOf(steps, gradient);
     const double slope = direction.dot(gradient);
     double length = steps.empty() ? 1.0 / gradient.norm() : 1.0;
-    Eigen::VectorXd next = place - length * direction;
+    Eigen::VectorXd next = position - length * direction;
     double next_value = function(next, next_gradient);
     while (!(next_value <= value - decrease * length * slope) && length > 1e-12) {
       length *= 0.5;
-      next = place - length * direction;
+      next = position - length * direction;
       next_value = function(next, next_gradient);
     }
     if (!(next_value < value))
       break; // as far as rounding lets it go
-    Step step{next - place, next_gradient - gradient};
+    Step step{next - position, next_gradient - gradient};
     if (step.move.dot(step.change) > 0.0)
       steps.push_back(std::move(step));
     if (steps.size() > memory)
       steps.pop_front();
-    place = std::move(next);
+    position = std::move(next);
     gradient = next_gradient;
     value = next_value;
   }
-  return place;
+  return position;
 }
 
 } // namespace pcl_semantic

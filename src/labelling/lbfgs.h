@@ -9,7 +9,7 @@ namespace pcl_semantic {
 
 /** \brief Minimum of a smooth convex function by limited-memory BFGS (Nocedal and
  * Wright, "Numerical Optimization", algorithm 7.5) with backtracking.
- * \param[in] function gives the value at a place and writes its gradient
+ * \param[in] function gives the value at a position and writes its gradient
  * \param[in] start where the search begins
  * \param[in] iterations at most
  * \param[in] tolerance ends when no entry of the gradient is larger */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/map/block_reader.h>
+#include "block_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -36,9 +36,9 @@ meanColour(const VoxelRecord& record)
 } // namespace
 
 Label
-BlockReader::label(const VoxelBlock& block, int place) const
+BlockReader::label(const VoxelBlock& block, int offset) const
 {
-  const int record = block.recordAt(place);
+  const int record = block.recordAt(offset);
   const Label refined = mapLabel(block.refined.data() + record * classes_, classes_);
   if (refined != kUnlabelled || block.records[record].label_observations == 0)
     return refined;
@@ -50,16 +50,16 @@ BlockReader::label(const VoxelBlock& block, int place) const
 
 VoxelState
 BlockReader::state(const VoxelIndex& block_index, const VoxelBlock& block,
-                   int place) const
+                   int offset) const
 {
   VoxelState state;
-  state.index = voxelAt(block_index, place);
-  state.occupancy = occupancy(block, place);
+  state.index = voxelAt(block_index, offset);
+  state.occupancy = occupancy(block, offset);
   if (state.occupancy != Occupancy::unknown)
-    state.log_odds = float(block.log_odds[place]) * kLogOddsUnit;
+    state.log_odds = float(block.log_odds[offset]) * kLogOddsUnit;
   LabelDistributions refined(classes_, 1);
   state.measured.resize(std::size_t(classes_));
-  const int record = block.recordAt(place);
+  const int record = block.recordAt(offset);
   if (record != VoxelBlock::kNoRecord) {
     state.colour = meanColour(block.records[record]);
     state.observations = block.records[record].observations;
@@ -78,9 +78,9 @@ BlockReader::countOccupied(const VoxelBlock& block) const
   if (block.records.empty())
     return 0;
   std::size_t count = 0; // not by isOccupied(): this loop compilers make wide
-  for (std::size_t place = 0; place < kBlockVoxels; ++place)
-    count += int(block.record_of[place] != VoxelBlock::kNoRecord) &
-             int(occupancy_.isOccupied(block.log_odds[place]));
+  for (std::size_t offset = 0; offset < kBlockVoxels; ++offset)
+    count += int(block.record_of[offset] != VoxelBlock::kNoRecord) &
+             int(occupancy_.isOccupied(block.log_odds[offset]));
   return count;
 }
 
@@ -108,14 +108,14 @@ BlockReader::read(const VoxelIndex& index, const VoxelBlock& block, std::size_t 
   if (block.records.empty())
     return;
   std::size_t i = first;
-  for (int place = 0; place < kBlockVoxels; ++place) {
-    if (!isOccupied(block, place))
+  for (int offset = 0; offset < kBlockVoxels; ++offset) {
+    if (!isOccupied(block, offset))
       continue;
-    const int record = block.recordAt(place);
+    const int record = block.recordAt(offset);
     const auto column = Eigen::Index(i);
     readDistributions(block, record, classes_, voxels.measured.column(column),
                       voxels.refined.column(column));
-    voxels.indices[i] = voxelAt(index, place);
+    voxels.indices[i] = voxelAt(index, offset);
     voxels.observations[i] = block.records[record].observations;
     const Eigen::Vector3d centre =
         (voxels.indices[i].cast<double>().array() + 0.5).matrix() * voxels.voxel_size;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/map/crossed_voxels.h>
+#include "crossed_voxels.h"
 
 #include <algorithm>
 

@@ -13,7 +13,7 @@ namespace pcl_semantic {
 
 /** \brief Which voxel each pixel sees, and how far away it is. */
 struct CubeImage {
-  cv::Mat voxel; ///< CV_32SC1, place in the list of voxels; -1 = none
+  cv::Mat voxel; ///< CV_32SC1, offset in the list of voxels; -1 = none
   cv::Mat depth; ///< CV_64FC1, camera z of the surface [m]; 0 = no voxel
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "directed_ray.h"
+
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/map/directed_ray.h>
 #include <pcl_semantic/map/map_parameters.h>
 
 namespace pcl_semantic {

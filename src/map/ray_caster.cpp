@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ray_caster.h"
 #include "core/parallel_guard.h"
 #include "kernels/ray_directions.h"
+#include "ray_traversal.h"
 #include "tile_sweep.h"
-
-#include <pcl_semantic/map/ray_caster.h>
-#include <pcl_semantic/map/ray_traversal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -148,7 +147,7 @@ RayCaster::addRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   batch.count = 0;
 }
 
-// Orders hits by slot: counts those of each, then puts them in their places.
+// Orders hits by slot: counts those of each, then puts them in their offsets.
 void
 RayCaster::sortHits()
 {

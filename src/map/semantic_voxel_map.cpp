@@ -1,238 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "block_reader.h"
+#include "block_update.h"
 #include "core/parallel_guard.h"
+#include "ray_caster.h"
+#include "ray_traversal.h"
+#include "read_write_lock.h"
+#include "scrolling_voxel_grid.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/label_set.h>
-#include <pcl_semantic/map/block_reader.h>
-#include <pcl_semantic/map/map_parameters.h>
-#include <pcl_semantic/map/ray_caster.h>
-#include <pcl_semantic/map/semantic_voxel.h>
+#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
-#include <pcl_semantic/map/voxel_fusion.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
-// What SemanticVoxelMap gives out: clouds of occupied voxels and the state of a place.
-
 namespace pcl_semantic {
 
-/** \brief Brings what one scan says into a block: one update of occupancy a voxel, a
- * hit wins over a miss; colours and labels of the voxels that were hit. */
-class BlockUpdate {
-public:
-  /** \param[in] classes L */
-  BlockUpdate(int classes, const MapParameters& parameters, const Scan& scan);
+struct SemanticVoxelMap::State {
+  State(const LabelSet& label_set, const MapParameters& parameters,
+        std::shared_ptr<BlockStore> store);
 
-  /** \param[in] crossed voxels, see CrossedVoxels::layers
-   * \param[in] first, last hits in the block, in any order
-   * \return number of voxels that were hit */
-  std::size_t run(const std::uint64_t* crossed, const RayHit* first, const RayHit* last,
-                  VoxelBlock& block);
+  void centreWindow(const Eigen::Vector3d& sensor);
+  ScanCounts integrate(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
+  std::size_t updateBlocks(const Scan& scan);
+  const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& offset) const;
+  void visitBlocks(const VisitBlock& visit) const;
 
-private:
-  void sortByPlace(const RayHit* first, const RayHit* last);
-
-  void updateOccupancy(const std::uint64_t* crossed, VoxelBlock& block) const;
-
-  float weightOf(std::size_t begin, std::size_t end) const;
-
-  void fuse(int place, std::size_t begin, std::size_t end, VoxelBlock& block);
-
-  const int classes_;
-  const OccupancyUpdate occupancy_;
-  const bool per_ray_;
-  const double voxel_size_;
-  const Scan& scan_;
-  VoxelMeasurement measurement_;
-  std::array<std::uint64_t, CrossedVoxels::kWords> hit_{}; // a bit a voxel
-  std::array<std::uint32_t, kBlockVoxels> end_{};          // of its points, by voxel
-  std::vector<std::uint32_t> points_;                      // by voxel
+  LabelSet label_set;
+  MapParameters parameters;
+  BlockReader reader;
+  ScrollingVoxelGrid<VoxelBlock> grid;
+  std::shared_ptr<BlockStore> store;
+  RayCaster ray_caster;
+  Eigen::Vector3d cloud_origin = Eigen::Vector3d::Zero();
+  bool has_cloud_origin = false;
+  std::optional<int> threads;
+  ReadWriteLock lock;               // of everything above
+  mutable std::mutex store_reading; // a store need not bear several readers
 };
-
-/** \brief Takes FusionParameters::dynamic_decay off every occupied voxel of the window
- * whose MAP label is of a dynamic class. */
-void decayDynamicVoxels(const LabelSet& label_set, const FusionParameters& fusion,
-                        RayCaster::Grid& grid);
-
-/** \brief Counts every ray of a scan in the occupancy of its voxels, as the
- * paper does: one after the other by a single thread, for here their order matters.
- * \param[in] scan that \a caster has cast last
- * \param[in,out] grid that the rays were cast through; all crossed blocks are there */
-void countRays(const RayCaster& caster, const MapParameters& parameters,
-               const Scan& scan, RayCaster::Grid& grid);
-
-namespace {
-
-// Calls visit(place) for every bit that is set, in order.
-template <typename Visit>
-void
-forEachBit(const std::uint64_t* words, Visit&& visit)
-{
-  for (std::size_t w = 0; w < CrossedVoxels::kWords; ++w)
-    for (std::uint64_t bits = words[w]; bits != 0; bits &= bits - 1)
-      visit(int(64 * w) + __builtin_ctzll(bits));
-}
-
-} // namespace
-
-BlockUpdate::BlockUpdate(int classes, const MapParameters& parameters, const Scan& scan)
-    : classes_(classes), occupancy_(parameters.fusion),
-      per_ray_(parameters.fusion.per_ray_counting), voxel_size_(parameters.voxel_size),
-      scan_(scan), measurement_(classes, parameters.fusion)
-{}
-
-std::size_t
-BlockUpdate::run(const std::uint64_t* crossed, const RayHit* first, const RayHit* last,
-                 VoxelBlock& block)
-{
-  block.changed = true;
-  sortByPlace(first, last);
-  if (!per_ray_) // else it has been updated ray by ray
-    updateOccupancy(crossed, block);
-  std::size_t hit_voxels = 0;
-  std::size_t begin = 0;
-  forEachBit(hit_.data(), [&](int place) {
-    fuse(place, begin, end_[std::size_t(place)], block);
-    begin = end_[std::size_t(place)];
-    ++hit_voxels;
-  });
-  return hit_voxels;
-}
-
-void
-BlockUpdate::sortByPlace(const RayHit* first, const RayHit* last)
-{
-  hit_.fill(0);
-  for (const RayHit* hit = first; hit != last; ++hit) {
-    std::uint64_t& word = hit_[hit->place >> 6];
-    const std::uint64_t bit = std::uint64_t(1) << (hit->place & 63);
-    end_[hit->place] = word & bit ? end_[hit->place] + 1 : 1;
-    word |= bit;
-  }
-  std::uint32_t begin = 0;
-  forEachBit(hit_.data(), [&](int place) {
-    const std::uint32_t count = end_[std::size_t(place)];
-    end_[std::size_t(place)] = begin;
-    begin += count;
-  });
-  points_.resize(std::size_t(last - first));
-  for (const RayHit* hit = first; hit != last; ++hit) {
-    points_[end_[hit->place]++] = hit->point;
-    // Neighbours in the map are none in the scan.
-    if (!scan_.rgb.empty())
-      __builtin_prefetch(scan_.rgb.address(hit->point));
-    if (scan_.distributions)
-      __builtin_prefetch(scan_.distributions->column(Eigen::Index(hit->point)));
-  }
-}
-
-void
-BlockUpdate::updateOccupancy(const std::uint64_t* crossed, VoxelBlock& block) const
-{
-  for (std::size_t w = 0; w < CrossedVoxels::kWords; ++w) {
-    const std::uint64_t missed = crossed[w] & ~hit_[w];
-    StoredLogOdds* const layer = block.log_odds.data() + 64 * w;
-    if (missed == ~std::uint64_t(0)) // the loop that compilers make wide
-      for (int i = 0; i < 64; ++i)
-        occupancy_.miss(layer[i]);
-    else
-      for (std::uint64_t bits = missed; bits != 0; bits &= bits - 1)
-        occupancy_.miss(layer[__builtin_ctzll(bits)]);
-  }
-  std::size_t begin = 0;
-  forEachBit(hit_.data(), [&](int place) {
-    const std::size_t end = end_[std::size_t(place)];
-    occupancy_.hit(block.log_odds[std::size_t(place)], weightOf(begin, end));
-    begin = end;
-  });
-}
-
-// That of the surest point: their order does not matter.
-float
-BlockUpdate::weightOf(std::size_t begin, std::size_t end) const
-{
-  if (!scan_.deviations)
-    return 1.0f;
-  float least = std::numeric_limits<float>::max();
-  for (std::size_t i = begin; i < end; ++i)
-    least = std::min(least, (*scan_.deviations)[points_[i]]);
-  return hitWeight(voxel_size_, least);
-}
-
-void
-BlockUpdate::fuse(int place, std::size_t begin, std::size_t end, VoxelBlock& block)
-{
-  measurement_.clear();
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::uint32_t point = points_[i];
-    if (!scan_.rgb.empty())
-      measurement_.addColour(scan_.rgb[point]);
-    if (scan_.distributions)
-      measurement_.addDistribution(scan_.distributions->column(Eigen::Index(point)));
-  }
-  const int record = block.makeRecord(place, classes_);
-  const bool labelled = measurement_.fuseInto(
-      block.records[std::size_t(record)], block.measured.data() + record * classes_);
-  // What was concluded from older measurements does not hold any more.
-  if (labelled)
-    std::fill_n(block.refined.begin() + record * classes_, classes_, 0.0f);
-}
-
-void
-decayDynamicVoxels(const LabelSet& label_set, const FusionParameters& fusion,
-                   RayCaster::Grid& grid)
-{
-  const OccupancyUpdate update(fusion);
-  const BlockReader reader(label_set.size(), fusion);
-  const int units = static_cast<int>(std::lround(fusion.dynamic_decay / kLogOddsUnit));
-  std::array<bool, 256> dynamic{};
-  for (int label = 1; label <= label_set.size(); ++label)
-    dynamic[std::size_t(label)] = label_set[Label(label)].dynamic;
-#pragma omp parallel for schedule(dynamic, 1024)
-  for (std::size_t slot = 0; slot < grid.slots(); ++slot) {
-    VoxelBlock* const block = grid.at(slot).get();
-    if (!block || block->records.empty())
-      continue;
-    for (int place = 0; place < kBlockVoxels; ++place)
-      if (reader.isOccupied(*block, place) && dynamic[reader.label(*block, place)]) {
-        update.decay(block->log_odds[std::size_t(place)], units);
-        block->changed = true;
-      }
-  }
-}
-
-void
-countRays(const RayCaster& caster, const MapParameters& parameters, const Scan& scan,
-          RayCaster::Grid& grid)
-{
-  const OccupancyUpdate update(parameters.fusion);
-  caster.forEachRay([&](const QuantizedPoint& start, const QuantizedPoint& end,
-                        const RayCaster::SlotHit* hit) {
-    traverseSegment(start, end, [&](const VoxelIndex& voxel) {
-      const VoxelIndex index = blockOf(voxel);
-      if (!grid.contains(index))
-        return false;
-      const std::size_t slot = grid.slotOf(index);
-      const auto place = std::uint32_t(voxelInBlock(voxel));
-      if (!hit || hit->slot != slot || hit->hit.place != place)
-        update.miss(grid.at(slot)->log_odds[place]);
-      return true;
-    });
-    if (!hit)
-      return;
-    const float deviation = scan.deviations ? (*scan.deviations)[hit->hit.point] : 0.0f;
-    update.hit(grid.at(hit->slot)->log_odds[hit->hit.place],
-               hitWeight(parameters.voxel_size, deviation));
-  });
-}
 
 namespace {
 
@@ -310,57 +121,148 @@ replaceMeasured(const float* distribution, int classes, double max_ratio,
         float(std::log(std::max(double(distribution[k] / largest), 1.0 / max_ratio)));
 }
 
+bool
+isNear(const Eigen::Vector3d& point, double voxel_size)
+{
+  return (point.array().abs() <= kMaxVoxelIndex * voxel_size).all(); // false for NaN
+}
+
 } // namespace
 
-SemanticVoxelMap::SemanticVoxelMap(const LabelSet& label_set,
-                                   const Parameters& parameters,
-                                   std::shared_ptr<BlockStore> store)
-    : label_set_(label_set), parameters_(parameters),
-      reader_(label_set.size(), parameters.fusion), grid_(windowInBlocks(parameters)),
-      store_(store ? std::move(store) : std::make_shared<MemoryBlockStore>()),
-      ray_caster_(grid_.slots())
+SemanticVoxelMap::State::State(const LabelSet& classes, const MapParameters& p,
+                               std::shared_ptr<BlockStore> given)
+    : label_set(classes), parameters(p), reader(classes.size(), p.fusion),
+      grid(windowInBlocks(p)),
+      store(given ? std::move(given) : std::make_shared<MemoryBlockStore>()),
+      ray_caster(grid.slots())
 {}
 
 void
-SemanticVoxelMap::centreWindow(const Eigen::Vector3d& sensor)
+SemanticVoxelMap::State::centreWindow(const Eigen::Vector3d& sensor)
 {
-  const double farthest = 0.5 * kMaxVoxelIndex * parameters_.voxel_size;
+  const double farthest = 0.5 * kMaxVoxelIndex * parameters.voxel_size;
   if (!((sensor.array().abs() <= farthest).all()))
     PCL_THROW_EXCEPTION(BadInputException, "the sensor is at "
                                                << sensor.transpose()
                                                << " m, expected at most " << farthest
                                                << " m from the origin");
-  if (!has_cloud_origin_)
-    cloud_origin_ = nearbyOrigin(sensor);
-  has_cloud_origin_ = true;
-  const Eigen::Vector3d centre = sensor / (parameters_.voxel_size * kBlockEdge);
+  if (!has_cloud_origin)
+    cloud_origin = nearbyOrigin(sensor);
+  has_cloud_origin = true;
+  const Eigen::Vector3d centre = sensor / (parameters.voxel_size * kBlockEdge);
   const VoxelIndex origin =
-      (centre - 0.5 * grid_.size().cast<double>()).array().round().cast<int>();
-  grid_.scrollTo(
+      (centre - 0.5 * grid.size().cast<double>()).array().round().cast<int>();
+  grid.scrollTo(
       origin,
-      [&](const VoxelIndex& index, VoxelBlock& block) { keep(index, block, *store_); },
+      [&](const VoxelIndex& index, VoxelBlock& block) { keep(index, block, *store); },
       [&](const VoxelIndex& index) {
-        std::unique_ptr<VoxelBlock> block = store_->get(index);
+        std::unique_ptr<VoxelBlock> block = store->get(index);
         if (block)
           block->changed = false;
         return block;
       });
 }
 
+ScanCounts
+SemanticVoxelMap::State::integrate(const Scan& scan,
+                                   const Eigen::Isometry3d& T_world_sensor)
+{
+  centreWindow(T_world_sensor.translation());
+  if (parameters.fusion.dynamic_decay > 0.0)
+    decayDynamicVoxels(label_set, parameters.fusion, grid);
+  RayCaster::Settings settings{parameters.voxel_size, parameters.max_range, {}};
+  for (int label = 0; label <= label_set.size(); ++label)
+    settings.is_sky.push_back(label_set[Label(label)].sky);
+  ScanCounts counts = ray_caster.cast(scan, T_world_sensor, grid, settings);
+  counts.hit_voxels = updateBlocks(scan);
+  if (parameters.fusion.per_ray_counting)
+    countRays(ray_caster, parameters, scan, grid);
+  return counts;
+}
+
+std::size_t
+SemanticVoxelMap::State::updateBlocks(const Scan& scan)
+{
+  const std::vector<VoxelIndex> blocks = ray_caster.crossed().blocks();
+  std::size_t hit_voxels = 0;
+  ParallelGuard guard; // blocks and records are made, which takes memory
+#pragma omp parallel reduction(+ : hit_voxels)
+  {
+    std::optional<BlockUpdate> update;
+    guard.run([&] { update.emplace(label_set.size(), parameters, scan); });
+#pragma omp for schedule(dynamic, 16)
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+      guard.run([&] {
+        const std::size_t slot = grid.slotOf(blocks[b]);
+        auto& block = grid.at(slot);
+        if (!block)
+          block = std::make_unique<VoxelBlock>();
+        const auto [first, last] = ray_caster.hitsIn(slot);
+        if (update)
+          hit_voxels +=
+              update->run(ray_caster.crossed().layers(slot), first, last, *block);
+      });
+  }
+  guard.rethrow();
+  return hit_voxels;
+}
+
+const VoxelBlock*
+SemanticVoxelMap::State::findVoxel(const Eigen::Vector3d& point, int& offset) const
+{
+  if (!isNear(point, parameters.voxel_size))
+    return nullptr;
+  const VoxelIndex voxel =
+      pcl_semantic::voxelOf(quantize(point, parameters.voxel_size));
+  offset = voxelInBlock(voxel);
+  return grid.find(blockOf(voxel));
+}
+
+void
+SemanticVoxelMap::State::visitBlocks(const VisitBlock& visit) const
+{
+  const std::lock_guard<std::mutex> alone(store_reading);
+  // Two ordered lists become one; of a block in both, the window has the newer state.
+  std::vector<std::pair<VoxelIndex, const VoxelBlock*>> window;
+  grid.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    window.emplace_back(index, &block);
+  });
+  auto next = window.begin();
+  const auto visitWindowBefore = [&](const VoxelIndex& index) {
+    for (; next != window.end() && VoxelIndexLess()(next->first, index); ++next)
+      visit(next->first, *next->second);
+  };
+  store->forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+    visitWindowBefore(index);
+    if (!grid.contains(index))
+      visit(index, block);
+  });
+  for (; next != window.end(); ++next)
+    visit(next->first, *next->second);
+}
+
+SemanticVoxelMap::SemanticVoxelMap(const LabelSet& label_set,
+                                   const Parameters& parameters,
+                                   std::shared_ptr<BlockStore> store)
+    : state_(std::make_unique<State>(label_set, parameters, std::move(store)))
+{}
+
+SemanticVoxelMap::~SemanticVoxelMap() = default;
+
 void
 SemanticVoxelMap::moveWindow(const Eigen::Vector3d& centre)
 {
-  const auto writing = lock_.write();
-  centreWindow(centre);
+  const auto writing = state_->lock.write();
+  state_->centreWindow(centre);
 }
 
 void
 SemanticVoxelMap::flush()
 {
-  const auto writing = lock_.write();
-  grid_.forEachSlot([&](const VoxelIndex& index, std::size_t slot) {
-    if (grid_.at(slot))
-      keep(index, *grid_.at(slot), *store_);
+  const auto writing = state_->lock.write();
+  state_->grid.forEachSlot([&](const VoxelIndex& index, std::size_t slot) {
+    if (state_->grid.at(slot))
+      keep(index, *state_->grid.at(slot), *state_->store);
   });
 }
 
@@ -370,63 +272,27 @@ SemanticVoxelMap::setCloudOrigin(const Eigen::Vector3d& origin)
   if (!origin.allFinite())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "the origin of the clouds is not finite");
-  const auto writing = lock_.write();
-  cloud_origin_ = origin;
-  has_cloud_origin_ = true;
+  const auto writing = state_->lock.write();
+  state_->cloud_origin = origin;
+  state_->has_cloud_origin = true;
 }
 
 ScanCounts
 SemanticVoxelMap::integrateScan(const Scan& scan,
                                 const Eigen::Isometry3d& T_world_sensor)
 {
-  checkScan(scan, label_set_.size());
+  checkScan(scan, state_->label_set.size());
   checkPose(T_world_sensor);
-  const auto writing = lock_.write();
-  centreWindow(T_world_sensor.translation());
-  if (parameters_.fusion.dynamic_decay > 0.0)
-    decayDynamicVoxels(label_set_, parameters_.fusion, grid_);
-  RayCaster::Settings settings{parameters_.voxel_size, parameters_.max_range, {}};
-  for (int label = 0; label <= label_set_.size(); ++label)
-    settings.is_sky.push_back(label_set_[Label(label)].sky);
-  ScanCounts counts = ray_caster_.cast(scan, T_world_sensor, grid_, settings);
-  counts.hit_voxels = updateBlocks(scan);
-  if (parameters_.fusion.per_ray_counting)
-    countRays(ray_caster_, parameters_, scan, grid_);
-  return counts;
-}
-
-std::size_t
-SemanticVoxelMap::updateBlocks(const Scan& scan)
-{
-  const std::vector<VoxelIndex> blocks = ray_caster_.crossed().blocks();
-  std::size_t hit_voxels = 0;
-  ParallelGuard guard; // blocks and records are made, which takes memory
-#pragma omp parallel reduction(+ : hit_voxels)
-  {
-    std::optional<BlockUpdate> update;
-    guard.run([&] { update.emplace(label_set_.size(), parameters_, scan); });
-#pragma omp for schedule(dynamic, 16)
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-      guard.run([&] {
-        const std::size_t slot = grid_.slotOf(blocks[b]);
-        auto& block = grid_.at(slot);
-        if (!block)
-          block = std::make_unique<VoxelBlock>();
-        const auto [first, last] = ray_caster_.hitsIn(slot);
-        if (update)
-          hit_voxels +=
-              update->run(ray_caster_.crossed().layers(slot), first, last, *block);
-      });
-  }
-  guard.rethrow();
-  return hit_voxels;
+  const auto writing = state_->lock.write();
+  const ThreadScope threads(state_->threads);
+  return state_->integrate(scan, T_world_sensor);
 }
 
 void
 SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
                              const LabelDistributions& refined, bool as_measured)
 {
-  const int classes = label_set_.size();
+  const int classes = state_->label_set.size();
   if (std::size_t(refined.size()) != voxels.size() || refined.classes() != classes)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "refined distributions are "
@@ -437,10 +303,10 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
   if (!std::all_of(values.data(), values.data() + values.size(), isProbability))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "a refined distribution holds a value that is no probability");
-  const auto writing = lock_.write();
+  const auto writing = state_->lock.write();
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const VoxelIndex& voxel = voxels.indices[i];
-    VoxelBlock* const block = grid_.find(blockOf(voxel));
+    VoxelBlock* const block = state_->grid.find(blockOf(voxel));
     if (!block)
       continue; // has left the window since
     const int record = block->recordAt(voxelInBlock(voxel));
@@ -449,7 +315,7 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
     const float* const distribution = refined.column(Eigen::Index(i));
     std::copy_n(distribution, classes, block->refined.data() + record * classes);
     if (as_measured)
-      replaceMeasured(distribution, classes, parameters_.fusion.label_max_ratio,
+      replaceMeasured(distribution, classes, state_->parameters.fusion.label_max_ratio,
                       block->measured.data() + record * classes);
     block->changed = true;
   }
@@ -458,28 +324,22 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
 const LabelSet&
 SemanticVoxelMap::labelSet() const
 {
-  return label_set_;
+  return state_->label_set;
 }
 
 const MapParameters&
 SemanticVoxelMap::parameters() const
 {
-  return parameters_;
+  return state_->parameters;
 }
 
 namespace {
 
-bool
-isNear(const Eigen::Vector3d& point, double voxel_size)
-{
-  return (point.array().abs() <= kMaxVoxelIndex * voxel_size).all(); // false for NaN
-}
-
 Label
-labelOf(const BlockReader& reader, const VoxelBlock* block, int place)
+labelOf(const BlockReader& reader, const VoxelBlock* block, int offset)
 {
-  return block && reader.isOccupied(*block, place) ? reader.label(*block, place)
-                                                   : kUnlabelled;
+  return block && reader.isOccupied(*block, offset) ? reader.label(*block, offset)
+                                                    : kUnlabelled;
 }
 
 // Where a segment is still before a box, or has just come to it: the last of the walls
@@ -522,38 +382,40 @@ entryOf(const QuantizedPoint& from, const QuantizedPoint& to, const WideIndex& l
 VoxelCloud
 SemanticVoxelMap::occupied() const
 {
-  const auto reading = lock_.read();
+  const auto reading = state_->lock.read();
+  const ThreadScope threads(state_->threads);
   std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks;
-  grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+  state_->grid.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
     if (!block.records.empty())
       blocks.emplace_back(index, &block);
   });
   std::vector<std::size_t> first(blocks.size() + 1, 0);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t b = 0; b < blocks.size(); ++b)
-    first[b + 1] = reader_.countOccupied(*blocks[b].second);
+    first[b + 1] = state_->reader.countOccupied(*blocks[b].second);
   std::partial_sum(first.begin(), first.end(), first.begin());
-  VoxelCloud voxels =
-      reader_.makeCloud(first.back(), parameters_.voxel_size, cloud_origin_);
+  VoxelCloud voxels = state_->reader.makeCloud(
+      first.back(), state_->parameters.voxel_size, state_->cloud_origin);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t b = 0; b < blocks.size(); ++b)
-    reader_.read(blocks[b].first, *blocks[b].second, first[b], voxels);
+    state_->reader.read(blocks[b].first, *blocks[b].second, first[b], voxels);
   return voxels;
 }
 
 VoxelCloud
 SemanticVoxelMap::occupiedEverywhere() const
 {
-  const auto reading = lock_.read();
+  const auto reading = state_->lock.read();
   std::size_t count = 0;
-  visitBlocks([&](const VoxelIndex&, const VoxelBlock& block) {
-    count += reader_.countOccupied(block);
+  state_->visitBlocks([&](const VoxelIndex&, const VoxelBlock& block) {
+    count += state_->reader.countOccupied(block);
   });
-  VoxelCloud voxels = reader_.makeCloud(count, parameters_.voxel_size, cloud_origin_);
+  VoxelCloud voxels = state_->reader.makeCloud(count, state_->parameters.voxel_size,
+                                               state_->cloud_origin);
   std::size_t first = 0;
-  visitBlocks([&](const VoxelIndex& index, const VoxelBlock& block) {
-    reader_.read(index, block, first, voxels);
-    first += reader_.countOccupied(block);
+  state_->visitBlocks([&](const VoxelIndex& index, const VoxelBlock& block) {
+    state_->reader.read(index, block, first, voxels);
+    first += state_->reader.countOccupied(block);
   });
   return voxels;
 }
@@ -561,80 +423,48 @@ SemanticVoxelMap::occupiedEverywhere() const
 void
 SemanticVoxelMap::forEachBlock(const VisitBlock& visit) const
 {
-  const auto reading = lock_.read();
-  visitBlocks(visit);
-}
-
-void
-SemanticVoxelMap::visitBlocks(const VisitBlock& visit) const
-{
-  const std::lock_guard<std::mutex> alone(store_reading_);
-  // Two ordered lists become one; of a block in both, the window has the newer state.
-  std::vector<std::pair<VoxelIndex, const VoxelBlock*>> window;
-  grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-    window.emplace_back(index, &block);
-  });
-  auto next = window.begin();
-  const auto visitWindowBefore = [&](const VoxelIndex& index) {
-    for (; next != window.end() && VoxelIndexLess()(next->first, index); ++next)
-      visit(next->first, *next->second);
-  };
-  store_->forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-    visitWindowBefore(index);
-    if (!grid_.contains(index))
-      visit(index, block);
-  });
-  for (; next != window.end(); ++next)
-    visit(next->first, *next->second);
+  const auto reading = state_->lock.read();
+  state_->visitBlocks(visit);
 }
 
 VoxelIndex
 SemanticVoxelMap::voxelOf(const Eigen::Vector3d& point) const
 {
-  if (!isNear(point, parameters_.voxel_size))
+  if (!isNear(point, state_->parameters.voxel_size))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "a point at " << point.transpose() << " m lies in no voxel");
-  return pcl_semantic::voxelOf(quantize(point, parameters_.voxel_size));
-}
-
-const VoxelBlock*
-SemanticVoxelMap::findVoxel(const Eigen::Vector3d& point, int& place) const
-{
-  if (!isNear(point, parameters_.voxel_size))
-    return nullptr;
-  const VoxelIndex voxel = voxelOf(point);
-  place = voxelInBlock(voxel);
-  return grid_.find(blockOf(voxel));
+  return pcl_semantic::voxelOf(quantize(point, state_->parameters.voxel_size));
 }
 
 Occupancy
 SemanticVoxelMap::occupancy(const Eigen::Vector3d& point) const
 {
-  const auto reading = lock_.read();
-  int place = 0;
-  const VoxelBlock* const block = findVoxel(point, place);
-  return block ? reader_.occupancy(*block, place) : Occupancy::unknown;
+  const auto reading = state_->lock.read();
+  int offset = 0;
+  const VoxelBlock* const block = state_->findVoxel(point, offset);
+  return block ? state_->reader.occupancy(*block, offset) : Occupancy::unknown;
 }
 
 Label
 SemanticVoxelMap::label(const Eigen::Vector3d& point) const
 {
-  const auto reading = lock_.read();
-  int place = 0;
-  const VoxelBlock* const block = findVoxel(point, place);
-  return labelOf(reader_, block, place);
+  const auto reading = state_->lock.read();
+  int offset = 0;
+  const VoxelBlock* const block = state_->findVoxel(point, offset);
+  return labelOf(state_->reader, block, offset);
 }
 
 std::vector<Label>
 SemanticVoxelMap::labels(const std::vector<Eigen::Vector3d>& points) const
 {
-  const auto reading = lock_.read();
+  const auto reading = state_->lock.read();
+  const ThreadScope threads(state_->threads);
   std::vector<Label> labels(points.size());
 #pragma omp parallel for schedule(dynamic, 4096)
   for (std::size_t i = 0; i < points.size(); ++i) {
-    int place = 0;
-    const VoxelBlock* const block = findVoxel(points[i], place);
-    labels[i] = labelOf(reader_, block, place);
+    int offset = 0;
+    const VoxelBlock* const block = state_->findVoxel(points[i], offset);
+    labels[i] = labelOf(state_->reader, block, offset);
   }
   return labels;
 }
@@ -642,12 +472,12 @@ SemanticVoxelMap::labels(const std::vector<Eigen::Vector3d>& points) const
 VoxelState
 SemanticVoxelMap::state(const Eigen::Vector3d& point) const
 {
-  const auto reading = lock_.read();
-  int place = 0;
-  if (const VoxelBlock* const block = findVoxel(point, place))
-    return reader_.state(blockOf(voxelOf(point)), *block, place);
-  VoxelState unknown = reader_.state(VoxelIndex::Zero(), VoxelBlock(), 0);
-  if (isNear(point, parameters_.voxel_size))
+  const auto reading = state_->lock.read();
+  int offset = 0;
+  if (const VoxelBlock* const block = state_->findVoxel(point, offset))
+    return state_->reader.state(blockOf(voxelOf(point)), *block, offset);
+  VoxelState unknown = state_->reader.state(VoxelIndex::Zero(), VoxelBlock(), 0);
+  if (isNear(point, state_->parameters.voxel_size))
     unknown.index = voxelOf(point);
   return unknown;
 }
@@ -655,22 +485,22 @@ SemanticVoxelMap::state(const Eigen::Vector3d& point) const
 std::vector<VoxelState>
 SemanticVoxelMap::states(const Eigen::AlignedBox3d& box) const
 {
-  const auto reading = lock_.read();
-  const double farthest = kMaxVoxelIndex * parameters_.voxel_size;
+  const auto reading = state_->lock.read();
+  const double farthest = kMaxVoxelIndex * state_->parameters.voxel_size;
   std::vector<VoxelState> states;
   if (!(box.min().array() <= box.max().array()).all()) // or NaN
     return states;
   const VoxelIndex low = voxelOf(box.min().cwiseMax(-farthest).cwiseMin(farthest));
   const VoxelIndex high = voxelOf(box.max().cwiseMax(-farthest).cwiseMin(farthest));
-  grid_.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+  state_->grid.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
     if ((index.array() < blockOf(low).array()).any() ||
         (index.array() > blockOf(high).array()).any())
       return;
-    for (int place = 0; place < kBlockVoxels; ++place) {
-      const Eigen::Array3i voxel = voxelAt(index, place).array();
-      if (block.log_odds[std::size_t(place)] != kUnknown &&
+    for (int offset = 0; offset < kBlockVoxels; ++offset) {
+      const Eigen::Array3i voxel = voxelAt(index, offset).array();
+      if (block.log_odds[std::size_t(offset)] != kUnknown &&
           (voxel >= low.array()).all() && (voxel <= high.array()).all())
-        states.push_back(reader_.state(index, block, place));
+        states.push_back(state_->reader.state(index, block, offset));
     }
   });
   return states;
@@ -680,47 +510,54 @@ std::optional<VoxelState>
 SemanticVoxelMap::firstOccupied(const Eigen::Vector3d& from,
                                 const Eigen::Vector3d& to) const
 {
-  const auto reading = lock_.read();
+  const auto reading = state_->lock.read();
   std::optional<VoxelState> found;
-  const double voxel_size = parameters_.voxel_size;
+  const double voxel_size = state_->parameters.voxel_size;
   if (!isNear(from, voxel_size) || !isNear(to, voxel_size))
     return found;
   bool inside = false;
   const auto visit = [&](const VoxelIndex& voxel) {
-    if (!grid_.contains(blockOf(voxel)))
+    if (!state_->grid.contains(blockOf(voxel)))
       return !inside; // it does not come back
     inside = true;
-    const VoxelBlock* const block = grid_.find(blockOf(voxel));
-    const int place = voxelInBlock(voxel);
-    if (block && reader_.isOccupied(*block, place))
-      found = reader_.state(blockOf(voxel), *block, place);
+    const VoxelBlock* const block = state_->grid.find(blockOf(voxel));
+    const int offset = voxelInBlock(voxel);
+    if (block && state_->reader.isOccupied(*block, offset))
+      found = state_->reader.state(blockOf(voxel), *block, offset);
     return !found;
   };
   const QuantizedPoint start = quantize(from, voxel_size),
                        end = quantize(to, voxel_size);
-  const WideIndex low = grid_.origin().cast<std::int64_t>() * kBlockEdge;
+  const WideIndex low = state_->grid.origin().cast<std::int64_t>() * kBlockEdge;
   const WideIndex high =
-      low + grid_.size().cast<std::int64_t>() * kBlockEdge - WideIndex::Ones();
+      low + state_->grid.size().cast<std::int64_t>() * kBlockEdge - WideIndex::Ones();
   if (const std::optional<Entry> entry = entryOf(start, end, low, high))
     traverseSegmentFrom(start, end, entry->axis, entry->slab, visit);
   return found;
 }
 
+void
+SemanticVoxelMap::setNumberOfThreads(int threads)
+{
+  const auto writing = state_->lock.write();
+  state_->threads = threads;
+}
+
 std::size_t
 SemanticVoxelMap::memory() const
 {
-  const auto reading = lock_.read();
-  std::size_t bytes = grid_.slots() * sizeof(std::unique_ptr<VoxelBlock>);
-  grid_.forEach(
+  const auto reading = state_->lock.read();
+  std::size_t bytes = state_->grid.slots() * sizeof(std::unique_ptr<VoxelBlock>);
+  state_->grid.forEach(
       [&](const VoxelIndex&, const VoxelBlock& block) { bytes += memoryOf(block); });
-  return bytes + ray_caster_.memory();
+  return bytes + state_->ray_caster.memory();
 }
 
 Eigen::Vector3d
 SemanticVoxelMap::cloudOrigin() const
 {
-  const auto reading = lock_.read();
-  return cloud_origin_;
+  const auto reading = state_->lock.read();
+  return state_->cloud_origin;
 }
 
 } // namespace pcl_semantic

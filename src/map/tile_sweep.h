@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/simd.h"
+#include "crossed_voxels.h"
+#include "directed_ray.h"
 #include "kernels/slab_crossing.h"
-
-#include <pcl_semantic/core/simd.h>
-#include <pcl_semantic/map/crossed_voxels.h>
-#include <pcl_semantic/map/directed_ray.h>
-#include <pcl_semantic/map/ray_traversal.h>
+#include "ray_traversal.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "voxel_fusion.h"
 #include "kernels/log_sums.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/map/voxel_fusion.h>
 
 #include <algorithm>
 #include <cmath>

@@ -55,7 +55,7 @@ KeyframeWindow::collect(WindowAdjustment& adjustment) const
       anchor = old->second;
     }
     const int point = int(adjustment.points.size());
-    adjustment.points.push_back({track.place, anchor, track.anchor_disparity});
+    adjustment.points.push_back({track.position, anchor, track.anchor_disparity});
     for (const FeatureTrack::Sighting& sighting : track.sightings)
       adjustment.measurements.push_back({point, indexOf(sighting.frame), sighting.uvd});
     adjusted.push_back(i);
@@ -94,7 +94,7 @@ KeyframeWindow::adjust(int iterations)
   for (std::size_t i = 0; i < frames.size(); ++i)
     frames[i].T_camera_world = adjustment.frames[i].T_camera_world;
   for (std::size_t i = 0; i < adjusted.size(); ++i)
-    tracks[adjusted[i]].place = adjustment.points[i].place;
+    tracks[adjusted[i]].position = adjustment.points[i].position;
   for (FeatureTrack& track : tracks) {
     const int anchor = indexOf(track.anchor);
     if (anchor >= 0)
@@ -113,8 +113,8 @@ KeyframeWindow::newestBringsMuch(double flow) const
   std::size_t before = 0;
   for (const FeatureTrack& track : tracks) {
     const auto& sightings = track.sightings;
-    const Eigen::Vector3d first(camera_.fx * track.place.ray.x() + camera_.cx,
-                                camera_.fy * track.place.ray.y() + camera_.cy, 0.0);
+    const Eigen::Vector3d first(camera_.fx * track.position.ray.x() + camera_.cx,
+                                camera_.fy * track.position.ray.y() + camera_.cy, 0.0);
     const Eigen::Vector3d* then = track.anchor == last ? &first : nullptr;
     for (const FeatureTrack::Sighting& sighting : sightings)
       if (sighting.frame == last)

@@ -11,11 +11,11 @@ namespace pcl_semantic::odometry {
 /** \brief A feature through the frames that saw it. */
 struct FeatureTrack {
   struct Sighting {
-    int frame = 0;                                 ///< its place in the order of frames
+    int frame = 0; ///< its position in the order of frames
     Eigen::Vector3d uvd = Eigen::Vector3d::Zero(); ///< column, row, disparity [px]
   };
 
-  AnchoredPoint place;
+  AnchoredPoint position;
   int anchor = 0; ///< frame that saw it first
   Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
   double anchor_disparity = 0.0;   ///< measured [px]
@@ -28,7 +28,7 @@ struct FeatureTrack {
   AnchoredPoint
   inWorld() const
   {
-    return {scaledPoint(place, T_world_anchor), place.inverse_depth};
+    return {scaledPoint(position, T_world_anchor), position.inverse_depth};
   }
 };
 
@@ -36,7 +36,7 @@ struct FeatureTrack {
 class KeyframeWindow {
 public:
   struct Frame {
-    int number = 0; ///< place in the order of frames
+    int number = 0; ///< position in the order of frames
     Eigen::Isometry3d T_camera_world = Eigen::Isometry3d::Identity();
   };
 

@@ -11,11 +11,11 @@ bool
 PoseRansac::agrees(const PoseMeasurement& measurement,
                    const Eigen::Isometry3d& T_camera_world) const
 {
-  const Eigen::Vector3d q = scaledPoint(measurement.place, T_camera_world);
+  const Eigen::Vector3d q = scaledPoint(measurement.position, T_camera_world);
   if (q.z() < 1e-3)
     return false;
   const Eigen::Vector3d residual =
-      measurement.uvd - projectStereo(camera_, q, measurement.place.inverse_depth);
+      measurement.uvd - projectStereo(camera_, q, measurement.position.inverse_depth);
   return residual.squaredNorm() < threshold * threshold;
 }
 
@@ -29,8 +29,8 @@ PoseRansac::refine(const std::vector<const PoseMeasurement*>& measurements,
     Matrix6d H = Matrix6d::Zero();
     Vector6d b = Vector6d::Zero();
     for (const PoseMeasurement* measurement : measurements) {
-      const double rho = measurement->place.inverse_depth;
-      const Eigen::Vector3d q = scaledPoint(measurement->place, T_camera_world);
+      const double rho = measurement->position.inverse_depth;
+      const Eigen::Vector3d q = scaledPoint(measurement->position, T_camera_world);
       if (q.z() < 1e-3)
         continue;
       const Eigen::Vector3d residual =

@@ -10,7 +10,8 @@ namespace pcl_semantic::odometry {
 
 /** \brief A point in the world and where the frame sees it. */
 struct PoseMeasurement {
-  AnchoredPoint place; ///< its ray in the world's axes, of any length, times 1 / depth
+  AnchoredPoint
+      position; ///< its ray in the world's axes, of any length, times 1 / depth
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero(); ///< column, row, disparity [px]
 };
 

@@ -316,9 +316,9 @@ StereoOdometry::Engine::addTracks()
       continue;
     FeatureTrack track;
     const Eigen::Vector3d uvd = measurementOf(feature);
-    track.place.ray = camera_.unproject(uvd.x(), uvd.y(), 1.0);
-    track.place.inverse_depth = std::max(uvd.z() - window_.offset, kLeastDisparity) /
-                                (camera_.fx * camera_.baseline);
+    track.position.ray = camera_.unproject(uvd.x(), uvd.y(), 1.0);
+    track.position.inverse_depth = std::max(uvd.z() - window_.offset, kLeastDisparity) /
+                                   (camera_.fx * camera_.baseline);
     track.anchor = count_;
     track.T_world_anchor = T_camera_first_.inverse();
     track.anchor_disparity = uvd.z();
@@ -366,9 +366,14 @@ StereoOdometry::StereoOdometry(const StereoCamera& camera,
 StereoOdometry::~StereoOdometry() = default;
 
 Eigen::Isometry3d
-StereoOdometry::pose(const StereoFrame& frame)
+StereoOdometry::pose(const SensorFrame& frame)
 {
-  return process(frame).T_world_camera;
+  const auto* const pair = std::get_if<StereoFrame>(&frame);
+  if (!pair)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "frame " << timeOf(frame).number
+                                 << " is a cloud; odometry needs a stereo pair");
+  return process(*pair).T_world_camera;
 }
 
 const OdometryResult&

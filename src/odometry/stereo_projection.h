@@ -69,8 +69,9 @@ adjoint(const Eigen::Isometry3d& motion)
 
 /** \brief How exact a stereo measurement is, standard deviations [px]. */
 struct MeasurementNoise {
-  double pixel = 0.15;    ///< of a feature's place in the left image, each way
-  double disparity = 0.3; ///< of its disparity, which errs independently of its place
+  double pixel = 0.15; ///< of a feature's position in the left image, each way
+  double disparity =
+      0.3; ///< of its disparity, which errs independently of its position
 
   /** \brief Factors that make all three deviations 1. */
   Eigen::Vector3d

@@ -55,9 +55,9 @@ TimedPoses::lackOf(const FrameTime& frame) const
 }
 
 Eigen::Isometry3d
-TimedPoses::pose(const StereoFrame& frame)
+TimedPoses::pose(const SensorFrame& frame)
 {
-  const FrameTime time{frame.number, frame.timestamp};
+  const FrameTime& time = timeOf(frame);
   const TimedPose* const found = find(time);
   if (!found)
     PCL_THROW_EXCEPTION(BadInputException, lackOf(time));
@@ -94,12 +94,12 @@ TrajectoryPoses::lackOf(const FrameTime& frame) const
 }
 
 Eigen::Isometry3d
-TrajectoryPoses::pose(const StereoFrame& frame)
+TrajectoryPoses::pose(const SensorFrame& frame)
 {
-  const FrameTime time{frame.number, frame.timestamp};
+  const FrameTime& time = timeOf(frame);
   if (!has(time))
     PCL_THROW_EXCEPTION(BadInputException, lackOf(time));
-  return worldFromFirstCamera() * trajectory_[std::size_t(frame.number)] *
+  return worldFromFirstCamera() * trajectory_[std::size_t(time.number)] *
          T_camera0_camera_;
 }
 

@@ -63,11 +63,11 @@ WindowAdjustment::squaredError(const Measurement& measurement) const
   const Eigen::Isometry3d motion =
       frames[std::size_t(measurement.frame)].T_camera_world *
       frames[std::size_t(point.anchor)].T_camera_world.inverse();
-  const Eigen::Vector3d q = scaledPoint(point.place, motion);
+  const Eigen::Vector3d q = scaledPoint(point.position, motion);
   if (q.z() < kNearest)
     return std::numeric_limits<double>::infinity();
   Eigen::Vector3d residual =
-      measurement.uvd - projectStereo(camera_, q, point.place.inverse_depth);
+      measurement.uvd - projectStereo(camera_, q, point.position.inverse_depth);
   residual.z() -= offset;
   return residual.cwiseProduct(noise_.whitening()).squaredNorm();
 }
@@ -77,24 +77,24 @@ WindowAdjustment::evaluate(const Measurement& measurement,
                            const Eigen::Isometry3d& T_world_anchor,
                            Residual& residual) const
 {
-  const AnchoredPoint& place = points[std::size_t(measurement.point)].place;
+  const AnchoredPoint& position = points[std::size_t(measurement.point)].position;
   const Eigen::Isometry3d motion =
       frames[std::size_t(measurement.frame)].T_camera_world * T_world_anchor;
-  const Eigen::Vector3d q = scaledPoint(place, motion);
+  const Eigen::Vector3d q = scaledPoint(position, motion);
   if (q.z() < kNearest)
     return false;
   const Eigen::Vector3d whiten = noise_.whitening();
-  residual.value = measurement.uvd - projectStereo(camera_, q, place.inverse_depth);
+  residual.value = measurement.uvd - projectStereo(camera_, q, position.inverse_depth);
   residual.value.z() -= offset;
   residual.value = residual.value.cwiseProduct(whiten);
   const Robust robust = huber(residual.value.squaredNorm());
   residual.cost = robust.cost;
   residual.weight = robust.weight;
   const Eigen::Matrix3d by_point =
-      whiten.asDiagonal() * projectionByPoint(camera_, q, place.inverse_depth);
-  residual.by_frame = by_point * pointByCamera(q, place.inverse_depth);
-  residual.by_anchor =
-      -(by_point * motion.linear()) * pointByCamera(place.ray, place.inverse_depth);
+      whiten.asDiagonal() * projectionByPoint(camera_, q, position.inverse_depth);
+  residual.by_frame = by_point * pointByCamera(q, position.inverse_depth);
+  residual.by_anchor = -(by_point * motion.linear()) *
+                       pointByCamera(position.ray, position.inverse_depth);
   residual.by_depth = by_point * motion.translation();
   residual.by_depth.z() += whiten.z() * camera_.fx * camera_.baseline / q.z();
   residual.by_offset = whiten.z();
@@ -109,7 +109,7 @@ WindowAdjustment::addPoint(std::size_t i, System& system) const
   const double slope = camera_.fx * camera_.baseline / noise_.disparity;
   const double by_offset = 1.0 / noise_.disparity;
   const double error = (points[i].anchor_disparity - offset) / noise_.disparity -
-                       slope * points[i].place.inverse_depth;
+                       slope * points[i].position.inverse_depth;
   const Robust robust = huber(error * error);
   system.cost += robust.cost;
   system.point_H[i] = robust.weight * slope * slope;
@@ -235,7 +235,7 @@ WindowAdjustment::step(const System& system, double damping,
       if (a >= 0)
         right -= system.by_anchor[m].dot(delta.segment<6>(a));
     }
-    double& inverse_depth = points[i].place.inverse_depth;
+    double& inverse_depth = points[i].position.inverse_depth;
     inverse_depth += right / (system.point_H[i] * (1.0 + damping));
     inverse_depth = std::max(inverse_depth, kLeastInverse);
   }

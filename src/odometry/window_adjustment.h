@@ -23,7 +23,7 @@ public:
   };
 
   struct Point {
-    AnchoredPoint place;
+    AnchoredPoint position;
     int anchor = 0;                ///< frame
     double anchor_disparity = 0.0; ///< measured there [px]
   };

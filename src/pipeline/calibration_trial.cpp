@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame_calibration.h"
+#include "map_cliques.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
@@ -227,9 +228,9 @@ voxelsWithTruth(const MappedFrame& mapped, const StereoCamera& camera,
   const RenderedLabels seen =
       renderLabels(mapped.voxels, camera, mapped.T_world_camera, max_depth);
   std::vector<std::pair<Label, std::int32_t>> voxels;
-  const auto add = [&](Label label, std::int32_t place) {
-    if (place != VoxelLookup::none)
-      voxels.push_back({label, place});
+  const auto add = [&](Label label, std::int32_t index) {
+    if (index != VoxelLookup::none)
+      voxels.push_back({label, index});
   };
   for (std::size_t i = 0; i < mapped.cloud->size(); ++i) {
     const Label label = truth.data[i];
@@ -239,7 +240,7 @@ voxelsWithTruth(const MappedFrame& mapped, const StereoCamera& camera,
     if (point.z <= max_depth) // not if it is NaN
       add(label,
           lookup.at(mapped.T_world_camera * point.getVector3fMap().cast<double>()));
-    add(label, seen.places.at<std::int32_t>(int(i)));
+    add(label, seen.indices.at<std::int32_t>(int(i)));
   }
   return voxels;
 }

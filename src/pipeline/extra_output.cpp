@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "extra_output.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
@@ -6,7 +8,6 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/pipeline/extra_output.h>
 
 #include <opencv2/core.hpp>
 
@@ -117,7 +118,7 @@ ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendere
   const MapLabels labels(mapped.voxels);
   if (options_.measured) {
     writePng(path("measured_labels", frame, ".png"),
-             labelsAt(rendered.places, labels.measured));
+             labelsAt(rendered.indices, labels.measured));
     writeAtDepth(mapped, labels);
   }
   if (options_.scans.empty())
@@ -132,7 +133,7 @@ ExtraOutput::writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
 {
   if (options_.measured)
     writePng(path("final_measured_labels", frame, ".png"),
-             labelsAt(rendered.places, labels.measured));
+             labelsAt(rendered.indices, labels.measured));
   if (!options_.scans.empty())
     writeScan(frame, T_world_camera, labels, "final_");
 }
@@ -148,22 +149,22 @@ ExtraOutput::writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
   points.reserve(scan->size());
   for (const pcl::PointXYZI& point : *scan)
     points.push_back(T_world_scanner * point.getVector3fMap().cast<double>());
-  writePoints(frame, labels.lookup.places(points), labels, prefix, "scan_labels");
+  writePoints(frame, labels.lookup.indices(points), labels, prefix, "scan_labels");
   if (options_.within > 0.0)
-    writePoints(frame, labels.lookup.places(points, options_.within), labels, prefix,
+    writePoints(frame, labels.lookup.indices(points, options_.within), labels, prefix,
                 "near_scan_labels");
 }
 
 void
-ExtraOutput::writePoints(int frame, const std::vector<std::int32_t>& places,
+ExtraOutput::writePoints(int frame, const std::vector<std::int32_t>& indices,
                          const MapLabels& labels, const std::string& prefix,
                          const std::string& name) const
 {
   writeScanLabels(path(prefix + name, frame, ".label"),
-                  labelsAt(places, labels.refined));
+                  labelsAt(indices, labels.refined));
   if (options_.measured)
     writeScanLabels(path(prefix + "measured_" + name, frame, ".label"),
-                    labelsAt(places, labels.measured));
+                    labelsAt(indices, labels.measured));
 }
 
 // As labelsAtDepth() does for the map as its readers see it.
@@ -171,16 +172,16 @@ void
 ExtraOutput::writeAtDepth(const MappedFrame& mapped, const MapLabels& labels) const
 {
   const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *mapped.cloud;
-  cv::Mat places(int(cloud.height), int(cloud.width), CV_32SC1,
-                 cv::Scalar(VoxelLookup::none));
-  auto* const place = places.ptr<std::int32_t>();
+  cv::Mat indices(int(cloud.height), int(cloud.width), CV_32SC1,
+                  cv::Scalar(VoxelLookup::none));
+  auto* const index = indices.ptr<std::int32_t>();
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud[i].z <= max_depth_) // false for NaN
-      place[i] = labels.lookup.at(mapped.T_world_camera *
+      index[i] = labels.lookup.at(mapped.T_world_camera *
                                   cloud[i].getVector3fMap().cast<double>());
   writePng(path("measured_labels_at_depth", mapped.frame.number, ".png"),
-           labelsAt(places, labels.measured));
+           labelsAt(indices, labels.measured));
 }
 
 void

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map_cliques.h"
 #include "frame_calibration.h"
 #include "stereo/ground_plane.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/pipeline/listed_labels.h>
-#include <pcl_semantic/pipeline/map_cliques.h>
 
 #include <Eigen/Eigenvalues>
 #include <pcl/common/io.h>
@@ -39,13 +39,14 @@ geometricMean(const LabelDistributions& measured, const pcl::Indices& members)
 
 // |cosine| between a direction and the normal of the members' best plane.
 float
-levelOf(const Eigen::Matrix3Xd& places, double voxel_size, const Eigen::Vector3d& up)
+levelOf(const Eigen::Matrix3Xd& positions, double voxel_size, const Eigen::Vector3d& up)
 {
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
-  if (places.cols() < 3)
+  if (positions.cols() < 3)
     return unknown;
-  const Eigen::Matrix3Xd centred = places.colwise() - places.rowwise().mean();
-  const Eigen::Matrix3d scatter = centred * centred.transpose() / double(places.cols());
+  const Eigen::Matrix3Xd centred = positions.colwise() - positions.rowwise().mean();
+  const Eigen::Matrix3d scatter =
+      centred * centred.transpose() / double(positions.cols());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
   const double across = 0.25 * voxel_size; // of less, a line
   if (solver.eigenvalues()[1] < across * across)
@@ -58,19 +59,19 @@ addGeometry(const VoxelCloud& voxels, const pcl::Indices& members,
             const GroundView& view, PointFeatures& features)
 {
   const Eigen::Isometry3d T_camera_world = view.T_world_camera.inverse();
-  Eigen::Matrix3Xd places(3, Eigen::Index(members.size())); // camera frame
+  Eigen::Matrix3Xd positions(3, Eigen::Index(members.size())); // camera frame
   for (std::size_t k = 0; k < members.size(); ++k)
-    places.col(Eigen::Index(k)) =
+    positions.col(Eigen::Index(k)) =
         T_camera_world * ((voxels.indices[std::size_t(members[k])].cast<double>() +
                            Eigen::Vector3d::Constant(0.5).matrix()) *
                           voxels.voxel_size);
-  const Eigen::Vector3d mean = places.rowwise().mean();
+  const Eigen::Vector3d mean = positions.rowwise().mean();
   const Eigen::Vector3d up = view.ground->normal();
   const double offset = view.ground->offset();
-  const Eigen::RowVectorXd heights = up.transpose() * places;
+  const Eigen::RowVectorXd heights = up.transpose() * positions;
   features[Feature::height] = float(up.dot(mean) + offset);
   features[Feature::distance] = float(mean.z());
-  features[Feature::level] = levelOf(places, voxels.voxel_size, up);
+  features[Feature::level] = levelOf(positions, voxels.voxel_size, up);
   features[Feature::side] = float(std::abs(rightAlong(*view.ground).dot(mean)));
   features[Feature::lowest] = float(heights.minCoeff() + offset);
   features[Feature::extent] = float(heights.maxCoeff() - heights.minCoeff());

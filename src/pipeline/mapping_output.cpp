@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "extra_output.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -85,8 +87,8 @@ isSummary(const std::string& path)
 MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
                              std::vector<FrameRecord> records, ExtraOptions extra)
     : folder_(folder), run_(run), frames_(std::move(records)),
-      extra_(folder, run.camera.value_or(StereoCamera()), run.config.map.max_range,
-             std::move(extra))
+      extra_(std::make_unique<ExtraOutput>(folder, run.camera.value_or(StereoCamera()),
+                                           run.config.map.max_range, std::move(extra)))
 {
   requireImages();
   refuseForeignImages();
@@ -95,6 +97,8 @@ MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
     for (const char* name : image_folders)
       makeOutputFolder(path(name));
 }
+
+MappingOutput::~MappingOutput() = default;
 
 const std::vector<std::string>&
 MappingOutput::names()
@@ -140,7 +144,7 @@ MappingOutput::replaceEarlierRun() const
       removeFrameFiles(path(name), ".png", isGone);
   if (std::filesystem::is_directory(path("final_labels"), error))
     removeFrameFiles(path("final_labels"), ".png");
-  extra_.removeEarlier({kept.begin(), kept.end()});
+  extra_->removeEarlier({kept.begin(), kept.end()});
   for (const char* name : map_files)
     std::filesystem::remove(path(name), error);
   removeLive();
@@ -193,7 +197,7 @@ MappingOutput::writeImages(const MappedFrame& mapped, const SemanticVoxelMap& ma
   writePng(path("network_labels" + name), networkLabels(mapped));
   writePng(path("overlay" + name),
            drawOverlay(mapped.frame.left, rendered.labels, run_.label_set));
-  extra_.writeFrame(mapped, rendered);
+  extra_->writeFrame(mapped, rendered);
 }
 
 void
@@ -246,14 +250,14 @@ void
 MappingOutput::writeFinalImages(const VoxelCloud& voxels) const
 {
   const VoxelCloud no_voxels;
-  const MapLabels labels(extra_.needsLabels() ? voxels : no_voxels);
+  const MapLabels labels(extra_->needsLabels() ? voxels : no_voxels);
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
     const RenderedLabels rendered =
         renderLabels(voxels, *run_.camera, T_world_camera, run_.config.map.max_range);
     writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
              rendered.labels);
-    extra_.writeFinal(frame.number, T_world_camera, labels, rendered);
+    extra_->writeFinal(frame.number, T_world_camera, labels, rendered);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame_calibration.h"
+#include "map_cliques.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
@@ -46,10 +47,10 @@ SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label
     : camera_(camera), config_(validated(std::move(config))),
       stereo_(makeDisparityEstimator(config_.stereo, config_.disparities)),
       predictor_(std::move(predictor)), poses_(std::move(poses)),
-      map_(label_set, config_.map, std::move(store)), cliques_(config_, label_set)
+      map_(label_set, config_.map, std::move(store)),
+      cliques_(std::make_unique<MapCliques>(config_, label_set))
 {
   camera_->validate();
-  setNumberOfThreads(config_.threads);
 }
 
 SemanticMapper::SemanticMapper(const std::optional<StereoCamera>& camera,
@@ -57,13 +58,15 @@ SemanticMapper::SemanticMapper(const std::optional<StereoCamera>& camera,
                                std::unique_ptr<PoseSource> poses,
                                std::shared_ptr<BlockStore> store)
     : camera_(camera), config_(validated(std::move(config))), poses_(std::move(poses)),
-      map_(label_set, config_.map, std::move(store)), cliques_(config_, label_set)
+      map_(label_set, config_.map, std::move(store)),
+      cliques_(std::make_unique<MapCliques>(config_, label_set))
 {
   if (camera_)
     camera_->validate();
   requireNothingOfStereo(config_, camera_.has_value());
-  setNumberOfThreads(config_.threads);
 }
+
+SemanticMapper::~SemanticMapper() = default;
 
 void
 SemanticMapper::setLabelCalibration(LabelCalibration calibration)
@@ -90,7 +93,7 @@ SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
   if (!camera_)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "a clique calibration is for frames of a camera");
-  cliques_.setCalibration(std::move(calibration));
+  cliques_->setCalibration(std::move(calibration));
 }
 
 void
@@ -109,29 +112,42 @@ SemanticMapper::isRefinedAt(int frame) const
 }
 
 MappedFrame
-SemanticMapper::process(const StereoFrame& frame)
+SemanticMapper::process(const SensorFrame& frame)
+{
+  const ThreadScope threads(config_.threads);
+  MappedFrame mapped;
+  static_cast<FrameTime&>(mapped.frame) = timeOf(frame);
+  mapped.T_world_camera =
+      mapped.times.measure("pose", [&] { return poses_->pose(frame); });
+  if (const auto* const pair = std::get_if<StereoFrame>(&frame))
+    readPair(*pair, mapped);
+  else
+    readCloud(std::get<CloudFrame>(frame), mapped);
+  fuse(mapped);
+  return mapped;
+}
+
+// From a pair of images to a labelled cloud.
+void
+SemanticMapper::readPair(const StereoFrame& frame, MappedFrame& mapped)
 {
   if (!stereo_ || !predictor_)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "this mapper was made for clouds alone");
-  MappedFrame result;
-  result.frame = frame;
-  StageTimes& times = result.times;
-  result.T_world_camera = times.measure("pose", [&] { return poses_->pose(frame); });
-  result.disparity = times.measure(
+  StageTimes& times = mapped.times;
+  mapped.frame = frame;
+  mapped.disparity = times.measure(
       "stereo", [&] { return stereo_->estimate(frame.left, frame.right); });
-  eraseUnsure(result.disparity, config_.max_deviation);
-  result.cloud = times.measure("cloud", [&] {
-    return disparityToCloud(result.disparity.disparity, frame.left, *camera_);
+  eraseUnsure(mapped.disparity, config_.max_deviation);
+  mapped.cloud = times.measure("cloud", [&] {
+    return disparityToCloud(mapped.disparity.disparity, frame.left, *camera_);
   });
-  result.network =
+  mapped.network =
       times.measure("labelling", [&] { return predictor_->predict(frame); });
-  fuse(result);
-  return result;
 }
 
-MappedFrame
-SemanticMapper::process(const CloudFrame& frame)
+void
+SemanticMapper::readCloud(const CloudFrame& frame, MappedFrame& mapped) const
 {
   const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *frame.cloud;
   if (camera_ &&
@@ -141,24 +157,11 @@ SemanticMapper::process(const CloudFrame& frame)
                                  << " x " << cloud.height
                                  << ", expected that of the camera, " << camera_->width
                                  << " x " << camera_->height);
-  MappedFrame result;
-  result.frame.number = frame.number;
-  result.frame.timestamp = frame.timestamp;
   if (camera_)
-    result.frame.left = imageOfCloud(cloud);
-  result.T_world_camera =
-      result.times.measure("pose", [&] { return poses_->pose(result.frame); });
-  result.cloud = frame.cloud;
-  result.has_colour = frame.has_colour;
-  result.network = frame.distributions;
-  fuse(result);
-  return result;
-}
-
-MappedFrame
-SemanticMapper::process(const SensorFrame& frame)
-{
-  return std::visit([this](const auto& each) { return process(each); }, frame);
+    mapped.frame.left = imageOfCloud(cloud);
+  mapped.cloud = frame.cloud;
+  mapped.has_colour = frame.has_colour;
+  mapped.network = frame.distributions;
 }
 
 // From a labelled cloud with its pose to the map.
@@ -192,6 +195,7 @@ SemanticMapper::finish()
 {
   if (refined_)
     return;
+  const ThreadScope threads(config_.threads);
   VoxelCloud voxels = map_.occupied();
   refineVoxels(voxels);
   map_.setRefined(voxels, voxels.refined);
@@ -218,9 +222,9 @@ SemanticMapper::integrate(const MappedFrame& mapped)
     if (mapped.has_colour)
       counts = map_.integrate(*cloud, mapped.T_world_camera, labels, deviations);
     else {
-      pcl::PointCloud<pcl::PointXYZ> places;
-      pcl::copyPointCloud(*cloud, places);
-      counts = map_.integrate(places, mapped.T_world_camera, labels, deviations);
+      pcl::PointCloud<pcl::PointXYZ> positions;
+      pcl::copyPointCloud(*cloud, positions);
+      counts = map_.integrate(positions, mapped.T_world_camera, labels, deviations);
     }
     counts.invalid -= erased; // they had a depth
     counts.seen_through = erased;
@@ -235,7 +239,7 @@ SemanticMapper::integrate(const MappedFrame& mapped)
 void
 SemanticMapper::setFrameOfCliques(const MappedFrame& mapped)
 {
-  cliques_.setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
+  cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
 }
 
 void
@@ -251,7 +255,7 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config_.crfModel());
   if (config_.crf != "dense") {
-    const MapCliques::Result groups = cliques_.generate(voxels);
+    const MapCliques::Result groups = cliques_->generate(voxels);
     crf.setCliques(groups.cliques);
     crf.setCliqueCosts(groups.costs);
   }

@@ -73,11 +73,11 @@ addGeometry(const Cloud& cloud, const Eigen::Hyperplane<double, 3>& ground,
       const std::size_t i = std::size_t(v) * cloud.width + std::size_t(u);
       if (!std::isfinite(cloud[i].z))
         continue;
-      const Eigen::Vector3f place = cloud[i].getVector3fMap();
-      features[i][Feature::height] = up.dot(place) + offset;
-      features[i][Feature::distance] = place.z();
+      const Eigen::Vector3f position = cloud[i].getVector3fMap();
+      features[i][Feature::height] = up.dot(position) + offset;
+      features[i][Feature::distance] = position.z();
       features[i][Feature::level] = levelOf(sums, u, v, up);
-      features[i][Feature::side] = std::abs(right.dot(place));
+      features[i][Feature::side] = std::abs(right.dot(position));
     }
 }
 

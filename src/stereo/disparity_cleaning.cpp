@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "disparity_cleaning.h"
-
 #include "core/parallel_guard.h"
 #include "kernels/map_disparity.h"
 #include "kernels/smoothing.h"
@@ -165,7 +164,7 @@ void
 smoothDisparity(int radius, int range, cv::Mat& disparity)
 {
   const kernels::Smooth smooth = kernels::smoothing(simdTier());
-  const int width = disparity.cols, places = 2 * radius + 1;
+  const int width = disparity.cols, taps = 2 * radius + 1;
   cv::Mat result(disparity.size(), CV_16SC1);
   ParallelGuard guard;
 #pragma omp parallel
@@ -176,14 +175,14 @@ smoothDisparity(int radius, int range, cv::Mat& disparity)
     const std::int16_t* neighbours[2 * kernels::largest_smoothing + 1];
 #pragma omp for schedule(static)
     for (int v = 0; v < disparity.rows; ++v) {
-      for (int i = 0; i < places; ++i)
+      for (int i = 0; i < taps; ++i)
         neighbours[i] = disparity.ptr<std::int16_t>(
             std::clamp(v + i - radius, 0, disparity.rows - 1));
-      smooth(disparity.ptr<std::int16_t>(v), neighbours, places, range, width,
+      smooth(disparity.ptr<std::int16_t>(v), neighbours, taps, range, width,
              row.data() + radius);
-      for (int i = 0; i < places; ++i)
+      for (int i = 0; i < taps; ++i)
         neighbours[i] = row.data() + i;
-      smooth(row.data() + radius, neighbours, places, range, width,
+      smooth(row.data() + radius, neighbours, taps, range, width,
              result.ptr<std::int16_t>(v));
     }
   });

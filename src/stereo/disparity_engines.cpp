@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "elas.h"
+#include "semi_global_matcher.h"
+#include "sgbm.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
-#include <pcl_semantic/stereo/elas.h>
-#include <pcl_semantic/stereo/semi_global_matcher.h>
-#include <pcl_semantic/stereo/sgbm.h>
 
 namespace pcl_semantic {
 

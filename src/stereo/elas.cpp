@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "elas.h"
 #include "core/grey_image.h"
 #include "core/parallel_guard.h"
 #include "disparity_cleaning.h"
@@ -8,7 +9,6 @@
 #include "support_points.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/stereo/elas.h>
 
 #include <opencv2/core/mat.hpp>
 
@@ -73,8 +73,8 @@ priorEnergies(const Elas::Parameters& parameters, int direction)
   std::vector<std::uint16_t> energies;
   for (int fraction = 0; fraction < steps; ++fraction)
     for (int m = 0; m < 8; ++m) {
-      const int place = (direction < 0 ? 7 - m : m) - 3;
-      const double x = (place - double(fraction) / steps) / parameters.sigma;
+      const int position = (direction < 0 ? 7 - m : m) - 3;
+      const double x = (position - double(fraction) / steps) / parameters.sigma;
       energies.push_back(std::abs(x) < 3.0
                              ? priorEnergy(parameters, std::exp(-0.5 * x * x))
                              : kernels::no_energy);

@@ -56,7 +56,7 @@ reducedBands(const cv::Mat& image)
   return bands;
 }
 
-// Of means over places so large that noise is gone.
+// Of means over positions so large that noise is gone.
 double
 contrastOf(const cv::Mat& image)
 {
@@ -116,8 +116,8 @@ differenceOf(const Bands& a, int ua, const Bands& b, int ub, int v)
 
 struct BlockMatch {
   int u = 0;
-  bool is_alike = false;  // far better than the average place
-  bool is_unique = false; // clearly better than any other place
+  bool is_alike = false;  // far better than the average position
+  bool is_unique = false; // clearly better than any other position
 };
 
 BlockMatch
@@ -143,7 +143,7 @@ void
 countMatches(const Bands& left, const Bands& right, PairEvidence& evidence)
 {
   const int range = left.cols / range_share;
-  // Both directions have all their places in the image.
+  // Both directions have all their positions in the image.
   const int columns = left.cols - 2 * range - block_width;
   for (int j = 0; j < grid_rows * grid_columns && columns > 0; ++j) {
     const int v = j / grid_columns * block_height;
@@ -184,7 +184,7 @@ PairEvidence::fault() const
     return PairFault::blank;
   if (is_identical)
     return PairFault::identical;
-  // Repeated texture is alike in many places, but matched nowhere.
+  // Repeated texture is alike in many positions, but matched nowhere.
   if (textured >= enough_textured && alike < alike_share * textured &&
       matched < matched_share * textured)
     return PairFault::unrelated;
@@ -212,12 +212,13 @@ PairEvidence::reason() const
     break;
   case PairFault::swapped:
     text << "left and right are swapped: of " << forward + backward
-         << " places found in both, " << backward
+         << " positions found in both, " << backward
          << " lie further right in the right image";
     break;
   case PairFault::unrelated:
-    text << "left and right do not show the same rows: of " << textured << " places, "
-         << matched << " were found in both; is the pair of one moment and rectified?";
+    text << "left and right do not show the same rows: of " << textured
+         << " positions, " << matched
+         << " were found in both; is the pair of one moment and rectified?";
     break;
   }
   return text.str();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plane_prior.h"
-
 #include "delaunay.h"
 #include "kernels/map_disparity.h"
 
@@ -19,11 +18,11 @@ PlanePrior::PlanePrior(std::vector<SupportPoint> points, int width, int height,
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
     return a.u != b.u ? a.u < b.u : a.v < b.v;
   });
-  std::vector<GridPoint> places;
-  places.reserve(points.size());
+  std::vector<GridPoint> positions;
+  positions.reserve(points.size());
   for (const SupportPoint& point : points)
-    places.push_back({point.u, point.v});
-  const auto corners = triangulate(places);
+    positions.push_back({point.u, point.v});
+  const auto corners = triangulate(positions);
   triangles_.reserve(corners.size());
   for (const auto& [a, b, c] : corners)
     addTriangle(points[std::size_t(a)], points[std::size_t(b)], points[std::size_t(c)]);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semi_global_band.h"
-
 #include "kernels/map_disparity.h"
 
 #include <opencv2/imgproc.hpp>
@@ -200,8 +199,8 @@ SemiGlobalBand::matchOf(int u) const
   const int d = best_[std::size_t(u)];
   if (d > u || has_rival_[std::size_t(u)])
     return kernels::no_disparity;
-  const int place = width_ - 1 - u + d;
-  const int theirs = right_disparity_[place % 2][std::size_t(place / 2)];
+  const int position = width_ - 1 - u + d;
+  const int theirs = right_disparity_[position % 2][std::size_t(position / 2)];
   if (std::abs(theirs - d) > parameters_.left_right_tolerance)
     return kernels::no_disparity;
   const std::uint16_t* const around = around_.data() + 3 * u;

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "kernels/semi_global.h"
-
-#include <pcl_semantic/stereo/semi_global_matcher.h>
+#include "semi_global_matcher.h"
 
 #include <opencv2/core/mat.hpp>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "semi_global_matcher.h"
 #include "core/grey_image.h"
 #include "core/parallel_guard.h"
 #include "disparity_cleaning.h"
@@ -7,7 +8,6 @@
 #include "semi_global_band.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/stereo/semi_global_matcher.h>
 
 #include <algorithm>
 #include <optional>

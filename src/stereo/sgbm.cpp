@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "sgbm.h"
 #include "core/grey_image.h"
 #include "image_pair.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/stereo/sgbm.h>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support_points.h"
-
 #include "core/parallel_guard.h"
 #include "kernels/map_disparity.h"
 
@@ -151,15 +150,15 @@ private:
     else
       std::fill(costs + count, costs + padded, kernels::no_energy);
     const int here = leastOf(costs, padded);
-    const int place = int(std::find(costs, costs + padded, here) - costs);
-    const int best = image == 0 ? padded - 1 - place : place;
+    const int index = int(std::find(costs, costs + padded, here) - costs);
+    const int best = image == 0 ? padded - 1 - index : index;
     int less = kernels::no_energy, more = kernels::no_energy; // at best - 1 and + 1
     for (const int side : {-1, 1})
-      if (place + side >= 0 && place + side < padded) {
-        ((image == 0) == (side > 0) ? less : more) = costs[place + side];
-        costs[place + side] = kernels::no_energy;
+      if (index + side >= 0 && index + side < padded) {
+        ((image == 0) == (side > 0) ? less : more) = costs[index + side];
+        costs[index + side] = kernels::no_energy;
       }
-    costs[place] = kernels::no_energy;
+    costs[index] = kernels::no_energy;
     if (here >= parameters_.tau * leastOf(costs, padded))
       return none;
     int fraction = 0;

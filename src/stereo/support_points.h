@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "elas.h"
 #include "kernels/descriptors.h"
-
-#include <pcl_semantic/stereo/elas.h>
 
 #include <opencv2/core/mat.hpp>
 

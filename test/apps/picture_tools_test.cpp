@@ -191,7 +191,7 @@ TEST(BadUsage, RenderTool)
       {"from two", 2, "--from has 2 numbers, expected 3",
        draw + " --from 1,2 --look-at 1,2,3", labelled},
       {"from words", 2, "--from", draw + " --from a,b,c --look-at 1,2,3", labelled},
-      {"from itself", 2, "the place to look from is the one to look at",
+      {"from itself", 2, "the position to look from is the one to look at",
        draw + " --from 1,2,3 --look-at 1,2,3", labelled},
       {"inside", 2, "the camera is inside a voxel",
        draw + " --from 0.04,0.04,0.04 --look-at 1,0,0", labelled},

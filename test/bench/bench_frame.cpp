@@ -100,7 +100,7 @@ streetFrames()
   result.camera = street.camera();
   for (int i = 0; i < street_frames; ++i) {
     const SyntheticView view = street.render(i);
-    result.frames.push_back({i, 0.1 * i, view.left, view.right});
+    result.frames.push_back({{i, 0.1 * i}, view.left, view.right});
     result.labels.push_back(syntheticDistributions(view, 1));
   }
   return result;

@@ -7,11 +7,11 @@
 
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"
+#include "crf/lattice_kernel.h"
 #include "support/plain_lattice.h"
 #include "support/street_scans.h"
 
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/crf/lattice_kernel.h>
 #include <pcl_semantic/crf/mean_field.h>
 
 #include <cstdio>

@@ -7,11 +7,11 @@
 
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"
+#include "stereo/sgbm.h"
 #include "support/random_scan.h"
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
-#include <pcl_semantic/stereo/sgbm.h>
 
 #include <octomap/octomap.h>
 

@@ -8,15 +8,15 @@
 // those that projectLidarTruth finds hidden from the camera.
 
 #include "bench/ratio.h"
+#include "stereo/elas.h"
+#include "stereo/semi_global_matcher.h"
+#include "stereo/sgbm.h"
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/stereo/elas.h>
-#include <pcl_semantic/stereo/semi_global_matcher.h>
-#include <pcl_semantic/stereo/sgbm.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "crf/lattice_kernel.h"
 #include "crf/truncated_kernel.h"
 #include "support/brute_force_crf.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/gaussian_kernels.h>
-#include <pcl_semantic/crf/lattice_kernel.h>
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "crf/lattice_kernel.h"
 #include "support/feature_clouds.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/crf/lattice_kernel.h>
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "crf/permutohedral_lattice.h"
 #include "support/feature_clouds.h"
 #include "support/plain_lattice.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/permutohedral_lattice.h>
 
 #include <gtest/gtest.h>
 

@@ -75,7 +75,7 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
               result.labels.at<Label>(v, u) =
                   static_cast<Label>(voxels.cloud->points[i].label);
               result.depth.at<float>(v, u) = static_cast<float>(depth);
-              result.places.at<std::int32_t>(v, u) = static_cast<std::int32_t>(i);
+              result.indices.at<std::int32_t>(v, u) = static_cast<std::int32_t>(i);
             }
           }
       }
@@ -88,7 +88,7 @@ expectEqual(const RenderedLabels& result, const RenderedLabels& expected)
 {
   EXPECT_EQ(cv::countNonZero(result.labels != expected.labels), 0);
   EXPECT_LT(cv::norm(result.depth, expected.depth, cv::NORM_INF), 1e-5);
-  EXPECT_EQ(cv::countNonZero(result.places != expected.places), 0);
+  EXPECT_EQ(cv::countNonZero(result.indices != expected.indices), 0);
 }
 
 /** \brief A camera that looks along the world's x axis, z up. */

@@ -79,18 +79,18 @@ TEST(VoxelLookup, FindsTheNearestCubeWithin)
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 2000; ++i)
     points.emplace_back(uniform(random), uniform(random), uniform(random));
-  const std::vector<std::int32_t> places = lookup.places(points, 0.4);
+  const std::vector<std::int32_t> indices = lookup.indices(points, 0.4);
   std::set<bool> both;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double least = nearestDistance(voxels, points[i]);
     both.insert(least <= 0.4);
     if (least > 0.4) {
-      ASSERT_EQ(places[i], VoxelLookup::none) << least;
+      ASSERT_EQ(indices[i], VoxelLookup::none) << least;
       continue;
     }
-    ASSERT_NE(places[i], VoxelLookup::none) << least;
+    ASSERT_NE(indices[i], VoxelLookup::none) << least;
     VoxelCloud found = voxels;
-    found.indices = {voxels.indices[std::size_t(places[i])]};
+    found.indices = {voxels.indices[std::size_t(indices[i])]};
     ASSERT_NEAR(nearestDistance(found, points[i]), least, 1e-9);
   }
   EXPECT_EQ(both.size(), 2u);
@@ -101,8 +101,8 @@ TEST(VoxelLookup, LabelsOfPlaces)
   const std::vector<Label> labels = {4, 0, 7};
   const std::vector<std::int32_t> list = {2, -1, 0, 1};
   EXPECT_EQ(labelsAt(list, labels), (std::vector<Label>{7, 0, 4, 0}));
-  const cv::Mat1i places = (cv::Mat1i(2, 2) << 2, -1, 0, 1);
-  const cv::Mat1b image = labelsAt(cv::Mat(places), labels);
+  const cv::Mat1i indices = (cv::Mat1i(2, 2) << 2, -1, 0, 1);
+  const cv::Mat1b image = labelsAt(cv::Mat(indices), labels);
   EXPECT_EQ(image(0, 0), 7);
   EXPECT_EQ(image(0, 1), 0);
   EXPECT_EQ(image(1, 0), 4);

@@ -8,7 +8,6 @@
 
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <pcl/common/io.h>
@@ -265,8 +264,8 @@ TEST(CRFPlaces, SameResultForAnyNumberOfThreadsAndAnyOrderOfIndices)
   const CrfCloud input = makeCrfCloud(700, 25);
   std::vector<Eigen::MatrixXf> results;
   for (const int threads : {1, 2, 7}) {
-    setNumberOfThreads(threads);
     Filter crf;
+    crf.setNumberOfThreads(threads);
     crf.setModel(CRFModelType::hierarchical);
     crf.setCliqueGenerator(std::make_shared<CubeCliques>(0.5));
     crf.setParameters(fiveUpdates());
@@ -278,7 +277,6 @@ TEST(CRFPlaces, SameResultForAnyNumberOfThreadsAndAnyOrderOfIndices)
     crf.setIndices(indices);
     results.push_back(refine(crf, input));
   }
-  setNumberOfThreads(0);
   EXPECT_EQ(results[1], results[0]);
   EXPECT_EQ(results[2], results[0]);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map/voxel_fusion.h"
 #include "support/archives.h"
 #include "support/thrown_message.h"
 

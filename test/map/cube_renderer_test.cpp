@@ -77,9 +77,9 @@ bruteForce(const Voxels& voxels, double size, const StereoCamera& camera,
   for (std::size_t i = 0; i < voxels.size(); ++i)
     for (int corner = 0; corner < 8; ++corner) {
       const VoxelIndex offset(corner & 1, corner >> 1 & 1, corner >> 2);
-      const Eigen::Vector3d place =
+      const Eigen::Vector3d position =
           (voxels[i] + offset).cast<double>() * size - pose.translation();
-      too_near[i] = too_near[i] || pose.linear().col(2).dot(place) < 0.1;
+      too_near[i] = too_near[i] || pose.linear().col(2).dot(position) < 0.1;
     }
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {

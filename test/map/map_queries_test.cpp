@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map/ray_traversal.h"
 #include "support/random_scan.h"
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <gtest/gtest.h>

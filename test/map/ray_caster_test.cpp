@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map/ray_caster.h"
 #include "support/dense_scan.h"
 #include "support/supported_tiers.h"
-
-#include <pcl_semantic/map/ray_caster.h>
 
 #include <gtest/gtest.h>
 
@@ -177,7 +176,7 @@ TEST(RayCaster, HitsAreThePointsOfTheirBlocks)
       const VoxelIndex voxel =
           voxelOf(quantize(pose * points[hit->point].cast<double>(), voxel_size));
       EXPECT_EQ(grid.slotOf(blockOf(voxel)), slot);
-      EXPECT_EQ(std::uint32_t(voxelInBlock(voxel)), hit->place);
+      EXPECT_EQ(std::uint32_t(voxelInBlock(voxel)), hit->offset);
     }
   }
   std::size_t expected = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/map/ray_traversal.h>
+#include "map/ray_traversal.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/map/scrolling_voxel_grid.h>
+#include "map/scrolling_voxel_grid.h"
 
 #include <gtest/gtest.h>
 

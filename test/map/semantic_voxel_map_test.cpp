@@ -3,7 +3,6 @@
 #include "support/random_scan.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <gtest/gtest.h>
@@ -100,7 +99,7 @@ expectIdentical(const VoxelCloud& a, const VoxelCloud& b)
 }
 
 // All that a map keeps: of every block its occupancy, and of its records what there is
-// at each place (they may lie in another order).
+// at each offset (they may lie in another order).
 std::vector<double>
 contentOf(const SemanticVoxelMap& map)
 {
@@ -109,13 +108,13 @@ contentOf(const SemanticVoxelMap& map)
   map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
     content.insert(content.end(), index.begin(), index.end());
     content.insert(content.end(), block.log_odds.begin(), block.log_odds.end());
-    for (int place = 0; place < kBlockVoxels; ++place) {
-      const int row = block.recordAt(place);
+    for (int offset = 0; offset < kBlockVoxels; ++offset) {
+      const int row = block.recordAt(offset);
       if (row == VoxelBlock::kNoRecord)
         continue;
       const VoxelRecord& record = block.records[std::size_t(row)];
       const auto measured = block.measured.begin() + long(row * classes);
-      content.push_back(place);
+      content.push_back(offset);
       content.insert(content.end(), record.colour_sum.begin(), record.colour_sum.end());
       content.insert(content.end(),
                      {double(record.colour_count), double(record.observations),
@@ -132,8 +131,8 @@ TEST(SemanticVoxelMap, OrderOfPointsAndNumberOfThreadsDoNotMatter)
   for (const bool with_deviations : {false, true}) {
     std::vector<std::vector<double>> results;
     for (const int threads : {1, 2, 7}) {
-      setNumberOfThreads(threads);
       SemanticVoxelMap map(threeClasses(), smallWindow());
+      map.setNumberOfThreads(threads);
       for (unsigned scan = 0; scan < 2; ++scan) {
         const LabelledScan points = shuffled(makeRandomScan(50000, 7.0f, 3, scan),
                                              scan + 10 * unsigned(threads));
@@ -145,7 +144,6 @@ TEST(SemanticVoxelMap, OrderOfPointsAndNumberOfThreadsDoNotMatter)
       }
       results.push_back(contentOf(map));
     }
-    setNumberOfThreads(0);
     EXPECT_GT(results[0].size(), 100000u);
     EXPECT_TRUE(results[0] == results[1]);
     EXPECT_TRUE(results[0] == results[2]);
@@ -193,10 +191,10 @@ walk(const Eigen::Vector3d& start)
   expectEqual(map.occupiedEverywhere(), plain.occupied());
   std::size_t known = 0;
   map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
-    for (int place = 0; place < kBlockVoxels; ++place) {
-      const VoxelIndex voxel = voxelAt(index, place);
+    for (int offset = 0; offset < kBlockVoxels; ++offset) {
+      const VoxelIndex voxel = voxelAt(index, offset);
       const auto found = plain.logOdds().find({voxel.x(), voxel.y(), voxel.z()});
-      ASSERT_EQ(block.log_odds[std::size_t(place)],
+      ASSERT_EQ(block.log_odds[std::size_t(offset)],
                 found == plain.logOdds().end() ? kUnknown : found->second)
           << voxel.transpose();
       known += found != plain.logOdds().end();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map/kernels/log_sums.h"
+#include "map/voxel_fusion.h"
 #include "support/supported_tiers.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/map/voxel_fusion.h>
 
 #include <gtest/gtest.h>
 

@@ -29,7 +29,7 @@ measure(const Eigen::Isometry3d& pose, int nth, std::mt19937& random)
   std::vector<PoseMeasurement> measurements;
   for (const Eigen::Vector3d& point : randomPoints(camera, 200, random)) {
     PoseMeasurement one;
-    one.place = {point / point.z(), 1.0 / point.z()};
+    one.position = {point / point.z(), 1.0 / point.z()};
     one.uvd = seenAt(camera, pose * point) + randomError({}, random);
     if (measurements.size() % std::size_t(nth) == 0)
       one.uvd += Eigen::Vector3d(wrong(random), wrong(random), 5.0);

@@ -173,7 +173,7 @@ TEST(StereoOdometry, NamesTheFrameOfImagesThatDoNotFit)
   narrow.right = narrow.right.colRange(0, 400);
   wide.left = wide.right = cv::Mat(200, 600, CV_8UC3, cv::Scalar::all(0));
   deep.left = deep.right = cv::Mat(150, 496, CV_16UC1, cv::Scalar::all(0));
-  for (const StereoFrame& frame : {narrow, wide, deep, StereoFrame{3, 0.0, {}, {}}}) {
+  for (const StereoFrame& frame : {narrow, wide, deep, StereoFrame{{3, 0.0}, {}, {}}}) {
     StereoOdometry odometry(street().camera);
     EXPECT_TRUE(
         holds(thrownMessage<BadInputException>([&] { odometry.process(frame); }),

@@ -23,7 +23,7 @@ TEST(TimedPoses, AreThoseOfTheSameTrajectoryByRow)
   TimedPoses by_time(timed, T_camera0_camera);
   TrajectoryPoses by_row(rows, T_camera0_camera);
   for (int i = 0; i < 3; ++i) {
-    const StereoFrame frame{i, 0.1 * i, {}, {}};
+    const StereoFrame frame{{i, 0.1 * i}, {}, {}};
     EXPECT_EQ(by_time.pose(frame).matrix(), by_row.pose(frame).matrix());
   }
 }
@@ -33,7 +33,7 @@ TEST(TimedPoses, AFrameWithoutPoseIsNamed)
   TimedPoses poses({{1.0, Eigen::Isometry3d::Identity()}},
                    Eigen::Isometry3d::Identity(), "tum.txt");
   try {
-    poses.pose({7, 1.02, {}, {}});
+    poses.pose(StereoFrame{{7, 1.02}, {}, {}});
     FAIL() << "a pose was given";
   }
   catch (const BadInputException& error) {

@@ -55,9 +55,9 @@ measured(const Drive& drive, double noise, double offset, std::mt19937& random)
     point.anchor = i % 3 == 0 ? 1 : 0;
     const Eigen::Vector3d first =
         see(drive.T_camera_world[std::size_t(point.anchor)], drive.points[i]);
-    point.place.ray = drive.camera.unproject(first.x(), first.y(), 1.0);
+    point.position.ray = drive.camera.unproject(first.x(), first.y(), 1.0);
     point.anchor_disparity = first.z() + randomError(scaled, random).z();
-    point.place.inverse_depth =
+    point.position.inverse_depth =
         std::max(first.z(), 1.0) / (drive.camera.fx * drive.camera.baseline);
     adjustment.points.push_back(point);
     for (int f = 0; f < int(drive.T_camera_world.size()); ++f)
@@ -95,7 +95,7 @@ TEST(WindowAdjustment, FindsPosesAndDepthsOfExactMeasurements)
     const WindowAdjustment::Point& point = adjustment.points[i];
     const double depth =
         (drive.T_camera_world[std::size_t(point.anchor)] * drive.points[i]).z();
-    EXPECT_NEAR(point.place.inverse_depth * depth, 1.0, 1e-4);
+    EXPECT_NEAR(point.position.inverse_depth * depth, 1.0, 1e-4);
   }
 }
 
@@ -151,7 +151,7 @@ TEST(WindowAdjustment, APointBehindTheCameraDoesNoHarm)
   std::mt19937 random(5);
   const Drive drive = makeDrive(3, random);
   WindowAdjustment adjustment = measured(drive, 0.0, 0.0, random);
-  adjustment.points[0].place.inverse_depth = 10.0; // a decimetre: passed long ago
+  adjustment.points[0].position.inverse_depth = 10.0; // a decimetre: passed long ago
   adjustment.solve(20);
   EXPECT_LT(poseError(drive, adjustment), 1e-3);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/map_cliques.h"
 #include "support/calibration_street.h"
 
 #include <pcl_semantic/evaluation/voxel_lookup.h>
@@ -20,7 +21,7 @@ countPixels(const MappedFrame& mapped, const SemanticVoxelMap& map,
             const std::vector<pcl::PointIndices>& cliques)
 {
   const cv::Mat seen =
-      renderLabels(mapped.voxels, camera, mapped.T_world_camera, max_depth).places;
+      renderLabels(mapped.voxels, camera, mapped.T_world_camera, max_depth).indices;
   const auto& indices = mapped.voxels.indices;
   std::map<std::pair<int, Label>, int> counts;
   const auto count = [&](std::ptrdiff_t place, Label label) {

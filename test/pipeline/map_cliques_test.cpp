@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/map_cliques.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/pipeline/map_cliques.h>
 
 #include <gtest/gtest.h>
 

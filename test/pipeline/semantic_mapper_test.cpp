@@ -3,7 +3,6 @@
 
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/synthetic_labels.h>
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
@@ -32,9 +31,9 @@ public:
   explicit StreetPoses(const SyntheticRenderer& street) : street_(street) {}
 
   Eigen::Isometry3d
-  pose(const StereoFrame& frame) override
+  pose(const SensorFrame& frame) override
   {
-    return street_.pose(frame.number);
+    return street_.pose(timeOf(frame).number);
   }
 
 private:
@@ -284,7 +283,6 @@ TEST_F(Street, SameMapForAnyNumberOfThreads)
       mapper.process(frame(i));
     maps.push_back(mapper.map().occupied());
   }
-  setNumberOfThreads(0);
   for (const VoxelCloud& other : {maps[1], maps[2]}) {
     ASSERT_EQ(other.size(), maps[0].size());
     EXPECT_TRUE(other.refined.matrix() == maps[0].refined.matrix());
@@ -296,7 +294,7 @@ TEST_F(Street, ABlankPairIsMappedAsNothing)
 {
   SemanticMapper mapper = makeMapper(MapperConfig());
   const cv::Mat blank(128, 416, CV_8UC3, cv::Scalar(80, 80, 80));
-  const MappedFrame result = mapper.process({0, 0.0, blank, blank});
+  const MappedFrame result = mapper.process(StereoFrame{{0, 0.0}, blank, blank});
   EXPECT_EQ(result.counts.rays, 0u);
   EXPECT_EQ(result.voxels.size(), 0u);
 }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/same_image.h"
-
 #include "stereo/disparity_cleaning.h"
+#include "stereo/elas.h"
 #include "stereo/kernels/map_disparity.h"
+#include "support/same_image.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/stereo/elas.h>
 
 #include <gtest/gtest.h>
 #include <omp.h>

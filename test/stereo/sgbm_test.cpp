@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/sgbm.h"
 #include "support/same_image.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/stereo/sgbm.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>

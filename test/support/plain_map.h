@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "map/ray_traversal.h"
+#include "map/voxel_fusion.h"
 #include "support/random_scan.h"
 
-#include <pcl_semantic/map/ray_traversal.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <cmath>
@@ -14,8 +15,9 @@
 
 namespace pcl_semantic {
 
-/** \brief The map as its description says, one voxel at a time, unbounded: no blocks,
- * no window, no bit masks. Rays are kept inside the window by the scans it is given. */
+/** \brief What SemanticVoxelMap computes (section III of the paper), one voxel at a
+ * time by one thread: no blocks, no window, no bit masks. The one to read first. It has
+ * no window, so that tests give it scans whose rays stay inside that of the map. */
 class PlainMap {
 public:
   using Key = std::tuple<int, int, int>;
@@ -35,6 +37,7 @@ public:
       if (!point.allFinite() || point.cwiseAbs().maxCoeff() >= 1e6f ||
           label_set_[label].sky)
         continue;
+      // Points beyond max_range clear space up to it, and hit nothing.
       const float reach = point.cwiseAbs().maxCoeff();
       const float range = float(parameters_.max_range);
       const double scale = reach <= range ? 1.0 : double(range / reach);
@@ -48,6 +51,7 @@ public:
       if (reach <= range)
         hits[{end.x(), end.y(), end.z()}].push_back(i);
     }
+    // Occupancy: one update a voxel and scan; a hit wins over a miss.
     for (const Key& key : crossed) {
       StoredLogOdds& log_odds = log_odds_.try_emplace(key, kUnknown).first->second;
       if (hits.count(key))
@@ -97,6 +101,8 @@ private:
         .cast<std::int64_t>();
   }
 
+  // Labels, eq. (1): the log-likelihoods of the pixels, their mean, are added to the
+  // fused log-probabilities, of which the largest is then 0.
   void
   fuse(const Key& key, const std::vector<std::size_t>& points, const LabelledScan& scan)
   {

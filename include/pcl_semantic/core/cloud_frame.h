@@ -12,10 +12,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a sensor saw at one moment, from one place, and what is known of it. */
-struct CloudFrame {
-  int number = 0;         ///< frame number of the sequence; may have gaps
-  double timestamp = 0.0; ///< [s]
+/** \brief The cloud of one moment, taken from one position, with its labels. */
+struct CloudFrame : FrameTime {
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< sensor frame [m]
   LabelDistributions distributions; ///< L x points, or empty: a cloud without labels
   bool has_colour = false;          ///< whether the cloud's colours mean anything
@@ -23,5 +21,13 @@ struct CloudFrame {
 
 /** \brief What a sensor gives at one moment: a pair of images or a cloud. */
 using SensorFrame = std::variant<StereoFrame, CloudFrame>;
+
+/** \brief Number and time of either. */
+inline const FrameTime&
+timeOf(const SensorFrame& frame)
+{
+  return std::visit([](const FrameTime& each) -> const FrameTime& { return each; },
+                    frame);
+}
 
 } // namespace pcl_semantic

@@ -7,18 +7,16 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief One rectified stereo pair. */
-struct StereoFrame {
-  int number = 0;         ///< frame number of the sequence; may have gaps
+/** \brief Which frame of a sequence, and when it was taken. */
+struct FrameTime {
+  int number = 0;         ///< may have gaps
   double timestamp = 0.0; ///< [s]
-  cv::Mat left;           ///< CV_8UC3 (BGR) or CV_8UC1
-  cv::Mat right;          ///< as left
 };
 
-/** \brief A frame that nobody has to read yet. */
-struct FrameTime {
-  int number = 0;         ///< as in StereoFrame
-  double timestamp = 0.0; ///< [s]
+/** \brief One rectified stereo pair. */
+struct StereoFrame : FrameTime {
+  cv::Mat left;  ///< CV_8UC3 (BGR) or CV_8UC1
+  cv::Mat right; ///< as left
 };
 
 } // namespace pcl_semantic

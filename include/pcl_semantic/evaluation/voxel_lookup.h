@@ -20,7 +20,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Finds the occupied voxels at points, as scans would hit them. */
 class VoxelLookup {
 public:
-  /** \brief Place of no voxel. */
+  /** \brief Index of no voxel. */
   static constexpr std::int32_t none = -1;
 
   /** \param[in] voxels indices and voxel size are kept */
@@ -28,19 +28,19 @@ public:
 
   /** \brief The voxel that holds a point.
    * \param[in] point world frame [m]
-   * \return its place in the cloud, or none */
+   * \return its index in the cloud, or none */
   std::int32_t at(const Eigen::Vector3d& point) const;
 
   /** \brief The voxel whose cube is nearest to a point: at() if there is one; of
    * equally near ones the first by z, y, x. \param[in] within largest distance to the
-   * cube [m]; 0 = only the one that holds it \return its place in the cloud, or none */
+   * cube [m]; 0 = only the one that holds it \return its index in the cloud, or none */
   std::int32_t nearest(const Eigen::Vector3d& point, double within) const;
 
   /** \brief nearest() of many points. */
-  std::vector<std::int32_t> places(const std::vector<Eigen::Vector3d>& points,
-                                   double within = 0.0) const;
+  std::vector<std::int32_t> indices(const std::vector<Eigen::Vector3d>& points,
+                                    double within = 0.0) const;
 
-  /** \brief Place of the voxel of an index, or none. */
+  /** \brief Index of the voxel of an index, or none. */
   std::int32_t find(const VoxelIndex& index) const;
 
   double
@@ -53,13 +53,13 @@ private:
   void nearestInBlock(const Eigen::Vector3d& point, const VoxelIndex& first,
                       const VoxelIndex& last, double& least, VoxelIndex& best) const;
 
-  std::unordered_map<VoxelIndex, std::int32_t, VoxelIndexHash> places_;
+  std::unordered_map<VoxelIndex, std::int32_t, VoxelIndexHash> indices_;
   std::unordered_set<VoxelIndex, VoxelIndexHash> blocks_; // that hold a voxel
   double voxel_size_;
 };
 
 /** \brief The labels of a map at one moment: before the CRF (the fused measurements
- * alone) and after, by place in its cloud. */
+ * alone) and after, by index in its cloud. */
 struct MapLabels {
   explicit MapLabels(const VoxelCloud& voxels);
 
@@ -68,14 +68,14 @@ struct MapLabels {
   std::vector<Label> refined;
 };
 
-/** \brief The label of each place; kUnlabelled for VoxelLookup::none. */
-std::vector<Label> labelsAt(const std::vector<std::int32_t>& places,
+/** \brief The label of each index; kUnlabelled for VoxelLookup::none. */
+std::vector<Label> labelsAt(const std::vector<std::int32_t>& indices,
                             const std::vector<Label>& labels);
 
-/** \brief The same for an image of places.
- * \param[in] places CV_32SC1
+/** \brief The same for an image of indices.
+ * \param[in] indices CV_32SC1
  * \return CV_8UC1 */
-cv::Mat labelsAt(const cv::Mat& places, const std::vector<Label>& labels);
+cv::Mat labelsAt(const cv::Mat& indices, const std::vector<Label>& labels);
 
 /** \brief The label of the voxel that holds each pixel's own measured point: the way of
  * the paper's released code, and the only one to compare with its figures.
@@ -91,9 +91,9 @@ cv::Mat labelsAtDepth(const SemanticVoxelMap& map,
 
 /** \brief A map as the camera sees it. */
 struct RenderedLabels {
-  cv::Mat labels; ///< CV_8UC1; 0 = no voxel, or an unlabelled one
-  cv::Mat depth;  ///< CV_32FC1, camera z of the surface [m]; 0 = no voxel
-  cv::Mat places; ///< CV_32SC1, which voxel of the cloud; -1 = none
+  cv::Mat labels;  ///< CV_8UC1; 0 = no voxel, or an unlabelled one
+  cv::Mat depth;   ///< CV_32FC1, camera z of the surface [m]; 0 = no voxel
+  cv::Mat indices; ///< CV_32SC1, which voxel of the cloud; -1 = none
 };
 
 /** \brief Renders voxels as solid cubes of their own size, the nearest along the ray of

@@ -32,7 +32,7 @@ double parseNumber(const std::string& text, const std::string& where);
 std::vector<double> parseNumbers(const std::string& text, const std::string& where);
 
 /** \brief "PATH line N", for messages. */
-std::string placeOf(const std::string& path, int line);
+std::string atLine(const std::string& path, int line);
 
 /** \brief A piece of a file for a message: in quotes, short and printable. */
 std::string inQuotes(std::string_view text);

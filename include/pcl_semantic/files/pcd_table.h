@@ -38,7 +38,7 @@ struct PcdTable {
   /** \brief Bytes of one point. */
   std::size_t pointSize() const;
 
-  /** \brief Place of a field within `fields`; -1 if there is none of that name. */
+  /** \brief Index of a field within `fields`; -1 if there is none of that name. */
   int find(const std::string& name) const;
 
   /** \brief Puts a column in the place of the one of the same name or, if there is

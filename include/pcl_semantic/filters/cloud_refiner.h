@@ -31,12 +31,19 @@ public:
    * \throws InvalidParameterException at another confidence or number of classes */
   void setLabelConfidence(double confidence, int classes);
 
-  /** \brief The points are voxels: kernels take their places from the indices, so that
-   * the origin of the cloud changes nothing.
-   * \param[in] indices of all points of the input cloud; empty = the points' own xyz
-   * \param[in] voxel_size [m]
-   * \throws InvalidParameterException if the size is not positive */
+  /** \brief The points are voxels: kernels take their positions from the indices, so
+   * that the origin of the cloud changes nothing. \param[in] indices of all points of
+   * the input cloud; empty = the points' own xyz \param[in] voxel_size [m] \throws
+   * InvalidParameterException if the size is not positive */
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
+
+  /** \brief Whether kernels look at the colours of the points, if their type has some.
+   */
+  void
+  setUseColour(bool use)
+  {
+    use_colour_ = use;
+  }
 
   /** \brief As LabelRefiner::setCliques(); replaces a generator. */
   void
@@ -104,6 +111,7 @@ private:
   std::vector<VoxelIndex> voxels_;
   double voxel_size_ = 0.0;
   CliqueGenerator::Ptr generator_;
+  bool use_colour_ = true;
   LabelDistributions refined_;
   std::size_t skipped_points_ = 0;
 };

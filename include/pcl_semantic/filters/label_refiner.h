@@ -10,6 +10,7 @@
 #include <pcl/PointIndices.h>
 #include <pcl/types.h>
 
+#include <optional>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -72,6 +73,14 @@ public:
    * need a symmetric compatibility. */
   void setComputeEnergies(bool compute);
 
+  /** \brief Threads of a run; 0 = all processors. Unless it is set: as many as OpenMP
+   * gives the calling thread. The result does not depend on it. */
+  void
+  setNumberOfThreads(int threads)
+  {
+    threads_ = threads;
+  }
+
   /** \brief Of the last run. */
   const CRFReport&
   getReport() const
@@ -80,6 +89,8 @@ public:
   }
 
 protected:
+  std::optional<int> threads_;
+
   /** \brief The cliques of the last two models, as indices of elements; they may
    * overlap and leave elements out. Members that take no part are left out of their
    * cliques, and cliques that lose all are skipped (CRFReport).

@@ -2,11 +2,37 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/map/voxel_fusion.h>
 
 #include <Eigen/Core>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief How the pixels of one scan that hit the same voxel are taken together. */
+enum class PixelFusion {
+  mean,   ///< mean log-likelihood: one witness a scan
+  product ///< every pixel is a witness of its own (eq. (1) of the paper, word by word)
+};
+
+/** \brief Parameters of occupancy, colour and label fusion. */
+struct FusionParameters {
+  double hit_probability = 0.7;      ///< of being occupied, given a hit
+  double miss_probability = 0.4;     ///< of being occupied, given a ray through it
+  double min_probability = 0.03;     ///< clamp of occupancy from below
+  double max_probability = 0.97;     ///< clamp of occupancy from above
+  double occupied_probability = 0.5; ///< occupied at or above; one hit is enough
+  PixelFusion pixel_fusion = PixelFusion::mean;
+  double label_min_probability = 0.01; ///< clamp of each measurement from below
+  /// Every ray through a voxel is a miss and every end in it a hit, one after the other
+  /// (as in the paper), instead of one update a scan: the order of the points matters.
+  bool per_ray_counting = false;
+  /// Log-odds that occupied voxels of dynamic classes lose at each scan, so that what
+  /// has moved on leaves no trail where no ray clears it; 0 = none.
+  double dynamic_decay = 0.0;
+  double label_max_ratio = 1e4; ///< clamp of a fused distribution: largest / smallest
+
+  /** \throws InvalidParameterException */
+  void validate() const;
+};
 
 /** \brief Parameters of SemanticVoxelMap. */
 struct MapParameters {

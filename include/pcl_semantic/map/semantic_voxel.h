@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <array>
@@ -37,7 +38,7 @@ struct VoxelBlock {
   static constexpr std::int16_t kNoRecord = -1;
 
   std::array<StoredLogOdds, kBlockVoxels> log_odds;
-  std::vector<std::int16_t> record_of; ///< by place, or empty if nothing was hit
+  std::vector<std::int16_t> record_of; ///< by offset, or empty if nothing was hit
   std::vector<VoxelRecord> records;
   std::vector<float> measured; ///< L a row: fused log-probabilities, the largest is 0
   std::vector<float> refined;  ///< L a row: distribution of the CRF; all zero = none
@@ -46,22 +47,22 @@ struct VoxelBlock {
   VoxelBlock() { log_odds.fill(kUnknown); }
 
   /** \brief Row of a voxel in the vectors above; kNoRecord if it was never hit.
-   * \param[in] place in the block, see voxelInBlock */
+   * \param[in] offset in the block, see voxelInBlock */
   int
-  recordAt(int place) const
+  recordAt(int offset) const
   {
-    return record_of.empty() ? kNoRecord : record_of[std::size_t(place)];
+    return record_of.empty() ? kNoRecord : record_of[std::size_t(offset)];
   }
 
   /** \brief The record of a voxel, made if it has none.
-   * \param[in] place in the block, see voxelInBlock
+   * \param[in] offset in the block, see voxelInBlock
    * \param[in] classes L */
   int
-  makeRecord(int place, int classes)
+  makeRecord(int offset, int classes)
   {
     if (record_of.empty())
       record_of.assign(kBlockVoxels, kNoRecord);
-    std::int16_t& record = record_of[std::size_t(place)];
+    std::int16_t& record = record_of[std::size_t(offset)];
     if (record == kNoRecord) {
       record = static_cast<std::int16_t>(records.size());
       records.emplace_back();
@@ -81,6 +82,22 @@ memoryOf(const VoxelBlock& block)
          (block.measured.capacity() + block.refined.capacity()) * sizeof(float);
 }
 
+/** \brief What is known of a point in space. */
+enum class Occupancy { unknown, free, occupied };
+
+/** \brief All that a map knows of one voxel. */
+struct VoxelState {
+  VoxelIndex index = VoxelIndex::Zero(); ///< global
+  Occupancy occupancy = Occupancy::unknown;
+  float log_odds = 0.0f;                ///< of being occupied; 0 if unknown
+  std::array<std::uint8_t, 3> colour{}; ///< mean red, green, blue; black if never seen
+  std::uint32_t observations = 0;       ///< scans that hit the voxel
+  Label label = kUnlabelled;            ///< MAP of \a refined
+  std::vector<float> measured;          ///< L fused probabilities; all 0: no label
+  std::vector<float> refined;           ///< the CRF's, else \a measured
+  float entropy = 0.0f;                 ///< of \a refined [nat]; log L without a label
+};
+
 /** \brief The block that holds a voxel. */
 inline VoxelIndex
 blockOf(const VoxelIndex& voxel)
@@ -88,7 +105,7 @@ blockOf(const VoxelIndex& voxel)
   return {voxel.x() >> kBlockBits, voxel.y() >> kBlockBits, voxel.z() >> kBlockBits};
 }
 
-/** \brief Place of a voxel in its block: x fastest, z slowest. */
+/** \brief Offset of a voxel in its block: x fastest, z slowest. */
 inline int
 voxelInBlock(const VoxelIndex& voxel)
 {
@@ -97,14 +114,14 @@ voxelInBlock(const VoxelIndex& voxel)
          (voxel.x() & mask);
 }
 
-/** \brief The voxel at a place of a block; inverse of blockOf and voxelInBlock. */
+/** \brief The voxel at a offset of a block; inverse of blockOf and voxelInBlock. */
 inline VoxelIndex
-voxelAt(const VoxelIndex& block, int place)
+voxelAt(const VoxelIndex& block, int offset)
 {
   constexpr int mask = kBlockEdge - 1;
-  return {block.x() * kBlockEdge + (place & mask),
-          block.y() * kBlockEdge + ((place >> kBlockBits) & mask),
-          block.z() * kBlockEdge + (place >> (2 * kBlockBits))};
+  return {block.x() * kBlockEdge + (offset & mask),
+          block.y() * kBlockEdge + ((offset >> kBlockBits) & mask),
+          block.z() * kBlockEdge + (offset >> (2 * kBlockBits))};
 }
 
 } // namespace pcl_semantic

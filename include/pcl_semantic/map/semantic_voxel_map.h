@@ -4,18 +4,16 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
-#include <pcl_semantic/map/block_reader.h>
 #include <pcl_semantic/map/block_store.h>
 #include <pcl_semantic/map/map_parameters.h>
-#include <pcl_semantic/map/ray_caster.h>
-#include <pcl_semantic/map/read_write_lock.h>
-#include <pcl_semantic/map/scrolling_voxel_grid.h>
+#include <pcl_semantic/map/scan.h>
+#include <pcl_semantic/map/semantic_voxel.h>
 
 #include <Eigen/Geometry>
+#include <pcl/point_cloud.h>
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -42,6 +40,8 @@ public:
    * \throws InvalidParameterException */
   SemanticVoxelMap(const LabelSet& label_set, const Parameters& parameters,
                    std::shared_ptr<BlockStore> store = nullptr);
+
+  ~SemanticVoxelMap();
 
   /** \brief Takes in one scan: moves the window to the sensor, casts a ray to every
    * point, and fuses colours and labels of the ends. One update per voxel and scan; a
@@ -113,6 +113,10 @@ public:
    * \throws InvalidParameterException if the point is not finite or absurdly far */
   VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
 
+  /** \brief Threads of integrate() and of the functions that give out voxels, as
+   * LabelRefiner::setNumberOfThreads(). */
+  void setNumberOfThreads(int threads);
+
   /** \brief Memory of the window and of the last scan, without the store [bytes]. */
   std::size_t memory() const;
 
@@ -120,23 +124,11 @@ public:
   const Parameters& parameters() const;
 
 private:
+  struct State;
+
   ScanCounts integrateScan(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
-  std::size_t updateBlocks(const Scan& scan);
-  void centreWindow(const Eigen::Vector3d& centre);
 
-  const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& place) const;
-  void visitBlocks(const VisitBlock& visit) const;
-
-  LabelSet label_set_;
-  Parameters parameters_;
-  BlockReader reader_;
-  ScrollingVoxelGrid<VoxelBlock> grid_;
-  std::shared_ptr<BlockStore> store_;
-  RayCaster ray_caster_;
-  Eigen::Vector3d cloud_origin_ = Eigen::Vector3d::Zero();
-  bool has_cloud_origin_ = false;
-  mutable ReadWriteLock lock_;       // of everything above
-  mutable std::mutex store_reading_; // a store need not bear several readers
+  std::unique_ptr<State> state_;
 };
 
 } // namespace pcl_semantic

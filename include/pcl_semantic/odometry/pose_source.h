@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/cloud_frame.h>
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/stereo_frame.h>
 
 #include <Eigen/Geometry>
 
@@ -21,17 +21,18 @@ worldFromFirstCamera()
   return T_world_first;
 }
 
-/** \brief Tells where the left camera was when a frame was taken. */
+/** \brief Tells where the sensor was when a frame was taken: the left camera of a
+ * stereo pair, or the sensor whose frame a cloud is in. */
 class PoseSource {
 public:
   virtual ~PoseSource() = default;
 
-  /** \brief T_world_camera, the pose of the frame's left camera in the world [m].
+  /** \brief T_world_sensor, the pose of the frame's sensor in the world [m].
    * \throws BadInputException that names the frame, if there is no pose for it */
-  virtual Eigen::Isometry3d pose(const StereoFrame& frame) = 0;
+  virtual Eigen::Isometry3d pose(const SensorFrame& frame) = 0;
 
   /** \brief Before the first frame: makes sure that all frames have a pose, as far as
-   * that can be known without their images.
+   * that can be known without their data.
    * \throws BadInputException that names the first frame without one, and says how many
    * lack one and what was expected */
   virtual void

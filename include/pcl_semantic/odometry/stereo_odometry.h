@@ -54,7 +54,7 @@ public:
     int max_disparity = 0;        ///< of a new feature [px]; 0 = an eighth of the width
     double keyframe_flow = 0.015; ///< median way of the features that makes a keyframe,
                                   ///< in widths of the image
-    double pixel_noise = 0.15;    ///< standard deviation of a feature's place [px]
+    double pixel_noise = 0.15;    ///< standard deviation of a feature's position [px]
     double disparity_noise = 0.3; ///< and of its disparity [px]
 
     /** \brief How far the offset that all disparities share, an error of the
@@ -76,7 +76,7 @@ public:
   ~StereoOdometry() override;
 
   /** \brief T_world_camera of the frame, see process(). */
-  Eigen::Isometry3d pose(const StereoFrame& frame) override;
+  Eigen::Isometry3d pose(const SensorFrame& frame) override;
 
   /** \brief Takes the next frame.
    * \throws BadInputException that names the frame, if the images are of another size

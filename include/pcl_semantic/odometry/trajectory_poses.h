@@ -20,7 +20,7 @@ public:
   TimedPoses(TimedTrajectory trajectory, const Eigen::Isometry3d& T_camera0_camera,
              std::string name = "the trajectory", double tolerance = 0.01);
 
-  Eigen::Isometry3d pose(const StereoFrame& frame) override;
+  Eigen::Isometry3d pose(const SensorFrame& frame) override;
 
   void requirePoses(const std::vector<FrameTime>& frames) const override;
 
@@ -44,7 +44,7 @@ public:
   TrajectoryPoses(Trajectory trajectory, const Eigen::Isometry3d& T_camera0_camera,
                   std::string name = "the trajectory");
 
-  Eigen::Isometry3d pose(const StereoFrame& frame) override;
+  Eigen::Isometry3d pose(const SensorFrame& frame) override;
 
   void requirePoses(const std::vector<FrameTime>& frames) const override;
 

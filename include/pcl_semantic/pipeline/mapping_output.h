@@ -3,15 +3,26 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/files/trajectory_file.h>
-#include <pcl_semantic/pipeline/extra_output.h>
 #include <pcl_semantic/pipeline/frame_record.h>
 #include <pcl_semantic/pipeline/run_description.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief What a run writes beyond the map and its images: for evaluation. */
+struct ExtraOptions {
+  bool measured = false; ///< labels of the fused measurements, before the CRF
+  bool depth = false;    ///< measured depth of the pixels
+  std::string scans;     ///< folder of laser scans to label; empty = none
+  Eigen::Isometry3d T_camera_scanner = Eigen::Isometry3d::Identity();
+  double within = 0.0; ///< also: a point takes the nearest voxel so far away [m]
+};
+
+class ExtraOutput;
 
 /** \brief Writes what mapping a sequence leaves behind into a folder: pictures and
  * label images a frame, the map and its summary at the end (README, "What it writes").
@@ -29,6 +40,8 @@ public:
    * \throws OutputException also if images lie there that no run of ours has left */
   MappingOutput(const std::string& folder, const MappingRun& run,
                 std::vector<FrameRecord> records = {}, ExtraOptions extra = {});
+
+  ~MappingOutput();
 
   /** \brief What is put into the folder: names of files and of folders. */
   static const std::vector<std::string>& names();
@@ -69,7 +82,7 @@ private:
   std::string folder_;
   MappingRun run_;
   std::vector<FrameRecord> frames_;
-  ExtraOutput extra_;
+  std::unique_ptr<ExtraOutput> extra_;
   bool replaced_ = false; // an earlier run's files are gone
 };
 

@@ -8,7 +8,6 @@
 #include <pcl_semantic/labelling/label_predictor.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/odometry/pose_source.h>
-#include <pcl_semantic/pipeline/map_cliques.h>
 #include <pcl_semantic/pipeline/mapped_frame.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
@@ -18,6 +17,8 @@
 #include <optional>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+class MapCliques;
 
 /** \brief The whole pipeline: stereo frames go in, or labelled clouds of any sensor,
  * and a semantic map grows. */
@@ -45,6 +46,8 @@ public:
                  MapperConfig config, std::unique_ptr<PoseSource> poses,
                  std::shared_ptr<BlockStore> store = nullptr);
 
+  ~SemanticMapper();
+
   /** \brief Goes on with the map that the store holds. Only before the first frame.
    * \param[in] frames that are in it
    * \param[in] finished whether finish() was called after them
@@ -67,16 +70,11 @@ public:
    * model has no such costs */
   void setCliqueCalibration(LabelCalibration calibration);
 
-  /** \brief Takes in one frame: disparity, cloud, labels, pose, map, CRF.
-   * \throws BadInputException or BadModelException that names the frame */
-  MappedFrame process(const StereoFrame& frame);
-
-  /** \brief Takes in one labelled cloud: pose, map, CRF.
-   * \throws BadInputException that names the frame, also if it is not as the camera's
-   * images are */
-  MappedFrame process(const CloudFrame& frame);
-
-  /** \brief Either. \throws as process() of what it is */
+  /** \brief Takes in one frame: its cloud (of a stereo pair: disparity, cloud, labels),
+   * pose, map, CRF.
+   * \throws BadInputException or BadModelException that names the frame, also if a
+   * cloud is not as the camera's images are \throws InvalidParameterException at a pair
+   * if the mapper was made for clouds */
   MappedFrame process(const SensorFrame& frame);
 
   /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
@@ -99,6 +97,10 @@ public:
 private:
   bool isRefinedAt(int frame) const;
 
+  void readPair(const StereoFrame& frame, MappedFrame& mapped);
+
+  void readCloud(const CloudFrame& frame, MappedFrame& mapped) const;
+
   void fuse(MappedFrame& mapped);
 
   ScanCounts integrate(const MappedFrame& mapped);
@@ -116,7 +118,7 @@ private:
   std::unique_ptr<PoseSource> poses_;
   std::optional<LabelCalibration> calibration_;
   SemanticVoxelMap map_;
-  MapCliques cliques_;
+  std::unique_ptr<MapCliques> cliques_;
   Callback callback_;
   int frames_ = 0;
   bool refined_ = true; // the CRF has seen the last frame

@@ -32,10 +32,10 @@ struct PairEvidence {
   double right_contrast = 0.0; ///< same
   bool is_identical = false;   ///< all bytes are the same
   int textured = 0;            ///< blocks that were sought
-  int alike = 0;               ///< of those, how many look like some place of their row
-  int matched = 0;             ///< like one place only, and are found again from there
-  int forward = 0;             ///< of those, clearly further left in the right image
-  int backward = 0;            ///< same, clearly further right
+  int alike = 0;    ///< of those, how many look like some position of their row
+  int matched = 0;  ///< like one position only, and are found again from there
+  int forward = 0;  ///< of those, clearly further left in the right image
+  int backward = 0; ///< same, clearly further right
 
   /** \brief None without clear evidence: repeated texture, too little of it, nothing
    * but far points, a few rows of vertical offset. */

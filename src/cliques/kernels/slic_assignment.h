@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/simd.h>
+#include "core/simd.h"
 
 namespace pcl_semantic {
 
-/** \brief A centre of SLIC's clustering: Lab colour (0..255 each) and place [px]. */
+/** \brief A centre of SLIC's clustering: Lab colour (0..255 each) and position [px]. */
 struct SlicCentre {
   float l = 0.0f;
   float a = 0.0f;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/simd.h>
+#include "core/simd.h"
 
 #include <cstddef>
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ray_directions.h"
 #include "core/simd_choice.h"
-
-#include <pcl_semantic/map/directed_ray.h>
-#include <pcl_semantic/map/ray_traversal.h>
+#include "map/directed_ray.h"
+#include "map/ray_traversal.h"
 
 #define HWY_TARGET_INCLUDE "map/kernels/ray_directions.cpp"
 #include <hwy/foreach_target.h>
@@ -83,14 +82,14 @@ findDirections(const RayStart& start, RayBatch& rays)
     rays.end_row[k] = choose(along_y, cell_x, cell_y);
     rays.end_column[k] = choose(along_z, cell_x, cell_z);
 
-    constexpr std::int32_t places = 1 << (kTileBits + kLeafBits); // slopes from -1 to 1
+    constexpr std::int32_t leaves = 1 << (kTileBits + kLeafBits); // slopes from -1 to 1
     constexpr std::int32_t leaf_mask = (1 << kLeafBits) - 1;
     const auto row_cell =
-        static_cast<std::int32_t>((row_slope + 1.0f) * float(places / 2));
+        static_cast<std::int32_t>((row_slope + 1.0f) * float(leaves / 2));
     const auto column_cell =
-        static_cast<std::int32_t>((column_slope + 1.0f) * float(places / 2));
-    const std::int32_t row_place = row_cell < places ? row_cell : places - 1;
-    const std::int32_t column_place = column_cell < places ? column_cell : places - 1;
+        static_cast<std::int32_t>((column_slope + 1.0f) * float(leaves / 2));
+    const std::int32_t row_place = row_cell < leaves ? row_cell : leaves - 1;
+    const std::int32_t column_place = column_cell < leaves ? column_cell : leaves - 1;
     const std::int32_t face = 4 * along_z + 2 * along_y + (along < 0);
     rays.tile[k] = face * kTilesAFace + ((column_place >> kLeafBits) << kTileBits) +
                    (row_place >> kLeafBits);

@@ -112,39 +112,39 @@ isSure(const SlabView& slab, Ints off)
   return greater(hn::BitCast(IntTag(), set(0.5f - slab.margin)), off);
 }
 
-// What rows or columns of cells add to a place among the bytes; outside these: -1.
+// What rows or columns of cells add to a offset among the bytes; outside these: -1.
 HWY_INLINE Ints
-placeOf(Ints number, int extent, Ints place)
+offsetOf(Ints number, int extent, Ints offset)
 {
   const auto inside = greater(hn::Set(WordTag(), std::uint32_t(extent)),
                               hn::BitCast(WordTag(), number));
-  return hn::IfThenElse(inside, place, set(-1));
+  return hn::IfThenElse(inside, offset, set(-1));
 }
 
 HWY_INLINE Ints
-rowPlace(const SlabView& slab, Ints row)
+rowOffset(const SlabView& slab, Ints row)
 {
   const Ints r = hn::Sub(row, set(slab.first_row));
-  return placeOf(r, slab.rows, hn::ShiftLeft<3>(r));
+  return offsetOf(r, slab.rows, hn::ShiftLeft<3>(r));
 }
 
 HWY_INLINE Ints
-columnPlace(const SlabView& slab, Ints column)
+columnOffset(const SlabView& slab, Ints column)
 {
   const Ints c = hn::Sub(column, set(slab.first_column));
-  return placeOf(c, slab.columns, hn::Mul(c, set(slab.column_stride)));
+  return offsetOf(c, slab.columns, hn::Mul(c, set(slab.column_stride)));
 }
 
 // Sets the bytes of the wanted cells. By way of memory, which compilers would like to
 // avoid: taking lanes out of a vector one by one costs more than all the rest.
 HWY_INLINE void
-setCells(const SlabView& slab, Ints places, Mask wanted)
+setCells(const SlabView& slab, Ints offsets, Mask wanted)
 {
   HWY_ALIGN std::int32_t stored[lanes];
-  hn::Store(hn::IfThenElse(wanted, places, set(slab.nowhere)), IntTag(), stored);
-  const volatile std::int32_t* const place = stored;
+  hn::Store(hn::IfThenElse(wanted, offsets, set(slab.nowhere)), IntTag(), stored);
+  const volatile std::int32_t* const offset = stored;
   for (std::size_t k = 0; k < lanes; ++k)
-    slab.cells[std::uint32_t(place[k])] = 1;
+    slab.cells[std::uint32_t(offset[k])] = 1;
 }
 
 HWY_INLINE void
@@ -267,9 +267,10 @@ crossBundles(const SlabView& view, const BundleView& bundles, std::size_t count,
     const Cells row_high = cellsAt(r1, hn::Gt(r1, zero), slab.row_start);
     const Cells column_low = cellsAt(c0, hn::Lt(c0, zero), slab.column_start);
     const Cells column_high = cellsAt(c1, hn::Gt(c1, zero), slab.column_start);
-    const Ints rows[2] = {rowPlace(slab, row_low.cell), rowPlace(slab, row_high.cell)};
-    const Ints columns[2] = {columnPlace(slab, column_low.cell),
-                             columnPlace(slab, column_high.cell)};
+    const Ints rows[2] = {rowOffset(slab, row_low.cell),
+                          rowOffset(slab, row_high.cell)};
+    const Ints columns[2] = {columnOffset(slab, column_low.cell),
+                             columnOffset(slab, column_high.cell)};
     const Ints row_extent = hn::Sub(row_high.cell, row_low.cell);
     const Ints column_extent = hn::Sub(column_high.cell, column_low.cell);
     const Mask exists = hn::AndNot(greater(number, load(bundles.longest + i)),
@@ -300,7 +301,7 @@ crossBundles(const SlabView& view, const BundleView& bundles, std::size_t count,
 
 // Cells at one side of a slab, among the bytes too.
 struct Side {
-  Ints row, column, row_place, column_place;
+  Ints row, column, row_offset, column_offset;
   Mask sure;
 };
 
@@ -313,8 +314,8 @@ sideAt(const SlabView& slab, Floats u, Floats v, float distance, Mask known,
   Side side;
   side.row = hn::IfThenElse(known, known_row, rows.cell);
   side.column = hn::IfThenElse(known, known_column, columns.cell);
-  side.row_place = rowPlace(slab, side.row);
-  side.column_place = columnPlace(slab, side.column);
+  side.row_offset = rowOffset(slab, side.row);
+  side.column_offset = columnOffset(slab, side.column);
   side.sure = hn::Or(known, isSure(slab, hn::Max(rows.off, columns.off)));
   return side;
 }
@@ -361,12 +362,12 @@ crossCells(const SlabView& slab, Floats u, Floats v, const Side& a, const Side& 
     known =
         all(known, hn::Or(straight, greater(hn::Abs(order), set(2.0f * slab.margin))));
     const Mask row_first = greater(set(0.0f), order);
-    setCellsInside(slab, hn::IfThenElse(row_first, b.row_place, a.row_place),
-                   hn::IfThenElse(row_first, a.column_place, b.column_place),
+    setCellsInside(slab, hn::IfThenElse(row_first, b.row_offset, a.row_offset),
+                   hn::IfThenElse(row_first, a.column_offset, b.column_offset),
                    hn::AndNot(straight, known));
   }
-  setCellsInside(slab, a.row_place, a.column_place, known);
-  setCellsInside(slab, b.row_place, b.column_place, known);
+  setCellsInside(slab, a.row_offset, a.column_offset, known);
+  setCellsInside(slab, b.row_offset, b.column_offset, known);
   return hn::AndNot(known, alive);
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_disparity.h"
-
 #include "core/simd_choice.h"
 
 #define HWY_TARGET_INCLUDE "stereo/kernels/map_disparity.cpp"
@@ -30,7 +29,7 @@ struct Eight {
 };
 
 /** \brief m in the order of fourDistances<2>(). */
-alignas(32) constexpr std::int32_t places[8] = {0, 2, 4, 6, 1, 3, 5, 7};
+alignas(32) constexpr std::int32_t indices[8] = {0, 2, 4, 6, 1, 3, 5, 7};
 
 HWY_INLINE int
 disparityOf(int direction, int first, int m)
@@ -45,13 +44,13 @@ findBest(const MatchRow& row, std::int16_t* disparity)
 {
   hn::Vec<Distances> m[vectors], offsets[vectors]; // of the disparities
   for (int i = 0; i < vectors; ++i) {
-    m[i] = hn::Load(d32, places + i * lanes);
+    m[i] = hn::Load(d32, indices + i * lanes);
     offsets[i] = direction < 0 ? hn::Sub(hn::Set(d32, 7), m[i]) : m[i];
   }
   alignas(32) std::int32_t near[disparity_steps][8];
   for (int fraction = 0; fraction < disparity_steps; ++fraction)
     for (int i = 0; i < 8; ++i)
-      near[fraction][i] = row.prior[fraction * 8 + places[i]] * unit + places[i];
+      near[fraction][i] = row.prior[fraction * 8 + indices[i]] * unit + indices[i];
   const int blocks = row.disparities / 8;
   const std::uint8_t* bytes = row.seen;
   Eight seen[largest_disparities / 8];

@@ -186,14 +186,14 @@ chooseForRight(Words ours, Words disparity, std::uint16_t* right_sum,
 }
 
 // The best disparity of a pixel from its sums, the smallest of which is known; and what
-// these are to the right image, where disparity d leads to place + d.
+// these are to the right image, where disparity d leads to position + d.
 HWY_INLINE void
-choose(const std::uint16_t* sums, int D, std::uint16_t smallest, int u, int place,
+choose(const std::uint16_t* sums, int D, std::uint16_t smallest, int u, int position,
        const RowMatches& matches)
 {
   std::uint16_t *right_sum[2], *right_disparity[2];
   for (int odd = 0; odd < 2; ++odd) {
-    const int to = place + odd;
+    const int to = position + odd;
     right_sum[odd] = matches.right_sum[to % 2] + to / 2;
     right_disparity[odd] = matches.right_disparity[to % 2] + to / 2;
   }
@@ -201,7 +201,7 @@ choose(const std::uint16_t* sums, int D, std::uint16_t smallest, int u, int plac
   const Words least = hn::Set(words, smallest), most = hn::Set(words, limit);
   const Words count = hn::Iota(words, 0);
   int d = 0, found = 0;
-  for (int i = D - lanes; i >= 0; i -= lanes) { // backwards: the first place stays
+  for (int i = D - lanes; i >= 0; i -= lanes) { // backwards: the first position stays
     const Words even = hn::LoadU(words, sums + i / 2);
     const Words odd = hn::LoadU(words, sums + (D + i) / 2);
     const auto first =

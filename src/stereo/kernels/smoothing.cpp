@@ -18,15 +18,15 @@ constexpr int lanes = int(hn::MaxLanes(d));
 
 HWY_INLINE void
 smoothLanes(const std::int16_t* disparity, const std::int16_t* const* neighbours,
-            int places, std::int16_t range, int at, std::int16_t* smooth)
+            int taps, std::int16_t range, int at, std::int16_t* smooth)
 {
   const hn::Repartition<std::int32_t, decltype(d)> d32;
   const hn::Repartition<float, decltype(d)> df;
   const auto centre = hn::LoadU(d, disparity + at), zero = hn::Zero(d);
   const auto limit = hn::Set(d, range);
-  auto sum = zero, number = hn::Set(d, std::int16_t(places));
-  for (int place = 0; place < places; ++place) {
-    const auto other = hn::LoadU(d, neighbours[place] + at);
+  auto sum = zero, number = hn::Set(d, std::int16_t(taps));
+  for (int tap = 0; tap < taps; ++tap) {
+    const auto other = hn::LoadU(d, neighbours[tap] + at);
     const auto difference = hn::Sub(other, centre);
     const auto unlike = hn::VecFromMask(
         d, hn::Or(hn::Lt(other, zero), hn::Gt(hn::Abs(difference), limit)));
@@ -55,26 +55,26 @@ smoothLanes(const std::int16_t* disparity, const std::int16_t* const* neighbours
 
 void
 smoothLine(const std::int16_t* disparity, const std::int16_t* const* neighbours,
-           int places, int range, int count, std::int16_t* smooth)
+           int taps, int range, int count, std::int16_t* smooth)
 {
   const auto limit = std::int16_t(range);
   if (count >= lanes) {
     for (int at = 0; at <= count - lanes; at += lanes)
-      smoothLanes(disparity, neighbours, places, limit, at, smooth);
-    smoothLanes(disparity, neighbours, places, limit, count - lanes, smooth);
+      smoothLanes(disparity, neighbours, taps, limit, at, smooth);
+    smoothLanes(disparity, neighbours, taps, limit, count - lanes, smooth);
     return;
   }
   // Fewer than a vector holds.
   std::int16_t padded[2 * largest_smoothing + 2][lanes] = {}, result[lanes];
   const std::int16_t* rows[2 * largest_smoothing + 1];
   const std::size_t bytes = std::size_t(count) * sizeof *smooth;
-  for (int place = 0; place < places; ++place) {
-    rows[place] = padded[place];
-    __builtin_memcpy(padded[place], neighbours[place], bytes);
+  for (int tap = 0; tap < taps; ++tap) {
+    rows[tap] = padded[tap];
+    __builtin_memcpy(padded[tap], neighbours[tap], bytes);
   }
-  std::int16_t* const centres = padded[places];
+  std::int16_t* const centres = padded[taps];
   __builtin_memcpy(centres, disparity, bytes);
-  smoothLanes(centres, rows, places, limit, 0, result);
+  smoothLanes(centres, rows, taps, limit, 0, result);
   __builtin_memcpy(smooth, result, bytes);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/simd.h>
+#include "core/simd.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,12 +14,12 @@ constexpr int largest_smoothing = 16; ///< radius [px]
 
 /** \brief Smooths \a count disparities (below 0 = none, stays).
  * \param[in] disparity the first of them
- * \param[in] neighbours where, for each of 2 radius + 1 places of the line, the
+ * \param[in] neighbours where, for each of 2 radius + 1 taps of the line, the
  * neighbour of the first lies; those of the others follow
  * \param[in] range neighbours that differ by more do not count, from 0 to 1024
  * \param[out] smooth may not overlap the others */
 using Smooth = void (*)(const std::int16_t* disparity,
-                        const std::int16_t* const* neighbours, int places, int range,
+                        const std::int16_t* const* neighbours, int taps, int range,
                         int count, std::int16_t* smooth);
 
 Smooth smoothing(SimdTier tier);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <pcl/type_traits.h>
@@ -92,6 +93,7 @@ SemanticCRF<PointT>::applyFilter(PointCloud& output)
   static_assert(pcl::traits::has_xyz<PointT>::value &&
                     pcl::traits::has_label<PointT>::value,
                 "SemanticCRF needs a point type with x, y, z and label");
+  const ThreadScope threads(this->threads_);
   Fields fields = readFields(*this->input_);
   this->refineCloud(fields, *this->indices_);
   output = *this->input_;

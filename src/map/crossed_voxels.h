@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-#include <pcl_semantic/map/scrolling_voxel_grid.h>
+#include "scrolling_voxel_grid.h"
+
 #include <pcl_semantic/map/semantic_voxel.h>
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief The voxels of a window that the rays of one scan cross: a bit a voxel.
  * Several threads may add voxels; who comes first does not matter. */
@@ -46,8 +46,8 @@ public:
     const VoxelIndex block = blockOf(voxel);
     if (!contains(block))
       return false;
-    const int place = voxelInBlock(voxel);
-    add(slotOf(block), place >> 6, std::uint64_t(1) << (place & 63));
+    const int offset = voxelInBlock(voxel);
+    add(slotOf(block), offset >> 6, std::uint64_t(1) << (offset & 63));
     return true;
   }
 

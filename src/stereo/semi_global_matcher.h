@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Semi-global matching (H. Hirschmueller, Stereo processing by semiglobal
  * matching and mutual information, PAMI 2008) of census signatures (R. Zabih and J.

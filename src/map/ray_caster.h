@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/simd.h>
-#include <pcl_semantic/map/crossed_voxels.h>
-#include <pcl_semantic/map/directed_ray.h>
-#include <pcl_semantic/map/ray_traversal.h>
+#include "core/simd.h"
+#include "crossed_voxels.h"
+#include "directed_ray.h"
+#include "ray_traversal.h"
+
 #include <pcl_semantic/map/scan.h>
 
 #include <Eigen/Geometry>
@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 namespace kernels {
 struct RayBatch;
@@ -22,8 +22,8 @@ struct RayBatch;
 
 /** \brief An end point of a ray in a block of the window. */
 struct RayHit {
-  std::uint32_t point; ///< its number in the scan
-  std::uint32_t place; ///< voxel of the block
+  std::uint32_t point;  ///< its number in the scan
+  std::uint32_t offset; ///< voxel of the block
 };
 
 /** \brief Casts the rays of a scan through a window and notes which voxels were hit and

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
 #include <memory>
@@ -10,7 +9,7 @@ namespace cv {
 class StereoSGBM;
 }
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Semi-global matching (H. Hirschmueller, Stereo processing by semiglobal
  * matching and mutual information, PAMI 2008) as OpenCV implements it.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-#include <pcl_semantic/crf/permutohedral_lattice.h>
+#include "permutohedral_lattice.h"
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief A weighted Gaussian over any features: w exp(-|f_i - f_j|^2 / 2). */
 struct LatticeTerm {

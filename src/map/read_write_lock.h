@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-
 #include <mutex>
 #include <shared_mutex>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief One writer or any number of readers. Readers that come while a writer waits
  * stand behind it: however often they look, they cannot hold it up. */

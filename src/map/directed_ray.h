@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-
 #include <Eigen/Core>
 
 #include <cstdint>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief End of a ray from its start, in units of 2^-10 voxel. */
 using RayDelta = Eigen::Matrix<std::int32_t, 3, 1>;
@@ -24,7 +22,7 @@ struct DirectedRay {
   std::int32_t end_row, end_column; ///< voxel it ends in, from that of the start
   std::uint32_t point;              ///< its number in the scan
   std::uint16_t tile; ///< face (twice its axis, and one if it goes down), column, row
-  std::uint16_t leaf; ///< place in the tile, by interleaved bits
+  std::uint16_t leaf; ///< offset in the tile, by interleaved bits
 };
 
 /** \brief Directions fall into tiles of an eighth of a radian, and these into leaves of

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/stereo/disparity_estimator.h>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Efficient large-scale stereo matching (A. Geiger, M. Roser, R. Urtasun, ACCV
  * 2010), written from the paper.

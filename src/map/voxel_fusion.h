@@ -1,40 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
-
-/** \brief How the pixels of one scan that hit the same voxel are taken together. */
-enum class PixelFusion {
-  mean,   ///< mean log-likelihood: one witness a scan
-  product ///< every pixel is a witness of its own (eq. (1) of the paper, word by word)
-};
-
-/** \brief Parameters of occupancy, colour and label fusion. */
-struct FusionParameters {
-  double hit_probability = 0.7;      ///< of being occupied, given a hit
-  double miss_probability = 0.4;     ///< of being occupied, given a ray through it
-  double min_probability = 0.03;     ///< clamp of occupancy from below
-  double max_probability = 0.97;     ///< clamp of occupancy from above
-  double occupied_probability = 0.5; ///< occupied at or above; one hit is enough
-  PixelFusion pixel_fusion = PixelFusion::mean;
-  double label_min_probability = 0.01; ///< clamp of each measurement from below
-  /// Every ray through a voxel is a miss and every end in it a hit, one after the other
-  /// (as in the paper), instead of one update a scan: the order of the points matters.
-  bool per_ray_counting = false;
-  /// Log-odds that occupied voxels of dynamic classes lose at each scan, so that what
-  /// has moved on leaves no trail where no ray clears it; 0 = none.
-  double dynamic_decay = 0.0;
-  double label_max_ratio = 1e4; ///< clamp of a fused distribution: largest / smallest
-
-  /** \throws InvalidParameterException */
-  void validate() const;
-};
+namespace pcl_semantic {
 
 /** \brief Log-odds of a probability, in stored units. */
 StoredLogOdds storedLogOdds(double probability);
@@ -51,7 +25,7 @@ class OccupancyUpdate {
 public:
   explicit OccupancyUpdate(const FusionParameters& parameters);
 
-  /** \param[in] weight 0..1, of a hit whose place is uncertain */
+  /** \param[in] weight 0..1, of a hit whose offset is uncertain */
   void
   hit(StoredLogOdds& voxel, float weight = 1.0f) const
   {

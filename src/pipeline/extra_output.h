@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <string>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
-/** \brief What a run writes beyond the map and its images: for evaluation. */
-struct ExtraOptions {
-  bool measured = false; ///< labels of the fused measurements, before the CRF
-  bool depth = false;    ///< measured depth of the pixels
-  std::string scans;     ///< folder of laser scans to label; empty = none
-  Eigen::Isometry3d T_camera_scanner = Eigen::Isometry3d::Identity();
-  double within = 0.0; ///< also: a point takes the nearest voxel so far away [m]
-};
-
-/** \brief Writes it, into folders of its own beside those of MappingOutput:
+/** \brief Writes what ExtraOptions ask for, into folders of its own beside those of
+ * MappingOutput:
  *
  * `measured_labels`, `measured_labels_at_depth`, `final_measured_labels` are the images
  * of the same name without the CRF. `depth` is the stereo depth (16-bit PNG). Each
@@ -63,7 +55,7 @@ private:
   void writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
                  const MapLabels& labels, const std::string& prefix) const;
 
-  void writePoints(int frame, const std::vector<std::int32_t>& places,
+  void writePoints(int frame, const std::vector<std::int32_t>& indices,
                    const MapLabels& labels, const std::string& prefix,
                    const std::string& name) const;
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
-#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/point_features.h>
 #include <pcl_semantic/core/voxel_cloud.h>
@@ -16,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Where a camera was, and the ground before it. */
 struct GroundView {
@@ -31,14 +30,14 @@ struct CliqueEvidence {
   /// Geometric means of the members' measurements, each clamped at kLeastProbability;
   /// zero for cliques whose members have none.
   LabelDistributions distributions;
-  /// Of the members' mean place, height, distance and side; levelness of their best
+  /// Of the members' mean position, height, distance and side; levelness of their best
   /// plane, not known of fewer than three or of those in a line; lowest and extent; all
   /// unknown without a ground. The mean colour is always known.
   std::vector<PointFeatures> features;
 };
 
 /** \brief Looks at cliques of voxels; the same for any number of threads.
- * \param[in] cliques places in \a voxels, none of them empty */
+ * \param[in] cliques positions in \a voxels, none of them empty */
 CliqueEvidence cliqueEvidence(const VoxelCloud& voxels,
                               const std::vector<pcl::PointIndices>& cliques,
                               const GroundView& view);

@@ -1,35 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
+#include "voxel_fusion.h"
+
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/map/semantic_voxel.h>
-#include <pcl_semantic/map/voxel_fusion.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
-
-/** \brief What is known of a place. */
-enum class Occupancy { unknown, free, occupied };
-
-/** \brief All that a map knows of one voxel. */
-struct VoxelState {
-  VoxelIndex index = VoxelIndex::Zero(); ///< global
-  Occupancy occupancy = Occupancy::unknown;
-  float log_odds = 0.0f;                ///< of being occupied; 0 if unknown
-  std::array<std::uint8_t, 3> colour{}; ///< mean red, green, blue; black if never seen
-  std::uint32_t observations = 0;       ///< scans that hit the voxel
-  Label label = kUnlabelled;            ///< MAP of \a refined
-  std::vector<float> measured;          ///< L fused probabilities; all 0: no label
-  std::vector<float> refined;           ///< the CRF's, else \a measured
-  float entropy = 0.0f;                 ///< of \a refined [nat]; log L without a label
-};
+namespace pcl_semantic {
 
 /** \brief Reads the voxels of blocks as a map gives them out. */
 class BlockReader {
@@ -41,27 +25,27 @@ public:
 
   /** \brief Whether a voxel is occupied: what no scan has hit never is. */
   bool
-  isOccupied(const VoxelBlock& block, int place) const
+  isOccupied(const VoxelBlock& block, int offset) const
   {
-    return block.recordAt(place) != VoxelBlock::kNoRecord &&
-           occupancy_.isOccupied(block.log_odds[place]);
+    return block.recordAt(offset) != VoxelBlock::kNoRecord &&
+           occupancy_.isOccupied(block.log_odds[offset]);
   }
 
   Occupancy
-  occupancy(const VoxelBlock& block, int place) const
+  occupancy(const VoxelBlock& block, int offset) const
   {
-    if (block.log_odds[place] == kUnknown)
+    if (block.log_odds[offset] == kUnknown)
       return Occupancy::unknown;
-    return isOccupied(block, place) ? Occupancy::occupied : Occupancy::free;
+    return isOccupied(block, offset) ? Occupancy::occupied : Occupancy::free;
   }
 
   /** \brief MAP label of an occupied voxel: refined if there is a refined distribution,
    * else measured; kUnlabelled if there is neither. */
-  Label label(const VoxelBlock& block, int place) const;
+  Label label(const VoxelBlock& block, int offset) const;
 
   /** \brief All that is known of a voxel of a block. */
   VoxelState state(const VoxelIndex& block_index, const VoxelBlock& block,
-                   int place) const;
+                   int offset) const;
 
   /** \brief Number of occupied voxels. */
   std::size_t countOccupied(const VoxelBlock& block) const;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/simd.h"
+
 #include <pcl_semantic/core/abi_check.h>
-#include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/simd.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief In which order a lattice is blurred along its directions. Where vertices are
  * missing the orders differ: from the first to the last, as the paper does, is not a

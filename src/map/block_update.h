@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "ray_caster.h"
+#include "voxel_fusion.h"
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/map/map_parameters.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Brings what one scan says into a block: one update of occupancy a voxel, a
+ * hit wins over a miss; colours and labels of the voxels that were hit. */
+class BlockUpdate {
+public:
+  /** \param[in] classes L */
+  BlockUpdate(int classes, const MapParameters& parameters, const Scan& scan);
+
+  /** \param[in] crossed voxels, see CrossedVoxels::layers
+   * \param[in] first, last hits in the block, in any order
+   * \return number of voxels that were hit */
+  std::size_t run(const std::uint64_t* crossed, const RayHit* first, const RayHit* last,
+                  VoxelBlock& block);
+
+private:
+  void sortByOffset(const RayHit* first, const RayHit* last);
+
+  void updateOccupancy(const std::uint64_t* crossed, VoxelBlock& block) const;
+
+  float weightOf(std::size_t begin, std::size_t end) const;
+
+  void fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& block);
+
+  const int classes_;
+  const OccupancyUpdate occupancy_;
+  const bool per_ray_;
+  const double voxel_size_;
+  const Scan& scan_;
+  VoxelMeasurement measurement_;
+  std::array<std::uint64_t, CrossedVoxels::kWords> hit_{}; // a bit a voxel
+  std::array<std::uint32_t, kBlockVoxels> end_{};          // of its points, by voxel
+  std::vector<std::uint32_t> points_;                      // by voxel
+};
+
+/** \brief Takes FusionParameters::dynamic_decay off every occupied voxel of the window
+ * whose MAP label is of a dynamic class. */
+void decayDynamicVoxels(const LabelSet& label_set, const FusionParameters& fusion,
+                        RayCaster::Grid& grid);
+
+/** \brief Counts every ray of a scan in the occupancy of its voxels, as the
+ * paper does: one after the other by a single thread, for here their order matters.
+ * \param[in] scan that \a caster has cast last
+ * \param[in,out] grid that the rays were cast through; all crossed blocks are there */
+void countRays(const RayCaster& caster, const MapParameters& parameters,
+               const Scan& scan, RayCaster::Grid& grid);
+
+} // namespace pcl_semantic
