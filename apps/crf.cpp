@@ -14,6 +14,8 @@
 #include <algorithm>
 #include <cstring>
 #include <iostream>
+#include <map>
+#include <optional>
 #include <sstream>
 
 namespace {
@@ -127,6 +129,102 @@ setEntropies(LabelledCloud& cloud)
   cloud.table.setColumn({"entropy", 'F', 4, 1}, bytes);
 }
 
+// A distribution that prefers no class says as little as none.
+std::size_t
+countWithoutPreference(const LabelledCloud& input)
+{
+  std::size_t count = 0;
+  const auto& matrix = input.distributions.matrix();
+  for (Eigen::Index i = 0; i < matrix.cols(); ++i)
+    count += matrix.col(i).maxCoeff() - matrix.col(i).minCoeff() < 1e-6f;
+  return count;
+}
+
+// How many labels the CRF changed: of each class, if these are few.
+class Changes {
+public:
+  explicit Changes(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+  {
+    for (const pcl::PointXYZRGBL& point : cloud)
+      before_.push_back(point.label);
+  }
+
+  void
+  count(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+  {
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (cloud[i].label != before_[i]) {
+        ++changed_;
+        ++from_[before_[i]];
+      }
+  }
+
+  std::size_t
+  total() const
+  {
+    return changed_;
+  }
+
+  // "12 of building, 3 of road", or the numbers of the labels without names.
+  std::string
+  text(const Arguments& arguments) const
+  {
+    std::optional<LabelSet> names;
+    if (!arguments.label_set.empty())
+      names = readLabelSet(arguments.label_set);
+    std::ostringstream text;
+    for (const auto& [label, number] : from_)
+      text << (text.tellp() > 0 ? ", " : "") << number << " of "
+           << (names ? (*names)[Label(label)].name : std::to_string(label));
+    return text.str();
+  }
+
+  bool
+  areOfFewClasses() const
+  {
+    return !from_.empty() && from_.size() <= 30;
+  }
+
+private:
+  std::vector<std::uint32_t> before_;
+  std::map<std::uint32_t, std::size_t> from_;
+  std::size_t changed_ = 0;
+};
+
+// Says why a result may not be what was wished.
+void
+warnOfResult(const Arguments& arguments, const LabelledCloud& input,
+             std::size_t without_preference, const CRFReport& report,
+             std::size_t changed)
+{
+  const SemanticCRFParameters& crf = arguments.parameters.parameters;
+  const std::size_t points = input.cloud->size();
+  if (points == 0)
+    return;
+  if (without_preference == points)
+    tool::warn(arguments.input +
+               ": all classes are equally likely at every point; there is nothing to "
+               "make consistent");
+  else if (changed == 0)
+    tool::warn("no label changed; larger --smoothness-weight and --appearance-weight "
+               "change more");
+  if (!(report.spacing > 0.0))
+    return;
+  for (const double deviation : {crf.smoothness_deviation, crf.appearance_deviation})
+    if (deviation != 0.0 &&
+        (deviation < 0.5 * report.spacing || deviation > 50.0 * report.spacing)) {
+      std::ostringstream text;
+      text << arguments.input << ": points lie " << report.spacing
+           << " apart (median of fourth neighbours), for which a deviation of "
+           << deviation << " is too "
+           << (deviation < report.spacing ? "small" : "large")
+           << "; is the cloud in metres? Without --smoothness-deviation and "
+              "--appearance-deviation they would be "
+           << SemanticCRFParameters::automaticDeviation(report.spacing);
+      return tool::warn(text.str());
+    }
+}
+
 // Runs the filter over the cloud, and says what became of it.
 tool::Results
 filter(const Arguments& arguments, LabelledCloud& input)
@@ -138,21 +236,29 @@ filter(const Arguments& arguments, LabelledCloud& input)
   setMeasurements(arguments, input, crf);
   crf.setUseColour(input.has_colour);
   crf.setInputCloud(input.cloud);
+  Changes changes(*input.cloud);
   try {
     crf.filter(*input.cloud);
   }
   catch (const BadInputException& error) { // a cloud knows nothing of its file
     PCL_THROW_EXCEPTION(BadInputException, arguments.input << ": " << error.what());
   }
+  changes.count(*input.cloud);
+  const std::size_t without_preference = countWithoutPreference(input);
   input.distributions = crf.getLabelDistributions();
   const CRFReport& report = crf.getReport();
-  return {{"points", input.cloud->size()},
-          {"without_place", crf.getSkippedPoints()},
-          {"without_measurement", report.unlabelled},
-          {"cliques", report.cliques},
-          {"cliques_without_points", report.skipped_cliques},
-          {"updates", std::size_t(report.updates)},
-          {"cloud", arguments.output}};
+  warnOfResult(arguments, input, without_preference, report, changes.total());
+  tool::Results results{{"points", input.cloud->size()}, {"changed", changes.total()}};
+  if (changes.areOfFewClasses())
+    results.push_back({"changed_of_classes", changes.text(arguments)});
+  const tool::Results rest{{"without_place", crf.getSkippedPoints()},
+                           {"without_measurement", report.unlabelled},
+                           {"cliques", report.cliques},
+                           {"cliques_without_points", report.skipped_cliques},
+                           {"updates", std::size_t(report.updates)},
+                           {"cloud", arguments.output}};
+  results.insert(results.end(), rest.begin(), rest.end());
+  return results;
 }
 
 int

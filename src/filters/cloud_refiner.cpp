@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "point_spacing.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/cloud_refiner.h>
 
@@ -205,8 +207,11 @@ CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
   if (usesCliques() && generator_ && !valid.empty())
     makeCliques(fields);
   Elements elements;
-  if (!valid.empty())
+  if (!valid.empty()) {
     elements = elementsOf(fields, valid);
+    elements.spacing =
+        voxels_.empty() ? double(pointSpacing(elements.positions)) : voxel_size_;
+  }
   refine(elements, refined_);
 #pragma omp parallel for schedule(static)
   for (std::size_t k = 0; k < valid.size(); ++k)

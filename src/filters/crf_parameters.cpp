@@ -2,6 +2,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/crf_parameters.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace pcl_semantic {
@@ -34,9 +35,11 @@ void
 SemanticCRFParameters::validate() const
 {
   requireWeight("smoothness_weight", smoothness_weight);
-  requireDeviation("smoothness_deviation", smoothness_deviation);
+  if (smoothness_deviation != 0.0)
+    requireDeviation("smoothness_deviation", smoothness_deviation);
   requireWeight("appearance_weight", appearance_weight);
-  requireDeviation("appearance_deviation", appearance_deviation);
+  if (appearance_deviation != 0.0)
+    requireDeviation("appearance_deviation", appearance_deviation);
   requireDeviation("colour_deviation", colour_deviation);
   require(radius > 0.0 && radius <= 100.0, "radius", radius,
           "more than 0, at most 100");
@@ -50,6 +53,13 @@ SemanticCRFParameters::validate() const
   requireWeight("clique_appearance_weight", clique_appearance_weight);
   requireDeviation("clique_appearance_deviation", clique_appearance_deviation);
   requireDeviation("clique_colour_deviation", clique_colour_deviation);
+}
+
+double
+SemanticCRFParameters::automaticDeviation(double spacing)
+{
+  constexpr double usual = 0.2; // [m]
+  return spacing > 0.0 ? std::clamp(usual, 2.0 * spacing, 10.0 * spacing) : usual;
 }
 
 SemanticCRFParameters

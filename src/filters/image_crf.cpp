@@ -72,6 +72,7 @@ ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
   const Eigen::Index channels = image.channels(), width = image.cols;
   Elements elements;
   elements.total = image.total();
+  elements.spacing = 1.0; // [px]
   elements.indices.resize(image.total());
   std::iota(elements.indices.begin(), elements.indices.end(), 0);
   elements.positions.resize(2, measured.size());

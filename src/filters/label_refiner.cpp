@@ -59,7 +59,7 @@ private:
   }
 
   LabelRefiner& refiner_;
-  const SemanticCRFParameters& parameters_;
+  const SemanticCRFParameters parameters_;
   Elements& elements_;
   const LabelDistributions& measured_;
   GaussianKernels gaussian_kernels_;
@@ -111,6 +111,19 @@ gather(const Eigen::MatrixXf& matrix, const std::vector<Index>& columns)
   return result;
 }
 
+// The parameters with the deviations that suit the elements.
+SemanticCRFParameters
+resolved(SemanticCRFParameters parameters, double spacing)
+{
+  for (double* const deviation :
+       {&parameters.smoothness_deviation, &parameters.appearance_deviation})
+    if (*deviation == 0.0)
+      *deviation = SemanticCRFParameters::automaticDeviation(spacing);
+  return parameters;
+}
+
+// Eq. (6). Without colours the second kernel is one of positions: what the first lacks
+// then is the weight, without which a single wrong label outvotes its neighbours.
 std::vector<GaussianTerm>
 makeTerms(double smoothness_weight, double smoothness_deviation,
           double appearance_weight, double appearance_deviation,
@@ -123,6 +136,12 @@ makeTerms(double smoothness_weight, double smoothness_deviation,
   if (appearance_weight > 0.0 && colours.size() > 0)
     terms.push_back({float(appearance_weight), float(appearance_deviation),
                      colours / float(colour_deviation)});
+  else if (appearance_weight > 0.0 && !terms.empty() &&
+           appearance_deviation == smoothness_deviation)
+    terms[0].weight += float(appearance_weight); // the same kernel
+  else if (appearance_weight > 0.0)
+    terms.push_back(
+        {float(appearance_weight), float(appearance_deviation), Eigen::MatrixXf()});
   return terms;
 }
 
@@ -168,9 +187,10 @@ keptColumns(const Eigen::MatrixXf& matrix, std::size_t cliques,
 
 LabelRefiner::Builder::Builder(LabelRefiner& refiner, Elements& elements,
                                const LabelDistributions& measured)
-    : refiner_(refiner), parameters_(refiner.parameters_), elements_(elements),
-      measured_(measured), gaussian_kernels_(elements.positions, deviationsOf(terms()),
-                                             kernelOptions(parameters_))
+    : refiner_(refiner), parameters_(resolved(refiner.parameters_, elements.spacing)),
+      elements_(elements), measured_(measured),
+      gaussian_kernels_(elements.positions, deviationsOf(terms()),
+                        kernelOptions(parameters_))
 {
   if (!gaussian_kernels_.fastestOrder().empty())
     reorder(gaussian_kernels_.fastestOrder());
@@ -494,6 +514,7 @@ LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
 {
   const ThreadScope threads(threads_);
   report_ = CRFReport();
+  report_.spacing = elements.spacing;
   report_.unlabelled = checkMeasurements(distributions, elements.indices);
   if (compute_energies_ && !compatibility_.isSymmetric())
     PCL_THROW_EXCEPTION(InvalidParameterException,

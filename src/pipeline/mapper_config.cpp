@@ -341,11 +341,17 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        &crf.self_interaction},
       {"smoothness_weight", "weight of the smoothness kernel (positions)",
        &crf.smoothness_weight},
-      {"smoothness_deviation", "its standard deviation [" + unit + "]",
+      {"smoothness_deviation",
+       "its standard deviation [" + unit + "]; 0 = from the distance of the points",
        &crf.smoothness_deviation},
-      {"appearance_weight", "weight of the appearance kernel (positions and colours)",
+      {"appearance_weight",
+       "weight of the appearance kernel (positions and colours; without colours "
+       "positions "
+       "alone)",
        &crf.appearance_weight},
-      {"appearance_deviation", "its standard deviation of positions [" + unit + "]",
+      {"appearance_deviation",
+       "its standard deviation of positions [" + unit +
+           "]; 0 = from the distance of the points",
        &crf.appearance_deviation},
       {"colour_deviation", "its standard deviation of colours [grey levels]",
        &crf.colour_deviation}};

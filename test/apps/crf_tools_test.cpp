@@ -191,6 +191,63 @@ TEST(CrfTool, WorksWithoutColour)
             1e-5);
 }
 
+// A floor of two classes, of which a fifth of the labels is wrong.
+std::string
+noisyFloor(double step, std::vector<int>& truth)
+{
+  constexpr int width = 40;
+  std::ostringstream text;
+  text << "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
+       << "WIDTH " << width * width << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS "
+       << width * width << "\nDATA ascii\n";
+  std::mt19937 random(3);
+  for (int i = 0; i < width * width; ++i) {
+    truth.push_back(i % width < width / 2 ? 1 : 3);
+    const int label = random() % 5 == 0 ? 2 : truth.back();
+    text << step * (i % width) << ' ' << step * (i / width) << " 0 " << label << '\n';
+  }
+  return text.str();
+}
+
+TEST(CrfTool, MendsACloudWithoutColourInAnyUnit)
+{
+  const TemporaryFolder folder;
+  for (const double step : {0.1, 0.5, 100.0}) {
+    std::vector<int> truth;
+    const std::string in = write(folder.path("in.pcd"), noisyFloor(step, truth));
+    const ToolResult result = runTool("crf " + in + " " + folder.path("out.pcd"));
+    EXPECT_EQ(result.code, 0) << result.text;
+    EXPECT_EQ(result.text.find("warning"), std::string::npos) << result.text;
+    const PcdTable table = readPcd(folder.path("out.pcd"));
+    const PcdColumn labels(table, table.find("label"));
+    int wrong = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+      wrong += labels(i) != truth[i];
+    EXPECT_LT(wrong, 16) << step; // one in a hundred; 300 before
+    EXPECT_NE(result.text.find("changed_of_classes: "), std::string::npos);
+    EXPECT_NE(result.text.find(" of 2"), std::string::npos) << result.text;
+  }
+}
+
+TEST(CrfTool, SaysWhyNothingWasMended)
+{
+  const TemporaryFolder folder;
+  std::vector<int> truth;
+  const std::string floor = write(folder.path("floor.pcd"), noisyFloor(100.0, truth));
+  const auto says = [&](const std::string& arguments, const std::string& words) {
+    const ToolResult result =
+        runTool("crf " + arguments + " " + folder.path("out.pcd") + " --quiet");
+    EXPECT_EQ(result.code, 0) << result.text;
+    EXPECT_NE(result.text.find(words), std::string::npos) << result.text;
+  };
+  says(floor + " --smoothness-deviation 0.2", "is the cloud in metres?");
+  says(floor + " --smoothness-weight 0 --appearance-weight 0", "no label changed");
+  const std::string even =
+      "FIELDS x y z probability\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 2\n"
+      "WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 0 0.5 0.5\n0.1 0 0 0.5 0.5\n";
+  says(write(folder.path("even.pcd"), even), "all classes are equally likely");
+}
+
 TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
 {
   const TemporaryFolder folder;
@@ -351,7 +408,7 @@ TEST(BadInput, OfTheCrfTools)
       {"superpixels without colour", 2, "colour", crf + "--crf pn-potts --cliques slic",
        file("in.pcd", cloud.text("x y z label"))},
       {"weight", 2, "clique_weight is -1", crf + "--clique-weight -1"},
-      {"deviation", 2, "smoothness_deviation is 0", crf + "--smoothness-deviation 0"},
+      {"deviation", 2, "smoothness_deviation is -1", crf + "--smoothness-deviation -1"},
       {"a word", 2, "--crf-iterations: 'many'", crf + "--crf-iterations many"},
       {"neither", 2, "--crf-self-interaction: 'maybe', expected false or true",
        crf + "--crf-self-interaction maybe"},

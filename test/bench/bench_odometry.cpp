@@ -58,7 +58,7 @@ renderStreet(int frames)
   for (int i = 0; i < frames; ++i) {
     const SyntheticView view = renderer.render(i);
     drive.frames.push_back(
-        {i, i * SyntheticScene::seconds_per_frame, view.left, view.right});
+        {{i, i * SyntheticScene::seconds_per_frame}, view.left, view.right});
     drive.truth.push_back(scene.kittiPose(i));
   }
   return drive;

@@ -305,14 +305,30 @@ TEST(CRFTypes, FieldsAreFoundByTheirNames)
     EXPECT_EQ(output[i].kind, usual.getLabelDistributions().mapLabel(Eigen::Index(i)));
 }
 
-TEST(CRFTypes, WithoutColourThereIsNoKernelOfColours)
+TEST(CRFTypes, WithoutColourTheSecondKernelIsOneOfPositions)
 {
   const CrfCloud input = makeCrfCloud(200, 27);
   SemanticCRFParameters parameters;
+  parameters.smoothness_weight += parameters.appearance_weight;
   parameters.appearance_weight = 0.0;
   Filter positions_only;
   positions_only.setParameters(parameters);
   const Eigen::MatrixXf expected = refine(positions_only, input);
+  Filter without_colour;
+  without_colour.setUseColour(false);
+  EXPECT_EQ(refine(without_colour, input), expected);
+  parameters = {};
+  parameters.appearance_deviation = 0.3; // another than that of the first kernel
+  without_colour.setParameters(parameters);
+  CrfCloud black = input; // kernels of equal colours
+  black.cloud = pcl::make_shared<Cloud>(*input.cloud);
+  for (pcl::PointXYZRGBL& point : *black.cloud)
+    point.rgba = 0;
+  Filter of_black;
+  of_black.setParameters(parameters);
+  EXPECT_LT(
+      (refine(without_colour, input) - refine(of_black, black)).cwiseAbs().maxCoeff(),
+      1e-5f);
   pcl::PointCloud<pcl::PointXYZLNormal>::Ptr cloud(
       new pcl::PointCloud<pcl::PointXYZLNormal>);
   for (const pcl::PointXYZRGBL& point : *input.cloud) {
@@ -576,9 +592,11 @@ TEST(CRFInput, ParametersOutOfRangeAreRefused)
     refused([&](SemanticCRFParameters& p) { p.clique_smoothness_weight = bad; });
     refused([&](SemanticCRFParameters& p) { p.clique_appearance_weight = bad; });
   }
-  for (const double bad : {0.0, -1.0, nan, 1e300}) {
+  for (const double bad : {-1.0, nan, 1e300, 1e-12}) {
     refused([&](SemanticCRFParameters& p) { p.smoothness_deviation = bad; });
     refused([&](SemanticCRFParameters& p) { p.appearance_deviation = bad; });
+  }
+  for (const double bad : {0.0, -1.0, nan, 1e300}) {
     refused([&](SemanticCRFParameters& p) { p.colour_deviation = bad; });
     refused([&](SemanticCRFParameters& p) { p.radius = bad; });
     refused([&](SemanticCRFParameters& p) { p.clique_truncation = bad; });

@@ -284,6 +284,7 @@ TEST(CRFModels, AKernelOfTheCallersOwn)
   // The same kernel once as that of positions, once as the caller's.
   Setting setting;
   setting.parameters.kernel_method = KernelMethod::lattice;
+  setting.parameters.smoothness_deviation = 0.2;
   setting.parameters.appearance_weight = 0.0;
   Filter usual;
   setting.prepare(usual, CRFModelType::dense);

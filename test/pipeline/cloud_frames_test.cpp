@@ -41,7 +41,7 @@ protected:
   frame(int i) const
   {
     const StreetScan& scan = scans_[std::size_t(i)];
-    return {i, 0.1 * i, scan.cloud, scan.distributions, true};
+    return {{i, 0.1 * i}, scan.cloud, scan.distributions, true};
   }
 
   std::vector<StreetScan> scans_;

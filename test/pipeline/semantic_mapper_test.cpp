@@ -85,7 +85,7 @@ protected:
   static StereoFrame
   frame(int i)
   {
-    return {i, 0.1 * i, views_[std::size_t(i)].left, views_[std::size_t(i)].right};
+    return {{i, 0.1 * i}, views_[std::size_t(i)].left, views_[std::size_t(i)].right};
   }
 
   static std::unique_ptr<SyntheticRenderer> renderer_;

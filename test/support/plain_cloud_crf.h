@@ -5,6 +5,7 @@
 #pragma once
 
 #include "crf/truncated_kernel.h"
+#include "filters/point_spacing.h"
 #include "support/brute_force_crf.h"
 #include "support/plain_crf.h"
 
@@ -102,14 +103,19 @@ makePlainCrf(const CrfCloud& input, const pcl::Indices& indices,
     colours.col(i) << float(point.r), float(point.g), float(point.b);
     measured.col(i) = input.distributions.matrix().col(indices[std::size_t(i)]);
   }
+  const auto deviation = [&](double set) {
+    return set > 0.0
+               ? set
+               : SemanticCRFParameters::automaticDeviation(pointSpacing(positions));
+  };
   PlainCrf crf;
   crf.unary = plainUnary(measured);
-  crf.kernels = {plainKernelMatrix(positions, {}, parameters.smoothness_weight,
-                                   parameters.smoothness_deviation, parameters),
-                 plainKernelMatrix(positions,
-                                   colours / float(parameters.colour_deviation),
-                                   parameters.appearance_weight,
-                                   parameters.appearance_deviation, parameters)};
+  crf.kernels = {
+      plainKernelMatrix(positions, {}, parameters.smoothness_weight,
+                        deviation(parameters.smoothness_deviation), parameters),
+      plainKernelMatrix(positions, colours / float(parameters.colour_deviation),
+                        parameters.appearance_weight,
+                        deviation(parameters.appearance_deviation), parameters)};
   crf.self_interaction = parameters.self_interaction;
   return crf;
 }

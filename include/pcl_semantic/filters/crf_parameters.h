@@ -18,13 +18,13 @@ enum class CRFModelType {
 };
 
 /** \brief Parameters of the CRF over the points of a cloud [m] or the pixels of an
- * image [px]. A kernel of weight 0 is left out; those with colours are used where
- * points have colour. */
+ * image [px]. A kernel of weight 0 is left out. Where points have no colour, those with
+ * colours are of positions alone, with the same weight. */
 struct SemanticCRFParameters {
   double smoothness_weight = 3.0;    ///< w_2, of the kernel of positions alone
-  double smoothness_deviation = 0.2; ///< theta_gamma
+  double smoothness_deviation = 0.0; ///< theta_gamma; 0 = automaticDeviation()
   double appearance_weight = 8.0;    ///< w_1, of the kernel of positions and colours
-  double appearance_deviation = 0.2; ///< theta_alpha
+  double appearance_deviation = 0.0; ///< theta_alpha; 0 = automaticDeviation()
   double colour_deviation = 8.0;     ///< theta_beta [grey levels, 0..255]
 
   KernelMethod kernel_method = KernelMethod::automatic;
@@ -52,12 +52,20 @@ struct SemanticCRFParameters {
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 
+  /** \brief The deviation of positions that suits a cloud: 0.2 m, but at least two and
+   * at most ten times the distance of its points; doc/parameters.md.
+   * \param[in] spacing CRFReport::spacing; 0 = not known */
+  static double automaticDeviation(double spacing);
+
   /** \brief Defaults for images: 3 px; 40 px and 4 grey levels; five updates. */
   static SemanticCRFParameters forImages();
 };
 
 /** \brief What became of a run of SemanticCRF or ImageCRF. */
 struct CRFReport {
+  /// The size of the voxels, or the median distance of the points to their fourth
+  /// nearest neighbour [m]; 0 = too few points.
+  double spacing = 0.0;
   int updates = 0;                 ///< mean-field updates made
   double last_change = 0.0;        ///< largest change of a marginal in the last of them
   std::size_t unlabelled = 0;      ///< elements that take part without a measurement

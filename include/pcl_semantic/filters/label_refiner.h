@@ -104,6 +104,7 @@ protected:
     pcl::Indices indices;      ///< of the n that take part, each once
     Eigen::MatrixXf positions; ///< 1 to 3 rows x n, finite
     Eigen::MatrixXf colours;   ///< rows x n [grey levels]; empty = no colour
+    double spacing = 0.0;      ///< CRFReport::spacing
   };
 
   ~LabelRefiner() = default;

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "point_spacing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr Eigen::Index neighbours = 4;
+
+// Of the position alone, so that the sample is the same in any order of the points.
+std::uint64_t
+hashOf(const Eigen::Ref<const Eigen::VectorXf>& position)
+{
+  std::uint64_t hash = 0x9e3779b97f4a7c15u;
+  for (const float coordinate : position) {
+    std::uint32_t bits;
+    const float value = coordinate + 0.0f; // no -0
+    std::memcpy(&bits, &value, sizeof bits);
+    hash = (hash ^ bits) * 0xbf58476d1ce4e5b9u;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
+std::vector<Eigen::Index>
+sampleOf(const Eigen::MatrixXf& positions, std::size_t count)
+{
+  std::vector<std::pair<std::uint64_t, Eigen::Index>> hashes;
+  hashes.reserve(std::size_t(positions.cols()));
+  for (Eigen::Index i = 0; i < positions.cols(); ++i)
+    hashes.emplace_back(hashOf(positions.col(i)), i);
+  count = std::min(count, hashes.size());
+  std::nth_element(hashes.begin(), hashes.begin() + std::ptrdiff_t(count) - 1,
+                   hashes.end());
+  std::vector<Eigen::Index> sample;
+  for (std::size_t k = 0; k < count; ++k)
+    sample.push_back(hashes[k].second);
+  return sample;
+}
+
+struct Reach {
+  float nearest, fourth; // distances of other points
+};
+
+Reach
+reachOf(const Eigen::MatrixXf& positions, Eigen::Index point)
+{
+  std::array<float, neighbours + 1> nearest; // and the point itself
+  nearest.fill(std::numeric_limits<float>::max());
+  for (Eigen::Index i = 0; i < positions.cols(); ++i) {
+    float distance = (positions.col(i) - positions.col(point)).squaredNorm();
+    for (float& kept : nearest)
+      if (distance < kept)
+        std::swap(distance, kept);
+  }
+  return {std::sqrt(nearest[1]), std::sqrt(nearest.back())};
+}
+
+float
+medianOf(std::vector<float> values)
+{
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+} // namespace
+
+float
+pointSpacing(const Eigen::MatrixXf& positions)
+{
+  if (positions.cols() <= neighbours)
+    return 0.0f;
+  constexpr Eigen::Index distances = 1 << 25; // the time that it may take
+  const std::vector<Eigen::Index> sample = sampleOf(
+      positions,
+      std::size_t(std::clamp<Eigen::Index>(distances / positions.cols(), 64, 256)));
+  std::vector<float> nearest(sample.size()), fourth(sample.size());
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t k = 0; k < sample.size(); ++k) {
+    const Reach reach = reachOf(positions, sample[k]);
+    nearest[k] = reach.nearest;
+    fourth[k] = reach.fourth;
+  }
+  // The cells of a grid are where many nearest neighbours are equally far.
+  const float step = medianOf(nearest);
+  const auto alike = std::count_if(nearest.begin(), nearest.end(), [&](float distance) {
+    return std::abs(distance - step) <= 0.01f * step;
+  });
+  return step > 0.0f && 4 * std::size_t(alike) > nearest.size() ? step
+                                                                : medianOf(fourth);
+}
+
+} // namespace pcl_semantic
