@@ -197,8 +197,8 @@ requireFittingOptions(const Arguments& arguments)
     tool::failUsage(usage, "--frame and --pose are for --method superpixel");
   if (!frame.calibration.empty() && frame.pose.find(':') == std::string::npos)
     tool::failUsage(usage, "--calibration is for --pose FILE:N");
-  tool::requireExtension(arguments.output, ".pcd");
-  tool::requireExtension(arguments.coloured, ".pcd");
+  tool::requireOutput(arguments.output, ".pcd");
+  tool::requireOutput(arguments.coloured, ".pcd");
   tool::refuseSameFiles({arguments.input, frame.path, frame.calibration,
                          frame.pose.substr(0, frame.pose.rfind(':'))},
                         {arguments.output, arguments.coloured});

@@ -69,7 +69,7 @@ validate(const Arguments& arguments)
         isFolder(input) != isFolder(arguments.image))
       fail(input + " and " + arguments.image + ": expected two files or two folders");
   if (!isFolder(arguments.image))
-    tool::requireExtension(arguments.output, ".png");
+    tool::requireOutput(arguments.output, ".png");
 }
 
 bool

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <optional>
@@ -81,6 +82,13 @@ setCliques(const std::string& cliques, const Arguments& arguments,
 {
   if (cliques == "none")
     return;
+  const bool is_file = cliques != "field" && !namesCloudCliques(cliques);
+  if (is_file && cliques.find_first_of("./") == std::string::npos &&
+      !std::filesystem::exists(cliques))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cliques are '" << cliques
+                                        << "', expected none, field, cubes[:SIZE], "
+                                           "slic, supervoxel[:DISTANCE] or a file");
   if (cliques == "field" && input.table.find("clique") < 0)
     PCL_THROW_EXCEPTION(BadInputException,
                         arguments.input << ": has no field 'clique'");
@@ -271,6 +279,7 @@ refine(const Arguments& arguments)
       {arguments.input, arguments.config, arguments.label_set, config.cliques},
       {arguments.output});
   config.requireFittingCliques();
+  tool::requireOutput(arguments.output, ".pcd");
   setNumberOfThreads(config.threads);
   LabelledCloud cloud = readLabelledCloud(arguments.input);
   const tool::Results report = filter(arguments, cloud);

@@ -86,7 +86,7 @@ parseOptions(int argc, char** argv, Options& options)
   if (tool::manner().json && (options.header || !options.row.empty()))
     tool::failUsage(usage, "--json and a table in Markdown exclude each other");
   options.parameters.bands = parseBands(options.bands);
-  tool::requireExtension(options.output, ".json");
+  tool::requireOutput(options.output, ".json");
   return true;
 }
 

@@ -94,7 +94,7 @@ formatOf(const std::string& output, const std::string& name)
   for (const FormatName& format : formats) {
     if (name.empty() ? extension != format.extension : name != format.name)
       continue;
-    requireExtension(output, format.extension);
+    requireOutput(output, format.extension);
     return format.format;
   }
   if (name.empty())

@@ -102,9 +102,9 @@ refine(const Arguments& arguments)
   tool::refuseSameFiles({arguments.image, arguments.distributions, arguments.config,
                          arguments.label_set, arguments.parameters.cliques},
                         {arguments.output, arguments.overlay, arguments.refined});
-  tool::requireExtension(arguments.output, ".png");
-  tool::requireExtension(arguments.overlay, ".png");
-  tool::requireExtension(arguments.refined, ".bin");
+  tool::requireOutput(arguments.output, ".png");
+  tool::requireOutput(arguments.overlay, ".png");
+  tool::requireOutput(arguments.refined, ".bin");
   arguments.parameters.requireFittingCliques();
   setNumberOfThreads(arguments.parameters.threads);
   const LabelSet label_set = tool::readLabelSetOrDefault(arguments.label_set);

@@ -51,7 +51,7 @@ validate(const RenderArguments& arguments)
 {
   if (arguments.map.empty() || arguments.output.empty())
     fail("MAP or OUT.png is missing");
-  requireExtension(arguments.output, ".png");
+  requireOutput(arguments.output, ".png");
   refuseSameFiles(
       {arguments.map, arguments.compare, arguments.picture.hints.trajectory},
       {arguments.output});

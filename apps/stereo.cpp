@@ -121,8 +121,8 @@ requireKindsOfFiles(const Options& options)
     if (!fs::exists(path))
       PCL_THROW_EXCEPTION(BadInputException, path << ": is not there");
   if (!folders) {
-    tool::requireExtension(options.output, ".pcd");
-    tool::requireExtension(options.disparity, ".png");
+    tool::requireOutput(options.output, ".pcd");
+    tool::requireOutput(options.disparity, ".png");
   }
   tool::refuseSameFiles(
       {options.left, options.right, options.calibration, options.extrinsics},

@@ -82,6 +82,10 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
     if (how.quiet && how.verbose)
       failUsage(usage, "--quiet and --verbose exclude each other");
   }
+  catch (const po::too_many_positional_options_error&) {
+    failUsage(usage, "too many positional arguments; a pattern of file names has to be "
+                     "in quotes: --left 'left/*.png'");
+  }
   catch (const po::error& error) {
     failUsage(usage, error.what());
   }
@@ -130,11 +134,18 @@ run(const std::string& name, const std::function<int()>& body)
 }
 
 void
-requireExtension(const std::string& path, const std::string& extension)
+requireOutput(const std::string& path, const std::string& extension)
 {
-  if (!path.empty() && std::filesystem::path(path).extension() != extension)
+  if (path.empty())
+    return;
+  if (std::filesystem::path(path).extension() != extension)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         path << ": expected a name that ends in " << extension);
+  const auto folder = std::filesystem::path(path).parent_path();
+  std::error_code error;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error))
+    PCL_THROW_EXCEPTION(OutputException,
+                        path << ": cannot be written: there is no folder " << folder);
 }
 
 void

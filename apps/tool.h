@@ -68,11 +68,12 @@ addOption(po::options_description& options, const char* name, T& value,
  * error and the exit code that belongs to it. */
 int run(const std::string& name, const std::function<int()>& body);
 
-/** \brief Refuses a file to write whose name promises another kind of file; an empty
- * path is none.
+/** \brief Refuses a file to write before the work for it begins: by a name that
+ * promises another kind of file, or because its folder is not there; an empty path is
+ * none.
  * \param[in] extension ".png"
- * \throws InvalidParameterException */
-void requireExtension(const std::string& path, const std::string& extension);
+ * \throws InvalidParameterException, OutputException */
+void requireOutput(const std::string& path, const std::string& extension);
 
 /** \brief Refuses outputs that are also inputs, or each other; empty paths are no
  * files. \throws InvalidParameterException */

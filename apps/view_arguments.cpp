@@ -81,7 +81,7 @@ parseViewArguments(int argc, char** argv, ViewArguments& arguments)
     failUsage(usage, "MAP is missing");
   if (arguments.follow && !arguments.screenshot.empty())
     failUsage(usage, "--follow needs a window, --screenshot has none");
-  requireExtension(arguments.screenshot, ".png");
+  requireOutput(arguments.screenshot, ".png");
   refuseSameFiles({arguments.map, arguments.picture.hints.trajectory,
                    arguments.picture.hints.label_set},
                   {arguments.screenshot});

@@ -20,6 +20,12 @@ StereoCamera::validate() const
   if (baseline <= 0.0)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "baseline is " << baseline << " m, expected more than 0");
+  // The smallest of cameras for hands has 50 mm, the widest on a car a few metres.
+  if (baseline < 1e-3 || baseline > 10.0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "baseline is " << baseline
+                                       << " m, expected 0.001 to 10 m; is it in "
+                                          "millimetres?");
 }
 
 } // namespace pcl_semantic

@@ -117,6 +117,11 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
   camera.cx = left.matrix(0, 2);
   camera.cy = left.matrix(1, 2);
   camera.baseline = t_left.x() - t_right.x();
+  if (camera.baseline > 10.0)
+    PCL_THROW_EXCEPTION(BadInputException, right.where
+                                               << ": baseline is " << camera.baseline
+                                               << " m, expected at most 10 m; is it in "
+                                                  "millimetres?");
   if (camera.baseline <= 0.0)
     PCL_THROW_EXCEPTION(BadInputException,
                         right.where << ": baseline is " << camera.baseline

@@ -16,7 +16,7 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr double kFarthest = 100.0; // [m]; more are millimetres
+constexpr double kFarthest = 10.0; // [m]; more are millimetres
 
 void
 validateCamera(const Eigen::Matrix3d& K, const StereoRig& rig, const char* name)
@@ -76,7 +76,7 @@ validateTranslation(const Eigen::Vector3d& T)
   if (T.isZero(0.0))
     fail("the baseline is 0 m, expected more");
   if (T.norm() > kFarthest)
-    fail("the baseline is more than 100 m; if these are millimetres, expected metres");
+    fail("the baseline is more than 10 m; if these are millimetres, expected metres");
   if (std::abs(T.y()) >= std::abs(T.x()))
     fail("one camera is above the other, expected them side by side");
   if (std::abs(T.z()) >= std::abs(T.x()))

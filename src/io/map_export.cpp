@@ -75,10 +75,14 @@ exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
 {
   BlockCounter counter(progress, 2 * archive.state().blocks);
   std::size_t count = 0;
+  bool has_colour = false;
   forEachCloud(archive, counter, [&](const VoxelCloud& voxels) {
     const std::vector<bool> is_selected = select(selection, voxels);
     count += std::size_t(std::count(is_selected.begin(), is_selected.end(), true));
+    has_colour = has_colour || hasColour(voxels);
   });
+  if (colour == VoxelColour::measured && count > 0 && !has_colour)
+    colour = VoxelColour::none;
   VoxelCloudWriter writer(path, archive.header().label_set, colour, count);
   forEachCloud(archive, counter, [&](const VoxelCloud& voxels) {
     writer.write(voxels, select(selection, voxels));

@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace pcl_semantic {
@@ -41,24 +42,34 @@ packColour(const std::array<std::uint8_t, 3>& rgb)
 }
 
 PcdTable
-makeTable(int classes, std::size_t count)
+makeTable(int classes, std::size_t count, VoxelColour colour)
 {
   PcdTable table;
   table.fields = {{"x"},          {"y"},
                   {"z"},          {"rgba", 'U'},
                   {"label", 'U'}, {"probability", 'F', 4, classes},
                   {"entropy"},    {"observations", 'U'}};
+  if (colour == VoxelColour::none)
+    table.fields.erase(table.fields.begin() + 3);
   table.points = count;
   return table;
 }
 
 } // namespace
 
+bool
+hasColour(const VoxelCloud& voxels)
+{
+  return std::any_of(
+      voxels.cloud->begin(), voxels.cloud->end(),
+      [](const pcl::PointXYZRGBL& point) { return (point.rgba & 0xFFFFFFu) != 0; });
+}
+
 VoxelCloudWriter::VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
                                    VoxelColour colour, std::size_t count)
     : file_(path), label_set_(label_set), colour_(colour), missing_(count)
 {
-  const PcdTable table = makeTable(label_set.size(), count);
+  const PcdTable table = makeTable(label_set.size(), count, colour);
   writePcdHeader(file_.stream(), table);
   row_.resize(table.pointSize());
 }
@@ -74,9 +85,10 @@ VoxelCloudWriter::write(const VoxelCloud& voxels, const std::vector<bool>& is_wr
     const auto column = static_cast<Eigen::Index>(i);
     RowWriter row(row_.data());
     row.put(point.data, 3);
-    row.put(colour_ == VoxelColour::classes
-                ? packColour(label_set_[Label(point.label)].colour)
-                : packColour({point.r, point.g, point.b}));
+    if (colour_ != VoxelColour::none)
+      row.put(colour_ == VoxelColour::classes
+                  ? packColour(label_set_[Label(point.label)].colour)
+                  : packColour({point.r, point.g, point.b}));
     row.put(std::uint32_t(point.label));
     row.put(voxels.refined.column(column), classes);
     row.put(voxels.refined.entropy(column));
@@ -101,6 +113,8 @@ void
 writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
                 const LabelSet& label_set, VoxelColour colour)
 {
+  if (colour == VoxelColour::measured && voxels.size() > 0 && !hasColour(voxels))
+    colour = VoxelColour::none;
   VoxelCloudWriter writer(path, label_set, colour, voxels.size());
   writer.write(voxels);
   writer.commit();

@@ -28,6 +28,7 @@ TEST(BadUsage, OptionsOfTheMap)
       {"abbreviated option", 2, "'--voxel'", labels + "--voxel 0.1"},
       {"missing value", 2, "'--voxel-size'", labels + "--voxel-size"},
       {"too many", 2, "too many positional", labels + "x y"},
+      {"a pattern", 2, "in quotes: --left 'left/*.png'", labels + "a.png b.png c.png"},
       {"twice", 2, "more than once", labels + "--crf none --crf none"},
       {"frames backwards", 2, "'10:5'", labels + "--frames 10:5"},
       {"frames no numbers", 2, "'a:b'", labels + "--frames a:b"},

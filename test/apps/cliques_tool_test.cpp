@@ -313,7 +313,7 @@ TEST(CliquesToolBadInput, IsRefused)
       {"copy onto the output", 2, "is named as an output",
        tool + "--method cubes --coloured OUT.pcd", image},
       {"picture", 2, ".pcd", tool + "--method cubes --coloured OUT.png", image},
-      {"crf of a frame's", 3, "superpixel",
+      {"crf of a frame's", 2, "cliques are 'superpixel', expected",
        "crf STREET/in.pcd OUT.pcd --crf pn-potts --cliques superpixel", image},
       {"kept superpixels and an archive", 2, "--archive does not go with",
        "--labels STREET/labels --crf hierarchical --cliques superpixel "

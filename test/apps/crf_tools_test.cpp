@@ -359,7 +359,7 @@ TEST(BadInput, OfTheCrfTools)
   const auto file = [](const std::string& name, const std::string& text) {
     return [=](const std::string& street) { write(street + "/" + name, text); };
   };
-  const std::string crf = "crf STREET/in.pcd OUT ";
+  const std::string crf = "crf STREET/in.pcd OUT.pcd ";
   const auto with = [&](const std::string& from, const std::string& to) {
     return file("in.pcd", replaceAll(cloud.text(), from, to));
   };
@@ -417,8 +417,13 @@ TEST(BadInput, OfTheCrfTools)
       {"config out of range", 3, "config.yaml: clique_truncation is 2",
        crf + "--config STREET/config.yaml",
        file("config.yaml", "clique_truncation: 2\n")},
-      {"below a file", 5, "calib.txt", "crf STREET/in.pcd STREET/calib.txt/x",
+      {"below a file", 5, "calib.txt", "crf STREET/in.pcd STREET/calib.txt/x.pcd",
        file("in.pcd", cloud.text())},
+      {"no such folder", 5, "there is no folder", "crf STREET/none.pcd none/x.pcd"},
+      {"another kind of file", 2, "x.ply: expected a name that ends in .pcd",
+       "crf STREET/in.pcd x.ply"},
+      {"a word for cliques", 2, "cliques are 'supervoxels', expected none, field",
+       crf + "--crf pn-potts --cliques supervoxels", file("in.pcd", cloud.text())},
       {"no files", 2, "expected IMAGE DISTRIBUTIONS OUT.png", "image_crf a b"},
       {"no image", 3, "none.png",
        "image_crf STREET/none.png STREET/labels/000000.bin OUT.png"},

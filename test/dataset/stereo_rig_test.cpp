@@ -160,7 +160,9 @@ TEST(StereoRig, RefusesCamerasThatAreNotSideBySide)
       holds(moved(0.12, 0, 0), "the right camera is on the left, expected T.x"));
   EXPECT_TRUE(holds(moved(-0.01, 0.1, 0), "one camera is above the other"));
   EXPECT_TRUE(holds(moved(-0.01, 0, 0.1), "one camera is ahead of the other"));
-  EXPECT_TRUE(holds(moved(-120, 0, 0), "if these are millimetres, expected metres"));
+  for (const double millimetres : {50.0, 63.0, 75.0, 120.0})
+    EXPECT_TRUE(
+        holds(moved(-millimetres, 0, 0), "if these are millimetres, expected metres"));
 }
 
 TEST(StereoRig, MakesARotationOfOneWithFewDigits)

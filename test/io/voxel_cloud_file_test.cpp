@@ -2,6 +2,7 @@
 #include "support/random_scan.h"
 #include "support/temporary_folder.h"
 
+#include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/io/map_pictures.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
@@ -60,6 +61,24 @@ TEST(VoxelCloudFile, PclReadsWhatWasWritten)
     EXPECT_EQ(values[1], voxels.refined.matrix()(1, Eigen::Index(i)));
     EXPECT_EQ(values[2], voxels.refined.entropy(Eigen::Index(i)));
   }
+}
+
+// A scanner's map: programs would show a field of zeros in black.
+TEST(VoxelCloudFile, WithoutColoursThereIsNoFieldOfColours)
+{
+  const TemporaryFolder folder;
+  const VoxelCloud voxels = makeVoxels();
+  for (pcl::PointXYZRGBL& point : *voxels.cloud)
+    point.rgba = 0;
+  EXPECT_FALSE(hasColour(voxels));
+  writeVoxelCloud(folder.path("map.pcd"), voxels, twoClasses(), VoxelColour::measured);
+  const LabelledCloud read = readLabelledCloud(folder.path("map.pcd"));
+  EXPECT_FALSE(read.has_colour);
+  EXPECT_EQ(read.table.find("rgba"), -1);
+  ASSERT_EQ(read.cloud->size(), voxels.size());
+  EXPECT_TRUE(read.distributions.matrix() == voxels.refined.matrix());
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    EXPECT_EQ((*read.cloud)[i].label, (*voxels.cloud)[i].label);
 }
 
 TEST(VoxelCloudFile, ClassesGiveTheirColours)

@@ -15,8 +15,12 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief What the field `rgba` of a written map shows. */
 enum class VoxelColour {
   measured, ///< mean colour of the pixels
-  classes   ///< colour of the class, for pcl_viewer
+  classes,  ///< colour of the class, for pcl_viewer
+  none      ///< there is no such field
 };
+
+/** \brief Whether any voxel has a measured colour: those of a scanner have none. */
+bool hasColour(const VoxelCloud& voxels);
 
 /** \brief Writes the file of writeVoxelCloud() piece by piece, so that only a piece has
  * to be in memory. */
@@ -45,7 +49,7 @@ private:
 
 /** \brief Writes a voxel cloud as binary `.pcd`: fields x y z [m, relative to
  * VoxelCloud::origin] rgba label probability (COUNT L, refined) entropy [nat]
- * observations.
+ * observations. Of voxels without measured colour the file has no rgba.
  * \throws OutputException */
 void writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
                      const LabelSet& label_set, VoxelColour colour);
