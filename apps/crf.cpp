@@ -141,6 +141,10 @@ setEntropies(LabelledCloud& cloud)
 std::size_t
 countWithoutPreference(const LabelledCloud& input)
 {
+  if (input.distributions.classes() == 0) // hard labels
+    return std::size_t(std::count_if(
+        input.cloud->begin(), input.cloud->end(),
+        [](const pcl::PointXYZRGBL& point) { return point.label == kUnlabelled; }));
   std::size_t count = 0;
   const auto& matrix = input.distributions.matrix();
   for (Eigen::Index i = 0; i < matrix.cols(); ++i)
@@ -211,8 +215,8 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
     return;
   if (without_preference == points)
     tool::warn(arguments.input +
-               ": all classes are equally likely at every point; there is nothing to "
-               "make consistent");
+               ": no point has a label, or all classes are equally likely; there is "
+               "nothing to make consistent");
   else if (changed == 0)
     tool::warn("no label changed; larger --smoothness-weight and --appearance-weight "
                "change more");

@@ -29,17 +29,22 @@ requireDeviation(const char* name, double value)
   require(value >= 1e-9 && value <= 1e9, name, value, "more than 0, 1e-9 to 1e9");
 }
 
+void
+requireDeviationOrZero(const char* name, double value)
+{
+  require(value == 0.0 || (value >= 1e-9 && value <= 1e9), name, value,
+          "0 (automatic) or 1e-9 to 1e9");
+}
+
 } // namespace
 
 void
 SemanticCRFParameters::validate() const
 {
   requireWeight("smoothness_weight", smoothness_weight);
-  if (smoothness_deviation != 0.0)
-    requireDeviation("smoothness_deviation", smoothness_deviation);
+  requireDeviationOrZero("smoothness_deviation", smoothness_deviation);
   requireWeight("appearance_weight", appearance_weight);
-  if (appearance_deviation != 0.0)
-    requireDeviation("appearance_deviation", appearance_deviation);
+  requireDeviationOrZero("appearance_deviation", appearance_deviation);
   requireDeviation("colour_deviation", colour_deviation);
   require(radius > 0.0 && radius <= 100.0, "radius", radius,
           "more than 0, at most 100");

@@ -246,6 +246,9 @@ TEST(CrfTool, SaysWhyNothingWasMended)
       "FIELDS x y z probability\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 2\n"
       "WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 0 0.5 0.5\n0.1 0 0 0.5 0.5\n";
   says(write(folder.path("even.pcd"), even), "all classes are equally likely");
+  const std::string blank = "FIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 2\n"
+                            "HEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 0 0\n0.1 0 0 0\n";
+  says(write(folder.path("blank.pcd"), blank), "no point has a label");
 }
 
 TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
