@@ -171,7 +171,7 @@ write_page() {
   cat doc/results_head.md
   printf '\n'
   cat "$out/made.md"
-  printf '\n## Table I, models: sequences %s pooled, lidar truth to 40 m\n\n' "${streets[*]}"
+  printf '\n## Table I, models: sequences %s pooled, lidar ground truth to 40 m\n\n' "${streets[*]}"
   model_table "${streets[@]}"
   printf '\n## Table I, systems: sequences %s pooled\n\n' "${streets[*]}"
   preset_table "${streets[@]}"
@@ -187,7 +187,7 @@ write_page() {
 # The tables that one looks up.
 write_appendix() {
   printf '# Appendix to the results\n\nMade with [results.md](results.md), which says what the rows and columns are.\n'
-  printf '\n## Table I, models: sequence 15, hand-made truth of frames 0 and 3\n\n'
+  printf '\n## Table I, models: sequence 15, hand-made ground truth of frames 0 and 3\n\n'
   model_table 15
   printf '\n## Table I, systems: sequence 15\n\n'
   preset_table 15
