@@ -62,11 +62,10 @@ bool parseArguments(int argc, char** argv, CalibrateArguments& arguments);
 const Usage calibrate_usage{
     "pcl_semantic_calibrate",
     "SEQUENCE... --labels DIR --truth DIR --output DIR [options]",
-    "Learns from sequences with truth what a network's probabilities are worth, given\n"
-    "where a point is and how it looks. Writes calibration.yaml for pcl_semantic_map\n"
-    "--label-calibration; for each sequence without_NAME.yaml, learned from the "
-    "others\n"
-    "alone; and report.md.",
+    "Learns from sequences with ground truth what a network's probabilities are\n"
+    "worth, given where a point is and how it looks. Writes calibration.yaml for\n"
+    "pcl_semantic_map --label-calibration; for each sequence without_NAME.yaml,\n"
+    "learned from the others alone; and report.md.",
     "pcl_semantic_synthesize /tmp/one && pcl_semantic_synthesize /tmp/two --seed 2 && "
     "\\\n"
     "  pcl_semantic_calibrate /tmp/one /tmp/two --labels '{sequence}/labels' \\\n"
@@ -144,7 +143,7 @@ addOptions(CalibrateArguments& options, po::options_description& description)
       "folder of each sequence's label distributions; {sequence} stands for its path, "
       "{name} for the last part of it")(
       "truth", po::value(&options.truth)->required(),
-      "folder of each sequence's truth images, likewise")(
+      "folder of each sequence's ground truth images, likewise")(
       "output,o", po::value(&options.output)->required(),
       "folder to write to")("label-set", po::value(&options.label_set),
                             "classes (default: label_sets/kitti11.yaml)");
@@ -206,8 +205,8 @@ report(const CalibrationTrial& trial, const tool::CalibrateArguments& options,
   const Scores network = computeScores(trial.network, classes);
   std::string text =
       (options.clique_config.empty()
-           ? "# Pixels with truth, before any map"
-           : "# Pixels with truth, by the clique of their voxel") +
+           ? "# Pixels with ground truth, before any map"
+           : "# Pixels with ground truth, by the clique of their voxel") +
       ("\n\nFeatures: " + options.features + "\n\n") +
       scoresMarkdownHeader(network, label_set) +
       scoresMarkdownRow(network, options.clique_config.empty()

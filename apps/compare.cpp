@@ -20,12 +20,10 @@ namespace po = tool::po;
 
 const tool::Usage usage{
     "pcl_semantic_compare", "--image I --labels A B ... --output OUT [options]",
-    "Draws label images of one frame below each other, and beside each where it "
-    "differs\n"
-    "from the one above: green where a change is right, red where it is wrong, in the\n"
-    "colour of the new class where there is no truth. Files or folders: of these, a "
-    "sheet\n"
-    "a frame.",
+    "Draws label images of one frame below each other, and beside each where it\n"
+    "differs from the one above: green where a change is right, red where it is\n"
+    "wrong, in the colour of the new class where there is no ground truth. Given\n"
+    "folders, draws one figure for each frame.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && "
     "\\\n"
@@ -83,7 +81,7 @@ parse(int argc, char** argv, Arguments& arguments)
       "making")("names", po::value(&arguments.names),
                 "what they are called, with commas between; default: their files")(
       "truth", po::value(&arguments.truth),
-      "truth image or folder, 0 = not known; a folder need not have all frames")(
+      "ground truth image or folder, 0 = not known; a folder need not have all frames")(
       "label-set", po::value(&arguments.label_set),
       "classes (YAML); default: the eleven of KITTI")(
       "output,o", po::value(&arguments.output),

@@ -32,12 +32,11 @@ struct Options {
 
 const tool::Usage usage{
     "pcl_semantic_evaluate", "--prediction DIR --truth DIR --label-set FILE [options]",
-    "Compares label images, or labels of scans (.label), with truth of the same names\n"
-    "and prints IoU, recall and precision in percent. Exclusive figures count the "
-    "pixels that the prediction\n"
-    "covers (is not 0); inclusive ones take uncovered pixels for misses. Folders may "
-    "be\n"
-    "given several times, in the same order: they are evaluated as one.",
+    "Compares label images, or labels of scans (.label), with ground truth of the\n"
+    "same names and prints IoU, recall and precision in percent. Exclusive figures\n"
+    "count the pixels that the prediction covers (is not 0); inclusive ones take\n"
+    "uncovered pixels for misses. Folders may be given several times, in the same\n"
+    "order: they are evaluated as one.",
     "pcl_semantic_evaluate --prediction /tmp/map/labels --truth /tmp/street/gt \\\n"
     "    --label-set data/label_sets/kitti11.yaml --output /tmp/evaluation"};
 

@@ -115,7 +115,7 @@ measure(const std::string& map_folder, const std::string& sequence_folder,
 int
 evaluate(const Options& options)
 {
-  MapGeometry(VoxelCloud(), options.parameters); // bands that make no sense, at once
+  static_cast<void>(MapGeometry(VoxelCloud(), options.parameters)); // refuses bad bands
   GeometrySamples samples;
   for (std::size_t i = 0; i < options.maps.size(); ++i)
     samples += measure(options.maps[i], options.sequences[i], options.parameters);

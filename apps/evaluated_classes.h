@@ -9,7 +9,7 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief The classes whose truth counts.
+/** \brief The classes whose ground truth counts.
  * \param[in] ignored numbers or names of the others with commas between them, or
  * "none"; not given: sky, pedestrian and cyclist, as far as there are such classes
  * \throws InvalidParameterException at a word that is no class, or if none is left */

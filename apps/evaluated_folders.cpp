@@ -54,12 +54,13 @@ readTruthDepth(const std::string& folder, const std::string& truth_path,
   cv::Mat depth = readDepths(path);
   if (depth.size() != truth.size())
     PCL_THROW_EXCEPTION(BadInputException, path << ": has " << depth.cols << " x "
-                                                << depth.rows << " depths, the truth "
+                                                << depth.rows
+                                                << " depths, the ground truth "
                                                 << truth.cols << " x " << truth.rows);
   return depth;
 }
 
-// The truth whose depth lies in the range; 0 elsewhere.
+// The ground truth whose depth lies in the range; 0 elsewhere.
 cv::Mat
 truthIn(const DepthRange& range, const cv::Mat& truth, const cv::Mat& depth)
 {
@@ -114,8 +115,9 @@ compareFolders(const EvaluatedFolders& folders, const std::vector<DepthRange>& r
       listFrameFiles(folders.truth, {".png", ".label"});
   if (files.empty())
     PCL_THROW_EXCEPTION(BadInputException,
-                        folders.truth << ": holds no truth, expected 000000.png or "
-                                         "000000.label ...");
+                        folders.truth
+                            << ": holds no ground truth, expected 000000.png or "
+                               "000000.label ...");
   std::vector<ConfusionMatrix> result(std::max<std::size_t>(ranges.size(), 1),
                                       ConfusionMatrix(label_set.size()));
   for (const FrameFile& file : files) {

@@ -31,9 +31,9 @@ DepthRange parseDepthRange(const std::string& text);
 
 /** \brief Compares the files of the folders.
  * \param[in] ranges of the truth's depth; empty = all of it, wherever it is
- * \param[in] mapping of the classes of `.label` truth to ours; null = they are ours
- * \return one matrix a range, or one
- * \throws BadInputException that names the files */
+ * \param[in] mapping of the classes of `.label` ground truth to ours; null = they are
+ * ours \return one matrix a range, or one \throws BadInputException that names the
+ * files */
 std::vector<ConfusionMatrix> compareFolders(const EvaluatedFolders& folders,
                                             const std::vector<DepthRange>& ranges,
                                             const LabelSet& label_set,

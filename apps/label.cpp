@@ -214,7 +214,7 @@ frameOf(const LabelledCloud& labelled, const std::string& path, int number,
   return frame;
 }
 
-// Gives the share of points with a finite position and a label.
+// Gives the fraction of points with a finite position and a label.
 double
 labelCloud(const std::string& path, int number, const std::string& output,
            LabelPredictor& predictor)
@@ -270,20 +270,20 @@ labelClouds(const LabelArguments& arguments)
   const auto predictor = makePredictor(arguments);
   const std::vector<std::size_t> chosen = prepareClouds(arguments, clouds);
   catchInterrupts();
-  double share = 0.0;
+  double fraction = 0.0;
   {
     ProgressBar progress("labelling", chosen.size(), "clouds");
     for (const std::size_t i : chosen) {
       const std::string& path = clouds.path(i);
-      share += labelCloud(path, clouds.frameNumber(i), outputOf(arguments, path),
-                          *predictor);
+      fraction += labelCloud(path, clouds.frameNumber(i), outputOf(arguments, path),
+                             *predictor);
       if (interrupted())
         return exit_interrupted;
       progress.step();
     }
   }
   printResults({{"clouds", chosen.size()},
-                {"share_labelled", share / double(chosen.size())},
+                {"labelled_fraction", fraction / double(chosen.size())},
                 {"output", arguments.output}});
   return exit_done;
 }

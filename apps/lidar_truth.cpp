@@ -32,9 +32,9 @@ struct Options {
 const tool::Usage usage{
     "pcl_semantic_lidar_truth",
     "SEQUENCE --output DIR --label-set FILE --label-mapping FILE [options]",
-    "Projects the labelled laser scans of a KITTI sequence (velodyne/*.bin, "
-    "labels/*.label)\ninto its left images: sparse 8-bit truth images, 0 = no truth. "
-    "Also writes how far\nthe truth is, and the truth point by point for maps in 3D.",
+    "Projects the labelled laser scans of a KITTI sequence (velodyne/*.bin,\n"
+    "labels/*.label) into its left images: sparse 8-bit ground truth, 0 = unknown.\n"
+    "Also writes its depth, and the ground truth point by point for maps in 3D.",
     "pcl_semantic_lidar_truth sequences/05 --output /tmp/truth \\\n"
     "    --label-set data/label_sets/kitti11.yaml \\\n"
     "    --label-mapping data/label_mappings/semantic_kitti_to_kitti11.yaml"};
@@ -47,7 +47,8 @@ parse(int argc, char** argv, Options& options)
   LidarTruthParameters& parameters = options.parameters;
   description.add_options()("sequence", po::value(&options.sequence)->required(),
                             "folder of the sequence")(
-      "output,o", po::value(&options.output)->required(), "folder of the truth images")(
+      "output,o", po::value(&options.output)->required(),
+      "folder of the ground truth images")(
       "depth", po::value(&options.depth),
       "folder for the depth of their pixels (16-bit PNG, 256 x metres)")(
       "scan-labels", po::value(&options.scan_labels),

@@ -195,9 +195,9 @@ private:
   newMapper(std::unique_ptr<PoseSource> poses,
             std::shared_ptr<BlockStore> store) override
   {
-    return std::make_unique<SemanticMapper>(*run_.camera, run_.label_set, run_.config,
-                                            std::move(labelling_.predictor),
-                                            std::move(poses), std::move(store));
+    return std::make_unique<SemanticMapper>(
+        run_.label_set, run_.config, std::move(poses), run_.camera,
+        std::move(labelling_.predictor), std::move(store));
   }
 
   std::unique_ptr<FrameSequence> sequence_;
@@ -298,8 +298,9 @@ private:
   newMapper(std::unique_ptr<PoseSource> poses,
             std::shared_ptr<BlockStore> store) override
   {
-    return std::make_unique<SemanticMapper>(run_.camera, run_.label_set, run_.config,
-                                            std::move(poses), std::move(store));
+    return std::make_unique<SemanticMapper>(run_.label_set, run_.config,
+                                            std::move(poses), run_.camera, nullptr,
+                                            std::move(store));
   }
 
   // Where the sensor is in camera 0, and its camera.

@@ -129,7 +129,7 @@ requireKindsOfFiles(const Options& options)
       {options.output, options.disparity});
 }
 
-// Gives the share of pixels that have a depth.
+// Gives the fraction of pixels that have a depth.
 double
 processPair(const Options& options, const StereoFrame& frame,
             const StereoCamera& camera, DisparityEstimator& estimator,
@@ -157,14 +157,14 @@ processPairs(const Options& options)
       {options.left, options.right, options.calibration, options.extrinsics, ""});
   const std::vector<Outputs> outputs = nameOutputs(options, pairs);
   tool::catchInterrupts();
-  double share = 0.0;
+  double fraction = 0.0;
   {
     tool::PairWatch watch(usage.name, options.strict);
     tool::ProgressBar progress("stereo", pairs.size(), "pairs");
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const StereoFrame frame = pairs.frame(i);
       watch.look(frame, pairs.leftPath(i));
-      share += processPair(options, frame, pairs.camera(), *estimator, outputs[i]);
+      fraction += processPair(options, frame, pairs.camera(), *estimator, outputs[i]);
       if (tool::interrupted())
         return tool::exit_interrupted;
       progress.step();
@@ -173,7 +173,7 @@ processPairs(const Options& options)
   tool::printResults({{"clouds", pairs.size()},
                       {"width", std::size_t(pairs.camera().width)},
                       {"height", std::size_t(pairs.camera().height)},
-                      {"share_with_depth", share / double(pairs.size())},
+                      {"valid_fraction", fraction / double(pairs.size())},
                       {"output", options.output}});
   return tool::exit_done;
 }

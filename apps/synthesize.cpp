@@ -36,7 +36,7 @@ parseOptions(int argc, char** argv, Options& options)
   add("size", options.size, "size of the images, WIDTHxHEIGHT [px]");
   add("seed", options.seed, "number of the street; the same seed gives the same bytes");
   add("label-noise", options.label_noise,
-      "share of wrong labels, 0 (nearly perfect) to 1");
+      "fraction of wrong labels, 0 (nearly perfect) to 1");
   po::positional_options_description positional;
   positional.add("output", 1);
   const tool::Usage usage{

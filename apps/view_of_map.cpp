@@ -11,7 +11,7 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-constexpr std::size_t kMostPictures = 12;
+constexpr std::size_t kMaxPictures = 12;
 
 // A view of a map as a whole, so that the panel does not lie on it.
 PictureView
@@ -97,7 +97,7 @@ openMap(const ViewArguments& arguments)
                           "--images: where the camera was is not known; name its "
                           "--trajectory");
     opened.map.pictures = picturesOf(arguments.images, opened.map.path,
-                                     arguments.follow ? 1 : kMostPictures);
+                                     arguments.follow ? 1 : kMaxPictures);
     opened.state.pictures = true;
   }
   const std::filesystem::path path(arguments.map);

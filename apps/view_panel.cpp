@@ -19,8 +19,8 @@ const cv::Scalar pale(170, 166, 164);
 // Writes rows below each other, as long as there is room.
 class PanelWriter {
 public:
-  explicit PanelWriter(int most_rows)
-      : picture_(std::max(most_rows, 2 * kRow), kPanelWidth, CV_8UC3,
+  explicit PanelWriter(int max_rows)
+      : picture_(std::max(max_rows, 2 * kRow), kPanelWidth, CV_8UC3,
                  light_theme.background)
   {}
 
@@ -108,9 +108,9 @@ limitsOf(const ViewState& state)
 } // namespace
 
 ViewPanel
-drawPanel(const ViewedMap& map, const ViewState& state, int most_rows)
+drawPanel(const ViewedMap& map, const ViewState& state, int max_rows)
 {
-  PanelWriter writer(most_rows);
+  PanelWriter writer(max_rows);
   ViewPanel panel;
   const Colouring& colouring = map.colourings[state.colouring];
   if (map.pictures.size() == 1)

@@ -21,7 +21,7 @@ struct ViewPanel {
   std::vector<Row> rows;
 };
 
-/** \brief Draws it. \param[in] most_rows of pixels that there is room for */
-ViewPanel drawPanel(const ViewedMap& map, const ViewState& state, int most_rows);
+/** \brief Draws it. \param[in] max_rows of pixels that there is room for */
+ViewPanel drawPanel(const ViewedMap& map, const ViewState& state, int max_rows);
 
 } // namespace pcl_semantic::tool

@@ -77,8 +77,9 @@ try {
   const LabelSet classes = readLabelSet(findDataFile("label_sets/kitti11.yaml"));
   const SyntheticSequence street(4, 310, 94);
   SemanticMapper mapper(
-      street.camera(), classes, MapperConfig(), std::make_unique<StreetLabels>(street),
-      std::make_unique<StereoOdometry>(street.camera(), street.T_camera0_camera()));
+      classes, MapperConfig(),
+      std::make_unique<StereoOdometry>(street.camera(), street.T_camera0_camera()),
+      street.camera(), std::make_unique<StreetLabels>(street));
   Exchange exchange;
   mapper.setCallback([&](const MappedFrame& mapped, const SemanticVoxelMap&) {
     exchange.put(std::make_shared<VoxelCloud>(mapped.voxels));

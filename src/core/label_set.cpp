@@ -43,10 +43,10 @@ LabelSet::find(const std::string& name) const
 void
 LabelMapping::set(std::uint32_t id, Label label)
 {
-  constexpr std::uint32_t largest_id = 65535;
-  if (id > largest_id)
+  constexpr std::uint32_t max_id = 65535;
+  if (id > max_id)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label id " << id << " is beyond " << largest_id);
+                        "label id " << id << " is beyond " << max_id);
   if (id >= labels_.size())
     labels_.resize(id + 1, kUnlabelled);
   labels_[id] = label;

@@ -135,7 +135,7 @@ PnPottsTerm::freeEnergy(const PaddedColumns& marginals) const
 
 namespace {
 
-constexpr std::size_t most_labels = 256; // with the free one
+constexpr std::size_t max_labels = 256; // with the free one
 
 } // namespace
 
@@ -166,12 +166,12 @@ RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
 void
 RobustTerm::setCosts(Eigen::Index c, const PaddedColumns& costs)
 {
-  std::array<float, most_labels> values;
+  std::array<float, max_labels> values;
   if (potential_.unary.size() > 0) {
     std::copy_n(potential_.unary.col(c).data(), labels_, values.data());
   }
   else {
-    std::array<double, most_labels> sums;
+    std::array<double, max_labels> sums;
     sumMembers(c, costs, sums.data());
     const double least = *std::min_element(sums.data(), sums.data() + labels_);
     const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
@@ -229,12 +229,12 @@ float
 RobustTerm::updateClique(Eigen::Index c, const PaddedColumns& marginals)
 {
   const Eigen::Index rows = marginals_.rows();
-  alignas(64) std::array<double, most_labels> sums, costs;
+  alignas(64) std::array<double, max_labels> sums, costs;
   sumMembers(c, marginals, sums.data());
   std::copy_n(costs_.column(c), rows, costs.data());
   addCosts(c, sums.data(), messages_.column(c), 1.0, costs.data());
   const double least = *std::min_element(costs.data(), costs.data() + rows);
-  alignas(64) std::array<float, most_labels> shifted;
+  alignas(64) std::array<float, max_labels> shifted;
   for (std::size_t l = 0; l < std::size_t(rows); ++l)
     shifted[l] = float(std::min(costs[l] - least, double(kPaddingCost)));
   std::fill(shifted.begin() + rows, shifted.begin() + marginals_.stride(),
@@ -296,7 +296,7 @@ RobustTerm::freeEnergy(const PaddedColumns& marginals) const
   for (const auto& kernel : potential_.kernels)
     kernel->addProduct(marginals_.view(), messages.view());
   return orderedSum(marginals_.columns(), 64, [&](Eigen::Index c) {
-    alignas(64) std::array<double, most_labels> sums, costs;
+    alignas(64) std::array<double, max_labels> sums, costs;
     sumMembers(c, marginals, sums.data());
     std::copy_n(costs_.column(c), marginals_.rows(), costs.data());
     addCosts(c, sums.data(), messages.column(c), 0.5, costs.data()); // each pair once

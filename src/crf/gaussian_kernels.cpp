@@ -79,7 +79,7 @@ GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
     else if (method == KernelMethod::automatic)
       method =
           TruncatedKernel::canHold(points, deviation) &&
-                  meanNeighbours(points, options.radius * deviation) <= most_neighbours
+                  meanNeighbours(points, options.radius * deviation) <= max_neighbours
               ? KernelMethod::truncated
               : KernelMethod::lattice;
     methods_.push_back(method);
@@ -124,17 +124,17 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
 double
 GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
 {
-  constexpr Eigen::Index samples = 64, most_others = 8192;
+  constexpr Eigen::Index samples = 64, max_others = 8192;
   const Eigen::Index count = positions.cols();
   if (count == 0)
     return 0.0;
   // All points or some drawn at random: any regular choice would fall into step with
   // the rows of an image.
-  PointsByRow others(3, std::min(count, most_others));
+  PointsByRow others(3, std::min(count, max_others));
   std::minstd_rand random;
   for (Eigen::Index i = 0; i < others.cols(); ++i)
     others.col(i) =
-        positions.col(count > most_others ? Eigen::Index(random()) % count : i);
+        positions.col(count > max_others ? Eigen::Index(random()) % count : i);
   const Eigen::Index step = std::max<Eigen::Index>(1, others.cols() / samples);
   std::size_t found = 0, sampled = 0;
   for (Eigen::Index i = 0; i < others.cols(); i += step, ++sampled)

@@ -29,8 +29,8 @@ __extension__ typedef unsigned __int128 LongLatticeKey;
 struct LatticeKeyBits {
   int dimensions = 0;
   int remainder_bits = 0;
-  std::int64_t low[kernels::most_dimensions + 1] = {};
-  int shift[kernels::most_dimensions + 1] = {};
+  std::int64_t low[kernels::max_dimensions + 1] = {};
+  int shift[kernels::max_dimensions + 1] = {};
   int bits = 0; ///< of a key
 
   /** \param[in] extents of the features from frame.low */
@@ -130,8 +130,8 @@ public:
 private:
   LatticeKeyBits bits_;
   Key wrap_ = 0; // from remainder d + 1 to 0
-  Key steps_[kernels::most_dimensions + 1];
-  std::uint64_t cell_masks_[kernels::most_dimensions + 1] = {};
+  Key steps_[kernels::max_dimensions + 1];
+  std::uint64_t cell_masks_[kernels::max_dimensions + 1] = {};
 };
 
 /** \brief What a search in a LatticeTable needs, for registers. */
@@ -306,8 +306,8 @@ partsOf(std::size_t count)
 }
 
 struct Bounds {
-  float low[kernels::most_dimensions];
-  float high[kernels::most_dimensions];
+  float low[kernels::max_dimensions];
+  float high[kernels::max_dimensions];
   bool finite;
 };
 
@@ -373,10 +373,10 @@ kernels::LatticeFrame
 frameOf(const LatticeFeatures& features, double* extents)
 {
   const auto d = std::size_t(features.rows());
-  if (d < 1 || d > std::size_t(kernels::most_dimensions))
+  if (d < 1 || d > std::size_t(kernels::max_dimensions))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "points have " << d << " features, expected 1 to "
-                                       << kernels::most_dimensions);
+                                       << kernels::max_dimensions);
   const auto count = std::size_t(features.cols()), parts = partsOf(count);
   std::vector<Bounds> bounds(parts);
 #pragma omp parallel for schedule(static)
@@ -624,8 +624,8 @@ private:
         directions[k * kernels::batch_points + i] =
             std::uint8_t(batch.directions[k][i]);
     // Points often lie in the simplex of the one before.
-    Key keys[kernels::batch_points * (kernels::most_dimensions + 1)];
-    std::int32_t numbers[kernels::batch_points * (kernels::most_dimensions + 1)];
+    Key keys[kernels::batch_points * (kernels::max_dimensions + 1)];
+    std::int32_t numbers[kernels::batch_points * (kernels::max_dimensions + 1)];
     std::size_t simplex[kernels::batch_points], simplices = 0;
     for (std::size_t i = 0; i < end - begin; ++i) {
       Key key = vertices_.arithmetic.first(batch, i);
@@ -737,7 +737,7 @@ numberVertices(const LatticeFeatures& features, const kernels::LatticeFrame& fra
 
 // Vertices of a bucket, about: their rows of 16 floats fill a quarter of a 1 MB cache.
 constexpr std::size_t bucket_vertices = 4096;
-constexpr std::size_t most_buckets = 4096;
+constexpr std::size_t max_buckets = 4096;
 
 // A number that steps in some directions do not change: a sum of the cells of the other
 // directions, by factors whose sum is 0. Cell 0 is what the others and the remainder
@@ -776,7 +776,7 @@ public:
 private:
   const LatticeKeys<Key>& arithmetic_;
   int dimensions_;
-  std::uint64_t factors_[kernels::most_dimensions + 1] = {};
+  std::uint64_t factors_[kernels::max_dimensions + 1] = {};
 };
 
 // Directions of a group: so few that a sheet is small against the lattice.
@@ -847,7 +847,7 @@ findRuns(const LatticeVertices<Key>& vertices, SimdTier tier,
 {
   const int corners = int(structure.corners), size = groupSize(corners - 1);
   const std::size_t buckets =
-      std::min(most_buckets, structure.vertices / bucket_vertices + 1);
+      std::min(max_buckets, structure.vertices / bucket_vertices + 1);
   LatticeArray<std::int32_t> bucket_of(structure.vertices);
   for (int begin = 0; begin < corners; begin += size) {
     const int end = std::min(corners, begin + size);
@@ -874,7 +874,7 @@ findRuns(const LatticeVertices<Key>& vertices, SimdTier tier,
 }
 
 // Beyond that the sets of directions are too many to keep for every vertex.
-constexpr int most_dimensions_of_sets = 7;
+constexpr int max_dimensions_of_sets = 7;
 
 // Sets of directions as bits of some words, by row (kernels::LatticePaths).
 class PathSets {
@@ -967,8 +967,8 @@ respondBySets(const LatticeArray<std::uint8_t>& directions, SimdTier tier,
     kernels::LatticePaths paths = sets.paths(begin, directions.data());
     const std::size_t count = std::min(kernels::batch_points, structure.points - begin);
     // The last ones are filled up with copies.
-    std::int32_t rows[kernels::batch_points * (most_dimensions_of_sets + 1)];
-    float weights[kernels::batch_points * (most_dimensions_of_sets + 1)];
+    std::int32_t rows[kernels::batch_points * (max_dimensions_of_sets + 1)];
+    float weights[kernels::batch_points * (max_dimensions_of_sets + 1)];
     if (count < kernels::batch_points) {
       for (std::size_t i = 0; i < kernels::batch_points * structure.corners; ++i) {
         rows[i] = paths.rows[std::min(i, count * structure.corners - 1)];
@@ -1055,7 +1055,7 @@ findSelfResponses(const LatticeVertices<Key>& vertices, SimdTier tier,
                   LatticeStructure& structure)
 {
   structure.self_responses = LatticeArray<float>(structure.points);
-  if (int(structure.corners) - 1 <= most_dimensions_of_sets) {
+  if (int(structure.corners) - 1 <= max_dimensions_of_sets) {
     respondBySets(vertices.directions, tier, structure);
     return;
   }
@@ -1070,8 +1070,8 @@ findSelfResponses(const LatticeVertices<Key>& vertices, SimdTier tier,
 std::size_t
 chunkPoints(std::size_t points)
 {
-  const std::size_t share = (points / 64 + 63) / 64 * 64;
-  return std::min<std::size_t>(4096, std::max<std::size_t>(256, share));
+  const std::size_t chunk = (points / 64 + 63) / 64 * 64;
+  return std::min<std::size_t>(4096, std::max<std::size_t>(256, chunk));
 }
 
 template <typename Key>
@@ -1090,7 +1090,7 @@ build(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
 LatticeStructure
 buildLattice(const LatticeFeatures& features, const LatticeOrder& order, SimdTier tier)
 {
-  double extents[kernels::most_dimensions] = {};
+  double extents[kernels::max_dimensions] = {};
   const kernels::LatticeFrame frame = frameOf(features, extents);
   LatticeStructure structure;
   structure.frame = frame;

@@ -101,7 +101,7 @@ LatticeMemory::borrow(std::size_t size)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   while (!spare_.empty()) {
-    const Values values = spare_.back();
+    Values values = spare_.back();
     spare_.pop_back();
     if (values->size() >= size)
       return values;
@@ -210,7 +210,7 @@ using Passes = std::vector<std::unique_ptr<LatticePass>>;
 // Parts of all passes one after the other, for threads to share.
 template <typename CountOf, typename Work>
 void
-share(const Passes& passes, bool by_threads, CountOf&& count_of, Work&& work)
+forEachPart(const Passes& passes, bool by_threads, CountOf&& count_of, Work&& work)
 {
   std::vector<std::size_t> ends;
   for (const auto& pass : passes)
@@ -232,17 +232,17 @@ run(const Passes& passes, std::size_t chunks, bool by_threads)
   for (std::size_t c = 0; c < chunks; ++c)
     for (const auto& pass : passes)
       pass->splat(c);
-  share(
+  forEachPart(
       passes, by_threads, [](const LatticePass& pass) { return pass.merges(); },
       [](const LatticePass& pass, std::size_t part) { pass.merge(part); });
-  share(
+  forEachPart(
       passes, by_threads, [](const LatticePass& pass) { return pass.copies(); },
       [](const LatticePass& pass, std::size_t part) { pass.copy(part); });
   std::size_t stages = 0;
   for (const auto& pass : passes)
     stages = std::max(stages, pass->stages());
   for (std::size_t s = 0; s < stages; ++s)
-    share(
+    forEachPart(
         passes, by_threads, [&](const LatticePass& pass) { return pass.blurs(s); },
         [&](const LatticePass& pass, std::size_t part) { pass.blur(s, part); });
 #pragma omp parallel for schedule(dynamic, 1) if (by_threads)

@@ -14,8 +14,8 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr std::size_t most_points = std::size_t(1) << (32 - kernels::run_length_bits);
-constexpr double most_cells = 1 << 20; // along an axis
+constexpr std::size_t max_points = std::size_t(1) << (32 - kernels::run_length_bits);
+constexpr double max_cells = 1 << 20; // along an axis
 
 // Sorts numbers 0..N-1 by their keys, equal ones in order: a radix sort.
 std::vector<std::int32_t>
@@ -87,27 +87,27 @@ PointRows::canHold(const Eigen::Matrix3Xf& positions, float cell)
   if (positions.cols() == 0)
     return true;
   const auto [low, high] = boundsOf(positions);
-  return positions.cols() < Eigen::Index(most_points) &&
-         double((high - low).maxCoeff()) / double(cell) < most_cells;
+  return positions.cols() < Eigen::Index(max_points) &&
+         double((high - low).maxCoeff()) / double(cell) < max_cells;
 }
 
 void
 PointRows::sort(const Eigen::Matrix3Xf& positions)
 {
-  if (positions.cols() >= Eigen::Index(most_points))
+  if (positions.cols() >= Eigen::Index(max_points))
     PCL_THROW_EXCEPTION(InvalidParameterException, positions.cols()
                                                        << " points, expected less than "
-                                                       << most_points);
+                                                       << max_points);
   if (positions.cols() == 0)
     return;
   Eigen::Array3f high;
   std::tie(low_, high) = boundsOf(positions);
   const Eigen::Array3d extent = (high - low_).cast<double>() / double(cell_);
-  if (!(extent < most_cells).all())
+  if (!(extent < max_cells).all())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "positions lie " << extent.maxCoeff() * double(cell_)
                                          << " apart, expected at most "
-                                         << most_cells * double(cell_)
+                                         << max_cells * double(cell_)
                                          << " for truncated kernels: take lattices, or "
                                             "leave out what lies far off");
   sortPoints(positions, high);

@@ -24,7 +24,7 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr std::size_t most_pairs = std::size_t(1) << 31; // 4 GiB of weights
+constexpr std::size_t max_pairs = std::size_t(1) << 31; // 4 GiB of weights
 
 void
 validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& terms,
@@ -163,7 +163,7 @@ SortedPoints::SortedPoints(const Eigen::Matrix3Xf& positions,
 
 /** \brief The neighbours of some sorted points, by groups of these. */
 struct TruncatedKernel::Chunk {
-  static constexpr std::size_t most_points = 256;
+  static constexpr std::size_t max_points = 256;
 
   PointRows::Groups groups;
   std::vector<std::uint32_t> lengths;       // points in the runs of each group
@@ -201,7 +201,7 @@ void
 TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin)
 {
   first = begin;
-  groups = rows.findRuns(begin, std::min(rows.size(), begin + most_points));
+  groups = rows.findRuns(begin, std::min(rows.size(), begin + max_points));
   groups.runs.shrink_to_fit();
   std::size_t run = 0;
   for (std::size_t g = 0; g < groups.run_ends.size(); ++g) {
@@ -242,21 +242,21 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
                           const std::vector<GaussianTerm>& terms,
                           Normalization normalization)
 {
-  chunks_.resize((rows.size() + Chunk::most_points - 1) / Chunk::most_points);
+  chunks_.resize((rows.size() + Chunk::max_points - 1) / Chunk::max_points);
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   std::atomic<std::size_t> pairs{0};
   ParallelGuard guard;
 #pragma omp parallel
   {
     Scratch scratch;
-    std::vector<float> sums(terms.size() * kernels::most_points);
+    std::vector<float> sums(terms.size() * kernels::max_points);
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t c = 0; c < chunks_.size(); ++c)
       guard.run([&] {
         Chunk& chunk = chunks_[c];
-        if (pairs < most_pairs)
-          chunk.find(rows, c * Chunk::most_points);
-        if ((pairs += chunk.pairs) >= most_pairs)
+        if (pairs < max_pairs)
+          chunk.find(rows, c * Chunk::max_points);
+        if ((pairs += chunk.pairs) >= max_pairs)
           return; // it is refused below
         chunk.weights.reset(new std::uint32_t[chunk.pairs / 2]);
         float* const gathered = scratch.floats(
@@ -271,11 +271,11 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
       });
   }
   guard.rethrow();
-  if (pairs >= most_pairs)
+  if (pairs >= max_pairs)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "too many pairs of points lie within the radius, expected less "
                         "than "
-                            << most_pairs << ": take a smaller radius or fewer points");
+                            << max_pairs << ": take a smaller radius or fewer points");
 }
 
 // Divides by D_i, the sums over all j of k_ij, i included, of each term.
@@ -287,7 +287,7 @@ TruncatedKernel::normalize(SortedPoints& points, const std::vector<GaussianTerm>
   const bool symmetric = normalization == Normalization::symmetric;
   for (std::size_t m = 0; m < terms.size(); ++m) {
     const float divisor =
-        normalization == Normalization::none ? 1.0f : sums[m * kernels::most_points];
+        normalization == Normalization::none ? 1.0f : sums[m * kernels::max_points];
     const float scale = terms[m].weight / divisor;
     points.left(m)[point] = symmetric ? std::sqrt(scale) : scale;
     points.right(m)[point] = symmetric ? std::sqrt(scale) : 1.0f;
@@ -375,13 +375,13 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
 #pragma omp parallel
   {
     Scratch scratch;
-    PaddedColumns sums(Eigen::Index(stride), kernels::most_points);
+    PaddedColumns sums(Eigen::Index(stride), kernels::max_points);
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t c = 0; c < chunks_.size(); ++c)
       guard.run([&] {
         const Chunk& chunk = chunks_[c];
         float* const weights = scratch.floats(
-            kernels::scratchSize(chunk.longest, 1 + kernels::most_points));
+            kernels::scratchSize(chunk.longest, 1 + kernels::max_points));
         for (std::size_t g = 0; g < chunk.size(); ++g) {
           const kernels::GroupView group = chunk.view(g);
           if (in_place) {
@@ -389,7 +389,7 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                              result.col(Eigen::Index(group.point)).data());
             continue;
           }
-          std::fill_n(sums.column(0), stride * kernels::most_points, 0.0f);
+          std::fill_n(sums.column(0), stride * kernels::max_points, 0.0f);
           loops.addProduct(group, chunk.weightsOf(g), from, stride, weights,
                            sums.column(0));
           for (int p = 0; p < group.points; ++p) {

@@ -20,7 +20,7 @@ namespace {
 constexpr double kScale = 8.0;
 
 constexpr int kStep = 8;         // [px] between the pixels that are looked at
-constexpr double kUsable = 0.95; // share of them that has to come out right
+constexpr double kUsable = 0.95; // fraction of them that has to come out right
 
 // A rig as OpenCV's functions take it, and what stereoRectify makes of it.
 struct Rectification {
@@ -83,7 +83,7 @@ requireUsable(const cv::Mat2s& whole, const char* name)
   int usable = 0, all = 0;
   for (int y = 0; y + kStep < whole.rows; y += kStep)
     for (int x = 0; x + kStep < whole.cols; x += kStep) {
-      const cv::Vec2s here = whole(y, x);
+      const cv::Vec2s& here = whole(y, x);
       const cv::Vec2i right = cv::Vec2i(whole(y, x + kStep)) - cv::Vec2i(here);
       const cv::Vec2i below = cv::Vec2i(whole(y + kStep, x)) - cv::Vec2i(here);
       const bool keeps_sides = right[0] * below[1] - right[1] * below[0] > 0;

@@ -206,7 +206,7 @@ softened(const cv::Mat& labels, bool soft)
 }
 
 /** \brief Adds doubt to a column: mostly towards what the class is often confused with.
- * \param[in] doubt share of the probability that moves away */
+ * \param[in] doubt fraction of the probability that moves away */
 void
 spread(float* column, Label label, float doubt)
 {

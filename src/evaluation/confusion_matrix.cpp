@@ -31,7 +31,8 @@ checkImage(const cv::Mat& image, const cv::Mat& truth, int largest, const char* 
     PCL_THROW_EXCEPTION(BadInputException, name << " is no 8-bit grey image");
   if (image.size() != truth.size())
     PCL_THROW_EXCEPTION(BadInputException, name << " has " << image.cols << " x "
-                                                << image.rows << " pixels, the truth "
+                                                << image.rows
+                                                << " pixels, the ground truth "
                                                 << truth.cols << " x " << truth.rows);
   double highest = 0.0;
   cv::minMaxLoc(image, nullptr, &highest);
@@ -94,7 +95,7 @@ void
 ConfusionMatrix::add(const cv::Mat& truth, const cv::Mat& prediction,
                      const cv::Mat& covered_by)
 {
-  checkImage(truth, truth, classes_, "the truth");
+  checkImage(truth, truth, classes_, "the ground truth");
   checkImage(prediction, truth, classes_, "the prediction");
   if (!covered_by.empty())
     checkImage(covered_by, truth, 255, "the image of covered pixels");

@@ -191,23 +191,23 @@ scoreGeometry(const GeometrySamples& samples)
   scores.judged = samples.distances.size();
   if (scores.judged == 0) {
     scores.mean = scores.median = scores.percentile_90 = none;
-    scores.shares.fill(none);
+    scores.fractions.fill(none);
     return scores;
   }
   std::vector<float> sorted = samples.distances;
   std::sort(sorted.begin(), sorted.end());
   const double count = double(sorted.size());
-  const auto quantile = [&](double share) {
-    return double(sorted[std::size_t(share * (count - 1.0) + 0.5)]);
+  const auto quantile = [&](double fraction) {
+    return double(sorted[std::size_t(fraction * (count - 1.0) + 0.5)]);
   };
   scores.mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / count;
   scores.median = quantile(0.5);
   scores.percentile_90 = quantile(0.9);
-  for (std::size_t i = 0; i < scores.shares.size(); ++i)
-    scores.shares[i] = double(std::upper_bound(sorted.begin(), sorted.end(),
-                                               float(GeometryScores::limits[i])) -
-                              sorted.begin()) /
-                       count;
+  for (std::size_t i = 0; i < scores.fractions.size(); ++i)
+    scores.fractions[i] = double(std::upper_bound(sorted.begin(), sorted.end(),
+                                                  float(GeometryScores::limits[i])) -
+                                 sorted.begin()) /
+                          count;
   return scores;
 }
 
@@ -240,7 +240,7 @@ bandName(const GeometryParameters& parameters, std::size_t band)
 }
 
 double
-share(std::uint64_t part, std::uint64_t whole)
+fraction(std::uint64_t part, std::uint64_t whole)
 {
   return double(part) / double(whole); // 0 / 0 is NaN
 }
@@ -257,17 +257,17 @@ geometryTable(const GeometrySamples& samples, const GeometryParameters& paramete
                      rounded(scores.mean, 3) + " m\n  median    " +
                      rounded(scores.median, 3) + " m\n  90 %      " +
                      rounded(scores.percentile_90, 3) + " m\n";
-  for (std::size_t i = 0; i < scores.shares.size(); ++i)
+  for (std::size_t i = 0; i < scores.fractions.size(); ++i)
     text += "  to " + rounded(GeometryScores::limits[i], 1) + " m  " +
-            rounded(100.0 * scores.shares[i], 1) + " %\n";
+            rounded(100.0 * scores.fractions[i], 1) + " %\n";
   text += "\nreturns in a voxel / next to one / within " + shortest(parameters.within) +
           " m of one\n";
   for (std::size_t i = 0; i < samples.surface.size(); ++i) {
     const SurfaceCounts& band = samples.surface[i];
     text += "  " + bandName(parameters, i) + ": " +
-            rounded(100.0 * share(band.at, band.points), 1) + " / " +
-            rounded(100.0 * share(band.adjacent, band.points), 1) + " / " +
-            rounded(100.0 * share(band.within, band.points), 1) + " % of " +
+            rounded(100.0 * fraction(band.at, band.points), 1) + " / " +
+            rounded(100.0 * fraction(band.adjacent, band.points), 1) + " / " +
+            rounded(100.0 * fraction(band.within, band.points), 1) + " % of " +
             std::to_string(band.points) + "\n";
   }
   return text;
@@ -297,14 +297,14 @@ geometryMarkdownRow(const GeometrySamples& samples,
   std::string text = "| " + name + " |";
   for (const double distance : {scores.mean, scores.median, scores.percentile_90})
     text += " " + rounded(100.0 * distance, 1) + " |";
-  for (const double part : scores.shares)
+  for (const double part : scores.fractions)
     text += " " + rounded(100.0 * part, 1) + " |";
   for (std::size_t i = 0; i + 1 < parameters.bands.size(); ++i) {
     const SurfaceCounts band =
         i < samples.surface.size() ? samples.surface[i] : SurfaceCounts();
-    text += " " + rounded(100.0 * share(band.at, band.points), 1) + " / " +
-            rounded(100.0 * share(band.adjacent, band.points), 1) + " / " +
-            rounded(100.0 * share(band.within, band.points), 1) + " |";
+    text += " " + rounded(100.0 * fraction(band.at, band.points), 1) + " / " +
+            rounded(100.0 * fraction(band.adjacent, band.points), 1) + " / " +
+            rounded(100.0 * fraction(band.within, band.points), 1) + " |";
   }
   return text + "\n";
 }
@@ -318,17 +318,17 @@ geometryJson(const GeometrySamples& samples, const GeometryParameters& parameter
   json["judged"] = scores.judged;
   json["distance"] = {
       {"mean", scores.mean}, {"median", scores.median}, {"90 %", scores.percentile_90}};
-  for (std::size_t i = 0; i < scores.shares.size(); ++i)
-    json["within"][rounded(GeometryScores::limits[i], 1)] = scores.shares[i];
+  for (std::size_t i = 0; i < scores.fractions.size(); ++i)
+    json["within"][rounded(GeometryScores::limits[i], 1)] = scores.fractions[i];
   json["surface"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < samples.surface.size(); ++i) {
     const SurfaceCounts& band = samples.surface[i];
     json["surface"].push_back({{"from", parameters.bands[i]},
                                {"to", parameters.bands[i + 1]},
                                {"points", band.points},
-                               {"in_voxel", share(band.at, band.points)},
-                               {"next_to_voxel", share(band.adjacent, band.points)},
-                               {"within", share(band.within, band.points)}});
+                               {"in_voxel", fraction(band.at, band.points)},
+                               {"next_to_voxel", fraction(band.adjacent, band.points)},
+                               {"within", fraction(band.within, band.points)}});
   }
   return json.dump(2) + "\n";
 }

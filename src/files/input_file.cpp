@@ -116,7 +116,7 @@ listFrameFiles(const std::string& folder, const std::vector<std::string>& extens
                         folder << ": cannot be read as a folder: " << error.message());
   std::vector<FrameFile> files;
   for (const fs::directory_entry& entry : entries) {
-    const fs::path path = entry.path();
+    const fs::path& path = entry.path();
     const std::string stem = path.stem().string();
     int frame = 0;
     const auto [rest, code] =

@@ -450,7 +450,7 @@ toRows(const PcdTable& table, const std::vector<std::uint8_t>& columns)
 std::vector<std::uint8_t>
 decodeCompressed(const std::string& path, const PcdTable& table, std::string_view data)
 {
-  constexpr std::size_t sizes = 8, most_expansion = 88; // 3 bytes give up to 264
+  constexpr std::size_t sizes = 8, max_expansion = 88; // 3 bytes give up to 264
   if (data.size() < sizes)
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": ends before the sizes of the compressed data");
@@ -463,7 +463,7 @@ decodeCompressed(const std::string& path, const PcdTable& table, std::string_vie
                                                    "expected "
                                                 << packed_size);
   checkBehindData(path, data.substr(packed_size));
-  const std::size_t expected = dataSize(path, table, packed_size * most_expansion);
+  const std::size_t expected = dataSize(path, table, packed_size * max_expansion);
   if (unpacked_size != expected)
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": its compressed data are " << unpacked_size

@@ -16,7 +16,7 @@ bool
 hasPosition(const Eigen::Vector3f& position)
 {
   // Written so that NaN has none.
-  return (position.array().abs() <= CloudRefiner::most_distant).all();
+  return (position.array().abs() <= CloudRefiner::max_coordinate).all();
 }
 
 // The indices of points at a position, each once, in rising order.

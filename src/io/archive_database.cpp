@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::int64_t kVersion = 1;
 
-constexpr std::size_t kLargestMeta = 1 << 24;
-constexpr std::size_t kLargestFrame = 1 << 16;
-constexpr std::size_t kLargestBlock = 1 << 21; // 512 records of 255 classes: 1.1 MB
+constexpr std::size_t kMaxMeta = 1 << 24;
+constexpr std::size_t kMaxFrame = 1 << 16;
+constexpr std::size_t kMaxBlock = 1 << 21; // 512 records of 255 classes: 1.1 MB
 
 const std::vector<std::string> tables = {
     "CREATE TABLE blocks(id INTEGER PRIMARY KEY, z INTEGER NOT NULL, y INTEGER NOT "
@@ -138,7 +138,7 @@ ArchiveDatabase::putMeta(const std::string& name, const Bytes& content)
   ByteWriter writer;
   writer.putText(name);
   writer.putBytes(content);
-  if (writer.bytes().size() > kLargestMeta)
+  if (writer.bytes().size() > kMaxMeta)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         path() << ": '" << name << "' is too large");
   const Bytes sealed = statements_->sealer.seal(writer.bytes());
@@ -159,7 +159,7 @@ ArchiveDatabase::getMeta(const std::string& name)
                         path() << ": is damaged: has no '" << name << "'");
   return readAt(path() + ": '" + name + "'", [&] {
     const std::string_view sealed = row.bytes(0);
-    const Bytes content = unseal(sealed.data(), sealed.size(), kLargestMeta);
+    const Bytes content = unseal(sealed.data(), sealed.size(), kMaxMeta);
     ByteReader reader(content);
     if (reader.getText() != name)
       PCL_THROW_EXCEPTION(BadInputException, "holds something else");
@@ -200,7 +200,7 @@ ArchiveDatabase::forEachFrame(const std::function<void(int, const Bytes&)>& visi
     const std::int64_t number = row.integer(0);
     readAt(path() + ": frame " + std::to_string(number), [&] {
       const std::string_view sealed = row.bytes(1);
-      const Bytes content = unseal(sealed.data(), sealed.size(), kLargestFrame);
+      const Bytes content = unseal(sealed.data(), sealed.size(), kMaxFrame);
       ByteReader reader(content);
       if (reader.get<std::int64_t>() != number || int(number) != number)
         PCL_THROW_EXCEPTION(BadInputException, "holds another frame");
@@ -239,7 +239,7 @@ Bytes
 ArchiveDatabase::unsealBlock(const VoxelIndex& index, const Bytes& sealed) const
 {
   return readAt(path() + ": " + nameOfBlock(index),
-                [&] { return unseal(sealed.data(), sealed.size(), kLargestBlock); });
+                [&] { return unseal(sealed.data(), sealed.size(), kMaxBlock); });
 }
 
 VoxelIndex

@@ -29,7 +29,7 @@ namespace {
 // Fixed point of log-probabilities, so that sums do not depend on the order.
 constexpr double kLogScale = double(std::int64_t(1) << 40);
 
-constexpr std::uint32_t kLargestColourCount = 1u << 22; // as when pixels are fused
+constexpr std::uint32_t kMaxColourCount = 1u << 22; // as when pixels are fused
 
 // What one map knows of a voxel that it has hit.
 struct Source {
@@ -74,7 +74,7 @@ mergeRecords(const std::vector<Source>& sources)
     observations += record.observations;
     labels += record.label_observations;
   }
-  for (; colours > kLargestColourCount; colours /= 2)
+  for (; colours > kMaxColourCount; colours /= 2)
     for (std::uint64_t& sum : colour)
       sum /= 2;
   return {{saturate(colour[0]), saturate(colour[1]), saturate(colour[2])},

@@ -41,7 +41,7 @@ void
 finish(ClassStatistics& entry, std::size_t voxels, std::size_t columns, double size)
 {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  entry.share = voxels == 0 ? 0.0 : double(entry.voxels) / double(voxels);
+  entry.fraction = voxels == 0 ? 0.0 : double(entry.voxels) / double(voxels);
   entry.volume = double(entry.voxels) * size * size * size;
   entry.area = double(columns) * size * size;
   if (entry.voxels == 0)
@@ -84,12 +84,12 @@ writeClassStatistics(const std::string& path,
 {
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text << "label,class,voxels,share,volume_m3,area_m2,mean_z_m,lowest_z_m,"
+  text << "label,class,voxels,fraction,volume_m3,area_m2,mean_z_m,lowest_z_m,"
           "highest_z_m\n";
   for (const ClassStatistics& entry : statistics) {
     text << int(entry.label) << "," << fieldOf(label_set[entry.label].name) << ","
          << entry.voxels;
-    for (const double value : {entry.share, entry.volume, entry.area, entry.mean_z,
+    for (const double value : {entry.fraction, entry.volume, entry.area, entry.mean_z,
                                entry.lowest_z, entry.highest_z})
       text << "," << numberOf(value);
     text << "\n";

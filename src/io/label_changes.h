@@ -21,8 +21,8 @@ struct LabelChanges {
   std::size_t changed = 0;        ///< of those
   std::vector<LabelChange> kinds; ///< the most frequent first, then by numbers
 
-  std::size_t right = 0; ///< changed to the truth
-  std::size_t wrong = 0; ///< changed from the truth
+  std::size_t right = 0; ///< changed to the ground truth
+  std::size_t wrong = 0; ///< changed from the ground truth
 };
 
 /** \brief Counts where both labels are there and differ.

@@ -206,7 +206,7 @@ drawLabelSheet(const cv::Mat& image, const std::vector<NamedLabels>& labels,
       sheet.put(row, 1, shown, "image");
     else if (i == 0)
       sheet.put(row, 1, drawTruth(image, truth, label_set),
-                isSparse(truth) ? "truth, its pixels drawn larger" : "truth");
+                isSparse(truth) ? "ground truth, its pixels drawn larger" : "truth");
     else {
       const NamedLabels& before = labels[i - 1];
       sheet.put(

@@ -76,7 +76,7 @@ namespace {
 
 // More than this waiting for a commit goes into the open transaction, so that memory
 // stays flat. [bytes]
-constexpr std::size_t kMostPending = std::size_t(32) << 20;
+constexpr std::size_t kMaxPending = std::size_t(32) << 20;
 
 constexpr std::size_t kBlocksAtATime =
     256; // are read, and then unpacked by all threads
@@ -199,7 +199,7 @@ MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
     found->second = std::move(copy); // try_emplace left it alone
   }
   my.pending_bytes += bytes;
-  if (my.pending_bytes > kMostPending)
+  if (my.pending_bytes > kMaxPending)
     my.write([&] { my.writePending(); });
 }
 

@@ -24,7 +24,7 @@ struct TopViewGrid {
   TopViewGrid(const std::vector<VoxelIndex>& indices,
               const std::vector<Eigen::Vector2d>& path) // in voxels
   {
-    constexpr int smallest_side = 640, largest_side = 2400, margin = 3;
+    constexpr int smallest_side = 640, max_side = 2400, margin = 3;
     if (!indices.empty())
       low = high = indices.front();
     for (const VoxelIndex& index : indices) {
@@ -39,7 +39,7 @@ struct TopViewGrid {
     }
     const int side = (high - low).head<2>().maxCoeff() + 1;
     scale = std::clamp(smallest_side / side, 1, 8);
-    step = (side + largest_side - 1) / largest_side;
+    step = (side + max_side - 1) / max_side;
   }
 
   cv::Size

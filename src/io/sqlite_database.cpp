@@ -14,7 +14,7 @@ namespace pcl_semantic {
 namespace {
 
 // No row of ours is larger; a damaged file may claim so.
-constexpr int kLargestRow = 1 << 25;
+constexpr int kMaxRow = 1 << 25;
 
 // A reader may have to wait until a writer has found its feet; a second writer is
 // refused at once.
@@ -97,7 +97,7 @@ SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
     sqlite3_db_config(connection_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
     sqlite3_busy_timeout(connection_,
                          access == Access::read ? kReaderPatience : kWriterPatience);
-    sqlite3_limit(connection_, SQLITE_LIMIT_LENGTH, kLargestRow);
+    sqlite3_limit(connection_, SQLITE_LIMIT_LENGTH, kMaxRow);
     // SQLite opens what it may not write without a word.
     if (access != Access::read && sqlite3_db_readonly(connection_, "main") == 1)
       fail(SQLITE_READONLY);

@@ -207,7 +207,7 @@ VoxelColours
 changeColours(const VoxelScene& scene, const std::vector<Label>& before,
               const LabelSet& label_set)
 {
-  constexpr std::size_t most_kinds = 9;
+  constexpr std::size_t max_kinds = 9;
   const std::vector<Label> after = labelsOf(scene);
   const LabelChanges changes = countLabelChanges(before, after);
   VoxelColours result = classColours(scene, label_set);
@@ -217,7 +217,7 @@ changeColours(const VoxelScene& scene, const std::vector<Label>& before,
       result.colours[i] = grey_of_unchanged;
   result.legend.clear();
   std::size_t named = 0;
-  for (std::size_t i = 0; i < std::min(most_kinds, changes.kinds.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(max_kinds, changes.kinds.size()); ++i) {
     const LabelChange& kind = changes.kinds[i];
     result.legend.push_back({label_set[kind.from].name + " > " +
                                  label_set[kind.to].name + " " + grouped(kind.count),

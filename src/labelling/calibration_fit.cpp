@@ -85,9 +85,10 @@ CalibrationSamples::validate() const
                                                          << ", expected more than 0");
   for (const Label label : truth)
     if (label > network.classes())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "calibration: truth " << int(label) << " of "
-                                                << network.classes() << " classes");
+      PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: ground truth "
+                                                         << int(label) << " of "
+                                                         << network.classes()
+                                                         << " classes");
 }
 
 void
@@ -219,8 +220,8 @@ rowOf(const CalibrationOptions& options, const PointFeatures& features)
   for (const auto& [feature, knots] : options.curves) {
     const CurvePosition position = positionOn(knots, features[feature]);
     if (position.first >= 0) {
-      row.add(first + position.first, 1.0 - position.share);
-      row.add(first + position.first + 1, position.share);
+      row.add(first + position.first, 1.0 - position.fraction);
+      row.add(first + position.first + 1, position.fraction);
     }
     first += int(knots.size());
   }
@@ -355,7 +356,7 @@ fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& opti
   samples.validate();
   if (classesOf(samples).size() < 2)
     PCL_THROW_EXCEPTION(BadInputException,
-                        "calibration: expected truth of two classes or more");
+                        "calibration: expected ground truth of two classes or more");
   const Likelihood likelihood(samples, options);
   Eigen::VectorXd start = Eigen::VectorXd::Zero(likelihood.size());
   start[0] = 1.0;

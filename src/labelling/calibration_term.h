@@ -11,7 +11,7 @@ namespace pcl_semantic {
 /** \brief The two knots a value lies between, and how near it is to the second. */
 struct CurvePosition {
   int first = -1; ///< -1: not known, no curve
-  float share = 0.0f;
+  float fraction = 0.0f;
 };
 
 /** \brief Whether there are two or more, and they rise. */
@@ -41,7 +41,7 @@ inline void
 clampedLog(const float* distribution, int classes, float* logs)
 {
   for (int l = 0; l < classes; ++l)
-    logs[l] = std::log(std::max(distribution[l], kLeastProbability));
+    logs[l] = std::log(std::max(distribution[l], kMinProbability));
 }
 
 /** \brief Whether each feature of a list of curves or knots comes once, in order. */

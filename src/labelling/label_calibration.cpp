@@ -14,12 +14,12 @@ namespace pcl_semantic {
 namespace {
 
 // Of values in logarithms: sums of them, times a logarithm, are finite.
-constexpr float largest_value = 1e6f;
+constexpr float max_value = 1e6f;
 
 bool
 areSmall(const Eigen::Ref<const Eigen::MatrixXf>& values)
 {
-  return (values.array().abs() <= largest_value).all(); // false for NaN
+  return (values.array().abs() <= max_value).all(); // false for NaN
 }
 
 void
@@ -60,15 +60,15 @@ public:
     for (const ClassCurves& curves : calibration_.curves) {
       const CurvePosition position = positionOn(curves.knots, features[curves.feature]);
       if (position.first >= 0)
-        logs_ += (1.0f - position.share) * curves.values.col(position.first) +
-                 position.share * curves.values.col(position.first + 1);
+        logs_ += (1.0f - position.fraction) * curves.values.col(position.first) +
+                 position.fraction * curves.values.col(position.first + 1);
     }
-    shareOut(sum - kept, distribution);
+    distribute(sum - kept, distribution);
   }
 
 private:
   void
-  shareOut(float mass, float* distribution)
+  distribute(float mass, float* distribution)
   {
     const int classes = calibration_.classes();
     float largest = -std::numeric_limits<float>::infinity(), total = 0.0f;
@@ -102,7 +102,7 @@ void
 LabelCalibration::validate() const
 {
   if (bias.size() != classes() || !areSmall(bias) ||
-      !(sharpness >= 0.0f && sharpness <= largest_value))
+      !(sharpness >= 0.0f && sharpness <= max_value))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "calibration: expected a bias for each of "
                             << classes()

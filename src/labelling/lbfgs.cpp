@@ -18,17 +18,18 @@ Eigen::VectorXd
 directionOf(const std::deque<Step>& steps, const Eigen::VectorXd& gradient)
 {
   Eigen::VectorXd direction = gradient;
-  std::vector<double> shares(steps.size());
+  std::vector<double> fractions(steps.size());
   for (std::size_t i = steps.size(); i-- > 0;) {
-    shares[i] = steps[i].move.dot(direction) / steps[i].move.dot(steps[i].change);
-    direction -= shares[i] * steps[i].change;
+    fractions[i] = steps[i].move.dot(direction) / steps[i].move.dot(steps[i].change);
+    direction -= fractions[i] * steps[i].change;
   }
   if (!steps.empty())
     direction *=
         steps.back().move.dot(steps.back().change) / steps.back().change.squaredNorm();
   for (std::size_t i = 0; i < steps.size(); ++i)
-    direction += steps[i].move * (shares[i] - steps[i].change.dot(direction) /
-                                                  steps[i].move.dot(steps[i].change));
+    direction +=
+        steps[i].move * (fractions[i] - steps[i].change.dot(direction) /
+                                            steps[i].move.dot(steps[i].change));
   return direction;
 }
 
@@ -39,7 +40,7 @@ minimizeConvex(
     const std::function<double(const Eigen::VectorXd&, Eigen::VectorXd&)>& function,
     Eigen::VectorXd position, int iterations, double tolerance)
 {
-  constexpr double decrease = 1e-4; // share of what the slope promises
+  constexpr double decrease = 1e-4; // fraction of what the slope promises
   Eigen::VectorXd gradient(position.size()), next_gradient(position.size());
   double value = function(position, gradient);
   std::deque<Step> steps;

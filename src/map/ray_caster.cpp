@@ -15,7 +15,7 @@ namespace pcl_semantic {
 namespace {
 
 // Further away nothing can be meant; it also keeps the arithmetic exact [m].
-constexpr float largest_reach = 1e6f;
+constexpr float max_reach = 1e6f;
 
 // The largest coordinate of a point; NaN if one is.
 float
@@ -35,13 +35,13 @@ bool
 hasDeviation(const Scan& scan, std::size_t i)
 {
   return !scan.deviations ||
-         ((*scan.deviations)[i] >= 0.0f && (*scan.deviations)[i] < largest_reach);
+         ((*scan.deviations)[i] >= 0.0f && (*scan.deviations)[i] < max_reach);
 }
 
-// The share of a ray that is certainly free: nothing is cleared within two deviations
-// of its end.
+// The fraction of a ray that is certainly free: nothing is cleared within two
+// deviations of its end.
 double
-clearShare(const Scan& scan, std::size_t i)
+freeFraction(const Scan& scan, std::size_t i)
 {
   if (!scan.deviations)
     return 1.0;
@@ -96,7 +96,7 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   for (std::size_t i = begin; i < end; ++i) {
     const Eigen::Vector3f point = scan.points[i];
     const float reach = reachOf(point);
-    if (!(reach < largest_reach) || !hasDeviation(scan, i)) { // or NaN
+    if (!(reach < max_reach) || !hasDeviation(scan, i)) { // or NaN
       ++part.invalid;
       continue;
     }
@@ -109,8 +109,8 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     batch.x[k] = point.x();
     batch.y[k] = point.y();
     batch.z[k] = point.z();
-    batch.share[k] =
-        std::min(reach <= range ? 1.0 : double(range / reach), clearShare(scan, i));
+    batch.fraction[k] =
+        std::min(reach <= range ? 1.0 : double(range / reach), freeFraction(scan, i));
     batch.in_range[k] = reach <= range;
     if (batch.count == kernels::RayBatch::capacity)
       addRays(scan, T_world_sensor, settings, batch, part);
@@ -132,7 +132,7 @@ RayCaster::addRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     ++part.next[part.rays.back().tile];
     if (!batch.in_range[k])
       continue;
-    const bool whole = batch.share[k] == 1.0;
+    const bool whole = batch.fraction[k] == 1.0;
     const VoxelIndex voxel =
         whole ? VoxelIndex(start_voxel + VoxelIndex(batch.cell[0][k], batch.cell[1][k],
                                                     batch.cell[2][k]))
@@ -252,7 +252,8 @@ std::size_t
 RayCaster::memory() const
 {
   const auto bytes = [](const auto& values) {
-    return values.capacity() * sizeof(values[0]);
+    return values.capacity() *
+           sizeof(typename std::decay_t<decltype(values)>::value_type);
   };
   std::size_t sum = crossed_.memory() + bytes(ends_) + bytes(parts_) + bytes(rays_) +
                     bytes(hits_) + bytes(first_hit_) + bytes(hit_count_) +

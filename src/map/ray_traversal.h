@@ -112,8 +112,8 @@ traverseSegmentFrom(const QuantizedPoint& from, const QuantizedPoint& to, int ax
 {
   const QuantizedPoint delta = to - from;
   // Twice the product of the extents and one more edge has to fit.
-  constexpr std::int64_t largest_short = std::int64_t(1) << 20;
-  if ((delta.array().abs() < largest_short).all())
+  constexpr std::int64_t max_short = std::int64_t(1) << 20;
+  if ((delta.array().abs() < max_short).all())
     return detail::traverse<std::int64_t>(from, delta, axis, slab, visit);
   return detail::traverse<detail::Int128>(from, delta, axis, slab, visit);
 }

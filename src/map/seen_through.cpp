@@ -113,7 +113,7 @@ countBeyond(const Cloud& cloud, const PixelBox& pixels, float depth)
 
 void
 check(const Cloud& cloud, const StereoCamera& camera,
-      const Eigen::Isometry3d& T_world_camera, double voxel_size, double share)
+      const Eigen::Isometry3d& T_world_camera, double voxel_size, double fraction)
 {
   if (int(cloud.width) != camera.width || int(cloud.height) != camera.height)
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -123,9 +123,9 @@ check(const Cloud& cloud, const StereoCamera& camera,
   if (!(voxel_size > 0.0 && std::isfinite(voxel_size)))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "voxel_size is " << voxel_size << ", expected more than 0");
-  if (!(share >= 0.0 && share <= 1.0))
+  if (!(fraction >= 0.0 && fraction <= 1.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "share is " << share << ", expected 0 to 1");
+                        "fraction is " << fraction << ", expected 0 to 1");
   if (!T_world_camera.matrix().allFinite())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "the pose of the camera is not finite");
@@ -136,9 +136,9 @@ check(const Cloud& cloud, const StereoCamera& camera,
 std::size_t
 eraseSeenThrough(Cloud& cloud, const StereoCamera& camera,
                  const Eigen::Isometry3d& T_world_camera, double voxel_size,
-                 double share)
+                 double fraction)
 {
-  check(cloud, camera, T_world_camera, voxel_size, share);
+  check(cloud, camera, T_world_camera, voxel_size, fraction);
   const HitVoxels hit = findHitVoxels(cloud, T_world_camera, voxel_size);
   const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
   std::vector<std::uint8_t> is_seen_through(hit.voxels.size());
@@ -151,7 +151,7 @@ eraseSeenThrough(Cloud& cloud, const StereoCamera& camera,
     const double z = (T_camera_world * centre).z();
     const double gap = smallest_gap + z * voxel_size / sensor_height;
     const int beyond = countBeyond(cloud, pixels, float(z + gap));
-    is_seen_through[k] = hit.points[k] < share * (hit.points[k] + beyond);
+    is_seen_through[k] = hit.points[k] < fraction * (hit.points[k] + beyond);
   }
   std::size_t erased = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i)

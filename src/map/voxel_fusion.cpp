@@ -106,9 +106,9 @@ VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
 {
   ++record.observations;
   // Halving sums and count keeps the mean, and makes room long before 32 bits are full.
-  constexpr std::uint32_t largest_count = 1u << 22;
+  constexpr std::uint32_t max_count = 1u << 22;
   const auto halve = [](auto& sums, std::uint32_t& count) {
-    for (; count > largest_count; count /= 2)
+    for (; count > max_count; count /= 2)
       for (auto& sum : sums)
         sum /= 2;
   };

@@ -84,8 +84,9 @@ PoseRansac::bestOfSamples(const std::vector<PoseMeasurement>& measurements,
       best = pose;
     }
     // Enough when a sample without outliers has been drawn with near certainty.
-    const double share = double(most) / double(n);
-    if (most > 0 && trial + 1 >= std::log(1e-4) / std::log1p(-share * share * share))
+    const double fraction = double(most) / double(n);
+    if (most > 0 &&
+        trial + 1 >= std::log(1e-4) / std::log1p(-fraction * fraction * fraction))
       break;
   }
   return best;

@@ -73,9 +73,9 @@ using namespace odometry;
 
 namespace {
 
-constexpr double kUsualStep = 0.1;       // where times do not tell [s]
-constexpr double kLeastShare = 0.3;      // of the tracks that have to agree with a pose
-constexpr double kLeastDisparity = 0.01; // of a point at infinity [px]
+constexpr double kUsualStep = 0.1;      // where times do not tell [s]
+constexpr double kMinInlierRatio = 0.3; // of the tracks that have to agree with a pose
+constexpr double kMinDisparity = 0.01;  // of a point at infinity [px]
 
 Eigen::Vector3d
 measurementOf(const StereoFeature& feature)
@@ -226,7 +226,7 @@ StereoOdometry::Engine::tryFrom(const Eigen::Isometry3d& guess)
       PoseRansac(camera_, noise_).estimate(measurements, pose);
   const int agreeing = int(std::count(inliers.begin(), inliers.end(), 1));
   result_.tracked = std::max(result_.tracked, tracked);
-  if (agreeing < parameters_.minimum_inliers || agreeing < kLeastShare * tracked ||
+  if (agreeing < parameters_.minimum_inliers || agreeing < kMinInlierRatio * tracked ||
       agreeing < result_.inliers)
     return false;
   result_.inliers = agreeing;
@@ -317,7 +317,7 @@ StereoOdometry::Engine::addTracks()
     FeatureTrack track;
     const Eigen::Vector3d uvd = measurementOf(feature);
     track.position.ray = camera_.unproject(uvd.x(), uvd.y(), 1.0);
-    track.position.inverse_depth = std::max(uvd.z() - window_.offset, kLeastDisparity) /
+    track.position.inverse_depth = std::max(uvd.z() - window_.offset, kMinDisparity) /
                                    (camera_.fx * camera_.baseline);
     track.anchor = count_;
     track.T_world_anchor = T_camera_first_.inverse();

@@ -9,10 +9,10 @@ namespace pcl_semantic::odometry {
 
 namespace {
 
-constexpr double kHuber = 2.0;         // whitened length from which cost grows linearly
-constexpr double kNearest = 1e-3;      // z of a scaled point in front of the camera
-constexpr double kBehindCost = 1e6;    // of a point behind the camera
-constexpr double kLeastInverse = 1e-6; // inverse depth of what is at infinity [1/m]
+constexpr double kHuber = 2.0;       // whitened length from which cost grows linearly
+constexpr double kNearest = 1e-3;    // z of a scaled point in front of the camera
+constexpr double kBehindCost = 1e6;  // of a point behind the camera
+constexpr double kMinInverse = 1e-6; // inverse depth of what is at infinity [1/m]
 
 struct Robust {
   double cost = 0.0;
@@ -205,7 +205,7 @@ WindowAdjustment::reduce(const System& system, double damping,
     if (a >= 0)
       blocks.emplace_back(a, anchor);
     const double inverse = 1.0 / (system.point_H[i] * (1.0 + damping));
-    const double offset_share = inverse * system.point_offset[i];
+    const double offset_fraction = inverse * system.point_offset[i];
     for (const auto& [row, left] : blocks) {
       const Vector6d scaled = inverse * left;
       right.segment<6>(row) -= system.point_b[i] * scaled;
@@ -214,8 +214,8 @@ WindowAdjustment::reduce(const System& system, double damping,
         if (row <= column)
           H.block<6, 6>(row, column).noalias() -= scaled * other.transpose();
     }
-    H(o, o) -= offset_share * system.point_offset[i];
-    right(o) -= offset_share * system.point_b[i];
+    H(o, o) -= offset_fraction * system.point_offset[i];
+    right(o) -= offset_fraction * system.point_b[i];
   }
   return H;
 }
@@ -237,7 +237,7 @@ WindowAdjustment::step(const System& system, double damping,
     }
     double& inverse_depth = points[i].position.inverse_depth;
     inverse_depth += right / (system.point_H[i] * (1.0 + damping));
-    inverse_depth = std::max(inverse_depth, kLeastInverse);
+    inverse_depth = std::max(inverse_depth, kMinInverse);
   }
   offset += offset_step;
   for (std::size_t f = 0; f < frames.size(); ++f)

@@ -76,9 +76,9 @@ CalibrationSequence::readTruth()
     has_truth = true;
   }
   if (!has_truth)
-    PCL_THROW_EXCEPTION(BadInputException, folders_.truth
-                                               << ": has no truth image of a frame of "
-                                               << folders_.sequence);
+    PCL_THROW_EXCEPTION(BadInputException,
+                        folders_.truth << ": has no ground truth image of a frame of "
+                                       << folders_.sequence);
 }
 
 std::unique_ptr<LabelPredictor>
@@ -97,7 +97,7 @@ CalibrationSequence::makePoses() const
 
 namespace {
 
-// Columns of the pixels that have truth.
+// Columns of the pixels that have ground truth.
 void
 appendSamples(const cv::Mat& truth, const LabelDistributions& network,
               const std::vector<PointFeatures>& features, CalibrationSamples& samples)
@@ -219,7 +219,8 @@ cliquesOfVoxels(const std::vector<pcl::PointIndices>& cliques, std::size_t voxel
   return numbers;
 }
 
-// The voxels that each pixel of truth meets, at its own depth and as the map is seen.
+// The voxels that each pixel of ground truth meets, at its own depth and as the map is
+// seen.
 std::vector<std::pair<Label, std::int32_t>>
 voxelsWithTruth(const MappedFrame& mapped, const StereoCamera& camera,
                 const cv::Mat& truth, double max_depth)
@@ -276,9 +277,8 @@ cliqueSamples(const CalibrationSequence& sequence, const MapperConfig& config,
 {
   MapperConfig plain = config;
   plain.crf = "none";
-  SemanticMapper mapper(sequence.camera(), label_set, plain,
-                        sequence.makePredictor(plain.label_confidence),
-                        sequence.makePoses());
+  SemanticMapper mapper(label_set, plain, sequence.makePoses(), sequence.camera(),
+                        sequence.makePredictor(plain.label_confidence));
   if (!sequence.calibration().empty())
     mapper.setLabelCalibration(readCalibration(sequence.calibration(), label_set));
   MapCliques map_cliques(plain, label_set);

@@ -28,7 +28,7 @@ geometricMean(const LabelDistributions& measured, const pcl::Indices& members)
     const double total = column.sum();
     if (!(total > 0.0))
       continue;
-    sum += (column / total).max(double(kLeastProbability)).log();
+    sum += (column / total).max(double(kMinProbability)).log();
     ++count;
   }
   if (count == 0)

@@ -27,7 +27,7 @@ struct GroundView {
 /** \brief What is known of cliques, a column or an entry each, in the form that a
  * LabelCalibration takes. */
 struct CliqueEvidence {
-  /// Geometric means of the members' measurements, each clamped at kLeastProbability;
+  /// Geometric means of the members' measurements, each clamped at kMinProbability;
   /// zero for cliques whose members have none.
   LabelDistributions distributions;
   /// Of the members' mean position, height, distance and side; levelness of their best

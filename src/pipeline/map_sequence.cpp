@@ -26,8 +26,8 @@ mapSequence(const FrameSequence& sequence, const LabelSet& label_set,
 {
   std::unique_ptr<PoseSource> poses = posesOf(sequence);
   poses->requirePoses(frameTimes(sequence, selectFrames(sequence, FrameRange())));
-  SemanticMapper mapper(sequence.camera(), label_set, config, std::move(predictor),
-                        std::move(poses));
+  SemanticMapper mapper(label_set, config, std::move(poses), sequence.camera(),
+                        std::move(predictor));
   for (std::size_t i = 0; i < sequence.size(); ++i)
     mapper.process(sequence.frame(i));
   mapper.finish();

@@ -27,12 +27,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Value below which a share of the sorted values lies.
+// Value below which a fraction of the sorted values lies.
 double
-quantile(std::vector<double> values, double share)
+quantile(std::vector<double> values, double fraction)
 {
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * double(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(fraction * double(values.size() - 1) + 0.5)];
 }
 
 cv::Mat

@@ -39,31 +39,25 @@ requireNothingOfStereo(const MapperConfig& config, bool has_camera)
 
 } // namespace
 
-SemanticMapper::SemanticMapper(const StereoCamera& camera, const LabelSet& label_set,
-                               MapperConfig config,
-                               std::unique_ptr<LabelPredictor> predictor,
+SemanticMapper::SemanticMapper(const LabelSet& label_set, MapperConfig config,
                                std::unique_ptr<PoseSource> poses,
+                               const std::optional<StereoCamera>& camera,
+                               std::unique_ptr<LabelPredictor> predictor,
                                std::shared_ptr<BlockStore> store)
     : camera_(camera), config_(validated(std::move(config))),
-      stereo_(makeDisparityEstimator(config_.stereo, config_.disparities)),
       predictor_(std::move(predictor)), poses_(std::move(poses)),
-      map_(label_set, config_.map, std::move(store)),
-      cliques_(std::make_unique<MapCliques>(config_, label_set))
-{
-  camera_->validate();
-}
-
-SemanticMapper::SemanticMapper(const std::optional<StereoCamera>& camera,
-                               const LabelSet& label_set, MapperConfig config,
-                               std::unique_ptr<PoseSource> poses,
-                               std::shared_ptr<BlockStore> store)
-    : camera_(camera), config_(validated(std::move(config))), poses_(std::move(poses)),
       map_(label_set, config_.map, std::move(store)),
       cliques_(std::make_unique<MapCliques>(config_, label_set))
 {
   if (camera_)
     camera_->validate();
-  requireNothingOfStereo(config_, camera_.has_value());
+  if (!predictor_)
+    requireNothingOfStereo(config_, camera_.has_value());
+  else if (camera_)
+    stereo_ = makeDisparityEstimator(config_.stereo, config_.disparities);
+  else
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "stereo pairs, which a predictor is for, need their camera");
 }
 
 SemanticMapper::~SemanticMapper() = default;
@@ -131,7 +125,7 @@ SemanticMapper::process(const SensorFrame& frame)
 void
 SemanticMapper::readPair(const StereoFrame& frame, MappedFrame& mapped)
 {
-  if (!stereo_ || !predictor_)
+  if (!stereo_)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "this mapper was made for clouds alone");
   StageTimes& times = mapped.times;

@@ -172,7 +172,7 @@ smoothDisparity(int radius, int range, cv::Mat& disparity)
     // Of one row, with a margin that holds nothing.
     std::vector<std::int16_t> row(std::size_t(width + 2 * radius),
                                   kernels::no_disparity);
-    const std::int16_t* neighbours[2 * kernels::largest_smoothing + 1];
+    const std::int16_t* neighbours[2 * kernels::max_smoothing + 1];
 #pragma omp for schedule(static)
     for (int v = 0; v < disparity.rows; ++v) {
       for (int i = 0; i < taps; ++i)

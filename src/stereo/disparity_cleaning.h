@@ -17,7 +17,7 @@ void removeSmallSegments(int size, int range, cv::Mat& disparity);
 /** \brief Replaces every disparity by the mean of those along the column, then along
  * the row, that differ from it by no more than \a range: planes stay as they are.
  * \param[in,out] disparity CV_16SC1; below 0 = none, stays
- * \param[in] radius of the line [px], up to kernels::largest_smoothing */
+ * \param[in] radius of the line [px], up to kernels::max_smoothing */
 void smoothDisparity(int radius, int range, cv::Mat& disparity);
 
 /** \brief Fills what lies between two pixels of a row: on a line from one to the other

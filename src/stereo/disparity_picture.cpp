@@ -14,9 +14,9 @@ drawDisparity(const cv::Mat& disparity, double nearest)
                         "drawDisparity: expected an image of floats and a disparity "
                         "of more than 0");
   // The root, so that the far half of a street is not all of one colour.
-  cv::Mat share, levels, picture;
-  cv::sqrt(cv::max(disparity, 0.0) / nearest, share);
-  share.convertTo(levels, CV_8UC1, 255.0);
+  cv::Mat fraction, levels, picture;
+  cv::sqrt(cv::max(disparity, 0.0) / nearest, fraction);
+  fraction.convertTo(levels, CV_8UC1, 255.0);
   cv::applyColorMap(levels, picture, cv::COLORMAP_TURBO);
   picture.setTo(cv::Scalar::all(0), ~(disparity > 0.0));
   return picture;

@@ -94,12 +94,12 @@ distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
     PCL_THROW_EXCEPTION(BadInputException,
                         "the deviations of the disparities are no 32-bit image of "
                             << cloud.width << " x " << cloud.height << " pixels");
-  const float share = float(scale / (camera.fx * camera.baseline));
+  const float fraction = float(scale / (camera.fx * camera.baseline));
   std::vector<float> deviations(cloud.size(), 0.0f);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud[i].getVector3fMap().allFinite())
       deviations[i] =
-          cloud[i].getVector3fMap().norm() * cloud[i].z * share *
+          cloud[i].getVector3fMap().norm() * cloud[i].z * fraction *
           disparity_deviation.at<float>(int(i / cloud.width), int(i % cloud.width));
   return deviations;
 }

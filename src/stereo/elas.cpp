@@ -54,7 +54,7 @@ private:
 namespace {
 
 constexpr int steps = kernels::disparity_steps;
-constexpr double largest_energy = 8192.0; // well below that of no candidate
+constexpr double max_energy = 8192.0; // well below that of no candidate
 
 /** \brief -log(gamma + likeness) in units of a descriptor's distance, 0 at best. */
 std::uint16_t
@@ -63,7 +63,7 @@ priorEnergy(const Elas::Parameters& parameters, double likeness)
   const double energy =
       std::log((parameters.gamma + 1.0) / (parameters.gamma + likeness)) /
       parameters.beta;
-  return std::uint16_t(std::lround(std::min(energy, largest_energy)));
+  return std::uint16_t(std::lround(std::min(energy, max_energy)));
 }
 
 /** \brief MatchRow::prior. */

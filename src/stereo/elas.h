@@ -37,7 +37,7 @@ public:
     double support_tolerance = 1.0; ///< between its two images [px]
     int support_neighbours = 2;     ///< so many within 25 px have to be like it
     double beta = 0.06;             ///< weight of a grey level of gradient
-    double gamma = 0.5;             ///< share of what is far from the plane
+    double gamma = 0.5;             ///< fraction of what is far from the plane
     double sigma = 1.0;             ///< of the prior around the plane [px]
     double left_right_tolerance = 0.6; ///< between the images' disparities [px]
     int speckle_size = 200;       ///< smaller segments are dropped [px]; 0 keeps all

@@ -10,9 +10,9 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr std::size_t least_points = 200;
-constexpr std::size_t most_points = 20000; // more do not sharpen it
-constexpr double scale = 0.05;             // of the Cauchy weights [m]
+constexpr std::size_t min_points = 200;
+constexpr std::size_t max_points = 20000; // more do not sharpen it
+constexpr double scale = 0.05;            // of the Cauchy weights [m]
 constexpr int rounds = 15;
 
 std::vector<Eigen::Vector3d>
@@ -23,9 +23,9 @@ groundPoints(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (is_ground[i] && cloud[i].z < max_distance) // false for NaN
       points.push_back(cloud[i].getVector3fMap().cast<double>());
-  if (points.size() <= most_points)
+  if (points.size() <= max_points)
     return points;
-  const std::size_t step = (points.size() + most_points - 1) / most_points;
+  const std::size_t step = (points.size() + max_points - 1) / max_points;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); i += step)
     points[kept++] = points[i];
@@ -75,7 +75,7 @@ fitGroundPlane(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                                          << cloud.size() << " points");
   const std::vector<Eigen::Vector3d> points =
       groundPoints(cloud, is_ground, max_distance);
-  if (points.size() < least_points)
+  if (points.size() < min_points)
     return std::nullopt;
   Eigen::Vector3d plane = levelAtMedian(points);
   for (int round = 0; round < rounds; ++round)

@@ -23,14 +23,14 @@ constexpr int block_width = 16;    // [px of the reduced image], as all that fol
 constexpr int block_height = 8;
 constexpr int grid_columns = 20;
 constexpr int grid_rows = 10;
-constexpr int range_share = 8;     // disparities up to the width by this
-constexpr int least_gradient = 3;  // of a textured block, on average
-constexpr int least_disparity = 2; // below, a point may be far or badly rectified
+constexpr int range_fraction = 8; // disparities up to the width by this
+constexpr int min_gradient = 3;   // of a textured block, on average
+constexpr int min_disparity = 2;  // below, a point may be far or badly rectified
 
 // What separates the pairs of doc/stereo.md, in the middle of wide gaps.
 constexpr double blank_contrast = 2.0;
-constexpr double alike_share = 0.4;
-constexpr double matched_share = 0.03;
+constexpr double alike_fraction = 0.4;
+constexpr double matched_fraction = 0.03;
 constexpr int enough_matches = 12;
 constexpr int enough_textured = 60;
 
@@ -98,7 +98,7 @@ isTextured(const Bands& gradient, int u, int v)
   for (int row = v; row < v + block_height; ++row)
     for (int i = 0; i < block_width; ++i)
       sum += std::abs(gradient[row][u + i] - 128);
-  return sum >= least_gradient * block_width * block_height;
+  return sum >= min_gradient * block_width * block_height;
 }
 
 int
@@ -123,10 +123,10 @@ struct BlockMatch {
 BlockMatch
 findBlock(const Bands& from, const Bands& to, int u, int v)
 {
-  const int range = to.cols / range_share;
+  const int range = to.cols / range_fraction;
   const int first = std::max(0, u - range);
   const int last = std::min(to.cols - block_width, u + range);
-  int costs[2 * 1024 / range_share + 1];
+  int costs[2 * 1024 / range_fraction + 1];
   const int count = last - first + 1;
   double sum = 0.0;
   for (int i = 0; i < count; ++i)
@@ -142,7 +142,7 @@ findBlock(const Bands& from, const Bands& to, int u, int v)
 void
 countMatches(const Bands& left, const Bands& right, PairEvidence& evidence)
 {
-  const int range = left.cols / range_share;
+  const int range = left.cols / range_fraction;
   // Both directions have all their positions in the image.
   const int columns = left.cols - 2 * range - block_width;
   for (int j = 0; j < grid_rows * grid_columns && columns > 0; ++j) {
@@ -159,8 +159,8 @@ countMatches(const Bands& left, const Bands& right, PairEvidence& evidence)
     if (!back.is_unique || std::abs(back.u - u) > 1)
       continue;
     ++evidence.matched;
-    evidence.forward += u - match.u >= least_disparity;
-    evidence.backward += match.u - u >= least_disparity;
+    evidence.forward += u - match.u >= min_disparity;
+    evidence.backward += match.u - u >= min_disparity;
   }
 }
 
@@ -180,13 +180,13 @@ PairEvidence::fault() const
   // not.
   const auto [low, high] = std::minmax(left_contrast, right_contrast);
   if (low < blank_contrast &&
-      (high > 2.0 * blank_contrast || alike <= alike_share * textured))
+      (high > 2.0 * blank_contrast || alike <= alike_fraction * textured))
     return PairFault::blank;
   if (is_identical)
     return PairFault::identical;
   // Repeated texture is alike in many positions, but matched nowhere.
-  if (textured >= enough_textured && alike < alike_share * textured &&
-      matched < matched_share * textured)
+  if (textured >= enough_textured && alike < alike_fraction * textured &&
+      matched < matched_fraction * textured)
     return PairFault::unrelated;
   if (backward >= enough_matches && backward > 4 * forward)
     return PairFault::swapped;

@@ -72,7 +72,7 @@ makeSlots(int count, int disparities)
   const std::size_t padding = kernels::slot_padding;
   const std::size_t size = std::size_t(disparities) + padding;
   std::vector<std::uint8_t> slots(padding + std::size_t(count) * size,
-                                  kernels::largest_path_cost);
+                                  kernels::max_path_cost);
   for (int i = 0; i < count; ++i)
     std::fill_n(slots.begin() + long(padding + std::size_t(i) * size), disparities,
                 std::uint8_t(0));

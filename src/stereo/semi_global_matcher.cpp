@@ -64,7 +64,7 @@ SemiGlobalMatcher::Parameters::validate() const
               disparities % kernels::disparity_block == 0,
           "disparities", disparities, "64, 128, 192 or 256");
   require(within(small_step, 1, 60), "small_step", small_step, "1 to 60");
-  // With the costs of a block it stays below kernels::largest_path_cost.
+  // With the costs of a block it stays below kernels::max_path_cost.
   require(large_step > small_step && large_step <= 140, "large_step", large_step,
           "more than small_step, at most 140");
   require(within(edge, 1, 255), "edge", edge, "1 to 255");

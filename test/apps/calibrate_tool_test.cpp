@@ -270,10 +270,10 @@ TEST(CalibrateToolUsage, BadInput)
             "calibrate STREET --output OUT --labels 'TEMP/x/{name}' --truth "
             "'{sequence}/gt'"},
            {"frames", 2, "expected A:B", all + "--frames 3"},
-           {"no such frames", 3, "has no truth image", all + "--frames 7:9"},
+           {"no such frames", 3, "has no ground truth image", all + "--frames 7:9"},
            {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
             all + "--clique-config STREET/c.yaml", calibration("crf: dense\n")},
-           {"one class", 3, "expected truth of two classes or more", all,
+           {"one class", 3, "expected ground truth of two classes or more", all,
             [](const std::string& street) {
               for (const char* const frame : {"000000", "000001", "000002"})
                 writePng(street + "/gt/" + frame + ".png",

@@ -134,7 +134,8 @@ TEST_F(EvaluateTool, CountsEachRangeByItself)
   expectFails(one + " --range 0:10 --truth-depth " + folder_.path("d2"), 3,
               "d2/000000.png");
   writeDepthImage(folder_.path("d1/000000.png"), cv::Mat1f(2, 2, 5.0f));
-  expectFails(with_depth + " --range 0:10", 3, "has 2 x 2 depths, the truth 3 x 2");
+  expectFails(with_depth + " --range 0:10", 3,
+              "has 2 x 2 depths, the ground truth 3 x 2");
 }
 
 TEST_F(EvaluateTool, TakesLabelsOfScans)
@@ -162,7 +163,7 @@ TEST_F(EvaluateTool, TakesLabelsOfScans)
   expectFails(raw, 3, "point 0 has class 40");
   writeScanLabels(folder_.path("p/000003.label"), {3, 3, 1});
   expectFails(raw + label_mapping, 3, "000003.label: has 20 bytes, expected 12");
-  expectFails(ours, 3, "has 3 x 1 pixels, the truth 5 x 1");
+  expectFails(ours, 3, "has 3 x 1 pixels, the ground truth 5 x 1");
 }
 
 TEST_F(EvaluateTool, RefusesBadInput)

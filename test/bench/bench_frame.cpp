@@ -123,8 +123,9 @@ mapAll(const Frames& data, MapperConfig config, const std::string& crf)
   config.crf = crf;
   config.cliques = "superpixel";
   SemanticMapper mapper(
-      data.camera, labelSet(), config, std::make_unique<KnownLabels>(data.labels),
-      std::make_unique<StereoOdometry>(data.camera, data.T_camera0_camera));
+      labelSet(), config,
+      std::make_unique<StereoOdometry>(data.camera, data.T_camera0_camera), data.camera,
+      std::make_unique<KnownLabels>(data.labels));
   std::map<std::string, std::vector<double>> seconds; // by the mapper's stages
   for (const StereoFrame& frame : data.frames) {
     const MappedFrame mapped = mapper.process(frame);

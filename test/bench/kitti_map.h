@@ -37,11 +37,12 @@ makeKittiMap(double max_depth)
   config.map.max_range = max_depth;
   config.map.fusion.miss_probability = 0.499; // all that was ever hit stays occupied
   SemanticMapper mapper(
-      sequence.camera(), label_set, config,
-      std::make_unique<NetworkPredictor>(
-          network, label_set, data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx"),
+      label_set, config,
       std::make_unique<TrajectoryPoses>(readKittiTrajectory(sequence.posesPath()),
-                                        sequence.T_camera0_camera()));
+                                        sequence.T_camera0_camera()),
+      sequence.camera(),
+      std::make_unique<NetworkPredictor>(
+          network, label_set, data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx"));
   for (std::size_t i = 0; i < sequence.size(); ++i)
     mapper.process(sequence.frame(i));
   return mapper.map().occupied();

@@ -184,7 +184,7 @@ TEST(TruncatedKernel, SameBitsInEveryTier)
       if (tier > simdTier())
         continue;
       const kernels::TruncatedSums& loops = kernels::truncatedSums(tier);
-      std::vector<float> sums(2 * kernels::most_points), results(4 * 32, 0.5f);
+      std::vector<float> sums(2 * kernels::max_points), results(4 * 32, 0.5f);
       std::vector<std::uint32_t> weights(4 * kernels::strideOf(27) / 2);
       loops.sumTerms(points, group, scratch.data(), sums.data(), weights.data());
       loops.makeWeights(points, group, scratch.data(), weights.data());

@@ -226,9 +226,9 @@ TEST(MapGeometry, ScoresOfSamples)
   EXPECT_NEAR(scores.mean, 0.6, 1e-6);
   EXPECT_NEAR(scores.median, 0.3, 1e-6);
   EXPECT_NEAR(scores.percentile_90, 2.0, 1e-6);
-  EXPECT_NEAR(scores.shares[0], 0.2, 1e-9);
-  EXPECT_NEAR(scores.shares[1], 0.4, 1e-9);
-  EXPECT_NEAR(scores.shares[2], 0.8, 1e-9);
+  EXPECT_NEAR(scores.fractions[0], 0.2, 1e-9);
+  EXPECT_NEAR(scores.fractions[1], 0.4, 1e-9);
+  EXPECT_NEAR(scores.fractions[2], 0.8, 1e-9);
   EXPECT_TRUE(std::isnan(scoreGeometry({}).mean));
 
   GeometrySamples both = samples;

@@ -59,7 +59,7 @@ TEST(ClassStatistics, EqualAPlainCount)
   writeClassStatistics(folder.path("a.csv"), countClasses(scene, label_set), label_set);
   const auto lines = readCsv(folder.path("a.csv"));
   ASSERT_EQ(lines.size(), 6u);
-  EXPECT_EQ(lines[0], (std::vector<std::string>{"label", "class", "voxels", "share",
+  EXPECT_EQ(lines[0], (std::vector<std::string>{"label", "class", "voxels", "fraction",
                                                 "volume_m3", "area_m2", "mean_z_m",
                                                 "lowest_z_m", "highest_z_m"}));
   for (int label = 0; label <= 3; ++label) {

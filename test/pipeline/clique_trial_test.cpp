@@ -58,9 +58,8 @@ TEST_F(CliqueTrialStreet, ASampleForEachClassOfACliqueWithTheNumberOfItsPixels)
   const CalibrationSamples samples = cliqueSamples(*street, config, label_set, ground);
   EXPECT_EQ(samples.of, "cliques");
 
-  SemanticMapper mapper(street->camera(), label_set, config,
-                        street->makePredictor(config.label_confidence),
-                        street->makePoses());
+  SemanticMapper mapper(label_set, config, street->makePoses(), street->camera(),
+                        street->makePredictor(config.label_confidence));
   MapCliques map_cliques(config, label_set);
   map_cliques.setGround(ground);
   std::size_t s = 0;

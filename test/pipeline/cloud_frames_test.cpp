@@ -33,8 +33,9 @@ protected:
     for (const StreetScan& scan : scans_)
       poses.push_back(worldFromFirstCamera().inverse() * scan.T_world_camera);
     return std::make_unique<SemanticMapper>(
-        camera, label_set_, config_,
-        std::make_unique<TrajectoryPoses>(poses, Eigen::Isometry3d::Identity()));
+        label_set_, config_,
+        std::make_unique<TrajectoryPoses>(poses, Eigen::Isometry3d::Identity()),
+        camera);
   }
 
   CloudFrame

@@ -94,9 +94,9 @@ TEST(MapSequence, IsTheMapperOverAllFrames)
   int calls = 0;
   const VoxelCloud voxels = mapOf(street, calls);
   EXPECT_EQ(calls, 3);
-  SemanticMapper mapper(street.camera(), elevenClasses(), coarse(),
-                        std::make_unique<StreetLabels>(street, calls),
-                        readPoses(street.posesPath(), street.T_camera0_camera()));
+  SemanticMapper mapper(elevenClasses(), coarse(),
+                        readPoses(street.posesPath(), street.T_camera0_camera()),
+                        street.camera(), std::make_unique<StreetLabels>(street, calls));
   for (std::size_t i = 0; i < 3; ++i)
     mapper.process(street.frame(i));
   mapper.finish();

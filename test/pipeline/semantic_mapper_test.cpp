@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
@@ -76,10 +77,9 @@ protected:
   makeMapper(const MapperConfig& config)
   {
     return SemanticMapper(
-        renderer_->camera(),
         readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"), config,
-        std::make_unique<StreetLabels>(views_),
-        std::make_unique<StreetPoses>(*renderer_));
+        std::make_unique<StreetPoses>(*renderer_), renderer_->camera(),
+        std::make_unique<StreetLabels>(views_));
   }
 
   static StereoFrame
@@ -103,6 +103,18 @@ meanIoU(const cv::Mat& prediction, const cv::Mat& truth, const cv::Mat& covered_
   masked_truth.setTo(0, covered_by == 0);
   confusion.add(masked_truth, prediction);
   return computeScores(confusion, {1, 3, 4, 5, 6, 9, 10, 11}).mean.iou_exclusive;
+}
+
+TEST_F(Street, PairsNeedTheirCamera)
+{
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([] {
+              SemanticMapper(
+                  readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"),
+                  MapperConfig(), std::make_unique<StreetPoses>(*renderer_),
+                  std::nullopt, std::make_unique<StreetLabels>(views_));
+            }),
+            "need their camera"));
 }
 
 TEST_F(Street, TheMapLabelsBetterThanTheNetwork)

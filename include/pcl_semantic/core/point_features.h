@@ -20,8 +20,8 @@ enum class Feature {
   lowest,     ///< height of the lowest member of a clique [m]
   extent,     ///< from the lowest member of a clique to the highest [m]
   brightness, ///< mean of red, green and blue, 0 to 1
-  red,        ///< share of red in the sum of red, green and blue
-  green,      ///< share of green likewise
+  red,        ///< fraction of red in the sum of red, green and blue
+  green,      ///< fraction of green likewise
 };
 
 /// Names of features, in their order.

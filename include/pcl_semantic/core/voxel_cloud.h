@@ -17,7 +17,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * 8 x 8 x 8 by z, y, x, and their voxels likewise.
  *
  * All arrays have one entry a voxel. A point is the centre of its voxel relative to
- * \a origin, world axes [m]; the truth of where a voxel lies is its index. */
+ * \a origin, world axes [m]; its exact position is its index. */
 struct VoxelCloud {
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{
       new pcl::PointCloud<pcl::PointXYZRGBL>}; ///< centre, mean colour, MAP label

@@ -161,7 +161,7 @@ private:
  * *Robust P^n*: a clique has a variable y_c of its own that takes a label or the free
  * label, psi_c(x_c) = min over y_c of psi_c(y_c) + sum over i in c of psi_ci(y_c, x_i)
  * with psi_ci(l, x_i) = k_c^l where x_i != l; psi_ci(free, .) = 0 and psi_c(free) =
- * gamma_max(c) = q |c| max_l k_c^l: every label bears a share q of members that
+ * gamma_max(c) = q |c| max_l k_c^l: every label bears a fraction q of members that
  * disagree, at least, before the clique lets go. */
 struct CliquePotential {
   enum class Type { pn_potts, robust };

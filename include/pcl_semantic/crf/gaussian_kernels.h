@@ -30,7 +30,7 @@ struct GaussianKernelOptions {
  * and the order of the points that suits them.
  *
  * The automatic rule: the mean number of points within the radius of a point is
- * estimated from a sample; up to most_neighbours, sums over them are faster than a
+ * estimated from a sample; up to max_neighbours, sums over them are faster than a
  * lattice, and nearer to the exact ones. The voxels of a surface have 40 to 150 within
  * two deviations of two voxels; the pixels of an image 20,000 within 80 px. */
 class GaussianKernels {
@@ -38,7 +38,7 @@ public:
   using List = std::vector<std::shared_ptr<const PairwiseKernel>>;
 
   /** \brief Where the automatic rule goes over to the lattice. */
-  static constexpr double most_neighbours = 200.0;
+  static constexpr double max_neighbours = 200.0;
 
   /** \param[in] positions 1 to 3 rows x N
    * \param[in] deviations of the positions, of every term

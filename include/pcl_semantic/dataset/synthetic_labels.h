@@ -7,8 +7,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Share of the full label noise at which the default sequence is as hard as a
- * good network makes real streets. */
+/** \brief Fraction of the full label noise at which the default sequence is as hard as
+ * a good network makes real streets. */
 constexpr double kSyntheticLabelNoise = 0.5;
 
 /** \brief Label distributions of a view as a network would give them.
@@ -18,8 +18,8 @@ constexpr double kSyntheticLabelNoise = 0.5;
  * one (mostly at borders, far away and in the dark), many of them with confidence. A
  * part of a mistake sticks to its place in the world, most of it changes from frame to
  * frame. \param[in] seed of the mistakes \param[in] label_noise 0 (nearly perfect) to
- * 1: scales the share of wrong pixels \return 11 x (width * height), pixels row by row
- * \throws InvalidParameterException unless 0 <= label_noise <= 1 */
+ * 1: scales the fraction of wrong pixels \return 11 x (width * height), pixels row by
+ * row \throws InvalidParameterException unless 0 <= label_noise <= 1 */
 LabelDistributions syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
                                           double label_noise = kSyntheticLabelNoise);
 

@@ -9,7 +9,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a stereo camera sees of the synthetic street, and the truth about it. */
+/** \brief What a stereo camera sees of the synthetic street, and the ground truth about
+ * it. */
 struct SyntheticView {
   int frame = 0;
   cv::Mat left;      ///< CV_8UC3 (BGR), camera 2

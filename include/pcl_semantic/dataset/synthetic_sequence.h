@@ -59,7 +59,7 @@ public:
   /** \brief T_world_camera of the i-th frame: its left camera [m]. */
   Eigen::Isometry3d pose(std::size_t i) const;
 
-  /** \brief The i-th frame with the truth about it. */
+  /** \brief The i-th frame with the ground truth about it. */
   SyntheticView view(std::size_t i) const;
 
   /** \brief Labels of the i-th left image as a network would give them: L x (width *

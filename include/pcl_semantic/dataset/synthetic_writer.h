@@ -10,7 +10,7 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes the synthetic street as a sequence of KITTI's odometry benchmark:
- * `image_2 image_3 calib.txt times.txt poses.txt`, with the truth beside it:
+ * `image_2 image_3 calib.txt times.txt poses.txt`, with the ground truth beside it:
  * `disparity` (16-bit PNG, 256 x px, 0 = none), `gt` (label ids) and `labels` (`.bin`
  * distributions). */
 class SyntheticWriter {
@@ -22,7 +22,7 @@ public:
    * \throws OutputException */
   void writeSequence(const SyntheticScene& scene, const StereoCamera& camera) const;
 
-  /** \brief The images, the truth and the label distributions of one frame.
+  /** \brief The images, the ground truth and the label distributions of one frame.
    * \throws OutputException */
   void writeFrame(const SyntheticView& view,
                   const LabelDistributions& distributions) const;

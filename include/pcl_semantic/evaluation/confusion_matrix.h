@@ -12,8 +12,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Counts of pixels by true and predicted label, 0 (no truth, not covered)
- * included. Pooling is adding matrices. */
+/** \brief Counts of pixels by true and predicted label, 0 (no ground truth, not
+ * covered) included. Pooling is adding matrices. */
 class ConfusionMatrix {
 public:
   /** \param[in] classes L, labels go from 0 to L
@@ -34,7 +34,7 @@ public:
   }
 
   /** \brief Counts the pixels of an image.
-   * \param[in] truth CV_8UC1, 0 = no truth
+   * \param[in] truth CV_8UC1, 0 = no ground truth
    * \param[in] prediction CV_8UC1 of the same size, 0 = not covered
    * \param[in] covered_by if not empty: CV_8UC1 of the same size, only pixels where it
    * is not 0 count \throws BadInputException at another size or type, or at a label
@@ -51,15 +51,16 @@ public:
 
 private:
   int classes_;
-  std::vector<std::uint64_t> counts_; ///< (L + 1) x (L + 1), rows are the truth
+  std::vector<std::uint64_t> counts_; ///< (L + 1) x (L + 1), rows are the ground truth
 };
 
 /** \brief How well one class was found. Ratios are 0..1, NaN where there is nothing to
- * say: the exclusive ones of a class without a covered pixel of truth, the inclusive
- * one of a class that is not in the truth, the precision of a class never predicted. */
+ * say: the exclusive ones of a class without a covered pixel of ground truth, the
+ * inclusive one of a class that is not in the ground truth, the precision of a class
+ * never predicted. */
 struct ClassScores {
   Label label = kUnlabelled;
-  std::uint64_t pixels = 0;   ///< of the truth
+  std::uint64_t pixels = 0;   ///< of the ground truth
   std::uint64_t covered = 0;  ///< of these, predicted as any class
   double iou_exclusive = 0.0; ///< TP / (TP + FN + FP) over covered pixels
   double iou_inclusive = 0.0; ///< uncovered pixels are false negatives
@@ -70,18 +71,17 @@ struct ClassScores {
 /** \brief Figures over the evaluated classes. */
 struct Scores {
   std::vector<ClassScores> classes; ///< in the order of their labels
-  ClassScores mean;                 ///< over the classes present in the truth; the
-                                    ///< exclusive ones over those with a covered pixel
-  double global_accuracy = 0.0;     ///< covered pixels that are right
+  ClassScores mean;             ///< over the classes present in the ground truth; the
+                                ///< exclusive ones over those with a covered pixel
+  double global_accuracy = 0.0; ///< covered pixels that are right
   double frequency_weighted_iou = 0.0; ///< exclusive, weighted by covered pixels
-  double coverage = 0.0;               ///< share of truth pixels that are covered
+  double coverage = 0.0; ///< fraction of ground truth pixels that are covered
 };
 
 /** \brief Scores of a confusion matrix.
  *
- * Only pixels whose truth is an evaluated class count. Predictions of other classes are
- * misses there, and false positives of none.
- * \param[in] confusion counts
+ * Only pixels whose ground truth is an evaluated class count. Predictions of other
+ * classes are misses there, and false positives of none. \param[in] confusion counts
  * \param[in] evaluated the classes that count
  * \throws InvalidParameterException if a class is 0 or beyond L */
 Scores computeScores(const ConfusionMatrix& confusion,

@@ -22,7 +22,7 @@ struct LidarTruthParameters {
   int window_columns = 3;        ///< half width of the window for occlusion [px]
   int window_rows = 7;           ///< half height of it [px]
   double absolute_margin = 0.5;  ///< nearer by more than this ... [m]
-  double relative_margin = 0.05; ///< ... and by more than this share of the depth
+  double relative_margin = 0.05; ///< ... and by more than this fraction of the depth
 };
 
 /** \brief The pixel that a point falls on; nothing if it is outside the image or
@@ -52,14 +52,14 @@ std::vector<float> seenDepths(const pcl::PointCloud<pcl::PointXYZI>& scan,
 
 /** \brief What a labelled scan says of the pixels of an image. */
 struct LidarTruth {
-  cv::Mat labels; ///< CV_8UC1; 0 = no truth
-  cv::Mat depth;  ///< CV_32FC1, camera z where there is truth [m]; else 0
+  cv::Mat labels; ///< CV_8UC1; 0 = no ground truth
+  cv::Mat depth;  ///< CV_32FC1, camera z where there is ground truth [m]; else 0
 };
 
-/** \brief Projects a labelled scan into the left image: sparse truth, of each pixel the
- * nearest return if it is labelled and seen, see seenDepths().
- * \param[in] labels one a point
- * \throws InvalidParameterException unless the sizes fit and the image size is known */
+/** \brief Projects a labelled scan into the left image: sparse ground truth, of each
+ * pixel the nearest return if it is labelled and seen, see seenDepths(). \param[in]
+ * labels one a point \throws InvalidParameterException unless the sizes fit and the
+ * image size is known */
 LidarTruth projectLidarTruth(const pcl::PointCloud<pcl::PointXYZI>& scan,
                              const std::vector<Label>& labels,
                              const StereoCamera& camera,

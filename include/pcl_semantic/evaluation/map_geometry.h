@@ -23,7 +23,7 @@ struct GeometryParameters {
   double behind = 2.0;    ///< so far behind a return a voxel is judged [m]
   int window_columns = 3; ///< half width of the window around a voxel's pixel [px]
   int window_rows = 7;    ///< half height of it [px]
-  double within = 0.3;    ///< of the widest of the three shares of the surface [m]
+  double within = 0.3;    ///< of the widest of the three fractions of the surface [m]
 };
 
 /** \brief How much of the lidar surface of one band is in the map. */
@@ -95,7 +95,7 @@ struct GeometryScores {
 
   std::uint64_t voxels = 0, judged = 0;
   double mean = 0.0, median = 0.0, percentile_90 = 0.0; ///< of the distances [m]
-  std::array<double, 3> shares{}; ///< of the judged voxels within the limits, 0..1
+  std::array<double, 3> fractions{}; ///< of the judged voxels within the limits, 0..1
 };
 
 GeometryScores scoreGeometry(const GeometrySamples& samples);
@@ -107,7 +107,7 @@ std::string geometryTable(const GeometrySamples& samples,
 /** \brief The two header lines that belong to geometryMarkdownRow. */
 std::string geometryMarkdownHeader(const GeometryParameters& parameters);
 
-/** \brief One row of a Markdown table: name, distances [cm], shares of the judged
+/** \brief One row of a Markdown table: name, distances [cm], fractions of the judged
  * voxels and, by band, of the surface [%]. */
 std::string geometryMarkdownRow(const GeometrySamples& samples,
                                 const GeometryParameters& parameters,

@@ -19,9 +19,9 @@ struct SegmentErrors {
 };
 
 /** \brief KITTI's errors (Geiger et al., 2012): a piece begins at every \a step-th pose
- * and ends at the first whose way along the truth is more than its length further; its
- * error is that of the motion from end to end, E = (motion of the estimate)^-1 (motion
- * of the truth), divided by the length.
+ * and ends at the first whose way along the ground truth is more than its length
+ * further; its error is that of the motion from end to end, E = (motion of the
+ * estimate)^-1 (motion of the ground truth), divided by the length.
  *
  * \param[in] truth, estimate poses of the same frames \param[in] lengths of pieces [m]
  * \param[in] step KITTI's own is 10, for sequences of thousands of frames

@@ -70,7 +70,7 @@ public:
   }
 
   /** \brief Points of the last filter() that were passed over: not finite, or more than
-   * most_distant from the origin. They have label 0 and no distribution. */
+   * max_coordinate from the origin. They have label 0 and no distribution. */
   std::size_t
   getSkippedPoints() const
   {
@@ -78,7 +78,7 @@ public:
   }
 
   /** \brief Beyond it [m] single precision has steps of a metre. */
-  static constexpr float most_distant = 1e7f;
+  static constexpr float max_coordinate = 1e7f;
 
 protected:
   /** \brief The fields of all points of a cloud. */

@@ -36,9 +36,10 @@ struct SemanticCRFParameters {
   double tolerance = 0.0; ///< stop when no marginal changed by more; 0 = never
 
   // The cliques of the last two models; all but the weight: of the hierarchical one.
-  double clique_weight = 1.0;      ///< k_c, eq. (8)
-  bool free_label = true;          ///< a clique may let go of its members
-  double clique_truncation = 0.3;  ///< q, the share of members that may disagree before
+  double clique_weight = 1.0; ///< k_c, eq. (8)
+  bool free_label = true;     ///< a clique may let go of its members
+  double clique_truncation =
+      0.3; ///< q, the fraction of members that may disagree before
   bool update_from_members = true; ///< else Q(y_c) follows from the clique costs alone
   bool map_messages = false; ///< the clique's MAP label instead of its distribution
 

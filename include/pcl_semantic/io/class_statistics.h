@@ -14,9 +14,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 struct ClassStatistics {
   Label label = kUnlabelled;
   std::size_t voxels = 0;
-  double share = 0.0;  ///< of all voxels, 0 to 1
-  double volume = 0.0; ///< [m^3]
-  double area = 0.0;   ///< seen from above: columns that hold the class [m^2]
+  double fraction = 0.0; ///< of all voxels, 0 to 1
+  double volume = 0.0;   ///< [m^3]
+  double area = 0.0;     ///< seen from above: columns that hold the class [m^2]
   double mean_z = 0.0; ///< of the voxels' centres, world frame [m]; NaN without voxels
   double lowest_z = 0.0;  ///< likewise
   double highest_z = 0.0; ///< likewise

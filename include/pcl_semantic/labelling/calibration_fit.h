@@ -49,10 +49,10 @@ struct CalibrationOptions {
 };
 
 /** \brief The calibration of largest penalised likelihood, the sum over samples of
- * log p'(truth): convex, so there is but one. Classes that the truth does not have are
- * not fitted, and the sharpness is never below 0. \a ground of the result is empty.
- * \throws InvalidParameterException if sizes do not fit
- * \throws BadInputException if there are no samples of two classes or more */
+ * log p'(truth): convex, so there is but one. Classes that the ground truth does not
+ * have are not fitted, and the sharpness is never below 0. \a ground of the result is
+ * empty. \throws InvalidParameterException if sizes do not fit \throws
+ * BadInputException if there are no samples of two classes or more */
 LabelCalibration fitCalibration(const CalibrationSamples& samples,
                                 const CalibrationOptions& options);
 

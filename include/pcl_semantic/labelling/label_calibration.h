@@ -12,7 +12,7 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What is less than that counts as that: a network's zeros mean nothing. */
-constexpr float kLeastProbability = 1e-4f;
+constexpr float kMinProbability = 1e-4f;
 
 /** \brief A curve for each class over a feature, linear between knots and level beyond
  * them. */
@@ -30,7 +30,7 @@ struct ClassCurves {
  * temperature and bias as in vector scaling (Guo et al. 2017, "On calibration of modern
  * neural networks") and curves over features. Classes that it was not fitted for keep
  * their probability, and the others share what is left. fitCalibration() makes one from
- * truth. */
+ * ground truth. */
 struct LabelCalibration {
   std::string of;                  ///< "pixels" or "cliques"; empty = of either
   std::vector<bool> fitted;        ///< of each class

@@ -83,10 +83,9 @@ private:
   Trajectory trajectory_;
 };
 
-/** \brief The truth pixels of a sequence: what the network says there, and where they
- * are (frameFeatures).
- * \param[in] config its disparity engine and max_deviation are used
- * \param[in] ground the classes of the ground */
+/** \brief The ground truth pixels of a sequence: what the network says there, and where
+ * they are (frameFeatures). \param[in] config its disparity engine and max_deviation
+ * are used \param[in] ground the classes of the ground */
 CalibrationSamples calibrationSamples(const CalibrationSequence& sequence,
                                       const MapperConfig& config,
                                       const std::vector<Label>& ground);
@@ -106,10 +105,10 @@ CalibrationTrial tryCalibration(const std::vector<CalibrationSamples>& sequences
                                 const std::vector<Label>& ground,
                                 const CalibrationOptions& options);
 
-/** \brief The cliques of a sequence's map as tryCalibration() takes them: the truth
- * pixels of a frame are looked up at their own depth and as the map is seen from there
- * (to max_depth); those that meet a voxel in a clique are its truth. A sample describes
- * a clique, and weighs the number of its pixels that are of one class.
+/** \brief The cliques of a sequence's map as tryCalibration() takes them: the ground
+ * truth pixels of a frame are looked up at their own depth and as the map is seen from
+ * there (to max_depth); those that meet a voxel in a clique are its ground truth. A
+ * sample describes a clique, and weighs the number of its pixels that are of one class.
  * \param[in] config the map and its cliques; no CRF is run
  * \param[in] ground the classes of the ground */
 CalibrationSamples cliqueSamples(const CalibrationSequence& sequence,

@@ -27,23 +27,19 @@ public:
   /** \brief Called after each frame. */
   using Callback = std::function<void(const MappedFrame&, const SemanticVoxelMap&)>;
 
-  /** \param[in] camera the pair that takes the frames
-   * \param[in] label_set the classes that \a predictor gives
-   * \param[in] predictor labels of the pixels
-   * \param[in] poses of the left camera
+  /** \param[in] label_set the classes of the map
+   * \param[in] poses of the sensor: the left camera's, if a camera takes the frames
+   * \param[in] camera that takes the frames, if one does. Clouds are then organized as
+   * its images, in its frame, so that `min_hit_ratio`, calibrations and superpixels can
+   * be used
+   * \param[in] predictor class probabilities of the pixels of stereo pairs, which also
+   * need the camera; null = frames are clouds, which bring theirs
    * \param[in] store where voxels go that leave the window; null = memory
    * \throws InvalidParameterException */
-  SemanticMapper(const StereoCamera& camera, const LabelSet& label_set,
-                 MapperConfig config, std::unique_ptr<LabelPredictor> predictor,
+  SemanticMapper(const LabelSet& label_set, MapperConfig config,
                  std::unique_ptr<PoseSource> poses,
-                 std::shared_ptr<BlockStore> store = nullptr);
-
-  /** \brief For clouds alone.
-   * \param[in] camera that took them, if one did: all are organized as its images, in
-   * its frame, so that `min_hit_ratio`, calibrations and superpixels can be used
-   * \throws InvalidParameterException */
-  SemanticMapper(const std::optional<StereoCamera>& camera, const LabelSet& label_set,
-                 MapperConfig config, std::unique_ptr<PoseSource> poses,
+                 const std::optional<StereoCamera>& camera = std::nullopt,
+                 std::unique_ptr<LabelPredictor> predictor = nullptr,
                  std::shared_ptr<BlockStore> store = nullptr);
 
   ~SemanticMapper();

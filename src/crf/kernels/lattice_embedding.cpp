@@ -17,7 +17,7 @@ constexpr std::size_t lanes = batch_points;
 // Coordinates on the plane as cells, to the nearest, and what is left over.
 void
 elevate(const LatticeFrame& frame, const float* features, const std::int32_t* columns,
-        LatticeBatch& batch, float (&left)[most_dimensions + 1][lanes])
+        LatticeBatch& batch, float (&left)[max_dimensions + 1][lanes])
 {
   constexpr double magic = 6755399441055744.0; // 1.5 * 2^52: rounds what it is added to
   double sum[lanes] = {}, x[lanes];
@@ -41,8 +41,8 @@ elevate(const LatticeFrame& frame, const float* features, const std::int32_t* co
 // Ranks of what is left over, largest first, and back onto the plane: the sum of the
 // cells, which is the excess of the ranks, becomes 0.
 void
-rank(int d, LatticeBatch& batch, float (&left)[most_dimensions + 1][lanes],
-     std::int32_t (&ranks)[most_dimensions + 1][lanes])
+rank(int d, LatticeBatch& batch, float (&left)[max_dimensions + 1][lanes],
+     std::int32_t (&ranks)[max_dimensions + 1][lanes])
 {
   std::int32_t excess[lanes] = {};
   for (int j = 0; j <= d; ++j)
@@ -72,12 +72,12 @@ embed(const LatticeFrame& frame, const float* features, const std::int32_t* colu
       LatticeBatch& batch)
 {
   const int d = frame.dimensions;
-  float left[most_dimensions + 1][lanes];
-  std::int32_t ranks[most_dimensions + 1][lanes];
+  float left[max_dimensions + 1][lanes];
+  std::int32_t ranks[max_dimensions + 1][lanes];
   elevate(frame, features, columns, batch, left);
   rank(d, batch, left, ranks);
   // Sorted, what is left over gives the barycentric weights as differences.
-  float sorted[most_dimensions + 1][lanes];
+  float sorted[max_dimensions + 1][lanes];
   for (int k = 0; k <= d; ++k) {
     for (std::size_t i = 0; i < lanes; ++i) {
       sorted[k][i] = 0.0f;
@@ -102,8 +102,8 @@ embed(const LatticeFrame& frame, const float* features, const std::int32_t* colu
 // the d + 1 - m others, each of half weight.
 void
 addPathsFrom(const LatticePaths& paths, int k,
-             const std::int32_t (&rows)[most_dimensions + 1][lanes],
-             const float (&weights)[most_dimensions + 1][lanes], float* responses)
+             const std::int32_t (&rows)[max_dimensions + 1][lanes],
+             const float (&weights)[max_dimensions + 1][lanes], float* responses)
 {
   const int corners = paths.dimensions + 1;
   const std::uint32_t all = (std::uint32_t(1) << corners) - 1;
@@ -137,8 +137,8 @@ addPathsFrom(const LatticePaths& paths, int k,
 void
 selfResponse(const LatticePaths& paths, float* responses)
 {
-  std::int32_t rows[most_dimensions + 1][lanes];
-  float weights[most_dimensions + 1][lanes];
+  std::int32_t rows[max_dimensions + 1][lanes];
+  float weights[max_dimensions + 1][lanes];
   const auto corners = std::size_t(paths.dimensions) + 1;
   for (std::size_t i = 0; i < lanes; ++i)
     for (std::size_t k = 0; k < corners; ++k) {

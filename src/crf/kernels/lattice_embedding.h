@@ -10,7 +10,7 @@
  * hears of itself. */
 namespace pcl_semantic::kernels {
 
-constexpr int most_dimensions = 16;
+constexpr int max_dimensions = 16;
 
 /** \brief Points that are worked on at a time. */
 constexpr std::size_t batch_points = 64;
@@ -20,16 +20,16 @@ constexpr std::size_t batch_points = 64;
  */
 struct LatticeFrame {
   int dimensions;
-  double low[most_dimensions];
-  double scale[most_dimensions + 1];
+  double low[max_dimensions];
+  double scale[max_dimensions + 1];
 };
 
 /** \brief Simplices of 64 points. The vertex 0 has the coordinates (d + 1) cells[j];
  * vertex k + 1 lies one step in direction directions[k] ahead of vertex k. */
 struct LatticeBatch {
-  std::int32_t cells[most_dimensions + 1][batch_points];
-  std::int32_t directions[most_dimensions + 1][batch_points];
-  float weights[most_dimensions + 1][batch_points];
+  std::int32_t cells[max_dimensions + 1][batch_points];
+  std::int32_t directions[max_dimensions + 1][batch_points];
+  float weights[max_dimensions + 1][batch_points];
 };
 
 /** \brief Simplices of 64 points as they were found, and the paths between vertices:

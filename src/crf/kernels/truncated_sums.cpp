@@ -54,9 +54,9 @@ squaredDifference(const float* values, float from)
   return squared(hn::Sub(hn::LoadU(d, values), hn::Set(d, from)));
 }
 
-constexpr float most_halvings = 126.0f; // that leave no denormal number
+constexpr float max_halvings = 126.0f; // that leave no denormal number
 
-// 2^-v for 0 <= v <= most_halvings, to 8e-5 (Remez): enough for weights of 8 bits.
+// 2^-v for 0 <= v <= max_halvings, to 8e-5 (Remez): enough for weights of 8 bits.
 HWY_INLINE Floats
 halved(Floats v)
 {
@@ -188,7 +188,7 @@ areUsual(const PointsView& points)
 HWY_INLINE Floats
 partOf(Floats squared_distance)
 {
-  return hn::IfThenElseZero(hn::Le(squared_distance, hn::Set(d, most_halvings)),
+  return hn::IfThenElseZero(hn::Le(squared_distance, hn::Set(d, max_halvings)),
                             halved(squared_distance));
 }
 
@@ -237,8 +237,8 @@ struct Nearness {
         z(points.arrays[2 * points.stride + point]), scale(points.position_scale),
         squared_radius(points.squared_radius)
   {
-    if (squared_radius > most_halvings / scale)
-      squared_radius = most_halvings / scale;
+    if (squared_radius > max_halvings / scale)
+      squared_radius = max_halvings / scale;
   }
 
   HWY_INLINE Floats
@@ -287,7 +287,7 @@ sumTerms(const PointsView& points, const GroupView& group, float* scratch, float
         appearance.add(e, hn::Mul(part, colour.part(features + e, stride)));
       });
       sums[p] = smoothness.total();
-      sums[most_points + p] = appearance.total();
+      sums[max_points + p] = appearance.total();
       continue;
     }
     eachPart([&](std::size_t e, Floats part)
@@ -298,7 +298,7 @@ sumTerms(const PointsView& points, const GroupView& group, float* scratch, float
         for (std::size_t k = e; k < e + half_block; k += lanes)
           values.add(k, hn::Mul(hn::LoadU(d, line + k),
                                 featurePart(points, m, point, features + k, stride)));
-      sums[std::size_t(m) * most_points + p] = values.total();
+      sums[std::size_t(m) * max_points + p] = values.total();
     }
   }
 }
@@ -422,7 +422,7 @@ listNeighbours(const GroupView& group, std::uint32_t* neighbours)
       hn::StoreU(hn::Add(numbers, hn::Set(du, k)), du, neighbours + k);
     neighbours += length;
   }
-  for (int k = 0; k < most_points; ++k)
+  for (int k = 0; k < max_points; ++k)
     neighbours[k] = std::uint32_t(group.point);
 }
 
@@ -432,7 +432,7 @@ addProduct(const GroupView& group, const std::uint32_t* packed, const float* val
 {
   const std::size_t stride = scratchStride(group.length);
   auto* const neighbours =
-      reinterpret_cast<std::uint32_t*>(scratch + most_points * stride);
+      reinterpret_cast<std::uint32_t*>(scratch + max_points * stride);
   listNeighbours(group, neighbours);
   for (std::size_t p = 0; p < std::size_t(group.points); ++p)
     unpackLine(packed + p * strideOf(group.length) / 2, group.length,

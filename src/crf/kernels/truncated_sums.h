@@ -39,10 +39,10 @@ struct GroupView {
   std::size_t count;  ///< of runs
   std::size_t length; ///< points in the runs
   std::size_t point;  ///< the first of the group
-  int points;         ///< 1 to most_points
+  int points;         ///< 1 to max_points
 };
 
-constexpr int most_points = 4;
+constexpr int max_points = 4;
 
 /** \brief Weights are bfloat16, two in a word, strideOf(length) / 2 words for each
  * point: of each block of so many pairs the first half lies in the lower halves of the
@@ -52,7 +52,7 @@ constexpr std::size_t pair_block = 32;
 struct TruncatedSums {
   /** \brief Sums of the values of each term over the pairs of each point of a group,
    * that of a point with itself included. \param[in] scratch scratchSize() floats
-   * \param[out] sums of term m and point p at m * most_points + p
+   * \param[out] sums of term m and point p at m * max_points + p
    * \param[out] weights for makeWeights: what the positions leave of each value */
   void (*sumTerms)(const PointsView& points, const GroupView& group, float* scratch,
                    float* sums, std::uint32_t* weights);
@@ -80,7 +80,7 @@ strideOf(std::size_t length)
 
 /** \brief Floats of scratch for groups with runs of that many points: \a arrays of
  * them, 1 + features_end for sumTerms and one a term more for makeWeights,
- * 1 + most_points for addProduct. */
+ * 1 + max_points for addProduct. */
 std::size_t scratchSize(std::size_t length, std::size_t arrays);
 
 /** \brief The loops for a tier; all tiers give the same bits. */

@@ -24,9 +24,9 @@ findEnds(const RayStart& start, RayBatch& rays)
     const double scale = start.scale, from = start.start[axis];
     const std::int32_t in_voxel = start.in_voxel[axis];
     for (std::size_t k = 0; k < RayBatch::capacity; ++k) {
-      const double share = rays.share[k];
-      const double x = share * double(rays.x[k]), y = share * double(rays.y[k]),
-                   z = share * double(rays.z[k]);
+      const double fraction = rays.fraction[k];
+      const double x = fraction * double(rays.x[k]), y = fraction * double(rays.y[k]),
+                   z = fraction * double(rays.z[k]);
       const double world = ((pose[0] * x + pose[1] * y) + pose[2] * z) + pose[3];
       const double value = world * scale;
       // A sum with this is rounded to a whole number, of which we want the next below.

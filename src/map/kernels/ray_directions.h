@@ -10,7 +10,7 @@
 namespace pcl_semantic::kernels {
 
 /** \brief Where all rays begin, and how points become ends: each operation as in
- * quantize(pose * (share * point)), so that ends are the same bit by bit. */
+ * quantize(pose * (fraction * point)), so that ends are the same bit by bit. */
 struct RayStart {
   double pose[3][4];        ///< sensor to world, row by row [m]
   double scale;             ///< quanta a metre
@@ -24,11 +24,12 @@ struct RayBatch {
 
   std::size_t count = 0;
   // What is given of each: its number in the scan, whether the point is in range, the
-  // point in the sensor's frame [m], and the share of the way to it at which it ends.
+  // point in the sensor's frame [m], and the fraction of the way to it at which it
+  // ends.
   std::uint32_t point[capacity];
   bool in_range[capacity];
   float x[capacity], y[capacity], z[capacity];
-  double share[capacity];
+  double fraction[capacity];
   // What is found: the end from the start [quanta, voxels], by axis; members of
   // DirectedRay.
   std::int32_t end[3][capacity], cell[3][capacity];

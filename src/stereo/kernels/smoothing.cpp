@@ -65,8 +65,8 @@ smoothLine(const std::int16_t* disparity, const std::int16_t* const* neighbours,
     return;
   }
   // Fewer than a vector holds.
-  std::int16_t padded[2 * largest_smoothing + 2][lanes] = {}, result[lanes];
-  const std::int16_t* rows[2 * largest_smoothing + 1];
+  std::int16_t padded[2 * max_smoothing + 2][lanes] = {}, result[lanes];
+  const std::int16_t* rows[2 * max_smoothing + 1];
   const std::size_t bytes = std::size_t(count) * sizeof *smooth;
   for (int tap = 0; tap < taps; ++tap) {
     rows[tap] = padded[tap];

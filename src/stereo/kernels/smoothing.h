@@ -10,7 +10,7 @@
  * it: raw pointers and sizes only. The same in all tiers. */
 namespace pcl_semantic::kernels {
 
-constexpr int largest_smoothing = 16; ///< radius [px]
+constexpr int max_smoothing = 16; ///< radius [px]
 
 /** \brief Smooths \a count disparities (below 0 = none, stays).
  * \param[in] disparity the first of them
