@@ -202,7 +202,7 @@ main()
   setNumberOfThreads(0);
   const Frames data = folder.empty() ? streetFrames() : kittiFrames(folder);
   MapperConfig paper;
-  readMapperConfig(sourcePath("presets/paper.yaml"), paper);
+  readMapperConfig(sourcePath("presets/paper_dense.yaml"), paper);
   printTable(data,
              {mapAll(data, MapperConfig(), "hierarchical"),
               mapAll(data, paper, "hierarchical"), paper_hierarchical},

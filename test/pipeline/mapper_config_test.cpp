@@ -131,11 +131,14 @@ TEST(MapperConfig, ValuesOutOfRangeAreRefused)
       holds(complaintAbout("hit_probability: 0.4\n"), "hit_probability is 0.4"));
 }
 
-TEST(MapperConfig, ThePresetOfThePaperHasItsWindow)
+TEST(MapperConfig, ThePresetOfThePaperIsItsHeadlineModel)
 {
   MapperConfig config;
   readMapperConfig(PCL_SEMANTIC_SOURCE_DIR "/data/presets/paper.yaml", config);
   EXPECT_EQ(config.map.window, Eigen::Vector3d(25, 25, 8));
+  EXPECT_EQ(config.stereo, "elas");
+  EXPECT_EQ(config.crf, "hierarchical");
+  EXPECT_EQ(config.cliques, "superpixel");
 }
 
 } // namespace
