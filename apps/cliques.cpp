@@ -6,12 +6,13 @@
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/quantized_point.h>
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
@@ -112,11 +113,8 @@ setFrame(const CliqueFrame& frame, const std::string& name,
   const auto cloud = std::make_shared<CliqueGenerator::Cloud>();
   pcl::copyPointCloud(*read.cloud, *cloud);
   Eigen::Isometry3d T_map_camera;
-  if (frame.pose.empty()) {
-    T_map_camera =
-        Eigen::Translation3d(cloud->sensor_origin_.head<3>().cast<double>()) *
-        cloud->sensor_orientation_.cast<double>().normalized();
-  }
+  if (frame.pose.empty())
+    T_map_camera = sensorPose(*cloud);
   else {
     T_map_camera = poseOf(frame.pose, frame.calibration);
     T_map_camera.pretranslate(-frame.map_origin);

@@ -7,8 +7,8 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using namespace pcl_semantic;
 namespace po = tool::po;
 
 struct Arguments {
-  std::string input, output, label_set, config;
+  std::string input, output, label_set, label_mapping, config;
   CRFConfig parameters;
 
   Arguments()
@@ -37,8 +37,9 @@ struct Arguments {
 };
 
 const tool::Usage usage{
-    "pcl_semantic_crf", "IN.pcd OUT.pcd [options]",
-    "Makes the labels of a cloud consistent with a CRF. IN.pcd has the fields x y z,\n"
+    "pcl_semantic_crf", "IN OUT.pcd [options]",
+    "Makes the labels of a cloud consistent with a CRF. IN (.pcd, .ply, or a scan of\n"
+    "KITTI, .bin with .label) has the fields x y z,\n"
     "probability (one a class) or label (0 = unlabelled), and, for kernels of colour,\n"
     "rgb or rgba. OUT.pcd is the same with label and probability rewritten.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
@@ -56,8 +57,9 @@ parse(int argc, char** argv, Arguments& arguments)
       "output", po::value(&arguments.output), "output cloud")(
       "label-set", po::value(&arguments.label_set),
       "label set (YAML), if the labels do not show the number of classes")(
-      "config", po::value(&arguments.config),
-      "parameter file (.yaml); options override it")(
+      "label-mapping", po::value(&arguments.label_mapping),
+      tool::label_mapping_help)("config", po::value(&arguments.config),
+                                "parameter file (.yaml); options override it")(
       "print-config", po::bool_switch(&print_config),
       "print the effective parameters as YAML and exit");
   tool::addParameters(parametersOf(arguments.parameters), options);
@@ -277,15 +279,22 @@ int
 refine(const Arguments& arguments)
 {
   if (arguments.output.empty())
-    tool::failUsage(usage, "expected IN.pcd OUT.pcd");
+    tool::failUsage(usage, "expected IN OUT.pcd");
   const CRFConfig& config = arguments.parameters;
   tool::refuseSameFiles(
       {arguments.input, arguments.config, arguments.label_set, config.cliques},
       {arguments.output});
+  if (!arguments.label_mapping.empty() && arguments.label_set.empty())
+    tool::failUsage(usage, "--label-mapping needs --label-set");
   config.requireFittingCliques();
   tool::requireOutput(arguments.output, ".pcd");
   setNumberOfThreads(config.threads);
-  LabelledCloud cloud = readLabelledCloud(arguments.input);
+  std::optional<LabelMapping> mapping;
+  if (!arguments.label_mapping.empty())
+    mapping =
+        readLabelMapping(arguments.label_mapping, readLabelSet(arguments.label_set));
+  LabelledCloud cloud =
+      readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr);
   const tool::Results report = filter(arguments, cloud);
   setEntropies(cloud);
   writeLabelledCloud(arguments.output, cloud);

@@ -48,7 +48,7 @@ parse(int argc, char** argv, Arguments& arguments)
 {
   bool print_config = false;
   po::options_description options("Options");
-  options.add_options()("image", po::value(&arguments.image), "the image (.png)")(
+  options.add_options()("image", po::value(&arguments.image), "the image (.png, .jpg)")(
       "distributions", po::value(&arguments.distributions),
       "class distributions of its pixels")("output", po::value(&arguments.output),
                                            "the class ids to write (.png)")(
@@ -108,7 +108,7 @@ refine(const Arguments& arguments)
   arguments.parameters.requireFittingCliques();
   setNumberOfThreads(arguments.parameters.threads);
   const LabelSet label_set = tool::readLabelSetOrDefault(arguments.label_set);
-  const cv::Mat image = readPng(arguments.image, ImageKind::grey_or_colour);
+  const cv::Mat image = readImage(arguments.image);
   const LabelDistributions measured =
       readDistributions(arguments.distributions, image.cols, image.rows,
                         label_set.size(), float(arguments.parameters.label_confidence));

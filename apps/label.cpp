@@ -10,7 +10,7 @@
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -348,7 +348,7 @@ labelSequence(const LabelArguments& options)
   makeOutputFolder(options.output);
   tool::catchInterrupts();
   {
-    tool::PairWatch watch(tool::label_usage.name, options.sequence.strict);
+    tool::PairWatch watch(options.sequence.strict, sequence->camera());
     tool::ProgressBar progress("labelling", frames.size());
     for (const std::size_t i : frames) {
       const StereoFrame frame = sequence->frame(i);

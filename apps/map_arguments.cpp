@@ -23,8 +23,9 @@ describeOptions(MapArguments& arguments)
   options.add_options()(
       "clouds", po::value(&arguments.clouds),
       "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or pattern "
-      "of "
-      ".pcd, one per frame, in the sensor's frame; needs --poses FILE")(
+      "of .pcd, .ply or KITTI's .bin, one per frame, in the sensor's frame; needs "
+      "--poses FILE")("label-mapping", po::value(&arguments.label_mapping),
+                      tool::label_mapping_help)(
       "sensor", po::value(&arguments.sensor),
       "sensor of --clouds: own = any, --poses are its poses in a world with z up; or, "
       "with --calibration and poses of its camera 0: camera or grey = left camera of "
@@ -97,6 +98,8 @@ requireSequenceAndLabels(const MapArguments& arguments)
   requireSequence(arguments.sequence, "pcl_semantic_map");
   if (!arguments.sensor.empty())
     fail("--sensor is for --clouds");
+  if (!arguments.label_mapping.empty() && arguments.clouds.empty())
+    fail("--label-mapping is for --clouds");
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
   if (!arguments.model.empty() && arguments.network.empty())

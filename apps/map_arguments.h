@@ -13,8 +13,9 @@ namespace pcl_semantic::tool {
 /** \brief The command line of pcl_semantic_map. */
 struct MapArguments {
   SequenceOptions sequence;
-  std::string clouds; ///< instead of the sequence: folder or pattern of .pcd
-  std::string sensor; ///< of the clouds, see CloudSource
+  std::string clouds;        ///< instead of the sequence: folder or pattern of .pcd
+  std::string sensor;        ///< of the clouds, see CloudSource
+  std::string label_mapping; ///< of their labels; empty = they are labels
   std::string output, labels, label_set, network, model, poses, config;
   std::string label_calibration, clique_calibration;
   std::string frames = ":";

@@ -11,7 +11,7 @@
 #include <pcl_semantic/dataset/rectifier.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
@@ -145,7 +145,7 @@ class SequenceSource : public MapSource {
 public:
   explicit SequenceSource(const MapArguments& arguments)
       : sequence_(openSequence(arguments.sequence)),
-        watch_("pcl_semantic_map", arguments.sequence.strict)
+        watch_(arguments.sequence.strict, sequence_->camera())
   {
     poses_ = choosePoses(arguments, *sequence_);
     labelling_ = makeLabelling(arguments);
@@ -243,6 +243,8 @@ public:
     poses_ = arguments.poses;
     run_.label_set = readLabelSetOrDefault(arguments.label_set);
     run_.config = arguments.parameters;
+    if (!arguments.label_mapping.empty())
+      mapping_ = readLabelMapping(arguments.label_mapping, run_.label_set);
     positions_ = chooseClouds(arguments.clouds, clouds_, arguments.frames);
     for (const std::size_t i : positions_)
       run_.frames.push_back(clouds_.frameNumber(i));
@@ -253,6 +255,7 @@ public:
     run_.inputs = inputsOf(arguments.sequence);
     run_.inputs.insert(run_.inputs.end(),
                        {{"clouds", arguments.clouds},
+                        {"label_mapping", arguments.label_mapping},
                         {"sensor", arguments.sensor},
                         {"poses", poses_},
                         {"label_calibration", arguments.label_calibration},
@@ -284,7 +287,8 @@ public:
       return std::nullopt;
     const std::size_t i = positions_[next_++];
     const CloudFrame frame =
-        clouds_.frame(i, run_.label_set.size(), float(run_.config.label_confidence));
+        clouds_.frame(i, run_.label_set.size(), float(run_.config.label_confidence),
+                      mapping_ ? &*mapping_ : nullptr);
     if (frame.distributions.empty() && !frame.cloud->empty() && !told_of_labels_) {
       warn(clouds_.path(i) +
            ": has no field 'label' or 'probability': it gives the map no labels");
@@ -346,6 +350,7 @@ private:
   }
 
   MapArguments arguments_;
+  std::optional<LabelMapping> mapping_;
   CloudSequence clouds_;
   std::vector<std::size_t> positions_;
   bool told_of_labels_ = false; // a cloud had none

@@ -45,6 +45,11 @@ void warn(const std::string& message);
  * standard error. */
 void note(const std::string& message);
 
+/** \brief Text for a terminal: control characters, also those that a name from a file
+ * holds to move the cursor, and bytes that are not UTF-8 appear as \xNN.
+ * \param[in] keeps_lines line breaks stay */
+std::string printable(const std::string& text, bool keeps_lines = false);
+
 /** \brief Makes room for a line where a progress bar may be drawn. */
 void setBarIsDrawn(bool is_drawn);
 bool barIsDrawn();

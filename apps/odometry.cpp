@@ -165,7 +165,7 @@ track(const Options& options)
   Results results;
   tool::catchInterrupts();
   {
-    tool::PairWatch watch(usage.name, options.sequence.strict);
+    tool::PairWatch watch(options.sequence.strict, sequence.camera());
     tool::ProgressBar progress("tracking", frames.size());
     for (const std::size_t i : frames) {
       const StereoFrame frame = sequence.frame(i);

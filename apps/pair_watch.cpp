@@ -4,11 +4,25 @@
 
 #include <pcl_semantic/core/exceptions.h>
 
+#include <cmath>
+#include <sstream>
+
 namespace pcl_semantic::tool {
 
-PairWatch::PairWatch(std::string program, bool strict)
-    : program_(std::move(program)), strict_(strict)
-{}
+PairWatch::PairWatch(bool strict, const StereoCamera& camera) : strict_(strict)
+{
+  // Of images of half or double the size it is far off.
+  const double x = camera.cx / camera.width, y = camera.cy / camera.height;
+  if (std::abs(x - 0.5) < 0.2 && std::abs(y - 0.5) < 0.3)
+    return;
+  std::ostringstream text;
+  text << "the principal point (" << camera.cx << ", " << camera.cy
+       << ") is far from the middle of the images, " << camera.width << " x "
+       << camera.height << ": is the calibration of images of another size?";
+  if (strict_)
+    PCL_THROW_EXCEPTION(BadInputException, text.str());
+  warn(text.str());
+}
 
 PairWatch::~PairWatch()
 {

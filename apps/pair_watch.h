@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/stereo/pair_check.h>
 
@@ -13,9 +14,10 @@ namespace pcl_semantic::tool {
  * and at the end how often; or refuses them. */
 class PairWatch {
 public:
-  /** \param[in] program "pcl_semantic_map"
-   * \param[in] strict refuse instead of warning */
-  PairWatch(std::string program, bool strict);
+  /** \param[in] strict refuse instead of warning
+   * \param[in] camera of the images: its principal point has to be near their middle
+   * \throws BadInputException if it is strict and that is elsewhere */
+  PairWatch(bool strict, const StereoCamera& camera);
   ~PairWatch();
   PairWatch(const PairWatch&) = delete;
   PairWatch& operator=(const PairWatch&) = delete;
@@ -32,7 +34,6 @@ public:
   }
 
 private:
-  std::string program_;
   bool strict_;
   PairCheck check_;
   std::map<PairFault, int> warned_; ///< pairs with a fault

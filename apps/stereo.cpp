@@ -159,7 +159,7 @@ processPairs(const Options& options)
   tool::catchInterrupts();
   double fraction = 0.0;
   {
-    tool::PairWatch watch(usage.name, options.strict);
+    tool::PairWatch watch(options.strict, pairs.camera());
     tool::ProgressBar progress("stereo", pairs.size(), "pairs");
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const StereoFrame frame = pairs.frame(i);
@@ -170,6 +170,10 @@ processPairs(const Options& options)
       progress.step();
     }
   }
+  if (!(fraction > 0.0))
+    tool::warn(
+        "no pixel has a depth: are the images rectified, and of this calibration "
+        "(metres, the size of these images)?");
   tool::printResults({{"clouds", pairs.size()},
                       {"width", std::size_t(pairs.camera().width)},
                       {"height", std::size_t(pairs.camera().height)},

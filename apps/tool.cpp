@@ -31,7 +31,7 @@ onInterrupt(int)
 int
 fail(const std::string& name, const std::string& message, ExitCode code)
 {
-  std::cerr << name << ": " << message << std::endl;
+  std::cerr << name << ": " << printable(message) << std::endl;
   return code;
 }
 
@@ -105,6 +105,9 @@ run(const std::string& name, const std::function<int()>& body)
   // OpenCV and PCL would otherwise print their own lines beside ours.
   cv::redirectError(
       [](int, const char*, const char*, const char*, int, void*) { return 0; });
+  // What cannot be written is an error with a word, not the end of the process.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     const int code = body();
     if (!std::cout.flush())
@@ -175,6 +178,8 @@ catchInterrupts()
 {
   std::signal(SIGINT, onInterrupt);
   std::signal(SIGTERM, onInterrupt);
+  if (std::signal(SIGHUP, onInterrupt) == SIG_IGN)
+    std::signal(SIGHUP, SIG_IGN); // nohup
 }
 
 bool

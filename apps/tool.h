@@ -41,6 +41,12 @@ bool parseCommandLine(int argc, char** argv, const Usage& usage,
                       const po::positional_options_description& positional,
                       po::variables_map& values);
 
+/** \brief Of --label-mapping, the numbers in a file to the classes of the label set. */
+constexpr const char* label_mapping_help =
+    "numbers of the input to classes of the label set: a file (YAML), the name of one "
+    "that is installed (semantic_kitti_to_kitti11), or zero_based (default: they are "
+    "labels, 0 = unlabelled)";
+
 /** \brief A value as help shows it: 0.7, not 0.69999999999999996. */
 template <typename T>
 std::string
@@ -80,10 +86,11 @@ void requireOutput(const std::string& path, const std::string& extension);
 void refuseSameFiles(const std::vector<std::string>& inputs,
                      const std::vector<std::string>& outputs);
 
-/** \brief From now on SIGINT and SIGTERM only set a flag; a second one ends at once. */
+/** \brief From now on SIGINT, SIGTERM and SIGHUP (a terminal that is gone) only set a
+ * flag; a second one ends at once. */
 void catchInterrupts();
 
-/** \brief Whether SIGINT or SIGTERM came since catchInterrupts(). */
+/** \brief Whether one came since catchInterrupts(). */
 bool interrupted();
 
 } // namespace pcl_semantic::tool

@@ -6,8 +6,8 @@
 //   02_filter_a_cloud IN.pcd [OUT.pcd]     any .pcd with x y z label
 
 #include <pcl_semantic/dataset/synthetic_sequence.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <pcl/common/io.h>
@@ -33,10 +33,7 @@ refine(LabelledCloud& labelled)
   }
   else
     crf.setLabelDistributions(labelled.distributions);
-  SemanticCRFParameters parameters;
-  if (!labelled.has_colour)
-    parameters.appearance_weight = 0.0; // nothing looks alike
-  crf.setParameters(parameters);
+  crf.setUseColour(labelled.has_colour); // else positions alone
   crf.setInputCloud(labelled.cloud);
   crf.filter(*labelled.cloud); // in place, or into another cloud
   labelled.distributions = crf.getLabelDistributions();

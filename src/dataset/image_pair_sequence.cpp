@@ -4,6 +4,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
+#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <algorithm>
@@ -63,7 +64,8 @@ requirePairs(const Paths& left, const Paths& right, const ImagePairFiles& files)
 } // namespace
 
 ImagePairSequence::ImagePairSequence(const ImagePairFiles& files)
-    : left_(findFiles(files.left)), right_(findFiles(files.right))
+    : left_(findFiles(files.left, imageExtensions())),
+      right_(findFiles(files.right, imageExtensions()))
 {
   requirePairs(left_, right_, files);
   const cv::Mat first = readFrameImage(left_.front(), 0);

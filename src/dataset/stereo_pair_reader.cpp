@@ -32,7 +32,7 @@ cv::Mat
 readFrameImage(const std::string& path, int frame)
 {
   try {
-    return readPng(path, ImageKind::grey_or_colour);
+    return readImage(path);
   }
   catch (const BadInputException& error) {
     PCL_THROW_EXCEPTION(BadInputException, error.what() << " (frame " << frame << ")");

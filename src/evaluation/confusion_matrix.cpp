@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/json_text.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 
@@ -278,7 +280,7 @@ scoresJson(const Scores& scores, const LabelSet& label_set)
   json["global_accuracy"] = scores.global_accuracy;
   json["frequency_weighted_iou"] = scores.frequency_weighted_iou;
   json["coverage"] = scores.coverage;
-  return json.dump(2) + "\n";
+  return jsonText(json);
 }
 
 std::string

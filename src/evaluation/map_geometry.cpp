@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/json_text.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/evaluation/map_geometry.h>
@@ -330,7 +332,7 @@ geometryJson(const GeometrySamples& samples, const GeometryParameters& parameter
                                {"next_to_voxel", fraction(band.adjacent, band.points)},
                                {"within", fraction(band.within, band.points)}});
   }
-  return json.dump(2) + "\n";
+  return jsonText(json);
 }
 
 } // namespace pcl_semantic

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/json_text.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/trajectory_error.h>
 
@@ -223,7 +225,7 @@ trajectoryJson(const TrajectoryErrors& errors)
   }
   json["from_start"] = jsonOf(errors.from_start);
   json["aligned"] = jsonOf(errors.aligned);
-  return json.dump(2) + "\n";
+  return jsonText(json);
 }
 
 } // namespace pcl_semantic

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <new>
 
@@ -59,32 +60,33 @@ globbed(const std::string& pattern)
 }
 
 std::vector<std::string>
-filesIn(const std::string& folder, const std::string& extension)
+filesIn(const std::string& folder, const std::vector<std::string>& extensions)
 {
-  std::vector<std::string> files;
+  std::map<std::string, std::vector<std::string>> files; // by extension
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == extension &&
-        entry.path().filename().string()[0] != '.') // as the shell passes over them
-      files.push_back(entry.path().string());
+    if (entry.path().filename().string()[0] != '.') // as the shell passes over them
+      files[entry.path().extension().string()].push_back(entry.path().string());
   if (error)
     PCL_THROW_EXCEPTION(BadInputException, folder << ": the folder cannot be read");
-  if (files.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        folder << ": holds no file named *" << extension);
-  return files;
+  for (const std::string& extension : extensions)
+    if (!files[extension].empty())
+      return files[extension];
+  PCL_THROW_EXCEPTION(BadInputException,
+                      folder << ": holds no file named *" << extensions.front());
 }
 
 } // namespace
 
 std::vector<std::string>
-findFiles(const std::string& pattern, const std::string& extension)
+findFiles(const std::string& pattern, const std::vector<std::string>& extensions)
 {
   std::error_code error;
   if (fs::is_regular_file(pattern, error))
     return {pattern};
-  std::vector<std::string> files =
-      fs::is_directory(pattern, error) ? filesIn(pattern, extension) : globbed(pattern);
+  std::vector<std::string> files = fs::is_directory(pattern, error)
+                                       ? filesIn(pattern, extensions)
+                                       : globbed(pattern);
   std::sort(files.begin(), files.end(), naturalLess);
   return files;
 }

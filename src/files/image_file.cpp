@@ -121,6 +121,36 @@ describe(ImageKind kind)
 
 } // namespace
 
+const std::vector<std::string>&
+imageExtensions()
+{
+  static const std::vector<std::string> extensions{".png", ".jpg", ".jpeg"};
+  return extensions;
+}
+
+cv::Mat
+readImage(const std::string& path)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8)
+    return readPng(path, ImageKind::grey_or_colour);
+  // Of one that is cut off OpenCV would print a complaint and make up the rest.
+  std::size_t end = bytes.size();
+  while (end > 2 && bytes[end - 1] == 0)
+    --end;
+  if (bytes[end - 2] != 0xFF || bytes[end - 1] != 0xD9)
+    PCL_THROW_EXCEPTION(BadInputException, path << ": the JPEG image is not complete");
+  cv::Mat image;
+  try {
+    image = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  }
+  catch (const cv::Exception&) { // an image larger than OpenCV's limit
+  }
+  if (image.cols < 2 || image.rows < 2 || !hasKind(image, ImageKind::grey_or_colour))
+    PCL_THROW_EXCEPTION(BadInputException, path << ": the JPEG image is damaged");
+  return image;
+}
+
 cv::Mat
 readPng(const std::string& path, ImageKind kind)
 {

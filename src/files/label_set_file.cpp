@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 
@@ -72,8 +73,15 @@ writeLabelSet(const std::string& path, const LabelSet& label_set)
 LabelMapping
 readLabelMapping(const std::string& path, const LabelSet& label_set)
 {
-  const YamlMap file = YamlMap::load(path);
   LabelMapping mapping;
+  if (path == "zero_based") {
+    for (int label = 1; label <= label_set.size(); ++label)
+      mapping.set(std::uint32_t(label - 1), Label(label));
+    return mapping;
+  }
+  const bool is_name = path.find_first_of("./") == std::string::npos;
+  const YamlMap file =
+      YamlMap::load(is_name ? findDataFile("label_mappings/" + path + ".yaml") : path);
   const YamlMap classes = file.requireMap("classes");
   for (const std::string& name : classes.keys()) {
     const Label label = label_set.find(name);

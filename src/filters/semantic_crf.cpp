@@ -1,10 +1,76 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "label_fields.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/semantic_crf.h>
+
+#include <functional>
 
 namespace pcl_semantic {
 
 template class SemanticCRF<pcl::PointXYZL>;
 template class SemanticCRF<pcl::PointXYZRGBL>;
 template class SemanticCRF<pcl::PointXYZLNormal>;
+
+namespace {
+
+// Undoes at the end of a run what was taken from its cloud.
+class AtEnd {
+public:
+  explicit AtEnd(std::function<void()> undo) : undo_(std::move(undo)) {}
+  AtEnd(const AtEnd&) = delete;
+  ~AtEnd() { undo_(); }
+
+private:
+  std::function<void()> undo_;
+};
+
+} // namespace
+
+void
+SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
+{
+  const LabelFields label_fields(*input_);
+  const ThreadScope threads(threads_);
+  PcdTable table;
+  fromPCLPointCloud2(*input_, table);
+  LabelledCloud labelled = labelledCloudOf(std::move(table), "cloud");
+  const bool reads_measurements = !hasMeasurements();
+  const bool reads_cliques = usesCliques() && !hasCliqueSource();
+  if (reads_measurements && labelled.distributions.classes() == 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cloud: has no field 'probability'; call setLabelConfidence() "
+                        "to start from its labels");
+  const AtEnd undo([&] {
+    if (reads_measurements)
+      setLabelDistributions(LabelDistributions());
+    if (reads_cliques)
+      setCliqueGenerator(nullptr);
+  });
+  if (reads_measurements)
+    setLabelDistributions(labelled.distributions);
+  if (reads_cliques)
+    setCliques(labelled.cliques);
+  Fields fields;
+  fields.width = input_->width;
+  fields.height = input_->height;
+  const auto count = Eigen::Index(labelled.cloud->size());
+  fields.positions.resize(3, count);
+  fields.colours.resize(3, labelled.has_colour ? count : 0);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const pcl::PointXYZRGBL& point = (*labelled.cloud)[std::size_t(i)];
+    fields.positions.col(i) = point.getVector3fMap();
+    fields.labels.push_back(point.label);
+    if (labelled.has_colour)
+      fields.colours.col(i) << float(point.r), float(point.g), float(point.b);
+  }
+  refineCloud(fields, *indices_);
+  output = *input_;
+  for (const pcl::index_t i : *indices_)
+    label_fields.write(output.data.data() + offsetOfPoint(output, std::size_t(i)),
+                       fields.labels[std::size_t(i)], getLabelDistributions(), i);
+}
 
 } // namespace pcl_semantic

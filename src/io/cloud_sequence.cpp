@@ -2,9 +2,10 @@
 #include "files/file_pattern.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/cloud_sequence.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
 
 #include <pcl/common/io.h>
 
@@ -80,7 +81,7 @@ distributionsOf(const LabelledCloud& read, const std::string& path, int classes,
     if (label > std::uint32_t(classes))
       PCL_THROW_EXCEPTION(BadInputException, path << ": point " << i << " has label "
                                                   << label << ", expected 0 to "
-                                                  << classes);
+                                                  << classes << ", or a label mapping");
     distributions.setLabel(Eigen::Index(i), Label(label), confidence);
   }
   return distributions;
@@ -89,7 +90,7 @@ distributionsOf(const LabelledCloud& read, const std::string& path, int classes,
 } // namespace
 
 CloudSequence::CloudSequence(const std::string& pattern, const std::string& times)
-    : paths_(findFiles(pattern, ".pcd"))
+    : paths_(findFiles(pattern, cloudExtensions()))
 {
   numbers_ = ofAll<int>(paths_, frameNumberOf);
   for (std::size_t i = 1; i < numbers_.size(); ++i)
@@ -123,9 +124,10 @@ CloudSequence::CloudSequence(const std::string& pattern, const std::string& time
 }
 
 CloudFrame
-CloudSequence::frame(std::size_t i, int classes, float confidence) const
+CloudSequence::frame(std::size_t i, int classes, float confidence,
+                     const LabelMapping* mapping) const
 {
-  const LabelledCloud read = readLabelledCloud(path(i));
+  const LabelledCloud read = readLabelledCloud(path(i), mapping);
   CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
   pcl::copyPointCloud(*read.cloud, *frame.cloud);

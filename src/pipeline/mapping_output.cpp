@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extra_output.h"
+#include "files/folder_lock.h"
+#include "files/json_text.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
@@ -93,6 +95,7 @@ MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
   requireImages();
   refuseForeignImages();
   makeOutputFolder(folder_);
+  lock_ = std::make_unique<FolderLock>(folder_);
   if (run_.camera)
     for (const char* name : image_folders)
       makeOutputFolder(path(name));
@@ -149,7 +152,7 @@ MappingOutput::replaceEarlierRun() const
     std::filesystem::remove(path(name), error);
   removeLive();
   writeTextFile(path("summary.json"),
-                Json{{"finished", false}, {"versions", versions()}}.dump(2) + "\n");
+                jsonText(Json{{"finished", false}, {"versions", versions()}}));
 }
 
 std::string
@@ -213,7 +216,7 @@ MappingOutput::writeLive(const MappedFrame& mapped) const
                      {"voxel_size", mapped.voxels.voxel_size},
                      {"map_origin", toJson(mapped.voxels.origin)},
                      {"frame", mapped.frame.number}};
-  writeTextFile(live + "summary.json", summary.dump(2) + "\n");
+  writeTextFile(live + "summary.json", jsonText(summary));
 }
 
 void
@@ -311,7 +314,7 @@ MappingOutput::writeSummary(const VoxelCloud& voxels) const
   for (const ConfigParameter& parameter : parametersOf(config))
     summary["options"][parameter.name] = parameter.text();
   summary["versions"] = versions();
-  writeTextFile(path("summary.json"), summary.dump(2) + "\n");
+  writeTextFile(path("summary.json"), jsonText(summary));
 }
 
 } // namespace pcl_semantic

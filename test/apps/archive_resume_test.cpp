@@ -146,7 +146,7 @@ TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
   // The CRF has not seen the frame after these: what the end of a run does about that
   // must not be in what a longer run goes on with.
   for (const auto& [signal, frame] :
-       {std::pair<std::string, int>{"INT", 1}, {"TERM", 3}, {"INT", 4}}) {
+       {std::pair<std::string, int>{"INT", 1}, {"HUP", 3}, {"INT", 4}}) {
     SCOPED_TRACE(frame);
     const std::string name = std::to_string(frame);
     const std::string output = folder_.path("out" + name);

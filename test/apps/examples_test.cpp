@@ -4,8 +4,8 @@
 
 #include "support/mapped_street.h"
 
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
 
 #include <algorithm>
 #include <fstream>
@@ -83,7 +83,21 @@ TEST(Examples, AreAllThatTheLadderHasAndStandAlone)
     for (const std::string& line : lines) // one file, and nothing but the library
       EXPECT_NE(line.rfind("#include \"", 0), 0u) << entry.path() << ": " << line;
   }
-  EXPECT_EQ(found, 7);
+  EXPECT_EQ(found, 8);
+}
+
+TEST(Examples, APclPipelineExtractsAClass)
+{
+  // Two walls of 2.5 m x 5 m, a point a voxel of 0.1 m: of 1,250 hardly one is wrong.
+  EXPECT_NEAR(numberBehind(outputOf("08_pcl_pipeline"), "^"), 1250.0, 100.0);
+  const TemporaryFolder folder;
+  mapStreet(tinyStreet(), folder.path("map"), "--crf none --voxel-size 0.2");
+  outputOf("08_pcl_pipeline",
+           folder.path("map/map.pcd") + " " + folder.path("road.pcd") + " 3");
+  const auto labels = labelsOf(folder.path("road.pcd"));
+  EXPECT_GT(labels.size(), 500u);
+  EXPECT_EQ(std::count(labels.begin(), labels.end(), 3u),
+            std::ptrdiff_t(labels.size()));
 }
 
 TEST(Examples, OneCallMapsTheStreet)

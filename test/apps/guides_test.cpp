@@ -9,7 +9,7 @@
 #include "support/own_camera.h"
 
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 
 #include <cctype>
 #include <regex>

@@ -30,9 +30,10 @@ exampleOf(const std::string& verb)
 // In this order: a map is made of the street, and evaluated.
 const std::vector<std::string> verbs = [] {
   std::vector<std::string> all = {
-      "synthesize",   "map",      "evaluate",   "lidar_truth", "crf",   "image_crf",
-      "archive",      "odometry", "trajectory", "stereo",      "label", "cliques",
-      "evaluate_map", "render",   "compare",    "calibrate",   "export"};
+      "synthesize", "map",     "evaluate",     "lidar_truth", "crf",
+      "image_crf",  "archive", "odometry",     "trajectory",  "stereo",
+      "label",      "cliques", "evaluate_map", "render",      "compare",
+      "calibrate",  "export",  "cloud",        "rgbd"};
   // It may have been left out, or have nothing to draw on.
   if (fs::exists(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_view") &&
       runShell("command -v xvfb-run").code == 0)

@@ -3,7 +3,7 @@
 #include "support/thrown_message.h"
 #include "support/virtual_display.h"
 
-#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 
 // Programs that people look at clouds with; not needed to build, so each test skips
 // where its program is not installed.

@@ -3,8 +3,8 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/io/cloud_sequence.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
 
 #include <gtest/gtest.h>
 

@@ -264,7 +264,7 @@ TEST(CalibrationFit, RefusesBadSamples)
   EXPECT_TRUE(holds(size([](auto& s) { s.weights.assign(99, 1.0f); }), "99 weights"));
   EXPECT_TRUE(holds(size([](auto& s) { s.weights.assign(100, 0.0f); }), "weight is 0"));
   EXPECT_TRUE(holds(size([](auto& s) { s.truth[5] = 5; }), "truth 5 of 4 classes"));
-  const std::string few = "expected truth of two classes or more";
+  const std::string few = "expected ground truth of two classes or more";
   const auto input = [&](auto&& how) {
     return thrownMessage<BadInputException>([&] { change(how); });
   };

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include <string>
+#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -29,6 +30,13 @@ enum class ImageKind {
  * \throws BadInputException if it is missing, no PNG, damaged, smaller than 2 x 2 or of
  * another kind */
 cv::Mat readPng(const std::string& path, ImageKind kind);
+
+/** \brief Extensions of what readImage() reads: `.png .jpg .jpeg`. */
+const std::vector<std::string>& imageExtensions();
+
+/** \brief Reads what a camera took, grey or colour: a PNG as readPng() does, or a JPEG.
+ * \throws BadInputException as readPng() */
+cv::Mat readImage(const std::string& path);
 
 /** \brief Writes a PNG file. \throws OutputException; nothing is left behind then */
 void writePng(const std::string& path, const cv::Mat& image);

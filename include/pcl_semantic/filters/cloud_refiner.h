@@ -92,6 +92,18 @@ protected:
 
   ~CloudRefiner() = default;
 
+  bool
+  hasMeasurements() const
+  {
+    return label_classes_ > 0 || !measured_.empty();
+  }
+
+  bool
+  hasCliqueSource() const
+  {
+    return has_cliques_ || generator_;
+  }
+
   /** \brief Refines the points of some indices.
    * \param[in,out] fields the labels of these points are rewritten
    * \throws InvalidParameterException, BadInputException as SemanticCRF */

@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/filters/cloud_refiner.h>
 
+#include <pcl/PCLPointCloud2.h>
 #include <pcl/filters/filter.h>
 #include <pcl/point_types.h>
 
@@ -38,6 +39,30 @@ protected:
 
 private:
   static Fields readFields(const PointCloud& cloud);
+};
+
+/** \brief The same for clouds whose fields are known by name: x y z, label and, if they
+ * are there, rgb or rgba, probability (COUNT L) and clique (0 = none). Other fields are
+ * kept.
+ *
+ * Unless setLabelDistributions() or setLabelConfidence() was called, the measurements
+ * are the field `probability`; unless cliques or a generator were set, the cliques are
+ * the field `clique`. The output is the input with `label` and, if it is there,
+ * `probability` rewritten. */
+template <>
+class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PCLPointCloud2>
+    : public pcl::Filter<pcl::PCLPointCloud2>, public CloudRefiner {
+public:
+  using Ptr = std::shared_ptr<SemanticCRF<pcl::PCLPointCloud2>>;
+  using ConstPtr = std::shared_ptr<const SemanticCRF<pcl::PCLPointCloud2>>;
+
+  SemanticCRF() { this->filter_name_ = "SemanticCRF"; }
+
+protected:
+  /** \throws InvalidParameterException if the cloud has no `label`, neither
+   * `probability` nor measurements that were set, or something does not fit it
+   * \throws BadInputException at a value of a field that cannot be */
+  void applyFilter(pcl::PCLPointCloud2& output) override;
 };
 
 } // namespace pcl_semantic

@@ -10,7 +10,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The `.pcd` clouds of a folder or pattern, one a frame, in natural order.
+/** \brief The clouds (readCloudTable()) of a folder, which holds one kind of files, or
+ * of a pattern, one a frame, in natural order.
  *
  * If every name is a whole number below 10^8 (`000012.pcd`) it is the frame's number;
  * else frame n is the n-th cloud from 0. If every name is a time with a fraction
@@ -52,9 +53,11 @@ public:
    * \param[in] classes L
    * \param[in] confidence probability of the class that `label` states, where the cloud
    * has no field `probability`
+   * \param[in] mapping as readLabelledCloud() takes it
    * \throws BadInputException as readLabelledCloud(), or if the labels are not of these
    * classes */
-  CloudFrame frame(std::size_t i, int classes, float confidence) const;
+  CloudFrame frame(std::size_t i, int classes, float confidence,
+                   const LabelMapping* mapping = nullptr) const;
 
 private:
   std::vector<std::string> paths_;

@@ -47,7 +47,7 @@ public:
    * point, and fuses colours and labels of the ends. One update per voxel and scan; a
    * hit wins over a miss.
    * \param[in] cloud sensor frame [m], organized or not, any point type with xyz
-   * \param[in] T_world_sensor pose of the sensor
+   * \param[in] T_world_sensor pose of the sensor; sensorPose() gives that of the cloud
    * \param[in] distributions L x cloud.size(), or empty for a scan without labels
    * \param[in] deviations of the distance to each point [m], or empty if they are
    * exact: nothing is cleared within two deviations of an end, and its hit weighs less;

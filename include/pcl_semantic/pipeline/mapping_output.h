@@ -23,6 +23,7 @@ struct ExtraOptions {
 };
 
 class ExtraOutput;
+class FolderLock;
 
 /** \brief Writes what mapping a sequence leaves behind into a folder: pictures and
  * label images a frame, the map and its summary at the end (README, "What it writes").
@@ -37,7 +38,8 @@ public:
    * on: images of others are removed with the first frame that is written
    * \param[in] extra what is written beyond the map and its images
    * \throws BadInputException if images of those frames are missing
-   * \throws OutputException also if images lie there that no run of ours has left */
+   * \throws OutputException also if images lie there that no run of ours has left, or
+   * another run is writing there */
   MappingOutput(const std::string& folder, const MappingRun& run,
                 std::vector<FrameRecord> records = {}, ExtraOptions extra = {});
 
@@ -83,6 +85,7 @@ private:
   MappingRun run_;
   std::vector<FrameRecord> frames_;
   std::unique_ptr<ExtraOutput> extra_;
+  std::unique_ptr<FolderLock> lock_;
   bool replaced_ = false; // an earlier run's files are gone
 };
 

@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/files/pcd_table.h>
 
 #include <pcl/PointIndices.h>
@@ -26,14 +27,24 @@ struct LabelledCloud {
   PcdTable table; ///< the file it comes from, for the fields this struct does not know
 };
 
-/** \brief Reads a `.pcd` of points with labels, all but x y z optional, in any order
- * and of any type that holds the value: x y z [m]; rgb or rgba (four bytes, packed as
- * PCL does); label (0 = unlabelled); probability (COUNT L; sums to 1 within 0.1 and is
- * normalised, all zero = unlabelled); clique (0 = none). Without label the labels are
- * the most probable ones. Cliques come in the order of their numbers.
- * \throws BadInputException as readPcd(), or naming field and point: a value is
+/** \brief Reads points with labels (readCloudTable()), all but x y z optional, in any
+ * order and of any type that holds the value: x y z [m]; rgb or rgba (four bytes,
+ * packed as PCL does); label (0 = unlabelled); probability (COUNT L; sums to 1 within
+ * 0.1 and is normalised, all zero = unlabelled); clique (0 = none). Without label the
+ * labels are the most probable ones. Cliques come in the order of their numbers.
+ * \param[in] mapping of the numbers in `label` to labels, others are unlabelled; null =
+ * they are labels
+ * \throws BadInputException as readCloudTable(), or naming field and point: a value is
  * missing, negative, not finite where it has to be, a label is beyond L or 255 */
-LabelledCloud readLabelledCloud(const std::string& path);
+LabelledCloud readLabelledCloud(const std::string& path,
+                                const LabelMapping* mapping = nullptr);
+
+/** \brief The same of a table. \param[in] name of the cloud for messages */
+LabelledCloud labelledCloudOf(PcdTable table, const std::string& name,
+                              const LabelMapping* mapping = nullptr);
+
+/** \brief The table that writeLabelledCloud() writes. \param[in] name for messages */
+PcdTable tableOf(const LabelledCloud& labelled, const std::string& name);
 
 /** \brief Writes a cloud, whole or not at all.
  *

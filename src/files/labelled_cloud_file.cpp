@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files/pcd_file.h"
+#include "pcd_file.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/pcd_table.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
 
 #include <pcl/PointIndices.h>
 #include <pcl/common/point_tests.h>
@@ -156,11 +157,12 @@ constexpr double kLargest = std::numeric_limits<float>::max();
 
 class Reader {
 public:
-  explicit Reader(const std::string& path) : path_(path)
+  Reader(PcdTable read, const std::string& name, const LabelMapping* mapping)
+      : path_(name), mapping_(mapping)
   {
-    result_.table = readPcd(path);
+    result_.table = std::move(read);
     if (table().points > std::size_t(std::numeric_limits<pcl::index_t>::max()))
-      PCL_THROW_EXCEPTION(BadInputException, path
+      PCL_THROW_EXCEPTION(BadInputException, path_
                                                  << ": has " << table().points
                                                  << " points, more than PCL can index");
   }
@@ -293,12 +295,33 @@ private:
     const PcdColumn column = singleColumn(path_, table(), field);
     const int largest = classes > 0 ? classes : 255;
     for (std::size_t i = 0; i < cloud.size(); ++i)
-      cloud[i].label = static_cast<std::uint32_t>(
-          wholeNumber(path_, column, i, static_cast<std::uint32_t>(largest)));
+      cloud[i].label = mapping_ ? mapped(column, i) : label(column, i, largest);
     result_.has_labels = true;
   }
 
+  std::uint32_t
+  label(const PcdColumn& column, std::size_t i, int largest) const
+  {
+    const double value = column(i);
+    if (value >= 0.0 && value <= largest && value == std::floor(value))
+      return std::uint32_t(value);
+    badPcdValue(path_, column, i, value,
+                "a whole number from 0 to " + std::to_string(largest) +
+                    ", or a label mapping for other numberings");
+  }
+
+  // Numbers below 0 are what other programs write for unlabelled.
+  std::uint32_t
+  mapped(const PcdColumn& column, std::size_t i) const
+  {
+    const double value = column(i);
+    if (!(std::abs(value) <= double(1u << 31)) || value != std::floor(value))
+      badPcdValue(path_, column, i, value, "a whole number");
+    return value < 0.0 ? kUnlabelled : (*mapping_)(std::uint32_t(value));
+  }
+
   const std::string& path_;
+  const LabelMapping* mapping_;
   LabelledCloud result_;
 };
 
@@ -324,8 +347,9 @@ putColumn(PcdTable& table, const PcdField& field, const Cloud& cloud, Value&& va
   table.setColumn(field, bytesOf(values.data(), values.size()));
 }
 
+// Of a cloud that was in no file.
 PcdTable
-tableOf(const LabelledCloud& labelled)
+newTable(const LabelledCloud& labelled)
 {
   const Cloud& cloud = *labelled.cloud;
   PcdTable table;
@@ -349,22 +373,28 @@ tableOf(const LabelledCloud& labelled)
 } // namespace
 
 LabelledCloud
-readLabelledCloud(const std::string& path)
+readLabelledCloud(const std::string& path, const LabelMapping* mapping)
 {
-  return Reader(path).read();
+  return labelledCloudOf(readCloudTable(path), path, mapping);
 }
 
-void
-writeLabelledCloud(const std::string& path, const LabelledCloud& labelled)
+LabelledCloud
+labelledCloudOf(PcdTable table, const std::string& name, const LabelMapping* mapping)
+{
+  return Reader(std::move(table), name, mapping).read();
+}
+
+PcdTable
+tableOf(const LabelledCloud& labelled, const std::string& name)
 {
   const Cloud& cloud = *labelled.cloud;
   const LabelDistributions& distributions = labelled.distributions;
-  PcdTable table = labelled.table.fields.empty() ? tableOf(labelled) : labelled.table;
+  PcdTable table = labelled.table.fields.empty() ? newTable(labelled) : labelled.table;
   const int classes = distributions.classes();
   if (table.points != cloud.size() ||
       (classes > 0 && distributions.size() != Eigen::Index(cloud.size())))
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        path << ": the cloud has " << cloud.size()
+                        name << ": the cloud has " << cloud.size()
                              << " points, its table " << table.points
                              << ", its distributions " << distributions.size());
   putColumn(table, {"label", 'U'}, cloud,
@@ -373,9 +403,15 @@ writeLabelledCloud(const std::string& path, const LabelledCloud& labelled)
     table.setColumn({"probability", 'F', 4, classes},
                     bytesOf(distributions.matrix().data(),
                             std::size_t(distributions.matrix().size())));
-  if (!sameCliques(cliquesOfColumn(path, table, cloud), labelled.cliques))
-    setCliqueColumn(path, labelled.cliques, table);
-  writePcd(path, table);
+  if (!sameCliques(cliquesOfColumn(name, table, cloud), labelled.cliques))
+    setCliqueColumn(name, labelled.cliques, table);
+  return table;
+}
+
+void
+writeLabelledCloud(const std::string& path, const LabelledCloud& labelled)
+{
+  writePcd(path, tableOf(labelled, path));
 }
 
 void

@@ -6,7 +6,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/labelled_cloud_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
 
 #include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "messages.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/point_cloud2.h>
+#include <pcl_semantic/filters/label_voxel_grid.h>
+
+#include <pcl/filters/extract_indices.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace {
+
+using namespace pcl_semantic;
+namespace po = tool::po;
+
+struct Arguments {
+  std::string input, output, label_set, label_mapping, crop, keep, drop, relabel;
+  double thin = 0.0;
+  bool colour = false;
+};
+
+const tool::Usage usage{
+    "pcl_semantic_cloud", "IN OUT.pcd [options]",
+    "Prepares a labelled cloud for other programs: maps its labels, crops it, keeps\n"
+    "or drops classes, renames labels, thins it, colours it by class, in this order.\n"
+    "IN is a .pcd, a .ply, or a scan of KITTI (.bin with .label). All other fields\n"
+    "are kept.",
+    "pcl_semantic_synthesize /tmp/street && \\\n"
+    "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && "
+    "\\\n"
+    "  pcl_semantic_cloud /tmp/map/map.pcd /tmp/thin.pcd --thin 0.3 --drop car \\\n"
+    "    --label-set data/label_sets/kitti11.yaml --colour"};
+
+bool
+parse(int argc, char** argv, Arguments& arguments)
+{
+  po::options_description options("Options");
+  options.add_options()("input", po::value(&arguments.input), "labelled cloud")(
+      "output", po::value(&arguments.output),
+      "output cloud (.pcd)")("label-set", po::value(&arguments.label_set),
+                             "classes (YAML), for names of classes and for colours")(
+      "label-mapping", po::value(&arguments.label_mapping),
+      tool::label_mapping_help)("crop", po::value(&arguments.crop),
+                                "keep the points in a box x0,y0,z0,x1,y1,z1 [m]")(
+      "keep", po::value(&arguments.keep),
+      "keep the points of these classes: names or numbers with commas between")(
+      "drop", po::value(&arguments.drop),
+      "drop the points of these classes")("relabel", po::value(&arguments.relabel),
+                                          "other labels for classes: fence=pole,7=0")(
+      "thin", po::value(&arguments.thin),
+      "keep one point a voxel of this size [m], with the mean of its points' "
+      "probabilities or their most frequent label")(
+      "colour", po::bool_switch(&arguments.colour),
+      "write the colours of the classes as rgba");
+  po::positional_options_description positional;
+  positional.add("input", 1).add("output", 1);
+  po::variables_map values;
+  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
+    return false;
+  if (arguments.output.empty())
+    tool::failUsage(usage, "expected IN OUT.pcd");
+  if (arguments.label_set.empty() &&
+      (arguments.colour || !arguments.label_mapping.empty()))
+    tool::failUsage(usage, "--colour and --label-mapping need --label-set");
+  if (values.count("thin") > 0 && !(arguments.thin > 0.0))
+    tool::failUsage(usage, "--thin is not more than 0");
+  return true;
+}
+
+class Editor {
+public:
+  explicit Editor(const Arguments& arguments) : arguments_(arguments)
+  {
+    if (!arguments.label_set.empty())
+      label_set_ = readLabelSet(arguments.label_set);
+    if (!arguments.label_mapping.empty())
+      mapping_ = readLabelMapping(arguments.label_mapping, *label_set_);
+    if (!arguments.crop.empty())
+      box_ = boxOf(arguments.crop);
+    keep_ = labelsOf("--keep", arguments.keep);
+    drop_ = labelsOf("--drop", arguments.drop);
+    readRelabelling();
+  }
+
+  PcdTable
+  edit(PcdTable table)
+  {
+    const std::array<double, 7> viewpoint = table.viewpoint;
+    LabelledCloud cloud = labelledCloudOf(std::move(table), arguments_.input,
+                                          mapping_ ? &*mapping_ : nullptr);
+    const pcl::Indices kept = keptPoints(cloud);
+    for (pcl::PointXYZRGBL& point : *cloud.cloud)
+      point.label = relabelled_[point.label];
+    table = cloud.table;
+    if (cloud.has_labels)
+      table = withLabels(cloud);
+    if (kept.size() < cloud.cloud->size() || arguments_.thin > 0.0)
+      table = filtered(table, kept);
+    if (arguments_.colour)
+      setColours(table);
+    table.viewpoint = viewpoint;
+    return table;
+  }
+
+private:
+  Label
+  labelOf(const std::string& option, const std::string& word) const
+  {
+    int number = -1;
+    const auto [rest, error] =
+        std::from_chars(word.data(), word.data() + word.size(), number);
+    const int largest = label_set_ ? label_set_->size() : 255;
+    if (error == std::errc() && rest == word.data() + word.size() && number >= 0 &&
+        number <= largest)
+      return Label(number);
+    const Label label = label_set_ ? label_set_->find(word) : kUnlabelled;
+    if (label == kUnlabelled)
+      PCL_THROW_EXCEPTION(
+          InvalidParameterException,
+          option << ": " << inQuotes(word) << " is no class"
+                 << (label_set_ ? " of the label set" : "; names need --label-set"));
+    return label;
+  }
+
+  std::set<std::uint32_t>
+  labelsOf(const std::string& option, const std::string& text) const
+  {
+    std::set<std::uint32_t> labels;
+    std::istringstream words(text);
+    for (std::string word; std::getline(words, word, ',');)
+      labels.insert(labelOf(option, word));
+    return labels;
+  }
+
+  void
+  readRelabelling()
+  {
+    for (std::size_t label = 0; label < relabelled_.size(); ++label)
+      relabelled_[label] = std::uint32_t(label);
+    std::istringstream words(arguments_.relabel);
+    for (std::string word; std::getline(words, word, ',');) {
+      const std::size_t middle = word.find('=');
+      if (middle == std::string::npos)
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "--relabel: " << inQuotes(word) << ", expected OLD=NEW");
+      relabelled_[labelOf("--relabel", word.substr(0, middle))] =
+          labelOf("--relabel", word.substr(middle + 1));
+    }
+  }
+
+  static Eigen::AlignedBox3d
+  boxOf(std::string text)
+  {
+    std::replace(text.begin(), text.end(), ',', ' ');
+    std::vector<double> numbers;
+    try {
+      numbers = parseNumbers(text, "--crop");
+    }
+    catch (const BadInputException& error) {
+      PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
+    }
+    if (numbers.size() == 6 && numbers[0] < numbers[3] && numbers[1] < numbers[4] &&
+        numbers[2] < numbers[5])
+      return {Eigen::Vector3d(numbers[0], numbers[1], numbers[2]),
+              Eigen::Vector3d(numbers[3], numbers[4], numbers[5])};
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "--crop: expected x0,y0,z0,x1,y1,z1, the smaller ones first");
+  }
+
+  pcl::Indices
+  keptPoints(const LabelledCloud& cloud) const
+  {
+    if (!cloud.has_labels && !(keep_.empty() && drop_.empty()))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          arguments_.input
+                              << ": has no field 'label' or 'probability'");
+    pcl::Indices kept;
+    for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {
+      const pcl::PointXYZRGBL& point = (*cloud.cloud)[i];
+      if ((!box_ || box_->contains(point.getVector3fMap().cast<double>())) &&
+          (keep_.empty() || keep_.count(point.label) > 0) &&
+          drop_.count(point.label) == 0)
+        kept.push_back(pcl::index_t(i));
+    }
+    return kept;
+  }
+
+  // Probabilities are of the old classes.
+  PcdTable
+  withLabels(LabelledCloud& cloud) const
+  {
+    if (!arguments_.relabel.empty()) {
+      if (cloud.distributions.classes() > 0) {
+        tool::warn(arguments_.input + ": probabilities do not fit other labels: the "
+                                      "output has none");
+        cloud.table.removeColumns("probability");
+      }
+      cloud.distributions = LabelDistributions();
+    }
+    return tableOf(cloud, arguments_.input);
+  }
+
+  PcdTable
+  filtered(const PcdTable& table, const pcl::Indices& kept) const
+  {
+    pcl::PCLPointCloud2::Ptr blob(new pcl::PCLPointCloud2),
+        result(new pcl::PCLPointCloud2);
+    toPCLPointCloud2(table, *blob);
+    const auto indices = pcl::make_shared<pcl::Indices>(kept);
+    if (arguments_.thin > 0.0) {
+      LabelVoxelGrid grid;
+      grid.setLeafSize(arguments_.thin);
+      grid.setInputCloud(blob);
+      grid.setIndices(indices);
+      grid.filter(*result);
+    }
+    else {
+      pcl::ExtractIndices<pcl::PCLPointCloud2> extract;
+      extract.setInputCloud(blob);
+      extract.setIndices(indices);
+      extract.filter(*result);
+    }
+    PcdTable rest;
+    fromPCLPointCloud2(*result, rest);
+    return rest;
+  }
+
+  void
+  setColours(PcdTable& table) const
+  {
+    const PcdColumn labels(table, table.find("label"));
+    std::vector<std::uint8_t> bytes;
+    for (std::size_t i = 0; i < table.points; ++i) {
+      const double label = labels(i);
+      if (label > label_set_->size())
+        PCL_THROW_EXCEPTION(BadInputException,
+                            arguments_.input << ": label " << label << " is beyond the "
+                                             << label_set_->size()
+                                             << " classes of --label-set");
+      const auto& colour = (*label_set_)[Label(label)].colour;
+      bytes.insert(bytes.end(), {colour[2], colour[1], colour[0], 255});
+    }
+    table.removeColumns("rgb");
+    table.setColumn({"rgba", 'U'}, bytes);
+  }
+
+  const Arguments& arguments_;
+  std::optional<LabelSet> label_set_;
+  std::optional<LabelMapping> mapping_;
+  std::optional<Eigen::AlignedBox3d> box_;
+  std::set<std::uint32_t> keep_, drop_;
+  std::array<std::uint32_t, 256> relabelled_{};
+};
+
+int
+prepare(const Arguments& arguments)
+{
+  tool::refuseSameFiles({arguments.input, arguments.label_set, arguments.label_mapping},
+                        {arguments.output});
+  tool::requireOutput(arguments.output, ".pcd");
+  Editor editor(arguments);
+  PcdTable table = readCloudTable(arguments.input);
+  const std::size_t before = table.points;
+  table = editor.edit(std::move(table));
+  if (table.points == 0)
+    tool::warn("no point is left");
+  writeCloudTable(arguments.output, table);
+  tool::printResults({{"points_before", before},
+                      {"points", table.points},
+                      {"cloud", arguments.output}});
+  return tool::exit_done;
+}
+
+} // namespace
+
+int
+main(int argc, char** argv)
+{
+  return tool::run(usage.name, [&] {
+    Arguments arguments;
+    return parse(argc, argv, arguments) ? prepare(arguments) : int(tool::exit_done);
+  });
+}

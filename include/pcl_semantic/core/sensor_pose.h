@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
+
+#include <Eigen/Geometry>
+#include <pcl/point_cloud.h>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief The pose that a cloud carries, as PCL reads it from VIEWPOINT: T_world_sensor
+ * for SemanticVoxelMap::integrate() if its points are in the sensor's frame. */
+template <typename PointT>
+Eigen::Isometry3d
+sensorPose(const pcl::PointCloud<PointT>& cloud)
+{
+  return Eigen::Translation3d(
+             cloud.sensor_origin_.template head<3>().template cast<double>()) *
+         cloud.sensor_orientation_.template cast<double>().normalized();
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/cloud_frame.h>
+#include <pcl_semantic/core/export.h>
+
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief A pinhole camera without distortion: fx, fy, cx, cy [px]. */
+struct PinholeCamera {
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;
+
+  /** \throws InvalidParameterException unless focal lengths are positive and all is
+   * finite */
+  void validate() const;
+};
+
+/** \brief Reads the intrinsics of a camera: ROS' camera_info as YAML (`K` or
+ * `camera_matrix: data`), or the first camera of Kalibr's camchain (`cam0:
+ * intrinsics`). Images have to be undistorted: distortion in the file is refused.
+ * \throws BadInputException with file and line */
+PinholeCamera readPinholeCamera(const std::string& path);
+
+/** \brief Frames of an RGB-D camera whose depth image is registered to the colour
+ * image.
+ *
+ * Either TUM's layout: `rgb.txt` and `depth.txt` list times and files, each colour
+ * image takes the depth image nearest in time, and is passed over if none is within
+ * 0.02 s. Or a folder with `rgb/` and `depth/`, whose files have the same names. Depth
+ * images are 16-bit PNGs, 0 = no depth. */
+class RgbdSequence {
+public:
+  /** \param[in] folder see above
+   * \param[in] depth_scale number that stands for a metre; 0 = 5000 in TUM's layout,
+   * else 1000
+   * \throws BadInputException if it holds no such frames
+   * \throws InvalidParameterException */
+  RgbdSequence(const std::string& folder, const PinholeCamera& camera,
+               double depth_scale = 0.0);
+
+  std::size_t
+  size() const
+  {
+    return frames_.size();
+  }
+
+  /** \brief Name of a frame without extension: its time [s] in TUM's layout, else that
+   * of its files. */
+  const std::string&
+  name(std::size_t i) const
+  {
+    return frames_.at(i).name;
+  }
+
+  /** \brief The i-th frame as an organized coloured cloud in the camera's frame (x
+   * right, y down, z forward) [m], NaN where there is no depth, without labels.
+   * \param[in] max_depth [m]; 0 = unlimited
+   * \throws BadInputException if an image cannot be read, or the two differ in size */
+  CloudFrame frame(std::size_t i, double max_depth = 0.0) const;
+
+private:
+  struct Files {
+    std::string name, colour, depth;
+    double time = 0.0; // [s]
+  };
+
+  void readTumLists(const std::string& folder);
+
+  void findFolders(const std::string& folder);
+
+  PinholeCamera camera_;
+  double depth_scale_;
+  std::vector<Files> frames_;
+};
+
+} // namespace pcl_semantic

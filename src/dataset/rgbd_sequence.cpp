@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "files/file_pattern.h"
+#include "files/yaml_config.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/rgbd_sequence.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <sstream>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kMaxDifference = 0.02; // of the times of colour and depth [s]
+
+struct TimedFile {
+  double time = 0.0;
+  std::string word, path; // the time as it stands there
+};
+
+std::vector<TimedFile>
+readList(const std::string& folder, const std::string& name)
+{
+  const std::string path = folder + "/" + name;
+  std::vector<TimedFile> files;
+  for (const TextLine& line : readLines(path)) {
+    if (line.text.empty() || line.text[0] == '#')
+      continue;
+    std::istringstream words(line.text);
+    TimedFile file;
+    std::string image, rest;
+    words >> file.word >> image;
+    if (image.empty() || words >> rest)
+      PCL_THROW_EXCEPTION(BadInputException, atLine(path, line.number)
+                                                 << ": expected a time and a file");
+    file.time = parseNumber(file.word, atLine(path, line.number));
+    if (!std::isfinite(file.time) || (!files.empty() && file.time <= files.back().time))
+      PCL_THROW_EXCEPTION(BadInputException, atLine(path, line.number)
+                                                 << ": times have to rise");
+    file.path = folder + "/" + image;
+    files.push_back(file);
+  }
+  if (files.empty())
+    PCL_THROW_EXCEPTION(BadInputException, path << ": names no image");
+  return files;
+}
+
+void
+refuseDistortion(const YamlMap& map, const std::string& key)
+{
+  std::vector<double> values;
+  if (map.isMap(key))
+    map.requireMap(key).get("data", values);
+  else
+    map.get(key, values);
+  for (const double value : values)
+    if (value != 0.0)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          map.where(key) << ": images have to be undistorted, with "
+                                            "coefficients of 0");
+}
+
+PinholeCamera
+cameraOfMatrix(const std::vector<double>& K, const std::string& where)
+{
+  if (K.size() != 9 || K[1] != 0.0 || K[8] != 1.0)
+    PCL_THROW_EXCEPTION(
+        BadInputException,
+        where << ": is no camera matrix, expected fx 0 cx 0 fy cy 0 0 1");
+  return {K[0], K[4], K[2], K[5]};
+}
+
+} // namespace
+
+void
+PinholeCamera::validate() const
+{
+  if (!(fx > 0.0 && fy > 0.0 && std::isfinite(fx) && std::isfinite(fy) &&
+        std::isfinite(cx) && std::isfinite(cy)))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "camera: fx " << fx << ", fy " << fy << ", cx " << cx << ", cy "
+                                      << cy << " px, expected positive focal lengths");
+}
+
+PinholeCamera
+readPinholeCamera(const std::string& path)
+{
+  const YamlMap file = YamlMap::load(path);
+  PinholeCamera camera;
+  if (file.isMap("cam0")) {
+    const YamlMap first = file.requireMap("cam0");
+    const auto values = first.require<std::vector<double>>("intrinsics");
+    if (values.size() != 4)
+      PCL_THROW_EXCEPTION(BadInputException, first.where("intrinsics")
+                                                 << ": expected fx, fy, cx, cy");
+    refuseDistortion(first, "distortion_coeffs");
+    camera = {values[0], values[1], values[2], values[3]};
+  }
+  else {
+    const bool is_matrix = file.isMap("camera_matrix");
+    const std::string key = is_matrix ? "camera_matrix" : file.has("K") ? "K" : "k";
+    if (!file.has(key))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          path << ": has neither camera_matrix or K (camera_info) nor "
+                                  "cam0 (Kalibr)");
+    const auto K = is_matrix ? file.requireMap(key).require<std::vector<double>>("data")
+                             : file.require<std::vector<double>>(key);
+    for (const char* const name : {"distortion_coefficients", "D", "d"})
+      if (file.has(name))
+        refuseDistortion(file, name);
+    camera = cameraOfMatrix(K, file.where(key));
+  }
+  try {
+    camera.validate();
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
+  }
+  return camera;
+}
+
+RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camera,
+                           double depth_scale)
+    : camera_(camera), depth_scale_(depth_scale)
+{
+  camera_.validate();
+  if (!(depth_scale >= 0.0 && std::isfinite(depth_scale)))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "depth scale is " << depth_scale << ", expected 0 or more");
+  const bool is_tum = fs::exists(folder + "/rgb.txt");
+  if (is_tum)
+    readTumLists(folder);
+  else
+    findFolders(folder);
+  if (depth_scale_ == 0.0)
+    depth_scale_ = is_tum ? 5000.0 : 1000.0;
+}
+
+void
+RgbdSequence::readTumLists(const std::string& folder)
+{
+  const std::vector<TimedFile> depths = readList(folder, "depth.txt");
+  for (const TimedFile& colour : readList(folder, "rgb.txt")) {
+    const auto nearest = std::min_element(
+        depths.begin(), depths.end(), [&](const TimedFile& a, const TimedFile& b) {
+          return std::abs(a.time - colour.time) < std::abs(b.time - colour.time);
+        });
+    if (std::abs(nearest->time - colour.time) <= kMaxDifference)
+      frames_.push_back({colour.word, colour.path, nearest->path, colour.time});
+  }
+  if (frames_.empty())
+    PCL_THROW_EXCEPTION(BadInputException, folder << "/depth.txt: no time is within "
+                                                  << kMaxDifference
+                                                  << " s of one in rgb.txt");
+}
+
+void
+RgbdSequence::findFolders(const std::string& folder)
+{
+  for (const char* const name : {"rgb", "depth"})
+    if (!fs::is_directory(folder + "/" + name))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          folder << ": has neither rgb.txt nor a folder '" << name
+                                 << "': no RGB-D sequence");
+  for (const std::string& colour : findFiles(folder + "/rgb", imageExtensions())) {
+    const std::string name = fs::path(colour).stem().string();
+    const std::string depth = folder + "/depth/" + name + ".png";
+    if (!fs::exists(depth))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          depth << ": is missing, the depth image of " << colour);
+    frames_.push_back({name, colour, depth, 0.1 * double(frames_.size())});
+  }
+}
+
+CloudFrame
+RgbdSequence::frame(std::size_t i, double max_depth) const
+{
+  const Files& files = frames_.at(i);
+  const cv::Mat image = readImage(files.colour);
+  const cv::Mat depths = readPng(files.depth, ImageKind::disparity);
+  if (image.size() != depths.size())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        files.depth << ": has " << depths.cols << " x " << depths.rows
+                                    << " pixels, expected those of " << files.colour
+                                    << ", " << image.cols << " x " << image.rows);
+  CloudFrame frame{{int(i), files.time}, {}, {}, true};
+  frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(
+      std::uint32_t(image.cols), std::uint32_t(image.rows));
+  frame.cloud->is_dense = false;
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      pcl::PointXYZRGB& point = (*frame.cloud)(u, v);
+      const double z = double(depths.at<std::uint16_t>(v, u)) / depth_scale_;
+      if (z > 0.0 && (max_depth == 0.0 || z <= max_depth))
+        point.getVector3fMap() << float((u - camera_.cx) / camera_.fx * z),
+            float((v - camera_.cy) / camera_.fy * z), float(z);
+      else
+        point.getVector3fMap().setConstant(none);
+      const cv::Vec3b bgr = image.channels() == 3
+                                ? image.at<cv::Vec3b>(v, u)
+                                : cv::Vec3b::all(image.at<std::uint8_t>(v, u));
+      point.b = bgr[0];
+      point.g = bgr[1];
+      point.r = bgr[2];
+    }
+  return frame;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief A JSON value as indented text with a last line break. Bytes that are not
+ * UTF-8, as paths may hold, appear as U+FFFD: JSON has no others. */
+template <typename Json>
+std::string
+jsonText(const Json& json)
+{
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/run_tool.h"
+#include "support/temporary_folder.h"
+
+#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace {
+
+using namespace pcl_semantic;
+
+const std::string label_set = PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
+
+// Points of a wall (1), a road (3) and a car (5) with an intensity, in one voxel of 1 m
+// each.
+class CloudTool : public testing::Test {
+protected:
+  CloudTool()
+  {
+    folder.write(
+        "in.pcd",
+        "VERSION 0.7\nFIELDS x y z intensity label\nSIZE 4 4 4 4 4\nTYPE F F F "
+        "F U\nCOUNT 1 1 1 1 1\nWIDTH 5\nHEIGHT 1\nVIEWPOINT 1 2 3 1 0 0 0\n"
+        "POINTS 5\nDATA ascii\n0.1 0.1 0.1 7 1\n0.5 0.5 0.5 8 1\n"
+        "0.9 0.9 0.9 9 3\n1.5 0.5 0.5 10 3\n2.5 0.5 0.5 11 5\n");
+  }
+
+  LabelledCloud
+  edited(const std::string& options, const std::string& input = "in.pcd") const
+  {
+    const ToolResult result = runTool("cloud " + folder.path(input) + " " +
+                                      folder.path("out.pcd") + " " + options);
+    EXPECT_EQ(result.code, 0) << options << "\n" << result.text;
+    return readLabelledCloud(folder.path("out.pcd"));
+  }
+
+  static std::vector<std::pair<double, int>>
+  intensitiesAndLabels(const LabelledCloud& cloud)
+  {
+    const PcdColumn intensity(cloud.table, cloud.table.find("intensity"));
+    std::vector<std::pair<double, int>> all;
+    for (std::size_t i = 0; i < cloud.cloud->size(); ++i)
+      all.emplace_back(intensity(i), int((*cloud.cloud)[i].label));
+    return all;
+  }
+
+  using Points = std::vector<std::pair<double, int>>;
+
+  TemporaryFolder folder;
+};
+
+} // namespace
+
+TEST_F(CloudTool, CropsKeepsDropsAndRenames)
+{
+  EXPECT_EQ(intensitiesAndLabels(edited("--crop 0.4,0,0,2,1,1")),
+            (Points{{8, 1}, {9, 3}, {10, 3}}));
+  EXPECT_EQ(intensitiesAndLabels(edited("--keep 1,5")),
+            (Points{{7, 1}, {8, 1}, {11, 5}}));
+  EXPECT_EQ(intensitiesAndLabels(edited(
+                "--drop road --relabel car=0,building=3 --label-set " + label_set)),
+            (Points{{7, 3}, {8, 3}, {11, 5}}))
+      << "the fifth class of this label set is no car";
+  const LabelledCloud cropped = edited("--crop 0,0,0,1,1,1");
+  EXPECT_EQ(cropped.table.viewpoint[1], 2.0);
+}
+
+TEST_F(CloudTool, ThinsWithoutMixingClasses)
+{
+  EXPECT_EQ(intensitiesAndLabels(edited("--thin 1")),
+            (Points{{8, 1}, {10, 3}, {11, 5}}));
+}
+
+TEST_F(CloudTool, ColoursByClass)
+{
+  const LabelledCloud cloud = edited("--colour --label-set " + label_set);
+  ASSERT_TRUE(cloud.has_colour);
+  EXPECT_EQ((*cloud.cloud)[0].rgba & 0xFFFFFFu, 0x800000u); // building
+  EXPECT_EQ((*cloud.cloud)[2].rgba & 0xFFFFFFu, 0x804080u); // road
+}
+
+TEST_F(CloudTool, TurnsAScanOfKittiIntoAMap)
+{
+  const std::vector<float> points{5, 0, -1.5f, 0.5f, 6, 1, -1.5f, 0.25f};
+  std::filesystem::create_directories(folder.path("scans"));
+  folder.write("scans/000000.bin",
+               {reinterpret_cast<const char*>(points.data()), 4 * points.size()});
+  const std::uint32_t classes[] = {40, 252};
+  folder.write("scans/000000.label", {reinterpret_cast<const char*>(classes), 8});
+  const std::string mapping =
+      "--label-mapping semantic_kitti_to_kitti11 --label-set " + label_set;
+  const LabelledCloud cloud = edited(mapping, "scans/000000.bin");
+  EXPECT_EQ(intensitiesAndLabels(cloud), (Points{{0.5, 3}, {0.25, 6}}));
+
+  writeKittiTrajectory(folder.path("poses.txt"), {Eigen::Isometry3d::Identity()});
+  const ToolResult map = runTool("map --clouds " + folder.path("scans") + " --poses " +
+                                 folder.path("poses.txt") + " --crf none --output " +
+                                 folder.path("map") + " " + mapping);
+  EXPECT_EQ(map.code, 0) << map.text;
+  EXPECT_EQ(readLabelledCloud(folder.path("map/map.pcd")).cloud->size(), 2u);
+  const ToolResult crf = runTool("crf " + folder.path("scans/000000.bin") + " " +
+                                 folder.path("crf.pcd") + " " + mapping);
+  EXPECT_EQ(crf.code, 0) << crf.text;
+  EXPECT_EQ(readLabelledCloud(folder.path("crf.pcd")).distributions.classes(), 11);
+}
+
+TEST_F(CloudTool, RefusesWhatCannotBe)
+{
+  const auto fails = [&](const std::string& options, int code, const std::string& says,
+                         const std::string& input = "in.pcd") {
+    const ToolResult result = runTool("cloud " + folder.path(input) + " " +
+                                      folder.path("out.pcd") + " " + options);
+    EXPECT_EQ(result.code, code) << options;
+    EXPECT_NE(result.text.find(says), std::string::npos) << result.text;
+    EXPECT_FALSE(std::ifstream(folder.path("out.pcd")).good()) << options;
+  };
+  fails("--crop 0,0,0,1,1", 2, "--crop: expected x0,y0,z0,x1,y1,z1");
+  fails("--crop 1,0,0,0,1,1", 2, "--crop: expected x0,y0,z0,x1,y1,z1");
+  fails("--crop a,b", 2, "--crop");
+  fails("--keep car", 2, "names need --label-set");
+  fails("--drop cra --label-set " + label_set, 2, "is no class of the label set");
+  fails("--relabel 3", 2, "expected OLD=NEW");
+  fails("--thin 0", 2, "--thin is not more than 0");
+  fails("--thin 1e-12", 2, "take larger ones");
+  fails("--colour", 2, "need --label-set");
+  fails("--label-mapping none_such --label-set " + label_set, 3, "none_such");
+  folder.write("cut.ply",
+               "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\n");
+  fails("", 3, "cut.ply: has no end_header", "cut.ply");
+}

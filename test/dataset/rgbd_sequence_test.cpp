@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/rgbd_sequence.h>
+#include <pcl_semantic/files/image_file.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <filesystem>
+
+namespace {
+
+using namespace pcl_semantic;
+
+const PinholeCamera camera{2.0, 4.0, 1.0, 0.5};
+
+// Two frames of 3 x 2 pixels; the second one's depth is that of the first times two.
+class Rgbd : public testing::Test {
+protected:
+  Rgbd()
+  {
+    for (const char* name : {"rgb", "depth"})
+      std::filesystem::create_directories(folder.path(name));
+    cv::Mat colour(2, 3, CV_8UC3, cv::Scalar(10, 20, 30));
+    cv::Mat depth = (cv::Mat_<std::uint16_t>(2, 3) << 0, 1000, 2000, 500, 250, 65535);
+    writePng(folder.path("rgb/a.png"), colour);
+    writePng(folder.path("depth/a.png"), depth);
+    cv::imwrite(folder.path("rgb/b.jpg"), colour);
+    writePng(folder.path("rgb/b.png"), colour);
+    writePng(folder.path("depth/b.png"), cv::Mat(2 * depth));
+  }
+
+  std::string
+  refusal() const
+  {
+    return thrownMessage<BadInputException>(
+        [&] { RgbdSequence(folder.path(), camera).frame(0); });
+  }
+
+  TemporaryFolder folder;
+};
+
+void
+expectFirstFrame(const CloudFrame& frame, float metre)
+{
+  const auto& cloud = *frame.cloud;
+  ASSERT_EQ(cloud.width, 3u);
+  ASSERT_EQ(cloud.height, 2u);
+  EXPECT_TRUE(std::isnan(cloud(0, 0).x));
+  EXPECT_EQ(cloud(1, 0).getVector3fMap(), Eigen::Vector3f(0, -0.125f, 1) * metre);
+  EXPECT_EQ(cloud(2, 0).getVector3fMap(), Eigen::Vector3f(1, -0.25f, 2) * metre);
+  EXPECT_EQ(cloud(0, 1).r, 30);
+  EXPECT_EQ(cloud(0, 1).b, 10);
+  EXPECT_TRUE(frame.has_colour);
+}
+
+TEST_F(Rgbd, FoldersHoldFramesOfTheSameNames)
+{
+  const RgbdSequence sequence(folder.path(), camera);
+  ASSERT_EQ(sequence.size(), 2u);
+  EXPECT_EQ(sequence.name(1), "b");
+  expectFirstFrame(sequence.frame(0), 1.0f);
+  EXPECT_TRUE(std::isnan(sequence.frame(0, 1.5).cloud->at(2, 0).z));
+  EXPECT_EQ(RgbdSequence(folder.path(), camera, 500.0).frame(0).cloud->at(1, 0).z,
+            2.0f);
+}
+
+TEST_F(Rgbd, TumsListsAreMatchedByTime)
+{
+  folder.write("rgb.txt",
+               "# times\n100.01 rgb/a.png\n100.05 rgb/b.jpg\n101 rgb/b.png\n");
+  folder.write("depth.txt",
+               "100.00 depth/b.png\n100.02 depth/a.png\n100.06 depth/b.png\n");
+  const RgbdSequence sequence(folder.path(), camera);
+  ASSERT_EQ(sequence.size(), 2u) << "the third colour image has no depth image";
+  EXPECT_EQ(sequence.name(0), "100.01");
+  EXPECT_EQ(sequence.frame(1).timestamp, 100.05);
+  EXPECT_EQ(sequence.frame(1).cloud->at(1, 0).z, 0.4f);
+  folder.write("depth.txt", "100.00 depth/b.png\n100.00 depth/a.png\n");
+  EXPECT_TRUE(holds(refusal(), "depth.txt line 2: times have to rise"));
+  folder.write("depth.txt", "7 depth/b.png\n");
+  EXPECT_TRUE(holds(refusal(), "no time is within 0.02 s"));
+  folder.write("depth.txt", "7\n");
+  EXPECT_TRUE(holds(refusal(), "line 1: expected a time and a file"));
+  folder.write("depth.txt", "nan depth/b.png\n");
+  EXPECT_TRUE(holds(refusal(), "line 1"));
+}
+
+TEST_F(Rgbd, RefusesImagesThatDoNotBelongTogether)
+{
+  writePng(folder.path("depth/a.png"), cv::Mat(4, 6, CV_16UC1, cv::Scalar(1000)));
+  EXPECT_TRUE(holds(refusal(), "has 6 x 4 pixels, expected those of"));
+  writePng(folder.path("depth/a.png"), cv::Mat(2, 3, CV_8UC1, cv::Scalar(1)));
+  EXPECT_TRUE(holds(refusal(), "expected 16-bit grey"));
+  std::filesystem::remove(folder.path("depth/b.png"));
+  EXPECT_TRUE(holds(refusal(), "depth/b.png: is missing"));
+  std::filesystem::remove_all(folder.path("depth"));
+  EXPECT_TRUE(holds(refusal(), "no RGB-D sequence"));
+}
+
+TEST_F(Rgbd, AJpegThatIsCutOffIsRefused)
+{
+  std::filesystem::resize_file(folder.path("rgb/b.jpg"), 300);
+  EXPECT_TRUE(holds(
+      thrownMessage<BadInputException>([&] { readImage(folder.path("rgb/b.jpg")); }),
+      "is not complete"));
+}
+
+TEST_F(Rgbd, IntrinsicsAreThoseOfRosOrKalibr)
+{
+  const auto read = [&](const std::string& text) {
+    folder.write("c.yaml", text);
+    return readPinholeCamera(folder.path("c.yaml"));
+  };
+  const auto expectCamera = [&](const std::string& text) {
+    const PinholeCamera found = read(text);
+    EXPECT_EQ(found.fx, 500.5);
+    EXPECT_EQ(found.fy, 501.0);
+    EXPECT_EQ(found.cx, 320.0);
+    EXPECT_EQ(found.cy, 240.0);
+  };
+  const std::string K = "[500.5, 0, 320, 0, 501, 240, 0, 0, 1]\n";
+  expectCamera(
+      "image_width: 640\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: " + K +
+      "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n");
+  expectCamera("D: [0, 0, 0, 0, 0]\nK: " + K);
+  expectCamera(
+      "cam0:\n  intrinsics: [500.5, 501, 320, 240]\n  distortion_coeffs: [0, 0, "
+      "0, 0]\n");
+  const auto message = [&](const std::string& text) {
+    return thrownMessage<BadInputException>([&] { read(text); });
+  };
+  EXPECT_TRUE(holds(message("D: [0.1, 0, 0, 0, 0]\nK: " + K), "line 1"));
+  EXPECT_TRUE(holds(message("K: [1, 2]\n"), "is no camera matrix"));
+  EXPECT_TRUE(holds(message("K: [0, 0, 1, 0, 1, 1, 0, 0, 1]\n"), "fx 0"));
+  EXPECT_TRUE(holds(message("width: 3\n"), "has neither camera_matrix"));
+  EXPECT_TRUE(holds(message("cam0:\n  intrinsics: [1, 2]\n"), "expected fx, fy"));
+}
+
+} // namespace

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The filters over clouds whose fields are known by name.
+
+#include "support/plain_cloud_crf.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/point_cloud2.h>
+#include <pcl_semantic/filters/label_voxel_grid.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+
+#include <pcl/conversions.h>
+
+#include <cstring>
+
+namespace {
+
+using namespace pcl_semantic;
+using Blob = pcl::PCLPointCloud2;
+using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
+
+template <typename T>
+std::vector<std::uint8_t>
+bytesOf(const std::vector<T>& values)
+{
+  std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+// x y z rgba label of a cloud with further fields; `probability` if there are classes.
+Blob::Ptr
+blobOf(const CrfCloud& cloud, bool with_probability)
+{
+  Blob typed;
+  pcl::toPCLPointCloud2(*cloud.cloud, typed);
+  PcdTable table;
+  fromPCLPointCloud2(typed, table);
+  std::vector<float> intensity;
+  std::vector<std::uint32_t> clique;
+  for (std::size_t i = 0; i < table.points; ++i) {
+    intensity.push_back(0.5f * float(i));
+    clique.push_back(std::uint32_t(i % 40));
+  }
+  table.setColumn({"intensity"}, bytesOf(intensity));
+  table.setColumn({"clique", 'U'}, bytesOf(clique));
+  if (with_probability) {
+    const auto& matrix = cloud.distributions.matrix();
+    table.setColumn(
+        {"probability", 'F', 4, 4},
+        bytesOf(std::vector<float>(matrix.data(), matrix.data() + matrix.size())));
+  }
+  Blob::Ptr blob(new Blob);
+  toPCLPointCloud2(table, *blob);
+  blob->header.frame_id = "lidar";
+  blob->header.stamp = 7;
+  return blob;
+}
+
+std::vector<double>
+valuesOf(const Blob& blob, const std::string& name, int element = 0)
+{
+  PcdTable table;
+  fromPCLPointCloud2(blob, table);
+  const PcdColumn column(table, table.find(name));
+  std::vector<double> values;
+  for (std::size_t i = 0; i < table.points; ++i)
+    values.push_back(column(i, element));
+  return values;
+}
+
+CrfCloud
+labelledCloud()
+{
+  CrfCloud cloud = makeCrfCloud(400, 3);
+  for (std::size_t i = 0; i < cloud.cloud->size(); ++i)
+    (*cloud.cloud)[i].label = cloud.distributions.mapLabel(Eigen::Index(i));
+  return cloud;
+}
+
+} // namespace
+
+TEST(PointCloud2Filters, ReadMeasurementsAndCliquesOfTheirFields)
+{
+  const CrfCloud cloud = labelledCloud();
+  const Blob::Ptr blob = blobOf(cloud, true);
+  SemanticCRF<pcl::PointXYZRGBL> expected;
+  expected.setModel(CRFModelType::hierarchical);
+  expected.setInputCloud(cloud.cloud);
+  expected.setLabelDistributions(cloud.distributions);
+  std::vector<pcl::PointIndices> cliques(39);
+  for (int i = 0; i < 400; ++i)
+    if (i % 40 != 0)
+      cliques[std::size_t(i % 40 - 1)].indices.push_back(i);
+  expected.setCliques(cliques);
+  Cloud refined;
+  expected.filter(refined);
+
+  SemanticCRF<Blob> crf;
+  crf.setModel(CRFModelType::hierarchical);
+  crf.setInputCloud(blob);
+  Blob output;
+  for (int run = 0; run < 2; ++run) { // each takes what its own cloud has
+    crf.filter(output);
+    const std::vector<double> labels = valuesOf(output, "label");
+    int changed = 0;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      ASSERT_EQ(labels[i], refined[i].label);
+      changed += refined[i].label != (*cloud.cloud)[i].label;
+    }
+    EXPECT_GT(changed, 0);
+  }
+  for (int k = 0; k < 4; ++k) {
+    const std::vector<double> probability = valuesOf(output, "probability", k);
+    for (Eigen::Index i = 0; i < 400; ++i)
+      ASSERT_EQ(probability[std::size_t(i)],
+                expected.getLabelDistributions().matrix()(k, i));
+  }
+  EXPECT_EQ(valuesOf(output, "intensity"), valuesOf(*blob, "intensity"));
+  EXPECT_EQ(output.header.frame_id, "lidar");
+  EXPECT_EQ(output.header.stamp, 7u);
+  Blob::Ptr in_place(new Blob(*blob));
+  crf.setInputCloud(in_place);
+  crf.filter(*in_place);
+  EXPECT_EQ(in_place->data, output.data);
+  EXPECT_EQ(in_place->point_step, output.point_step);
+}
+
+TEST(PointCloud2Filters, ChangeTheLabelsOfTheirIndicesInPclsOwnLayout)
+{
+  const CrfCloud cloud = labelledCloud();
+  Blob::Ptr blob(new Blob);
+  pcl::toPCLPointCloud2(*cloud.cloud, *blob); // with padding
+  SemanticCRF<pcl::PointXYZRGBL> expected;
+  SemanticCRF<Blob> crf;
+  const auto indices = pcl::make_shared<pcl::Indices>(allIndices(200));
+  expected.setLabelConfidence(0.8, 4);
+  crf.setLabelConfidence(0.8, 4);
+  expected.setInputCloud(cloud.cloud);
+  crf.setInputCloud(blob);
+  expected.setIndices(indices);
+  crf.setIndices(indices);
+  Cloud refined, typed;
+  expected.filter(refined);
+  Blob output;
+  crf.filter(output);
+  pcl::fromPCLPointCloud2(output, typed);
+  for (std::size_t i = 0; i < 400; ++i)
+    ASSERT_EQ(typed[i].label, refined[i].label);
+  EXPECT_TRUE(crf.getRemovedIndices()->empty());
+}
+
+TEST(PointCloud2Filters, RefuseCloudsThatLackAField)
+{
+  const Blob::Ptr blob = blobOf(labelledCloud(), false);
+  SemanticCRF<Blob> crf;
+  crf.setInputCloud(blob);
+  Blob output;
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { crf.filter(output); }),
+            "has no field 'probability'"));
+  for (pcl::PCLPointField& field : blob->fields)
+    if (field.name == "label")
+      field.name = "kind";
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { crf.filter(output); }),
+            "has no field 'label'"));
+}
+
+TEST(LabelVoxelGrid, KeepsThePointNearestToTheMeanWithTheMostFrequentLabel)
+{
+  Cloud cloud;
+  const auto add = [&](float x, std::uint32_t label) {
+    pcl::PointXYZRGBL point;
+    point.x = x;
+    point.y = point.z = 0.05f;
+    point.label = label;
+    cloud.push_back(point);
+  };
+  add(1.01f, 3); // of the second voxel
+  add(0.01f, 1);
+  add(0.05f, 3);
+  add(0.09f, 3);
+  add(1.02f, 0);
+  add(2.05f, 2); // a tie with 1
+  add(2.06f, 1);
+  add(std::numeric_limits<float>::quiet_NaN(), 5);
+  Blob::Ptr blob(new Blob);
+  pcl::toPCLPointCloud2(cloud, *blob);
+  LabelVoxelGrid grid;
+  grid.setLeafSize(0.1);
+  grid.setInputCloud(blob);
+  Blob output;
+  grid.filter(output);
+  Cloud thin;
+  pcl::fromPCLPointCloud2(output, thin);
+  ASSERT_EQ(thin.size(), 3u);
+  EXPECT_EQ(thin[0].x, 0.05f);
+  EXPECT_EQ(thin[0].label, 3u);
+  EXPECT_EQ(thin[1].label, 3u); // 0 says nothing
+  EXPECT_EQ(thin[2].label, 1u);
+}
+
+TEST(LabelVoxelGrid, TakesTheMeanOfProbabilities)
+{
+  CrfCloud cloud = makeCrfCloud(2, 1);
+  cloud.distributions.matrix() << 0.6f, 0.0f, 0.4f, 0.5f, 0.0f, 0.5f, 0.0f, 0.0f;
+  for (pcl::PointXYZRGBL& point : *cloud.cloud) {
+    point.getVector3fMap().setConstant(0.01f);
+    point.label = 1;
+  }
+  LabelVoxelGrid grid;
+  grid.setLeafSize(0.1);
+  grid.setInputCloud(blobOf(cloud, true));
+  Blob output;
+  grid.filter(output);
+  EXPECT_EQ(valuesOf(output, "label"), std::vector<double>{2});
+  EXPECT_NEAR(valuesOf(output, "probability", 1)[0], 0.45, 1e-6);
+}
+
+TEST(LabelVoxelGrid, RefusesASizeThatCannotBe)
+{
+  LabelVoxelGrid grid;
+  EXPECT_THROW(grid.setLeafSize(0.0), InvalidParameterException);
+  grid.setInputCloud(blobOf(labelledCloud(), false));
+  Blob output;
+  EXPECT_THROW(grid.filter(output), InvalidParameterException);
+  grid.setLeafSize(1e-12);
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { grid.filter(output); }),
+            "take larger ones"));
+}
