@@ -102,13 +102,29 @@ setCliques(const std::string& cliques, const Arguments& arguments,
     crf.setCliques(readCliques(cliques, input.cloud->size()));
 }
 
+// The number of its classes, to which the labels have to belong.
+int
+sizeOfLabelSet(const Arguments& arguments, const LabelledCloud& input)
+{
+  const int classes = readLabelSet(arguments.label_set).size();
+  for (std::size_t i = 0; i < input.cloud->size(); ++i)
+    if ((*input.cloud)[i].label > std::uint32_t(classes))
+      PCL_THROW_EXCEPTION(BadInputException,
+                          arguments.input << ": label " << (*input.cloud)[i].label
+                                          << " of point " << i << " is beyond the "
+                                          << classes
+                                          << " classes of --label-set; other numbers "
+                                             "need --label-mapping");
+  return classes;
+}
+
 void
 setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& crf)
 {
   const int found = input.distributions.classes();
   int classes = found;
   if (!arguments.label_set.empty())
-    classes = readLabelSet(arguments.label_set).size();
+    classes = sizeOfLabelSet(arguments, input);
   else if (found == 0)
     for (const pcl::PointXYZRGBL& point : *input.cloud)
       classes = std::max({classes, 1, int(point.label)});

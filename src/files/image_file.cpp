@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 
 namespace pcl_semantic {
 
@@ -131,9 +132,12 @@ imageExtensions()
 cv::Mat
 readImage(const std::string& path)
 {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension != ".jpg" && extension != ".jpeg")
+    return readPng(path, ImageKind::grey_or_colour);
   const std::vector<std::uint8_t> bytes = readBytes(path);
   if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8)
-    return readPng(path, ImageKind::grey_or_colour);
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is not a JPEG image");
   // Of one that is cut off OpenCV would print a complaint and make up the rest.
   std::size_t end = bytes.size();
   while (end > 2 && bytes[end - 1] == 0)

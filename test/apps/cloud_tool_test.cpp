@@ -106,6 +106,14 @@ TEST_F(CloudTool, TurnsAScanOfKittiIntoAMap)
   const ToolResult crf = runTool("crf " + folder.path("scans/000000.bin") + " " +
                                  folder.path("crf.pcd") + " " + mapping);
   EXPECT_EQ(crf.code, 0) << crf.text;
+  const ToolResult unmapped =
+      runTool("crf " + folder.path("scans/000000.bin") + " " + folder.path("none.pcd") +
+              " --label-set " + label_set);
+  EXPECT_EQ(unmapped.code, 3);
+  EXPECT_NE(unmapped.text.find("label 40 of point 0 is beyond the 11 classes of "
+                               "--label-set; other numbers need --label-mapping"),
+            std::string::npos)
+      << unmapped.text;
   EXPECT_EQ(readLabelledCloud(folder.path("crf.pcd")).distributions.classes(), 11);
 }
 

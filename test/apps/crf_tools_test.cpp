@@ -370,8 +370,8 @@ TEST(BadInput, OfTheCrfTools)
       "image_crf STREET/image_2/000000.png STREET/labels/000000.bin OUT.png ";
   const cv::Mat small(20, 30, CV_8UC1, cv::Scalar(1));
   const std::vector<BadCase> cases = {
-      {"no files", 2, "expected IN.pcd OUT.pcd", "crf"},
-      {"no output", 2, "expected IN.pcd OUT.pcd", "crf STREET/in.pcd"},
+      {"no files", 2, "expected IN OUT.pcd", "crf"},
+      {"no output", 2, "expected IN OUT.pcd", "crf STREET/in.pcd"},
       {"missing", 3, "in.pcd: ", crf},
       {"empty", 3, "in.pcd: ", crf, file("in.pcd", "")},
       {"no cloud", 3, "in.pcd line 1: ", crf, file("in.pcd", "hello\n")},
@@ -383,7 +383,7 @@ TEST(BadInput, OfTheCrfTools)
        "crf STREET/in.pcd STREET/./in.pcd", file("in.pcd", cloud.text())},
       {"label 300", 3, "in.pcd: field 'label' of point 0 is 300", crf,
        with(" 1 1000 8", " 300 1000 8")},
-      {"classes", 3, "has the label 12, expected 0 to 11", crf + kitti11,
+      {"classes", 3, "label 12 of point", crf + kitti11,
        with(" 1 1000 8", " 12 1000 8")},
       {"model", 2, "--crf: 'best', expected unary, dense, pn-potts or hierarchical",
        crf + "--crf best"},

@@ -119,7 +119,8 @@ TEST(CloudSequence, WhatDoesNotFitIsRefused)
   folder.write("1.pcd", two_points);
   const CloudSequence clouds(folder.path());
   EXPECT_EQ(thrownMessage<BadInputException>([&] { clouds.frame(0, 1, 0.8f); }),
-            folder.path("1.pcd") + ": point 0 has label 2, expected 0 to 1");
+            folder.path("1.pcd") +
+                ": point 0 has label 2, expected 0 to 1, or a label mapping");
   folder.write("01.pcd", two_points);
   EXPECT_THROW(CloudSequence(folder.path()), BadInputException);
 }

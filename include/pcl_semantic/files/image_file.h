@@ -34,8 +34,8 @@ cv::Mat readPng(const std::string& path, ImageKind kind);
 /** \brief Extensions of what readImage() reads: `.png .jpg .jpeg`. */
 const std::vector<std::string>& imageExtensions();
 
-/** \brief Reads what a camera took, grey or colour: a PNG as readPng() does, or a JPEG.
- * \throws BadInputException as readPng() */
+/** \brief Reads what a camera took, grey or colour: a JPEG if the file is named so,
+ * else a PNG as readPng() does. \throws BadInputException as readPng() */
 cv::Mat readImage(const std::string& path);
 
 /** \brief Writes a PNG file. \throws OutputException; nothing is left behind then */
