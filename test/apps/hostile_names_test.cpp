@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Names that a terminal or JSON cannot take, and folders that somebody else uses.
+// Names that a terminal or JSON cannot take, folders that somebody else uses, and
+// calibrations of other images.
 
 #include "support/mapped_street.h"
 
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <sstream>
 
 namespace {
 
@@ -72,6 +74,38 @@ TEST(HostileNames, AReaderThatLeavesDoesNotEndARun)
   EXPECT_EQ(number, 5) << result.text; // its results had no reader
   std::ifstream summary(folder.path("map/summary.json"));
   EXPECT_TRUE(nlohmann::json::parse(summary)["finished"]);
+}
+
+TEST(HostileCalibrations, OfImagesOfAnotherSizeAreTold)
+{
+  // KITTI's file does not say a size, but its principal point is near the middle.
+  const TemporaryFolder folder;
+  std::ifstream original(tinyStreet() + "/calib.txt");
+  std::ostringstream changed;
+  for (std::string name, line; original >> name && std::getline(original, line);) {
+    std::istringstream numbers(line);
+    changed << name;
+    double number = 0.0;
+    for (int i = 0; numbers >> number; ++i)
+      changed << " " << (name != "Tr:" && i < 8 ? number / 2.0 : number);
+    changed << "\n";
+  }
+  folder.write("half.txt", changed.str());
+  const std::string image = "/000000.png ";
+  const std::string command =
+      "stereo " + tinyStreet() + "/image_2" + image + tinyStreet() + "/image_3" + image;
+  const std::string output = " " + folder.path("pair.pcd");
+  const ToolResult fitting = runTool(command + tinyStreet() + "/calib.txt" + output);
+  EXPECT_EQ(fitting.text.find("warning"), std::string::npos) << fitting.text;
+  const ToolResult half = runTool(command + folder.path("half.txt") + output);
+  EXPECT_EQ(half.code, 0);
+  EXPECT_NE(half.text.find("is far from the middle of the images"), std::string::npos)
+      << half.text;
+  EXPECT_EQ(runTool(command + folder.path("half.txt") + output + " --strict").code, 3);
+  const ToolResult none =
+      runTool(command + tinyStreet() + "/calib.txt" + output + " --max-depth 0.01");
+  EXPECT_NE(none.text.find("warning: no pixel has a depth"), std::string::npos)
+      << none.text;
 }
 
 } // namespace
