@@ -1,5 +1,5 @@
-# Five components: library (with its data), dev, tools and viewer (apps/CMakeLists.txt),
-# and doc.
+# Six components: library (with its data), dev, tools and viewer (apps/CMakeLists.txt),
+# python (python/CMakeLists.txt) and doc.
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcl_semantic)

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arrays.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/data_folder.h>
+#include <pcl_semantic/files/label_set_file.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace pcl_semantic::python {
+
+void
+requireShape(const py::array& array, const char* name, py::ssize_t rows,
+             std::optional<py::ssize_t> columns)
+{
+  const auto fits = [&](int axis, py::ssize_t size) {
+    return size == kAny || array.shape(axis) == size;
+  };
+  if (array.ndim() == (columns ? 2 : 1) && fits(0, rows) &&
+      (!columns || fits(1, *columns)))
+    return;
+  const auto number = [](py::ssize_t n, const char* any) {
+    return n == kAny ? std::string(any) : std::to_string(n);
+  };
+  std::string found;
+  for (py::ssize_t i = 0; i < array.ndim(); ++i)
+    found += (i ? " x " : "") + std::to_string(array.shape(i));
+  PCL_THROW_EXCEPTION(InvalidParameterException,
+                      name << " are " << (found.empty() ? "one number" : found)
+                           << ", expected " << number(rows, "N")
+                           << (columns ? " x " + number(*columns, "L") : ""));
+}
+
+void
+setParameters(const ConfigParameters& parameters, const py::kwargs& values)
+{
+  for (const auto& [key, value] : values) {
+    const auto name = key.cast<std::string>();
+    const auto found =
+        std::find_if(parameters.begin(), parameters.end(),
+                     [&](const ConfigParameter& each) { return each.name == name; });
+    if (found == parameters.end())
+      throw py::type_error("unknown parameter '" + name + "'");
+    std::string text;
+    if (py::isinstance<py::bool_>(value))
+      text = value.cast<bool>() ? "true" : "false";
+    else if (py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value))
+      for (const py::handle each : value)
+        text += (text.empty() ? "" : ",") + py::str(each).cast<std::string>();
+    else
+      text = py::str(value).cast<std::string>();
+    ConfigParameter(*found).set(text, name);
+  }
+}
+
+LabelSet
+labelSetOf(const std::string& path_or_name)
+{
+  if (std::filesystem::exists(path_or_name) ||
+      path_or_name.find_first_of("./") != std::string::npos)
+    return readLabelSet(path_or_name);
+  return readLabelSet(findDataFile("label_sets/" + path_or_name + ".yaml"));
+}
+
+Eigen::Isometry3d
+poseOf(const Array<double>& pose)
+{
+  requireShape(pose, "numbers of the pose", 4, 4);
+  return Eigen::Isometry3d(Eigen::Matrix4d(
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(pose.data())));
+}
+
+pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
+cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
+{
+  requireShape(points, "points", kAny, 3);
+  if (colours)
+    requireShape(*colours, "colours", points.shape(0), 3);
+  const auto count = std::size_t(points.shape(0));
+  const float* const xyz = points.data();
+  const std::uint8_t* const rgb = colours ? colours->data() : nullptr;
+  const pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud(
+      new pcl::PointCloud<pcl::PointXYZRGBL>);
+  cloud->resize(count);
+  cloud->is_dense = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    pcl::PointXYZRGBL& point = (*cloud)[i];
+    point.getVector3fMap() << xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2];
+    point.label = 0;
+    if (rgb) {
+      point.r = rgb[3 * i];
+      point.g = rgb[3 * i + 1];
+      point.b = rgb[3 * i + 2];
+    }
+  }
+  return cloud;
+}
+
+LabelDistributions
+distributionsOf(const MaybeArray<float>& rows, py::ssize_t points)
+{
+  if (!rows)
+    return {};
+  requireShape(*rows, "probabilities", points, kAny);
+  return LabelDistributions(
+      LabelDistributions::Matrix(Eigen::Map<const LabelDistributions::Matrix>(
+          rows->data(), rows->shape(1), points)));
+}
+
+py::array_t<float>
+arrayOf(LabelDistributions distributions)
+{
+  auto* const matrix =
+      new LabelDistributions::Matrix(std::move(distributions.matrix()));
+  const py::capsule owner(
+      matrix, [](void* p) { delete static_cast<LabelDistributions::Matrix*>(p); });
+  return py::array_t<float>({matrix->cols(), matrix->rows()}, matrix->data(), owner);
+}
+
+py::array_t<std::uint8_t>
+labelsOf(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+{
+  py::array_t<std::uint8_t> labels((py::ssize_t(cloud.size())));
+  std::transform(cloud.begin(), cloud.end(), labels.mutable_data(),
+                 [](const pcl::PointXYZRGBL& p) { return std::uint8_t(p.label); });
+  return labels;
+}
+
+py::dict
+dictOf(VoxelCloud voxels)
+{
+  const auto count = py::ssize_t(voxels.size());
+  py::array_t<double> points({count, py::ssize_t(3)});
+  py::array_t<std::uint8_t> colours({count, py::ssize_t(3)});
+  py::array_t<std::int32_t> indices({count, py::ssize_t(3)});
+  py::array_t<std::uint32_t> observations(count);
+  double* xyz = points.mutable_data();
+  std::uint8_t* rgb = colours.mutable_data();
+  std::int32_t* index = indices.mutable_data();
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
+    for (int a = 0; a < 3; ++a)
+      *xyz++ = double(point.data[a]) + voxels.origin[a];
+    *rgb++ = point.r;
+    *rgb++ = point.g;
+    *rgb++ = point.b;
+    for (int a = 0; a < 3; ++a)
+      *index++ = voxels.indices[i][a];
+  }
+  std::copy(voxels.observations.begin(), voxels.observations.end(),
+            observations.mutable_data());
+  py::dict result;
+  result["points"] = points;
+  result["colours"] = colours;
+  result["labels"] = labelsOf(*voxels.cloud);
+  result["probabilities"] = arrayOf(std::move(voxels.refined));
+  result["observations"] = observations;
+  result["indices"] = indices;
+  return result;
+}
+
+} // namespace pcl_semantic::python

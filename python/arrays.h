@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
+
+#include <Eigen/Geometry>
+#include <pcl/PointIndices.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic::python {
+
+namespace py = pybind11;
+
+/** \brief Of this type and row by row: converted if it is not, else without a copy. */
+template <typename T>
+using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
+template <typename T> using MaybeArray = std::optional<Array<T>>;
+
+constexpr py::ssize_t kAny = -1; ///< number of rows or columns
+
+/** \brief Shape of an array: \a rows, or \a rows x \a columns.
+ * \throws InvalidParameterException that names it */
+void requireShape(const py::array& array, const char* name, py::ssize_t rows,
+                  std::optional<py::ssize_t> columns = std::nullopt);
+
+/** \brief Sets parameters that are called as in YAML files.
+ * \throws TypeError at a name that there is not */
+void setParameters(const ConfigParameters& parameters, const py::kwargs& values);
+
+/** \brief A label set by its file, or by the name of one that comes along. */
+LabelSet labelSetOf(const std::string& path_or_name);
+
+/** \brief T_world_sensor of 4 x 4 numbers. */
+Eigen::Isometry3d poseOf(const Array<double>& pose);
+
+/** \brief N x 3 positions [m] and, if there are any, N x 3 colours. */
+pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
+cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours);
+
+/** \brief N x L in rows is L x N in columns: the bytes are the same. Nothing = none. */
+LabelDistributions distributionsOf(const MaybeArray<float>& rows, py::ssize_t points);
+
+/** \brief The same back, without a copy. */
+py::array_t<float> arrayOf(LabelDistributions distributions);
+
+/** \brief Labels of a cloud. */
+py::array_t<std::uint8_t> labelsOf(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud);
+
+/** \brief points (double, world frame), colours, labels, probabilities, observations
+ * and indices of voxels. */
+py::dict dictOf(VoxelCloud voxels);
+
+} // namespace pcl_semantic::python

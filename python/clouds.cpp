@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arrays.h"
+#include "bindings.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+
+#include <pcl/common/io.h>
+
+#include <map>
+
+namespace pcl_semantic::python {
+
+namespace {
+
+// By number; 0 = none.
+std::vector<pcl::PointIndices>
+cliquesOf(const Array<std::int64_t>& numbers, py::ssize_t points)
+{
+  requireShape(numbers, "cliques", points);
+  std::map<std::int64_t, pcl::PointIndices> cliques;
+  for (py::ssize_t i = 0; i < points; ++i)
+    if (numbers.at(i) != 0)
+      cliques[numbers.at(i)].indices.push_back(pcl::index_t(i));
+  std::vector<pcl::PointIndices> result;
+  for (auto& [number, members] : cliques)
+    result.push_back(std::move(members));
+  return result;
+}
+
+// Puts them into the cloud. \return the largest, at least 1
+int
+setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+{
+  requireShape(labels, "labels", py::ssize_t(cloud.size()));
+  std::int64_t largest = 1;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::int64_t label = labels.data()[i];
+    if (label < 0 || label > 255)
+      PCL_THROW_EXCEPTION(BadInputException, "label " << label << " of point " << i
+                                                      << ", expected 0 to 255");
+    cloud[i].label = std::uint32_t(label);
+    largest = std::max(largest, label);
+  }
+  return int(largest);
+}
+
+py::tuple
+refine(const Array<float>& points, const MaybeArray<float>& probabilities,
+       const MaybeArray<std::int64_t>& labels, const MaybeArray<std::uint8_t>& colours,
+       const py::object& cliques, int classes, const py::kwargs& parameters)
+{
+  if (probabilities.has_value() == labels.has_value())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "expected probabilities or labels, one of them");
+  const auto cloud = cloudOf(points, colours);
+  const auto count = py::ssize_t(cloud->size());
+  CRFConfig config;
+  setParameters(parametersOf(config), parameters);
+  config.cliques = cliques.is_none() ? "none" : "given";
+  config.validate();
+  config.requireFittingCliques();
+  SemanticCRF<pcl::PointXYZRGBL> crf;
+  crf.setModel(config.model);
+  crf.setParameters(config.parameters);
+  crf.setUseColour(colours.has_value());
+  crf.setNumberOfThreads(config.threads);
+  if (probabilities)
+    crf.setLabelDistributions(distributionsOf(probabilities, count));
+  else {
+    const int largest = setLabels(*labels, *cloud);
+    crf.setLabelConfidence(config.label_confidence, classes > 0 ? classes : largest);
+  }
+  if (py::isinstance<py::str>(cliques))
+    crf.setCliqueGenerator(makeCliqueGenerator(cliques.cast<std::string>()));
+  else if (!cliques.is_none())
+    crf.setCliques(cliquesOf(cliques.cast<Array<std::int64_t>>(), count));
+  {
+    const py::gil_scoped_release others_may_run;
+    crf.setInputCloud(cloud);
+    crf.filter(*cloud);
+  }
+  return py::make_tuple(labelsOf(*cloud), arrayOf(crf.getLabelDistributions()));
+}
+
+py::array_t<std::int32_t>
+cliques(const Array<float>& points, const std::string& kind,
+        const MaybeArray<std::uint8_t>& colours)
+{
+  const auto labelled = cloudOf(points, colours);
+  pcl::PointCloud<pcl::PointXYZRGB> cloud;
+  pcl::copyPointCloud(*labelled, cloud);
+  const CliqueGenerator::Ptr generator = makeCliqueGenerator(kind);
+  if (generator->usesColour() && !colours)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "'" << kind << "' needs colours");
+  std::vector<pcl::PointIndices> found;
+  {
+    const py::gil_scoped_release others_may_run;
+    found = generator->generate(cloud);
+  }
+  py::array_t<std::int32_t> numbers((py::ssize_t(cloud.size())));
+  std::fill_n(numbers.mutable_data(), cloud.size(), 0);
+  for (std::size_t c = 0; c < found.size(); ++c)
+    for (const pcl::index_t i : found[c].indices)
+      numbers.mutable_data()[i] = std::int32_t(c + 1);
+  return numbers;
+}
+
+} // namespace
+
+void
+bindClouds(py::module_& module)
+{
+  module.def("refine", &refine, py::arg("points"), py::kw_only(),
+             py::arg("probabilities") = py::none(), py::arg("labels") = py::none(),
+             py::arg("colours") = py::none(), py::arg("cliques") = py::none(),
+             py::arg("classes") = 0,
+             "Makes the labels of a cloud consistent, as pcl_semantic_crf does.\n\n"
+             "points: N x 3 [m]. probabilities: N x L, column k is class k + 1, or\n"
+             "labels: N, 0 = unlabelled, of which classes there are (0: the largest).\n"
+             "colours: N x 3, red green blue. cliques: N numbers, 0 = none, or the\n"
+             "word of a generator ('cubes:1'). Other keywords are parameters of\n"
+             "pcl_semantic_crf: crf='hierarchical', smoothness_weight=3.\n"
+             "Returns labels (N) and probabilities (N x L).");
+  module.def("cliques", &cliques, py::arg("points"), py::arg("kind") = "cubes:1",
+             py::kw_only(), py::arg("colours") = py::none(),
+             "Groups points that are likely to have one label: 'cubes:EDGE',\n"
+             "'supervoxel:SIZE'. Returns N numbers, 0 = in none.");
+}
+
+} // namespace pcl_semantic::python

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arrays.h"
+#include "bindings.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/io/map_file.h>
+#include <pcl_semantic/io/voxel_cloud_file.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+
+#include <pcl/common/io.h>
+
+#include <cstring>
+#include <mutex>
+
+namespace pcl_semantic::python {
+
+namespace {
+
+py::dict
+dictOf(const ScanCounts& counts)
+{
+  py::dict result;
+  result["points"] = counts.points;
+  result["rays"] = counts.rays;
+  result["invalid"] = counts.invalid;
+  result["sky"] = counts.sky;
+  result["hit_voxels"] = counts.hit_voxels;
+  return result;
+}
+
+// What both kinds of maps have.
+py::dict
+voxelsOf(const SemanticVoxelMap& map)
+{
+  VoxelCloud voxels;
+  {
+    const py::gil_scoped_release others_may_run;
+    voxels = map.occupiedEverywhere();
+  }
+  return python::dictOf(std::move(voxels));
+}
+
+py::array_t<std::uint8_t>
+labelsAt(const SemanticVoxelMap& map, const Array<double>& points)
+{
+  requireShape(points, "points", kAny, 3);
+  std::vector<Eigen::Vector3d> places;
+  places.reserve(std::size_t(points.shape(0)));
+  for (py::ssize_t i = 0; i < points.shape(0); ++i)
+    places.emplace_back(points.at(i, 0), points.at(i, 1), points.at(i, 2));
+  std::vector<Label> labels;
+  {
+    const py::gil_scoped_release others_may_run;
+    labels = map.labels(places);
+  }
+  return py::array_t<std::uint8_t>(py::ssize_t(labels.size()), labels.data());
+}
+
+void
+write(const SemanticVoxelMap& map, const std::string& path, bool class_colours)
+{
+  const py::gil_scoped_release others_may_run;
+  writeVoxelCloud(path, map.occupiedEverywhere(), map.labelSet(),
+                  class_colours ? VoxelColour::classes : VoxelColour::measured);
+}
+
+void
+save(const SemanticVoxelMap& map, const std::string& path)
+{
+  const py::gil_scoped_release others_may_run;
+  saveMap(map, path);
+}
+
+// One thread may write a map; Python's, that run while the lock of the interpreter is
+// released, wait here.
+class Map {
+public:
+  explicit Map(std::unique_ptr<SemanticVoxelMap> map) : map_(std::move(map)) {}
+
+  Map(const std::string& label_set, const py::kwargs& values)
+  {
+    MapperConfig config;
+    setParameters(parametersOf(config), values);
+    config.validate();
+    map_ = std::make_unique<SemanticVoxelMap>(labelSetOf(label_set), config.map);
+    map_->setNumberOfThreads(config.threads);
+  }
+
+  const SemanticVoxelMap&
+  map() const
+  {
+    return *map_;
+  }
+
+  py::dict
+  integrate(const Array<float>& points, const Array<double>& pose,
+            const MaybeArray<float>& probabilities,
+            const MaybeArray<std::uint8_t>& colours)
+  {
+    const auto cloud = cloudOf(points, colours);
+    const Eigen::Isometry3d T_world_sensor = poseOf(pose);
+    const LabelDistributions distributions =
+        distributionsOf(probabilities, points.shape(0));
+    ScanCounts counts;
+    {
+      const py::gil_scoped_release others_may_run;
+      const std::lock_guard<std::mutex> lock(writing_);
+      if (colours)
+        counts = map_->integrate(*cloud, T_world_sensor, distributions);
+      else {
+        pcl::PointCloud<pcl::PointXYZ> positions;
+        pcl::copyPointCloud(*cloud, positions);
+        counts = map_->integrate(positions, T_world_sensor, distributions);
+      }
+    }
+    return dictOf(counts);
+  }
+
+  void
+  moveWindow(const Array<double>& centre)
+  {
+    requireShape(centre, "coordinates of the centre", 3);
+    const Eigen::Vector3d place(centre.at(0), centre.at(1), centre.at(2));
+    const py::gil_scoped_release others_may_run;
+    const std::lock_guard<std::mutex> lock(writing_);
+    map_->moveWindow(place);
+  }
+
+private:
+  std::unique_ptr<SemanticVoxelMap> map_;
+  std::mutex writing_;
+};
+
+struct GivenPose : PoseSource {
+  Eigen::Isometry3d T_world_sensor = Eigen::Isometry3d::Identity();
+
+  Eigen::Isometry3d
+  pose(const SensorFrame&) override
+  {
+    return T_world_sensor;
+  }
+};
+
+struct GivenLabels : LabelPredictor {
+  LabelDistributions distributions;
+
+  LabelDistributions
+  predict(const StereoFrame&) override
+  {
+    return distributions;
+  }
+};
+
+// fx, fy, cx, cy, baseline, width, height
+StereoCamera
+cameraOf(const std::vector<double>& numbers)
+{
+  if (numbers.size() != 7)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "the camera has " << numbers.size()
+                                          << " numbers, expected seven: fx, fy, cx, cy "
+                                             "[px], baseline [m], width, height [px]");
+  return {numbers[0], numbers[1],      numbers[2],     numbers[3],
+          numbers[4], int(numbers[5]), int(numbers[6])};
+}
+
+// H x W or H x W x 3, red green blue.
+cv::Mat
+imageOf(const Array<std::uint8_t>& array, const StereoCamera& camera, const char* name)
+{
+  const bool is_grey = array.ndim() == 2;
+  if ((!is_grey && (array.ndim() != 3 || array.shape(2) != 3)) ||
+      array.shape(0) != camera.height || array.shape(1) != camera.width)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        name << " is not an image of the camera, expected "
+                             << camera.height << " x " << camera.width
+                             << " or with three colours");
+  cv::Mat image(camera.height, camera.width, is_grey ? CV_8UC1 : CV_8UC3);
+  const std::uint8_t* from = array.data();
+  std::uint8_t* to = image.data;
+  if (is_grey)
+    std::memcpy(to, from, image.total());
+  else
+    for (const std::uint8_t* const end = from + 3 * image.total(); from != end;
+         from += 3, to += 3)
+      to[0] = from[2], to[1] = from[1], to[2] = from[0]; // OpenCV's order
+  return image;
+}
+
+class Mapper {
+public:
+  Mapper(const std::string& label_set, const std::optional<std::vector<double>>& camera,
+         const py::kwargs& values)
+  {
+    MapperConfig config;
+    setParameters(parametersOf(config), values);
+    auto poses = std::make_unique<GivenPose>();
+    pose_ = poses.get();
+    std::unique_ptr<GivenLabels> labels;
+    if (camera) {
+      camera_ = cameraOf(*camera);
+      labels = std::make_unique<GivenLabels>();
+      labels_ = labels.get();
+    }
+    mapper_ = std::make_unique<SemanticMapper>(
+        labelSetOf(label_set), config, std::move(poses), camera_, std::move(labels));
+  }
+
+  const SemanticVoxelMap&
+  map() const
+  {
+    return mapper_->map();
+  }
+
+  py::dict
+  process(const Array<float>& points, const Array<double>& pose,
+          const MaybeArray<float>& probabilities,
+          const MaybeArray<std::uint8_t>& colours)
+  {
+    const auto cloud = cloudOf(points, colours);
+    CloudFrame frame;
+    frame.cloud.reset(new pcl::PointCloud<pcl::PointXYZRGB>);
+    pcl::copyPointCloud(*cloud, *frame.cloud);
+    if (camera_ && cloud->size() == std::size_t(camera_->width) * camera_->height) {
+      frame.cloud->width = std::uint32_t(camera_->width);
+      frame.cloud->height = std::uint32_t(camera_->height);
+    }
+    frame.distributions = distributionsOf(probabilities, points.shape(0));
+    frame.has_colour = colours.has_value();
+    return processFrame(frame, pose);
+  }
+
+  py::dict
+  processPair(const Array<std::uint8_t>& left, const Array<std::uint8_t>& right,
+              const Array<double>& pose, const Array<float>& probabilities)
+  {
+    if (!camera_)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "stereo pairs need the camera: SemanticMapper(camera=...)");
+    StereoFrame frame;
+    frame.left = imageOf(left, *camera_, "the left image");
+    frame.right = imageOf(right, *camera_, "the right image");
+    const LabelDistributions distributions =
+        distributionsOf(probabilities, py::ssize_t(camera_->width) * camera_->height);
+    const std::lock_guard<std::mutex> lock(setting_);
+    labels_->distributions = distributions;
+    return processFrame(frame, pose);
+  }
+
+  void
+  finish()
+  {
+    const py::gil_scoped_release others_may_run;
+    const std::lock_guard<std::mutex> lock(writing_);
+    mapper_->finish();
+  }
+
+private:
+  template <typename Frame>
+  py::dict
+  processFrame(Frame frame, const Array<double>& pose)
+  {
+    const Eigen::Isometry3d T_world_sensor = poseOf(pose);
+    MappedFrame mapped;
+    {
+      const py::gil_scoped_release others_may_run;
+      const std::lock_guard<std::mutex> lock(writing_);
+      frame.number = frames_;
+      pose_->T_world_sensor = T_world_sensor;
+      mapped = mapper_->process(frame);
+      ++frames_;
+    }
+    py::dict result = dictOf(mapped.counts);
+    result["voxels"] = python::dictOf(std::move(mapped.voxels));
+    return result;
+  }
+
+  std::optional<StereoCamera> camera_;
+  GivenPose* pose_ = nullptr;
+  GivenLabels* labels_ = nullptr; // null = no camera
+  std::unique_ptr<SemanticMapper> mapper_;
+  int frames_ = 0;
+  std::mutex setting_, writing_;
+};
+
+// The functions that read a map.
+template <typename Bound>
+py::class_<Bound>&
+bindReading(py::class_<Bound>& bound)
+{
+  return bound
+      .def(
+          "voxels", [](const Bound& self) { return voxelsOf(self.map()); },
+          "The occupied voxels: points [m, world], colours, labels, probabilities,\n"
+          "observations, indices; an entry a voxel.")
+      .def(
+          "labels",
+          [](const Bound& self, const Array<double>& points) {
+            return labelsAt(self.map(), points);
+          },
+          py::arg("points"),
+          "Labels of points (N x 3, world [m]); 0 = not occupied, not in the window.")
+      .def(
+          "write",
+          [](const Bound& self, const std::string& path, bool class_colours) {
+            write(self.map(), path, class_colours);
+          },
+          py::arg("path"), py::arg("class_colours") = false,
+          "Writes the occupied voxels as a .pcd file.")
+      .def(
+          "save",
+          [](const Bound& self, const std::string& path) { save(self.map(), path); },
+          py::arg("path"), "Writes the whole map into a new archive.");
+}
+
+} // namespace
+
+void
+bindMaps(py::module_& module)
+{
+  py::class_<Map> map(module, "SemanticVoxelMap",
+                      "An occupancy map with labels in a window that moves along.");
+  map.def(py::init<const std::string&, const py::kwargs&>(), py::arg("label_set"),
+          "label_set: a file, or the name of one that comes along ('kitti11').\n"
+          "Other keywords are parameters of pcl_semantic_map: voxel_size=0.2.")
+      .def("integrate", &Map::integrate, py::arg("points"), py::arg("pose"),
+           py::kw_only(), py::arg("probabilities") = py::none(),
+           py::arg("colours") = py::none(),
+           "Takes in one scan: N x 3 points in the sensor's frame [m] and its pose,\n"
+           "4 x 4. Returns counts.")
+      .def("move_window", &Map::moveWindow, py::arg("centre"),
+           "Moves the window without a scan, for labels() of a loaded map.");
+  bindReading(map);
+  module.def(
+      "load_map",
+      [](const std::string& path) {
+        const py::gil_scoped_release others_may_run;
+        return std::make_unique<Map>(loadMap(path));
+      },
+      py::arg("path"), "The map of an archive, in memory; the file stays as it is.");
+
+  py::class_<Mapper> mapper(module, "SemanticMapper",
+                            "The whole pipeline: frames go in, a refined map grows.");
+  mapper
+      .def(py::init<const std::string&, const std::optional<std::vector<double>>&,
+                    const py::kwargs&>(),
+           py::arg("label_set"), py::arg("camera") = py::none(),
+           "camera, for stereo pairs: fx, fy, cx, cy [px], baseline [m], width, "
+           "height.\n"
+           "Other keywords are parameters of pcl_semantic_map: crf='hierarchical'.")
+      .def("process", &Mapper::process, py::arg("points"), py::arg("pose"),
+           py::kw_only(), py::arg("probabilities") = py::none(),
+           py::arg("colours") = py::none(),
+           "Takes in a cloud. Returns counts, and the voxels of the window after it.")
+      .def("process_pair", &Mapper::processPair, py::arg("left"), py::arg("right"),
+           py::arg("pose"), py::arg("probabilities"),
+           "Takes in a rectified stereo pair (H x W, or x 3 red green blue), the pose "
+           "of\n"
+           "the left camera and H W x L probabilities of the left image's pixels.")
+      .def("finish", &Mapper::finish,
+           "Refines the last frame, if the CRF has not seen it.");
+  bindReading(mapper);
+}
+
+} // namespace pcl_semantic::python

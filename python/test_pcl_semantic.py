@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The module gives what the programs give, byte by byte, and refuses with a word."""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import numpy as np
+
+import pcl_semantic
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+LABEL_SET = os.path.join(HERE, "..", "data", "label_sets", "kitti11.yaml")
+
+
+def two_walls(seed=1, wrong=0.2):
+    """Points of two parallel walls, their labels, and the same with some of them wrong."""
+    random = np.random.default_rng(seed)
+    points = random.uniform([0, 0, 0], [4, 0.02, 2], (4000, 3)).astype(np.float32)
+    points[2000:, 1] += 3
+    labels = np.repeat([1, 2], 2000)
+    noisy = np.where(random.random(4000) < wrong, 3 - labels, labels)
+    return points, labels, noisy
+
+
+class Refine(unittest.TestCase):
+    def test_labels_become_consistent(self):
+        points, labels, noisy = two_walls()
+        refined, probabilities = pcl_semantic.refine(points, labels=noisy)
+        self.assertLess(np.mean(noisy == labels), 0.82)
+        self.assertGreater(np.mean(refined == labels), 0.99)
+        self.assertEqual(probabilities.shape, (4000, 2))
+        np.testing.assert_allclose(probabilities.sum(axis=1), 1, atol=1e-5)
+
+    def test_probabilities_are_those_of_the_program(self):
+        points, _, noisy = two_walls()
+        with tempfile.TemporaryDirectory() as folder:
+            cloud, refined = os.path.join(folder, "in.pcd"), os.path.join(folder, "out.pcd")
+            x, y, z = points.T
+            pcl_semantic.write_cloud(cloud, {"x": x, "y": y, "z": z, "label": noisy})
+            program = os.path.join(os.environ["PCL_SEMANTIC_BIN"], "pcl_semantic_crf")
+            subprocess.run([program, cloud, refined, "--crf-iterations", "3", "--crf",
+                            "hierarchical", "--cliques", "cubes:1", "--quiet"], check=True)
+            expected = pcl_semantic.read_cloud(refined)
+        labels, probabilities = pcl_semantic.refine(
+            points, labels=noisy, crf="hierarchical", cliques="cubes:1", crf_iterations=3)
+        np.testing.assert_array_equal(labels, expected["label"])
+        self.assertEqual(probabilities.tobytes(), expected["probability"].tobytes())
+
+    def test_softmax_and_cliques_of_numbers(self):
+        points, labels, noisy = two_walls()
+        softmax = np.full((4000, 2), 0.2)
+        softmax[np.arange(4000), noisy - 1] = 0.8
+        refined, _ = pcl_semantic.refine(
+            points, probabilities=softmax, colours=np.zeros((4000, 3), np.uint8),
+            cliques=labels, crf="hierarchical", threads=1)
+        self.assertGreater(np.mean(refined == labels), 0.99)
+
+    def test_what_does_not_fit_is_refused(self):
+        points, _, noisy = two_walls()
+        for message, arguments in [
+                ("labels are 3, expected 4000", {"labels": noisy[:3]}),
+                ("points are 3, expected N x 3", {"points": points[0], "labels": noisy}),
+                ("probabilities or labels", {}),
+                ("-1 of point 0", {"labels": noisy - 10 * (noisy > 0) + 8 - (noisy > 1)}),
+                ("smoothness_weight is -1", {"labels": noisy, "smoothness_weight": -1}),
+                ("colours are 4000, expected 4000 x 3",
+                 {"labels": noisy, "colours": noisy})]:
+            with self.assertRaisesRegex(ValueError, message):
+                pcl_semantic.refine(**{"points": points, **arguments})
+        with self.assertRaisesRegex(TypeError, "unknown parameter 'smooth'"):
+            pcl_semantic.refine(points, labels=noisy, smooth=1)
+
+
+def scans_of_walls():
+    """Two scans of the walls, class 1 and 3, from 10 m ahead of the origin."""
+    points, labels, _ = two_walls()
+    probabilities = np.full((4000, 11), 0.01, np.float32)
+    probabilities[np.arange(4000), np.where(labels == 1, 0, 2)] = 1
+    for x in (10, 10.5):
+        pose = np.eye(4)
+        pose[0, 3] = x
+        yield points - [x - 10, 1.5, 1], pose, probabilities
+
+
+class Map(unittest.TestCase):
+    def test_scans_become_labelled_voxels(self):
+        voxel_map = pcl_semantic.SemanticVoxelMap(LABEL_SET, voxel_size=0.2,
+                                                  window=(20, 20, 8))
+        for points, pose, probabilities in scans_of_walls():
+            counts = voxel_map.integrate(points, pose, probabilities=probabilities)
+            self.assertEqual((counts["points"], counts["rays"]), (4000, 4000))
+        voxels = voxel_map.voxels()
+        self.assertGreater(len(voxels["points"]), 100)
+        self.assertGreaterEqual(voxels["points"][:, 0].min(), 10)
+        np.testing.assert_array_equal(
+            voxels["labels"], np.where(voxels["points"][:, 1] > 0, 3, 1))
+        np.testing.assert_allclose(voxels["points"], 0.2 * (voxels["indices"] + 0.5),
+                                   atol=1e-5)
+        self.assertEqual(voxels["observations"].max(), 2)
+        np.testing.assert_array_equal(voxel_map.labels(voxels["points"]),
+                                      voxels["labels"])
+
+    def test_what_it_cannot_take_is_refused(self):
+        with self.assertRaisesRegex(ValueError, "none.yaml"):
+            pcl_semantic.SemanticVoxelMap("none.yaml")
+        with self.assertRaisesRegex(ValueError, "voxel_size"):
+            pcl_semantic.SemanticVoxelMap(LABEL_SET, voxel_size=-1)
+        voxel_map = pcl_semantic.SemanticVoxelMap(LABEL_SET)
+        for message, arguments in [
+                ("4 x 4", (np.zeros((2, 3)), np.eye(3))),
+                ("no rotation", (np.zeros((2, 3)), 2 * np.eye(4))),
+                ("N x 3", (np.zeros((2, 2)), np.eye(4)))]:
+            with self.assertRaisesRegex(ValueError, message):
+                voxel_map.integrate(*arguments)
+        with self.assertRaisesRegex(ValueError, "3"):
+            voxel_map.integrate(np.ones((2, 3)), np.eye(4),
+                                probabilities=np.ones((2, 3)))
+
+    def test_an_archive_gives_the_map_back(self):
+        voxel_map = pcl_semantic.SemanticVoxelMap("kitti11", voxel_size=0.2)
+        for points, pose, probabilities in scans_of_walls():
+            voxel_map.integrate(points, pose, probabilities=probabilities)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "walls.map")
+            voxel_map.save(path)
+            with self.assertRaisesRegex(OSError, "walls.map"):
+                voxel_map.save(path)
+            loaded = pcl_semantic.load_map(path)
+            cloud = os.path.join(folder, "walls.pcd")
+            loaded.write(cloud, class_colours=True)
+            fields = pcl_semantic.read_cloud(cloud)
+        expected, found = voxel_map.voxels(), loaded.voxels()
+        for name in expected:
+            np.testing.assert_array_equal(found[name], expected[name])
+        np.testing.assert_array_equal(fields["label"], expected["labels"])
+        loaded.move_window([10, 0, 0])
+        np.testing.assert_array_equal(loaded.labels(expected["points"]),
+                                      expected["labels"])
+
+
+class Mapper(unittest.TestCase):
+    def test_clouds_become_a_refined_map(self):
+        mapper = pcl_semantic.SemanticMapper(LABEL_SET, voxel_size=0.2, crf="dense")
+        for points, pose, probabilities in scans_of_walls():
+            frame = mapper.process(points, pose, probabilities=probabilities)
+        mapper.finish()
+        voxels = mapper.voxels()
+        np.testing.assert_array_equal(frame["voxels"]["labels"], voxels["labels"])
+        np.testing.assert_array_equal(
+            voxels["labels"], np.where(voxels["points"][:, 1] > 0, 3, 1))
+
+    def test_the_map_is_that_of_the_program_to_the_byte(self):
+        programs = os.environ["PCL_SEMANTIC_BIN"]
+        with tempfile.TemporaryDirectory() as folder:
+            os.mkdir(os.path.join(folder, "clouds"))
+            lines = []
+            mapper = pcl_semantic.SemanticMapper(LABEL_SET, voxel_size=0.2)
+            for i, (points, pose, probabilities) in enumerate(scans_of_walls()):
+                points = points.astype(np.float32)
+                x, y, z = points.T
+                pcl_semantic.write_cloud(
+                    os.path.join(folder, "clouds", f"{i}.pcd"),
+                    {"x": x, "y": y, "z": z, "probability": probabilities})
+                lines.append(" ".join(str(number) for number in pose[:3].ravel()))
+                mapper.process(points, pose, probabilities=probabilities)
+            mapper.finish()
+            mapper.write(os.path.join(folder, "python.pcd"))
+            with open(os.path.join(folder, "poses.txt"), "w") as file:
+                file.write("\n".join(lines) + "\n")
+            subprocess.run(
+                [os.path.join(programs, "pcl_semantic_map"), "--clouds",
+                 os.path.join(folder, "clouds"), "--poses",
+                 os.path.join(folder, "poses.txt"), "--label-set", LABEL_SET,
+                 "--voxel-size", "0.2", "--output", os.path.join(folder, "map"),
+                 "--quiet"], check=True)
+            with open(os.path.join(folder, "map", "map.pcd"), "rb") as file:
+                expected = file.read()
+            with open(os.path.join(folder, "python.pcd"), "rb") as file:
+                self.assertEqual(file.read(), expected)
+
+    def test_pairs_need_the_camera(self):
+        image = np.zeros((40, 60), np.uint8)
+        mapper = pcl_semantic.SemanticMapper(LABEL_SET)
+        with self.assertRaisesRegex(ValueError, "camera="):
+            mapper.process_pair(image, image, np.eye(4), np.ones((2400, 11)))
+        with self.assertRaisesRegex(ValueError, "expected seven"):
+            pcl_semantic.SemanticMapper(LABEL_SET, camera=[1, 2])
+        mapper = pcl_semantic.SemanticMapper(LABEL_SET, disparities=64,
+                                             camera=[50, 50, 30, 20, 0.5, 60, 40])
+        with self.assertRaisesRegex(ValueError, "left image"):
+            mapper.process_pair(image[1:], image, np.eye(4), np.ones((2400, 11)))
+
+    def test_a_pair_becomes_voxels(self):
+        random = np.random.default_rng(1)
+        wide = random.integers(0, 256, (96, 168), np.uint8)
+        left, right = wide[:, :160], wide[:, 8:]  # 8 px: 50 * 0.5 / 8 = 3.1 m ahead
+        mapper = pcl_semantic.SemanticMapper(LABEL_SET, disparities=64, crf="none",
+                                             camera=[50, 50, 80, 48, 0.5, 160, 96])
+        probabilities = np.zeros((96 * 160, 11))
+        probabilities[:, 4] = 1
+        frame = mapper.process_pair(np.dstack([left] * 3), np.dstack([right] * 3),
+                                    np.eye(4), probabilities)
+        voxels = frame["voxels"]
+        self.assertGreater(len(voxels["labels"]), 100)
+        self.assertEqual(set(voxels["labels"]), {5})
+        self.assertAlmostEqual(np.median(voxels["points"][:, 2]), 25 / 8, delta=0.1)
+
+
+class Files(unittest.TestCase):
+    def test_fields_come_back(self):
+        cloud = {"x": np.arange(3, dtype=np.float32), "intensity": np.arange(3.0),
+                 "label": np.array([1, 2, 300], np.uint16),
+                 "probability": np.arange(6, dtype=np.float32).reshape(3, 2)}
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "cloud.pcd")
+            pcl_semantic.write_cloud(path, cloud)
+            found = pcl_semantic.read_cloud(path)
+            for broken in ({"x": np.zeros((2, 2, 2))}, {"x": np.array(["a"])},
+                           {"x": np.zeros(2), "y": np.zeros(3)}, {"a b": np.zeros(2)}):
+                with self.assertRaises(ValueError):
+                    pcl_semantic.write_cloud(os.path.join(folder, "no.pcd"), broken)
+            self.assertEqual(os.listdir(folder), ["cloud.pcd"])
+        self.assertEqual(list(found), list(cloud))
+        for name, column in cloud.items():
+            self.assertEqual(found[name].dtype, column.dtype)
+            np.testing.assert_array_equal(found[name], column)
+        with self.assertRaisesRegex(ValueError, "none.pcd"):
+            pcl_semantic.read_cloud("none.pcd")
+
+
+class Cliques(unittest.TestCase):
+    def test_cubes_are_numbered(self):
+        numbers = pcl_semantic.cliques([[0.5, 0.5, 0.5], [0.6, 0.5, 0.5], [5, 5, 5],
+                                        [5.1, 5, 5], [np.nan, 0, 0]], "cubes:1")
+        self.assertEqual(numbers[0], numbers[1])
+        self.assertEqual(numbers[2], numbers[3])
+        self.assertEqual(len({numbers[0], numbers[2], 0}), 3)
+        self.assertEqual(numbers[4], 0)
+        with self.assertRaisesRegex(ValueError, "squares"):
+            pcl_semantic.cliques([[0, 0, 0]], "squares")
+
+
+class Evaluation(unittest.TestCase):
+    def test_counts_by_truth_and_prediction(self):
+        matrix = pcl_semantic.confusion_matrix([0, 1, 1, 2], [1, 1, 2, 2], 2)
+        np.testing.assert_array_equal(matrix, [[0, 1, 0], [0, 1, 1], [0, 0, 1]])
+        scores = pcl_semantic.scores(matrix)
+        np.testing.assert_allclose(scores["iou"], [0.5, 0.5])
+        self.assertAlmostEqual(scores["global_accuracy"], 2 / 3)
+        with self.assertRaisesRegex(ValueError, "4 labels, prediction of 1"):
+            pcl_semantic.confusion_matrix([0, 1, 1, 2], [1], 2)
+        with self.assertRaisesRegex(ValueError, "confusion_matrix"):
+            pcl_semantic.scores([1, 2])
+
+
+class Threads(unittest.TestCase):
+    def test_others_run_while_the_crf_does(self):
+        points, _, noisy = two_walls()
+        expected = pcl_semantic.refine(points, labels=noisy)[1].tobytes()
+        found = []
+
+        def work():
+            found.append(pcl_semantic.refine(points, labels=noisy)[1].tobytes())
+
+        threads = [threading.Thread(target=work) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(found, [expected] * 4)
+
+
+class Guide(unittest.TestCase):
+    def run_script(self, folder, *command):
+        return subprocess.run([sys.executable, *command], cwd=folder, check=True,
+                              capture_output=True, text=True).stdout
+
+    def test_its_blocks_run_as_they_are(self):
+        with open(os.path.join(HERE, "..", "doc", "python.md")) as file:
+            blocks = re.findall(r"```python\n(.*?)```", file.read(), re.DOTALL)
+        self.assertEqual(len(blocks), 3)
+        with tempfile.TemporaryDirectory() as folder:
+            output = self.run_script(folder, "-c", "\n".join(blocks))
+            self.assertEqual(sorted(os.listdir(folder)),
+                             ["drive.map", "grouped.pcd", "map.pcd"])
+        self.assertTrue(output.endswith("1.0\n"), output)
+
+    def test_the_example_mends_labels(self):
+        script = os.path.join(HERE, "softmax_to_labels.py")
+        points, labels, _ = two_walls()
+        with tempfile.TemporaryDirectory() as folder:
+            output = self.run_script(folder, script)
+            found = [float(x) for x in re.findall(r"mean IoU ([0-9.]+)", output)]
+            self.assertLess(found[0], 0.7)
+            self.assertGreater(found[1], 0.95)
+            pcl_semantic.write_cloud(os.path.join(folder, "in.pcd"),
+                                     {**dict(zip("xyz", points.T)), "ring": labels})
+            np.save(os.path.join(folder, "softmax.npy"), np.eye(2)[labels - 1])
+            self.run_script(folder, script, "in.pcd", "softmax.npy", "out.pcd")
+            refined = pcl_semantic.read_cloud(os.path.join(folder, "out.pcd"))
+        np.testing.assert_array_equal(refined["label"], labels)
+        np.testing.assert_array_equal(refined["ring"], labels)
+
+
+class Stub(unittest.TestCase):
+    def test_names_all_that_the_module_has(self):
+        with open(os.path.join(os.path.dirname(pcl_semantic.__file__),
+                               "pcl_semantic.pyi")) as stub:
+            text = stub.read()
+        for name in dir(pcl_semantic):
+            if not name.startswith("__"):
+                self.assertRegex(text, r"(def|class) " + name + r"\b")
+
+
+if __name__ == "__main__":
+    unittest.main()
