@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "default_label_set.h"
+#include "label_carrier.h"
 #include "messages.h"
 #include "pair_watch.h"
 #include "sequence_options.h"
@@ -19,6 +20,8 @@
 #include <pcl/common/point_tests.h>
 
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <string>
 
 namespace pcl_semantic::tool {
@@ -26,12 +29,23 @@ namespace pcl_semantic::tool {
 /** \brief The command line of pcl_semantic_label. */
 struct LabelArguments {
   SequenceOptions sequence;
-  std::string clouds; ///< instead of the sequence: organized clouds to label
+  std::string clouds; ///< to label: organized ones, or what the sequence's camera saw
+  std::string sensor_pose; ///< of the clouds' sensor in the camera; empty = KITTI's Tr
+  double max_depth = 0.0;  ///< of points that get labels of images [m]; 0 = unlimited
+  std::string occlusion_window = "3,7"; ///< half columns, half rows [px]
   std::string output, network, model, labels, label_set;
   std::string frames = ":";
   std::string format = "float32";
   double label_confidence = 0.8; ///< of a stored `.png`
   int threads = 0;
+
+  /** \brief Whether clouds get the labels of a camera's images. */
+  bool
+  carries() const
+  {
+    return !clouds.empty() &&
+           (!sequence.folder.empty() || !sequence.files.left.empty());
+  }
 };
 
 extern const Usage label_usage;
@@ -41,7 +55,8 @@ extern const Usage label_usage;
  * \throws InvalidParameterException */
 bool parseLabelArguments(int argc, char** argv, LabelArguments& arguments);
 
-/** \brief Labels clouds: writes a labelled cloud for each. \return exit code
+/** \brief Labels clouds, by their own pixels or a camera's images: writes a labelled
+ * cloud for each. \return exit code
  * \throws BadInputException, BadModelException, OutputException */
 int labelClouds(const LabelArguments& arguments);
 
@@ -50,12 +65,15 @@ const Usage label_usage{
     "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)\n"
     "  --network FILE.yaml --output DIR [options]\n"
     "or --clouds (DIR | CLOUD.pcd) (--network FILE.yaml | --labels (DIR | FILE))\n"
-    "  --output (DIR | OUT.pcd) [options]",
+    "  --output (DIR | OUT.pcd) [options]\n"
+    "or --clouds DIR (SEQUENCE | --left 'I*.png' --calibration CAMERA.yaml\n"
+    "  --sensor-pose FILE) (--network FILE.yaml | --labels DIR) --output DIR [options]",
     "Runs a segmentation network over the left images and stores the class "
     "distributions\nof their pixels, once for many runs of pcl_semantic_map --labels; "
     "or "
-    "gives organized\nclouds of a camera the labels of their pixels, from a network or "
-    "stored ones.",
+    "gives clouds\nlabels: organized ones those of their pixels, those of a laser "
+    "scanner "
+    "those of the\nimages in which a camera saw the points.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_stereo /tmp/street/image_2 /tmp/street/image_3 "
     "/tmp/street/calib.txt \\\n"
@@ -70,9 +88,14 @@ describeOptions(LabelArguments& arguments)
 {
   po::options_description visible("Options");
   addSequenceOptions(arguments.sequence, visible);
-  visible.add_options()("clouds", po::value(&arguments.clouds),
-                        "organized clouds of pcl_semantic_stereo instead of SEQUENCE, "
-                        "one per frame: a .pcd, a folder or a pattern in quotes")(
+  visible.add_options()(
+      "clouds", po::value(&arguments.clouds),
+      "clouds to label, one per frame, a .pcd, a folder or a pattern "
+      "in quotes: organized ones, of pcl_semantic_stereo, or those of "
+      "a scanner beside SEQUENCE or --left")(
+      "sensor-pose", po::value(&arguments.sensor_pose),
+      "pose of the scanner in the camera (x right, y down, z forward): a file with one "
+      "line, the upper 3 x 4 of its matrix (default: Tr of SEQUENCE's calib.txt)")(
       "output,o", po::value(&arguments.output),
       "output folder; for one cloud the output cloud (.pcd)")(
       "network", po::value(&arguments.network), "network description (.yaml)")(
@@ -87,6 +110,12 @@ describeOptions(LabelArguments& arguments)
   addOption(visible, "format", arguments.format,
             "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
             "(.png, most probable class)");
+  addOption(visible, "max-depth", arguments.max_depth,
+            "farthest points that get labels of images [m]; 0 = all");
+  addOption(
+      visible, "occlusion-window", arguments.occlusion_window,
+      "nearer points hide a point within so many columns, rows [px]: as far as the "
+      "beams are apart in the image");
   addOption(visible, "label-confidence", arguments.label_confidence,
             "probability of the class that a .png of --labels gives");
   addOption(visible, "threads", arguments.threads,
@@ -113,10 +142,22 @@ requireSequenceAndNetwork(const LabelArguments& arguments)
 void
 requireClouds(const LabelArguments& arguments, bool has_format)
 {
-  if (!arguments.sequence.folder.empty() || arguments.sequence.hasFiles() ||
-      arguments.sequence.strict)
-    failUsage(label_usage, "--clouds and a SEQUENCE, or options of one, exclude each "
-                           "other");
+  const ImagePairFiles& files = arguments.sequence.files;
+  if (!arguments.carries() &&
+      (arguments.sequence.hasFiles() || arguments.sequence.strict))
+    failUsage(label_usage,
+              "--clouds without SEQUENCE or --left take no options of them");
+  if (arguments.carries() && !arguments.sequence.folder.empty() &&
+      arguments.sequence.hasFiles())
+    failUsage(label_usage, "both a SEQUENCE and --left, --calibration or --times");
+  if (!files.left.empty() && files.calibration.empty())
+    failUsage(label_usage, "--left needs --calibration, its intrinsics");
+  if (!files.left.empty() && arguments.sensor_pose.empty())
+    failUsage(label_usage, "--left needs --sensor-pose, where the scanner is");
+  if (!files.right.empty() || !files.extrinsics.empty())
+    failUsage(label_usage, "--clouds need one camera, not --right or --extrinsics");
+  if (!arguments.carries() && !arguments.sensor_pose.empty())
+    failUsage(label_usage, "--sensor-pose is for the images of SEQUENCE or --left");
   if (arguments.output.empty())
     failUsage(label_usage, "--output is missing");
   if (arguments.labels.empty() == arguments.network.empty())
@@ -128,6 +169,8 @@ requireClouds(const LabelArguments& arguments, bool has_format)
                            "names its own");
   if (has_format)
     failUsage(label_usage, "--format is for a SEQUENCE: clouds are written as .pcd");
+  if (!(arguments.max_depth >= 0.0))
+    failUsage(label_usage, "--max-depth is less than 0");
 }
 
 } // namespace
@@ -189,7 +232,8 @@ makePredictor(const LabelArguments& arguments)
   }
   const int classes = readLabelSetOrDefault(arguments.label_set).size();
   const auto confidence = float(arguments.label_confidence);
-  if (isFolder(arguments.labels) || fs::path(arguments.clouds).extension() != ".pcd")
+  if (arguments.carries() || isFolder(arguments.labels) ||
+      fs::path(arguments.clouds).extension() != ".pcd")
     return std::make_unique<StoredPredictor>(arguments.labels, classes, confidence);
   return std::make_unique<FilePredictor>(arguments.labels, classes, confidence);
 }
@@ -214,22 +258,44 @@ frameOf(const LabelledCloud& labelled, const std::string& path, int number,
   return frame;
 }
 
+VisibilityParameters
+visibilityOf(const LabelArguments& arguments)
+{
+  VisibilityParameters parameters;
+  parameters.max_depth = arguments.max_depth > 0.0
+                             ? arguments.max_depth
+                             : std::numeric_limits<double>::infinity();
+  char comma = 0, rest = 0;
+  std::istringstream stream(arguments.occlusion_window);
+  if (!(stream >> parameters.window_columns >> comma >> parameters.window_rows) ||
+      comma != ',' || stream >> rest)
+    failUsage(label_usage, "--occlusion-window is '" + arguments.occlusion_window +
+                               "', expected COLUMNS,ROWS");
+  return parameters;
+}
+
 // Gives the fraction of points with a finite position and a label.
+// \param[in] carrier null: the cloud is an image itself
 double
 labelCloud(const std::string& path, int number, const std::string& output,
-           LabelPredictor& predictor)
+           LabelPredictor& predictor, const LabelCarrier* carrier)
 {
   const bool is_seen = dynamic_cast<NetworkPredictor*>(&predictor) != nullptr;
   LabelledCloud labelled = readLabelledCloud(path);
   pcl::PointCloud<pcl::PointXYZRGBL>& cloud = *labelled.cloud;
   if (cloud.empty())
     PCL_THROW_EXCEPTION(BadInputException, path << ": has no points");
-  labelled.distributions = predictor.predict(frameOf(labelled, path, number, is_seen));
+  labelled.distributions =
+      carrier ? carrier->label(cloud, number, predictor)
+              : predictor.predict(frameOf(labelled, path, number, is_seen));
   std::size_t known = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud[i].label = labelled.distributions.mapLabel(Eigen::Index(i));
     known += pcl::isXYZFinite(cloud[i]) && cloud[i].label != kUnlabelled;
   }
+  if (carrier && known == 0)
+    warn(path +
+         ": the camera sees none of its points: is the pose of the scanner right?");
   writeLabelledCloud(output, labelled);
   return double(known) / double(cloud.size());
 }
@@ -240,7 +306,7 @@ outputOf(const LabelArguments& arguments, const std::string& path)
 {
   if (fs::path(arguments.output).extension() == ".pcd")
     return arguments.output;
-  return (fs::path(arguments.output) / fs::path(path).filename()).string();
+  return (fs::path(arguments.output) / fs::path(path).stem()).string() + ".pcd";
 }
 
 // The clouds to label, once it is clear that each has a place to go to.
@@ -268,7 +334,13 @@ labelClouds(const LabelArguments& arguments)
   setNumberOfThreads(arguments.threads);
   const CloudSequence clouds(arguments.clouds);
   const auto predictor = makePredictor(arguments);
+  std::optional<LabelCarrier> carrier;
+  if (arguments.carries())
+    carrier.emplace(arguments.sequence, arguments.sensor_pose, visibilityOf(arguments));
   const std::vector<std::size_t> chosen = prepareClouds(arguments, clouds);
+  for (const std::size_t i : chosen)
+    if (carrier)
+      carrier->requireImage(clouds.path(i), clouds.frameNumber(i));
   catchInterrupts();
   double fraction = 0.0;
   {
@@ -276,7 +348,7 @@ labelClouds(const LabelArguments& arguments)
     for (const std::size_t i : chosen) {
       const std::string& path = clouds.path(i);
       fraction += labelCloud(path, clouds.frameNumber(i), outputOf(arguments, path),
-                             *predictor);
+                             *predictor, carrier ? &*carrier : nullptr);
       if (interrupted())
         return exit_interrupted;
       progress.step();

@@ -26,7 +26,7 @@ struct Options {
   std::string label_set;
   std::string label_mapping;
   std::string frames = ":";
-  LidarTruthParameters parameters;
+  VisibilityParameters parameters;
 };
 
 const tool::Usage usage{
@@ -44,7 +44,7 @@ parse(int argc, char** argv, Options& options)
 {
   namespace po = tool::po;
   po::options_description description("Options");
-  LidarTruthParameters& parameters = options.parameters;
+  VisibilityParameters& parameters = options.parameters;
   description.add_options()("sequence", po::value(&options.sequence)->required(),
                             "folder of the sequence")(
       "output,o", po::value(&options.output)->required(),

@@ -103,7 +103,7 @@ MapGeometry::addScan(const pcl::PointCloud<pcl::PointXYZI>& scan,
 {
   if (returns_->empty())
     origin_ = T_world_camera.translation();
-  LidarTruthParameters seen_parameters;
+  VisibilityParameters seen_parameters;
   seen_parameters.max_depth = parameters_.bands.back();
   const std::vector<float> seen =
       seenDepths(scan, camera, T_camera_scanner, seen_parameters);

@@ -2,9 +2,11 @@
 #include "file_pattern.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -119,6 +121,27 @@ numbersIn(const std::string& text)
       numbers.push_back(takeNumber(text, at));
     else
       ++at;
+  return numbers;
+}
+
+std::vector<int>
+frameNumbersOf(const std::vector<std::string>& paths)
+{
+  std::vector<int> numbers;
+  for (const std::string& path : paths) {
+    const std::string name = fs::path(path).stem().string();
+    int number = -1;
+    const char* const end = name.data() + name.size();
+    const auto [stop, error] = std::from_chars(name.data(), end, number);
+    if (error != std::errc() || stop != end || number < 0 || number > kMaxFrameNumber)
+      return {};
+    numbers.push_back(number);
+  }
+  for (std::size_t i = 1; i < numbers.size(); ++i)
+    if (numbers[i] == numbers[i - 1])
+      PCL_THROW_EXCEPTION(BadInputException, paths[i - 1] << " and " << paths[i]
+                                                          << ": are both frame "
+                                                          << numbers[i]);
   return numbers;
 }
 

@@ -118,13 +118,17 @@ listFrameFiles(const std::string& folder, const std::vector<std::string>& extens
   for (const fs::directory_entry& entry : entries) {
     const fs::path& path = entry.path();
     const std::string stem = path.stem().string();
+    if (stem.find_first_not_of("0123456789") != std::string::npos ||
+        !std::count(extensions.begin(), extensions.end(), path.extension()))
+      continue;
     int frame = 0;
-    const auto [rest, code] =
-        std::from_chars(stem.data(), stem.data() + stem.size(), frame);
-    const bool numbered =
-        code == std::errc() && rest == stem.data() + stem.size() && frame >= 0;
-    if (numbered && std::count(extensions.begin(), extensions.end(), path.extension()))
-      files.push_back({frame, path.string()});
+    if (std::from_chars(stem.data(), stem.data() + stem.size(), frame).ec !=
+            std::errc() ||
+        frame > kMaxFrameNumber)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          path.string() << ": is no frame number, expected 0 to "
+                                        << kMaxFrameNumber);
+    files.push_back({frame, path.string()});
   }
   std::sort(files.begin(), files.end(), [](const FrameFile& a, const FrameFile& b) {
     return a.frame != b.frame ? a.frame < b.frame : a.path < b.path;

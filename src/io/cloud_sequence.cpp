@@ -18,49 +18,28 @@ namespace pcl_semantic {
 
 namespace {
 
-// The whole of a name without extension as a number, if it is one.
-template <typename Number>
-std::optional<Number>
-numberOf(const std::string& path)
-{
-  const std::string name = std::filesystem::path(path).stem().string();
-  Number number{};
-  const char* const end = name.data() + name.size();
-  const auto [stop, error] = std::from_chars(name.data(), end, number);
-  if (error != std::errc() || stop != end || !(name[0] >= '0' && name[0] <= '9'))
-    return std::nullopt;
-  return number;
-}
-
-// The frame number that a name is; nothing if it is a time, or a word.
-std::optional<int>
-frameNumberOf(const std::string& path)
-{
-  constexpr std::int64_t end = 100000000;
-  const auto number = numberOf<std::int64_t>(path);
-  return number && *number < end ? std::optional<int>(int(*number)) : std::nullopt;
-}
-
-// Times beyond 1e17 are nanoseconds, as in files of times.
+// Times beyond 1e17 are nanoseconds, as in files of times. Nothing for a word.
 std::optional<double>
 timeInName(const std::string& path)
 {
-  auto time = numberOf<double>(path);
-  if (time && *time > 1e17)
-    time = *time * 1e-9;
-  return time;
+  const std::string name = std::filesystem::path(path).stem().string();
+  double time = 0.0;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data(), end, time);
+  if (error != std::errc() || stop != end || !(name[0] >= '0' && name[0] <= '9'))
+    return std::nullopt;
+  return time > 1e17 ? time * 1e-9 : time;
 }
 
-// What `of` says of all paths; empty if it says nothing of one.
-template <typename Number, typename Of>
-std::vector<Number>
-ofAll(const std::vector<std::string>& paths, Of&& of)
+// Of all paths; empty if one is no time.
+std::vector<double>
+timesInNames(const std::vector<std::string>& paths)
 {
-  std::vector<Number> all;
+  std::vector<double> all;
   for (const std::string& path : paths)
-    if (const auto number = of(path))
-      all.push_back(*number);
-  return all.size() == paths.size() ? all : std::vector<Number>();
+    if (const auto time = timeInName(path))
+      all.push_back(*time);
+  return all.size() == paths.size() ? all : std::vector<double>();
 }
 
 LabelDistributions
@@ -92,14 +71,9 @@ distributionsOf(const LabelledCloud& read, const std::string& path, int classes,
 CloudSequence::CloudSequence(const std::string& pattern, const std::string& times)
     : paths_(findFiles(pattern, cloudExtensions()))
 {
-  numbers_ = ofAll<int>(paths_, frameNumberOf);
-  for (std::size_t i = 1; i < numbers_.size(); ++i)
-    if (numbers_[i] == numbers_[i - 1])
-      PCL_THROW_EXCEPTION(BadInputException, paths_[i - 1] << " and " << paths_[i]
-                                                           << ": are both frame "
-                                                           << numbers_[i]);
+  numbers_ = frameNumbersOf(paths_);
   if (numbers_.empty()) {
-    times_ = ofAll<double>(paths_, timeInName);
+    times_ = timesInNames(paths_);
     if (!times_.empty()) // not the natural order: 0.25 comes before 0.5
       std::sort(paths_.begin(), paths_.end(), [](const auto& a, const auto& b) {
         return *timeInName(a) < *timeInName(b);

@@ -3,9 +3,18 @@
 #include "support/onnx_writer.h"
 #include "support/same_image.h"
 
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+
+#include <iomanip>
+#include <set>
 
 namespace pcl_semantic {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -75,6 +84,133 @@ TEST(LabelTool, IdsAreTheClassesOfTheDistributions)
       readPng(folder.path("map_float16/network_labels/000001.png"), ImageKind::labels);
   EXPECT_LT(cv::countNonZero(ids != halves), int(ids.total() / 100));
   EXPECT_GT(cv::countNonZero(ids != ids.at<std::uint8_t>(0, 0)), 0);
+}
+
+namespace {
+
+// A scan of frame 1 that returns from a grid of pixels at 10 m, from behind the camera
+// and from behind one of the others.
+void
+addReturns(const std::string& street)
+{
+  const KittiSequence sequence(street);
+  const Eigen::Isometry3d T_velodyne_camera =
+      sequence.T_camera0_velodyne().inverse() * sequence.T_camera0_camera();
+  std::vector<float> scan;
+  const auto add = [&](const Eigen::Vector3d& point) {
+    const Eigen::Vector3d in_scanner = T_velodyne_camera * point;
+    for (int axis = 0; axis < 3; ++axis)
+      scan.push_back(float(in_scanner[axis]));
+    scan.push_back(0.25f);
+  };
+  const StereoCamera& camera = sequence.camera();
+  for (int v = 5; v < camera.height; v += 10)
+    for (int u = 5; u < camera.width; u += 10)
+      add(camera.unproject(u, v, 10.0));
+  add(camera.unproject(5, 5, -10.0));
+  add(camera.unproject(5, 5, 30.0));
+  fs::create_directories(street + "/velodyne");
+  std::ofstream(street + "/velodyne/000001.bin", std::ios::binary)
+      .write(reinterpret_cast<const char*>(scan.data()),
+             std::streamsize(scan.size() * sizeof(float)));
+}
+
+// The camera of a street as ROS describes it, and where the scanner is.
+void
+describeCamera(const std::string& street)
+{
+  const KittiSequence sequence(street);
+  const StereoCamera& camera = sequence.camera();
+  std::ofstream(street + "/camera.yaml")
+      << std::setprecision(17) << "K: [" << camera.fx << ", 0, " << camera.cx << ", 0, "
+      << camera.fy << ", " << camera.cy << ", 0, 0, 1]\n";
+  writeKittiTrajectory(street + "/scanner.txt", {sequence.T_camera0_camera().inverse() *
+                                                 sequence.T_camera0_velodyne()});
+}
+
+const std::string carry = "label --clouds STREET/velodyne --labels STREET/labels ";
+const std::string own =
+    carry + "--left STREET/image_2 --calibration STREET/camera.yaml ";
+
+} // namespace
+
+TEST(LabelTool, AScannersPointsGetTheLabelsOfTheirPixels)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street");
+  copyStreet(street);
+  addReturns(street);
+  describeCamera(street);
+  for (const std::string& command :
+       {carry + "STREET -o OUT", own + "--sensor-pose STREET/scanner.txt -o OWN"}) {
+    const ToolResult result = runTool(replaceAll(
+        replaceAll(replaceAll(command, "STREET", street), "OUT", folder.path("out")),
+        "OWN", folder.path("own")));
+    ASSERT_EQ(result.code, 0) << result.text;
+  }
+  EXPECT_EQ(bytesOf(folder.path("own/000001.pcd")),
+            bytesOf(folder.path("out/000001.pcd")));
+  const LabelledCloud cloud = readLabelledCloud(folder.path("out/000001.pcd"));
+  const LabelDistributions pixels =
+      readDistributions(street + "/labels/000001.bin", 208, 64, 11, 0.8f);
+  std::size_t i = 0;
+  std::set<std::uint32_t> labels;
+  for (int v = 5; v < 64; v += 10)
+    for (int u = 5; u < 208; u += 10, ++i) {
+      const Eigen::Index pixel = v * 208 + u;
+      EXPECT_EQ((*cloud.cloud)[i].label, pixels.mapLabel(pixel)) << u << " " << v;
+      EXPECT_TRUE(cloud.distributions.matrix()
+                      .col(Eigen::Index(i))
+                      .isApprox(pixels.matrix().col(pixel), 1e-5f));
+      labels.insert((*cloud.cloud)[i].label);
+    }
+  ASSERT_EQ(cloud.cloud->size(), i + 2);
+  EXPECT_GT(labels.size(), 2u);
+  EXPECT_EQ((*cloud.cloud)[i].label, 0u);     // behind the camera
+  EXPECT_EQ((*cloud.cloud)[i + 1].label, 0u); // hidden
+  EXPECT_GE(cloud.table.find("intensity"), 0);
+  const ToolResult mapped =
+      runTool("map --clouds " + folder.path("out") + " --poses " + street +
+              "/poses.txt --sensor laser --calibration " + street +
+              "/calib.txt --output " + folder.path("map"));
+  EXPECT_EQ(mapped.code, 0) << mapped.text;
+}
+
+TEST(LabelTool, BadCarrying)
+{
+  const auto damage = [](const std::string& street) {
+    addReturns(street);
+    describeCamera(street);
+  };
+  const auto andAnother = [&](const std::string& street) {
+    damage(street);
+    fs::copy(street + "/velodyne/000001.bin", street + "/velodyne/000007.bin");
+  };
+  const auto twoPoses = [&](const std::string& street) {
+    damage(street);
+    std::ofstream(street + "/scanner.txt", std::ios::app)
+        << "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  };
+  const std::string pose = "--sensor-pose STREET/scanner.txt ";
+  for (const BadCase& bad : std::vector<BadCase>{
+           {"no pose", 2, "--left needs --sensor-pose", own + "-o OUT", damage},
+           {"right", 2, "not --right", own + pose + "--right STREET/image_3 -o OUT",
+            damage},
+           {"no intrinsics", 2, "--left needs --calibration",
+            carry + "--left STREET/image_2 " + pose + "-o OUT", damage},
+           {"both", 2, "both a SEQUENCE", own + pose + "STREET -o OUT", damage},
+           {"window", 2, "--occlusion-window is '3'",
+            carry + "STREET --occlusion-window 3 -o OUT", damage},
+           {"pose alone", 2, "--sensor-pose is for", carry + pose + "-o OUT", damage},
+           {"depth", 2, "--max-depth", carry + "STREET --max-depth -1 -o OUT", damage},
+           {"no image", 3, "the camera has no image of frame 7", carry + "STREET -o OUT",
+            andAnother},
+           {"no own image", 3, "has no image of frame 7", own + pose + "-o OUT",
+            andAnother},
+           {"poses", 3, "holds 2 poses, expected one", own + pose + "-o OUT", twoPoses},
+           {"no pose file", 3, "none.txt", own + "--sensor-pose STREET/none.txt -o OUT",
+            damage}})
+    expectFails(bad);
 }
 
 TEST(LabelTool, BadInput)

@@ -155,7 +155,7 @@ lidarDisparities(const KittiSequence& sequence, int number)
   const Eigen::Isometry3d T_camera_scanner =
       sequence.T_camera0_camera().inverse() * sequence.T_camera0_velodyne();
   const StereoCamera& camera = sequence.camera();
-  LidarTruthParameters parameters;
+  VisibilityParameters parameters;
   parameters.max_depth = max_depth;
   const cv::Mat1b kept = projectLidarTruth(*scan, std::vector<Label>(scan->size(), 1),
                                            camera, T_camera_scanner, parameters)

@@ -22,7 +22,7 @@ struct Projected {
 LidarTruth
 bruteForce(const pcl::PointCloud<pcl::PointXYZI>& scan,
            const std::vector<Label>& labels, const StereoCamera& camera,
-           const Eigen::Isometry3d& pose, const LidarTruthParameters& parameters)
+           const Eigen::Isometry3d& pose, const VisibilityParameters& parameters)
 {
   std::vector<Projected> points;
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -62,7 +62,7 @@ bruteForce(const pcl::PointCloud<pcl::PointXYZI>& scan,
 /** \brief The rule of seenDepths spelt out over pairs of returns. */
 void
 expectSeen(const pcl::PointCloud<pcl::PointXYZI>& scan, const Eigen::Isometry3d& pose,
-           const LidarTruthParameters& parameters)
+           const VisibilityParameters& parameters)
 {
   const StereoCamera camera = smallCamera();
   const std::vector<float> seen = seenDepths(scan, camera, pose, parameters);
@@ -116,7 +116,7 @@ TEST(LidarTruth, EqualsBruteForce)
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 2, 3).normalized()) * axes;
   pose.translation() << 0.06, -0.08, -0.3;
-  LidarTruthParameters parameters;
+  VisibilityParameters parameters;
   parameters.window_rows = 4;
   parameters.window_columns = 2;
   const LidarTruth result =

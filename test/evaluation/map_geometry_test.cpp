@@ -188,7 +188,7 @@ TEST(MapGeometry, SurfaceIsCountedByBand)
   GeometryParameters parameters;
   const GeometrySamples samples = measure(world, parameters);
   std::vector<SurfaceCounts> expected(3);
-  LidarTruthParameters seen_parameters;
+  VisibilityParameters seen_parameters;
   for (std::size_t frame = 0; frame < world.scans.size(); ++frame) {
     const std::vector<float> seen =
         seenDepths(world.scans[frame], smallCamera(), scannerPose(), seen_parameters);

@@ -72,4 +72,17 @@ TEST(FilePattern, NumbersInAName)
   EXPECT_EQ(numbersIn("a.png"), Numbers{});
 }
 
+TEST(FrameNumbersOf, AreNamesThatAreNumbers)
+{
+  EXPECT_EQ(frameNumbersOf({"a/2.pcd", "a/000010.pcd", "999999.pcd"}),
+            (std::vector<int>{2, 10, 999999}));
+  for (const char* const other :
+       {"20230115.pcd", "1000000.pcd", "a1.pcd", "-1.pcd", "1.5.pcd", ".pcd"})
+    EXPECT_TRUE(frameNumbersOf({"1.pcd", other}).empty()) << other;
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([] {
+                      frameNumbersOf({"1.pcd", "01.pcd"});
+                    }),
+                    "1.pcd and 01.pcd: are both frame 1"));
+}
+
 } // namespace pcl_semantic

@@ -101,6 +101,21 @@ TEST(ListFrameFiles, RefusesAFrameThatIsThereTwice)
   thrownMessage<BadInputException>([&] { listFrameFiles(folder.path("none"), {}); });
 }
 
+TEST(ListFrameFiles, RefusesDatesAndTimeStamps)
+{
+  for (const char* const name :
+       {"1000000.png", "20230115.png", "2147483647.png", "1403636579763555584.png"}) {
+    const TemporaryFolder folder;
+    folder.write("000003.png", "");
+    folder.write(name, "");
+    EXPECT_TRUE(
+        holds(thrownMessage<BadInputException>(
+                  [&] { listFrameFiles(folder.path(), {".png"}); }),
+              std::string(name) + ": is no frame number, expected 0 to 999999"));
+    EXPECT_TRUE(listFrameFiles(folder.path(), {".bin"}).empty());
+  }
+}
+
 TEST(FrameFileName, HasSixDigits)
 {
   EXPECT_EQ(frameFileName(12, ".png"), "000012.png");

@@ -37,6 +37,10 @@ std::string atLine(const std::string& path, int line);
 /** \brief A piece of a file for a message: in quotes, short and printable. */
 std::string inQuotes(std::string_view text);
 
+/** \brief Largest number of a frame: rows of trajectories are counted by it. Larger
+ * numbers in the names of files are dates or time stamps. */
+constexpr int kMaxFrameNumber = 999999;
+
 /** \brief File name of a frame: six digits and an extension ("000012.png"). */
 std::string frameFileName(int frame, const std::string& extension);
 
@@ -48,7 +52,8 @@ struct FrameFile {
 
 /** \brief The files of a folder named by a number and one of the \a extensions
  * (".png"), in the order of their numbers; others are passed over.
- * \throws BadInputException if the folder cannot be read */
+ * \throws BadInputException if the folder cannot be read, two files have one number, or
+ * one beyond kMaxFrameNumber */
 std::vector<FrameFile> listFrameFiles(const std::string& folder,
                                       const std::vector<std::string>& extensions);
 

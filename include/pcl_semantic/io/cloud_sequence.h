@@ -13,7 +13,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief The clouds (readCloudTable()) of a folder, which holds one kind of files, or
  * of a pattern, one a frame, in natural order.
  *
- * If every name is a whole number below 10^8 (`000012.pcd`) it is the frame's number;
+ * If every name is a whole number up to 999999 (`000012.pcd`) it is the frame's number;
  * else frame n is the n-th cloud from 0. If every name is a time with a fraction
  * (`1403636579.763555.pcd`) it is the frame's time. */
 class CloudSequence {
