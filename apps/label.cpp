@@ -33,7 +33,7 @@ struct LabelArguments {
   std::string sensor_pose; ///< of the clouds' sensor in the camera; empty = KITTI's Tr
   double max_depth = 0.0;  ///< of points that get labels of images [m]; 0 = unlimited
   std::string occlusion_window = "3,7"; ///< half columns, half rows [px]
-  std::string output, network, model, labels, label_set;
+  std::string output, network, model, labels, label_set, label_mapping;
   std::string frames = ":";
   std::string format = "float32";
   double label_confidence = 0.8; ///< of a stored `.png`
@@ -106,6 +106,7 @@ describeOptions(LabelArguments& arguments)
       "frame, or one file")("label-set", po::value(&arguments.label_set),
                             "label set of --labels (default: "
                             "label_sets/kitti11.yaml)")(
+      "label-mapping", po::value(&arguments.label_mapping), pixel_mapping_help)(
       "frames", po::value(&arguments.frames), "A:B = frames with numbers A <= n < B");
   addOption(visible, "format", arguments.format,
             "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
@@ -127,8 +128,10 @@ void
 requireSequenceAndNetwork(const LabelArguments& arguments)
 {
   requireSequence(arguments.sequence, label_usage.name);
-  if (!arguments.labels.empty() || !arguments.label_set.empty())
-    failUsage(label_usage, "--labels and --label-set are for --clouds");
+  if (!arguments.labels.empty() || !arguments.label_set.empty() ||
+      !arguments.label_mapping.empty())
+    failUsage(label_usage,
+              "--labels, --label-set and --label-mapping are for --clouds");
   if (arguments.output.empty())
     failUsage(label_usage, "--output is missing");
   if (arguments.network.empty())
@@ -164,6 +167,8 @@ requireClouds(const LabelArguments& arguments, bool has_format)
     failUsage(label_usage, "expected either --labels or --network");
   if (!arguments.model.empty() && arguments.network.empty())
     failUsage(label_usage, "--model needs --network");
+  if (!arguments.label_mapping.empty() && arguments.labels.empty())
+    failUsage(label_usage, "--label-mapping is for --labels");
   if (!arguments.label_set.empty() && arguments.labels.empty())
     failUsage(label_usage, "--label-set is for --labels; the description of a network "
                            "names its own");
@@ -198,21 +203,23 @@ namespace fs = std::filesystem;
 // The one file of labels that belongs to the one cloud.
 class FilePredictor : public LabelPredictor {
 public:
-  FilePredictor(std::string path, int classes, float confidence)
-      : path_(std::move(path)), classes_(classes), confidence_(confidence)
+  FilePredictor(std::string path, int classes, float confidence, PixelMapping mapping)
+      : path_(std::move(path)), classes_(classes), confidence_(confidence),
+        mapping_(std::move(mapping))
   {}
 
   LabelDistributions
   predict(const StereoFrame& frame) override
   {
     return readDistributions(path_, frame.left.cols, frame.left.rows, classes_,
-                             confidence_);
+                             confidence_, mapping_);
   }
 
 private:
   std::string path_;
   int classes_;
   float confidence_;
+  PixelMapping mapping_;
 };
 
 bool
@@ -230,12 +237,18 @@ makePredictor(const LabelArguments& arguments)
     return std::make_unique<NetworkPredictor>(
         network, readLabelSet(network.label_set_path), arguments.model);
   }
-  const int classes = readLabelSetOrDefault(arguments.label_set).size();
+  const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
+  const int classes = label_set.size();
+  PixelMapping mapping;
+  if (!arguments.label_mapping.empty())
+    mapping = readPixelMapping(arguments.label_mapping, label_set);
   const auto confidence = float(arguments.label_confidence);
   if (arguments.carries() || isFolder(arguments.labels) ||
       fs::path(arguments.clouds).extension() != ".pcd")
-    return std::make_unique<StoredPredictor>(arguments.labels, classes, confidence);
-  return std::make_unique<FilePredictor>(arguments.labels, classes, confidence);
+    return std::make_unique<StoredPredictor>(arguments.labels, classes, confidence,
+                                             std::move(mapping));
+  return std::make_unique<FilePredictor>(arguments.labels, classes, confidence,
+                                         std::move(mapping));
 }
 
 // The cloud as a predictor takes it.

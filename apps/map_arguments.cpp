@@ -24,8 +24,17 @@ describeOptions(MapArguments& arguments)
       "clouds", po::value(&arguments.clouds),
       "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or pattern "
       "of .pcd, .ply or KITTI's .bin, one per frame, in the sensor's frame; needs "
-      "--poses FILE")("label-mapping", po::value(&arguments.label_mapping),
-                      tool::label_mapping_help)(
+      "--poses FILE")("rgbd", po::value(&arguments.rgbd),
+                      "RGB-D sequence instead of SEQUENCE: TUM's layout, or a folder "
+                      "with rgb/ and depth/; "
+                      "needs --calibration with the intrinsics (ROS camera_info, "
+                      "Kalibr) and --poses FILE, "
+                      "those of the camera in a world with z up")(
+      "depth-scale",
+      po::value(&arguments.depth_scale)->default_value(arguments.depth_scale),
+      "number in its depth images that is a metre; 0 = 5000 in TUM's layout, else "
+      "1000")("label-mapping", po::value(&arguments.label_mapping),
+              tool::pixel_mapping_help)(
       "sensor", po::value(&arguments.sensor),
       "sensor of --clouds: own = any, --poses are its poses in a world with z up; or, "
       "with --calibration and poses of its camera 0: camera or grey = left camera of "
@@ -93,13 +102,13 @@ fail(const std::string& message)
 }
 
 void
-requireSequenceAndLabels(const MapArguments& arguments)
+requireLabels(const MapArguments& arguments)
 {
-  requireSequence(arguments.sequence, "pcl_semantic_map");
   if (!arguments.sensor.empty())
     fail("--sensor is for --clouds");
-  if (!arguments.label_mapping.empty() && arguments.clouds.empty())
-    fail("--label-mapping is for --clouds");
+  if (!arguments.label_mapping.empty() && arguments.clouds.empty() &&
+      arguments.labels.empty())
+    fail("--label-mapping is for --labels or --clouds");
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
   if (!arguments.model.empty() && arguments.network.empty())
@@ -131,6 +140,24 @@ requireClouds(const MapArguments& arguments)
     fail("--extrinsics needs --calibration");
 }
 
+void
+requireRgbd(const MapArguments& arguments)
+{
+  const ImagePairFiles& files = arguments.sequence.files;
+  if (!arguments.sequence.folder.empty() || !files.left.empty() ||
+      !files.right.empty() || !files.extrinsics.empty() || !files.times.empty() ||
+      arguments.sequence.strict || !arguments.clouds.empty())
+    fail("--rgbd and a SEQUENCE, --clouds or options of pairs exclude each other");
+  if (files.calibration.empty())
+    fail("--rgbd needs --calibration, the camera's intrinsics");
+  if (arguments.poses == "auto" || arguments.poses == "sequence" ||
+      arguments.poses == "odometry")
+    fail("--rgbd needs a trajectory: --poses FILE");
+  if (!arguments.also.empty())
+    fail("--also is for stereo");
+  requireLabels(arguments);
+}
+
 } // namespace
 
 bool
@@ -143,8 +170,11 @@ parseMapArguments(int argc, char** argv, MapArguments& arguments)
       "pcl_semantic_map",
       "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)\n"
       "  --output DIR (--labels DIR | --network FILE.yaml) [options]\n"
-      "or --clouds DIR --poses FILE --output DIR [options]",
-      "Maps a stereo sequence, or labelled clouds of any sensor: writes a labelled "
+      "or --clouds DIR --poses FILE --output DIR [options]\n"
+      "or --rgbd DIR --calibration FILE --poses FILE --output DIR\n"
+      "  (--labels DIR | --network FILE.yaml) [options]",
+      "Maps a stereo or RGB-D sequence, or labelled clouds of any sensor: writes a "
+      "labelled "
       "voxel\n"
       "map, the classes as a camera sees them in it, pictures and a summary. Defaults "
       "of\n"
@@ -166,10 +196,16 @@ parseMapArguments(int argc, char** argv, MapArguments& arguments)
 void
 requireMapArguments(const MapArguments& arguments)
 {
-  if (arguments.clouds.empty())
-    requireSequenceAndLabels(arguments);
-  else
+  if (!(arguments.depth_scale >= 0.0))
+    fail("--depth-scale is less than 0");
+  if (!arguments.rgbd.empty())
+    requireRgbd(arguments);
+  else if (!arguments.clouds.empty())
     requireClouds(arguments);
+  else {
+    requireSequence(arguments.sequence, "pcl_semantic_map");
+    requireLabels(arguments);
+  }
   if (arguments.output.empty())
     fail("--output is missing");
   if (arguments.archive.resume && arguments.archive.path.empty())

@@ -14,6 +14,8 @@ namespace pcl_semantic::tool {
 struct MapArguments {
   SequenceOptions sequence;
   std::string clouds;        ///< instead of the sequence: folder or pattern of .pcd
+  std::string rgbd;          ///< likewise: folder of an RGB-D sequence
+  double depth_scale = 0.0;  ///< of its depth images; 0 = as their layout has it
   std::string sensor;        ///< of the clouds, see CloudSource
   std::string label_mapping; ///< of their labels; empty = they are labels
   std::string output, labels, label_set, network, model, poses, config;

@@ -9,12 +9,14 @@
 #include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/rectifier.h>
+#include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <filesystem>
 #include <sstream>
@@ -81,11 +83,14 @@ makeLabelling(const MapArguments& arguments)
             arguments.model.empty() ? network.model_path : arguments.model};
   }
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
-  return {
-      label_set,
-      std::make_unique<StoredPredictor>(arguments.labels, label_set.size(),
-                                        float(arguments.parameters.label_confidence)),
-      ""};
+  PixelMapping mapping;
+  if (!arguments.label_mapping.empty())
+    mapping = readPixelMapping(arguments.label_mapping, label_set);
+  return {label_set,
+          std::make_unique<StoredPredictor>(
+              arguments.labels, label_set.size(),
+              float(arguments.parameters.label_confidence), std::move(mapping)),
+          ""};
 }
 
 Calibrations
@@ -154,6 +159,7 @@ public:
     run_.inputs.insert(run_.inputs.end(),
                        {{"poses", poses_},
                         {"labels", arguments.labels},
+                        {"label_mapping", arguments.label_mapping},
                         {"network", arguments.network},
                         {"model", labelling_.model},
                         {"label_calibration", arguments.label_calibration},
@@ -220,6 +226,8 @@ MapSource::makeMapper(std::unique_ptr<PoseSource> poses,
 std::unique_ptr<MapSource>
 openMapSource(const MapArguments& arguments)
 {
+  if (!arguments.rgbd.empty())
+    return openRgbdSource(arguments);
   if (!arguments.clouds.empty())
     return openCloudSource(arguments);
   return std::make_unique<SequenceSource>(arguments);
@@ -357,6 +365,95 @@ private:
 };
 
 } // namespace
+
+namespace {
+
+class RgbdSource : public MapSource {
+public:
+  explicit RgbdSource(const MapArguments& arguments)
+      : sequence_(arguments.rgbd,
+                  readPinholeCamera(arguments.sequence.files.calibration),
+                  arguments.depth_scale)
+  {
+    poses_ = arguments.poses;
+    labelling_ = makeLabelling(arguments);
+    const FrameRange range = parseFrameRange(arguments.frames);
+    for (std::size_t i = 0; i < sequence_.size(); ++i)
+      if (range.contains(int(i)))
+        positions_.push_back(i);
+    if (positions_.empty())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          arguments.rgbd << ": has no frame in " << arguments.frames);
+    for (const std::size_t i : positions_)
+      run_.frames.push_back(int(i));
+    run_.inputs = inputsOf(arguments.sequence);
+    run_.inputs.insert(run_.inputs.end(),
+                       {{"rgbd", arguments.rgbd},
+                        {"depth_scale", shown(arguments.depth_scale)},
+                        {"poses", poses_},
+                        {"labels", arguments.labels},
+                        {"label_mapping", arguments.label_mapping},
+                        {"network", arguments.network},
+                        {"model", labelling_.model},
+                        {"label_calibration", arguments.label_calibration},
+                        {"clique_calibration", arguments.clique_calibration}});
+    run_.camera = sequence_.camera();
+    run_.label_set = labelling_.label_set;
+    run_.config = arguments.parameters;
+    calibrations_ = readCalibrations(arguments, run_.label_set);
+  }
+
+  std::vector<FrameTime>
+  times() const override
+  {
+    std::vector<FrameTime> times;
+    for (const std::size_t i : positions_)
+      times.push_back({int(i), sequence_.timestamp(i)});
+    return times;
+  }
+
+  std::unique_ptr<PoseSource>
+  openPoses() const override
+  {
+    return readSensorPoses(poses_);
+  }
+
+  std::optional<SensorFrame>
+  next() override
+  {
+    if (next_ >= positions_.size())
+      return std::nullopt;
+    const std::size_t i = positions_[next_++];
+    CloudFrame frame = sequence_.frame(i);
+    StereoFrame image;
+    static_cast<FrameTime&>(image) = frame;
+    image.left = imageOfCloud(*frame.cloud);
+    frame.distributions = labelling_.predictor->predict(image);
+    return frame;
+  }
+
+private:
+  std::unique_ptr<SemanticMapper>
+  newMapper(std::unique_ptr<PoseSource> poses,
+            std::shared_ptr<BlockStore> store) override
+  {
+    return std::make_unique<SemanticMapper>(run_.label_set, run_.config,
+                                            std::move(poses), run_.camera, nullptr,
+                                            std::move(store));
+  }
+
+  RgbdSequence sequence_;
+  Labelling labelling_;
+  std::vector<std::size_t> positions_;
+};
+
+} // namespace
+
+std::unique_ptr<MapSource>
+openRgbdSource(const MapArguments& arguments)
+{
+  return std::make_unique<RgbdSource>(arguments);
+}
 
 std::unique_ptr<MapSource>
 openCloudSource(const MapArguments& arguments)

@@ -121,6 +121,9 @@ private:
  * \throws InvalidParameterException, BadInputException, BadModelException */
 std::unique_ptr<MapSource> openMapSource(const MapArguments& arguments);
 
+/** \brief Of an RGB-D sequence, whose images are labelled as those of pairs are. */
+std::unique_ptr<MapSource> openRgbdSource(const MapArguments& arguments);
+
 /** \brief Of labelled clouds.
  *
  * `--sensor` says what took them: "own", any sensor whose own poses in a world with z

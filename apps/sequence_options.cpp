@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/video_pair_sequence.h>
 
 namespace pcl_semantic::tool {
 
@@ -28,14 +29,17 @@ addSequenceOptions(SequenceOptions& options, po::options_description& descriptio
                             "folder in KITTI's odometry layout")(
       "left", po::value(&files.left),
       "left images of any stereo camera, instead of SEQUENCE: a pattern in quotes "
-      "('left/*.png')")("right", po::value(&files.right),
-                        "right images, one for each left image")(
+      "('left/*.png'), or a video (.mp4, .avi, .mkv, .mov)")(
+      "right", po::value(&files.right), "right images, one for each left image")(
       "calibration", po::value(&files.calibration),
-      "calibration of --left and --right: of OpenCV's stereoCalibrate (.yaml, .yml) or "
-      "KITTI (.txt)")("extrinsics", po::value(&files.extrinsics),
-                      "file with R and T, if they are not in --calibration (.yaml)")(
-      "times", po::value(&files.times),
-      "time stamps of the images, one per line [s] (default: 10 Hz)")(
+      "calibration of --left and --right: of OpenCV's stereoCalibrate, Kalibr's "
+      "camchain, "
+      "the left camera_info of ROS (.yaml, .yml) or KITTI (.txt)")(
+      "extrinsics", po::value(&files.extrinsics),
+      "file with R and T, if they are not in --calibration; of ROS the right "
+      "camera_info "
+      "(.yaml)")("times", po::value(&files.times),
+                 "time stamps of the images, one per line [s] (default: 10 Hz)")(
       "strict", po::bool_switch(&options.strict),
       "reject pairs that look blank, identical, swapped or unrelated instead of "
       "warning");
@@ -68,6 +72,8 @@ requireSequence(const SequenceOptions& options, const std::string& program)
 std::unique_ptr<FrameSequence>
 openSequence(const SequenceOptions& options)
 {
+  if (isVideo(options.files.left) && isVideo(options.files.right))
+    return std::make_unique<VideoPairSequence>(options.files);
   if (options.hasFiles())
     return std::make_unique<ImagePairSequence>(options.files);
   return std::make_unique<KittiSequence>(options.folder);

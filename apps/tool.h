@@ -47,6 +47,12 @@ constexpr const char* label_mapping_help =
     "that is installed (semantic_kitti_to_kitti11), or zero_based (default: they are "
     "labels, 0 = unlabelled)";
 
+/** \brief The same where the input may be images. */
+constexpr const char* pixel_mapping_help =
+    "numbers of the input to classes of the label set: a file (YAML), the name of one "
+    "that is installed (semantic_kitti_to_kitti11), zero_based, or of .png colours, "
+    "those of the classes (default: they are labels, 0 = unlabelled)";
+
 /** \brief A value as help shows it: 0.7, not 0.69999999999999996. */
 template <typename T>
 std::string

@@ -40,6 +40,26 @@ LabelSet::find(const std::string& name) const
   return kUnlabelled;
 }
 
+ColourMapping::ColourMapping(const LabelSet& label_set)
+{
+  for (int label = 1; label <= label_set.size(); ++label) {
+    const LabelClass& each = label_set[Label(label)];
+    const auto [other, is_new] = labels_.emplace(each.colour, Label(label));
+    if (!is_new)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "'" << label_set[other->second].name << "' and '" << each.name
+                              << "' of the label set have one colour");
+  }
+  labels_.emplace(label_set[kUnlabelled].colour, kUnlabelled);
+}
+
+std::optional<Label>
+ColourMapping::operator()(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const
+{
+  const auto found = labels_.find({red, green, blue});
+  return found == labels_.end() ? std::nullopt : std::optional(found->second);
+}
+
 void
 LabelMapping::set(std::uint32_t id, Label label)
 {

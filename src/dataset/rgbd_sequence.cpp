@@ -107,6 +107,13 @@ RgbdSequence::findFolders(const std::string& folder)
   }
 }
 
+StereoCamera
+RgbdSequence::camera() const
+{
+  const cv::Mat first = readImage(frames_.front().colour);
+  return {camera_.fx, camera_.fy, camera_.cx, camera_.cy, 1.0, first.cols, first.rows};
+}
+
 CloudFrame
 RgbdSequence::frame(std::size_t i, double max_depth) const
 {

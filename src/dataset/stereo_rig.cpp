@@ -5,6 +5,7 @@
 #include <pcl_semantic/dataset/stereo_rig.h>
 #include <pcl_semantic/files/input_file.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <pcl/console/print.h>
@@ -205,11 +206,9 @@ readSquare(const Source& source, const Keys& keys)
 
 // Fewer digits than those of a double leave no exact rotation.
 Eigen::Matrix3d
-readRotation(const Source& source)
+nearestRotation(const Eigen::Matrix3d& R, const std::string& where)
 {
-  const Eigen::Matrix3d R = readSquare(source, {"R"});
   const double deviation = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
-  const std::string where = source.map.where("R") + ": R";
   if (!(deviation <= 1e-2) || R.determinant() < 0.0)
     PCL_THROW_EXCEPTION(BadInputException,
                         where << ": is no rotation (determinant " << R.determinant()
@@ -247,28 +246,146 @@ readSize(const Source& source, StereoRig& rig)
                                                        << rig.height << " pixels");
 }
 
-} // namespace
-
 StereoRig
-readStereoRig(const std::string& path, const std::string& extrinsics_path)
+readOpenCvRig(const Source& source, const Source& extrinsics)
 {
-  const Source source = load(path);
-  const Source extrinsics = extrinsics_path.empty() ? source : load(extrinsics_path);
   StereoRig rig;
   readSize(source, rig);
   rig.K1 = readSquare(source, {"K1", "M1", "cameraMatrix1", "camera_matrix_1"});
   rig.D1 = readMatrix(source, {"D1", "distCoeffs1", "dist_coeffs_1"});
   rig.K2 = readSquare(source, {"K2", "M2", "cameraMatrix2", "camera_matrix_2"});
   rig.D2 = readMatrix(source, {"D2", "distCoeffs2", "dist_coeffs_2"});
-  rig.R = readRotation(extrinsics);
+  rig.R =
+      nearestRotation(readSquare(extrinsics, {"R"}), extrinsics.map.where("R") + ": R");
   rig.T = Eigen::Map<const Eigen::Vector3d>(readMatrix(extrinsics, {"T"}, 3).data());
+  return rig;
+}
+
+void
+requireModel(const YamlMap& camera, const std::string& key, const Keys& known)
+{
+  std::string model;
+  if (!camera.get(key, model) || std::count(known.begin(), known.end(), model))
+    return;
+  PCL_THROW_EXCEPTION(BadInputException, camera.where(key)
+                                             << ": " << key << " is " << inQuotes(model)
+                                             << ", expected " << inQuotes(known[0])
+                                             << " (no fisheyes)");
+}
+
+// A camera of Kalibr's camchain.
+void
+readKalibrCamera(const Source& camera, Eigen::Matrix3d& K, std::vector<double>& D)
+{
+  requireModel(camera.map, "camera_model", {"pinhole"});
+  requireModel(camera.map, "distortion_model", {"radtan", "none"});
+  const std::vector<double> values = readMatrix(camera, {"intrinsics"}, 4);
+  K << values[0], 0, values[2], 0, values[1], values[3], 0, 0, 1;
+  D = camera.map.has("distortion_coeffs") ? readMatrix(camera, {"distortion_coeffs"})
+                                          : std::vector<double>();
+  if (D.empty())
+    D.assign(4, 0.0);
+}
+
+StereoRig
+readKalibrRig(const Source& source)
+{
+  if (!source.map.isMap("cam1"))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        source.path << ": has one camera, expected cam0 and cam1");
+  const Source left{source.path, source.map.requireMap("cam0")};
+  const Source right{source.path, source.map.requireMap("cam1")};
+  StereoRig rig;
+  readKalibrCamera(left, rig.K1, rig.D1);
+  readKalibrCamera(right, rig.K2, rig.D2);
+  if (left.map.has("resolution")) {
+    const std::vector<double> size = readMatrix(left, {"resolution"}, 2);
+    rig.width = int(size[0]);
+    rig.height = int(size[1]);
+  }
+  const std::string key = "T_cn_cnm1", where = right.map.where(key) + ": " + key;
+  const auto rows = right.map.require<std::vector<std::vector<double>>>(key);
+  Eigen::Matrix4d T_right_left;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (rows.size() != 4 || rows[i].size() != 4)
+        PCL_THROW_EXCEPTION(BadInputException, where << ": is no 4 x 4 matrix");
+      T_right_left(Eigen::Index(i), Eigen::Index(j)) = rows[i][j];
+    }
+  rig.R = nearestRotation(T_right_left.topLeftCorner<3, 3>(), where);
+  rig.T = T_right_left.topRightCorner<3, 1>();
+  return rig;
+}
+
+const Keys ros_projection = {"projection_matrix", "P", "p"};
+
+// A camera_info: its rectification takes the camera's frame to that of the pair, where
+// its projection says how far the camera stands to the right [m].
+Eigen::Isometry3d
+readRosCamera(const Source& camera, Eigen::Matrix3d& K, std::vector<double>& D)
+{
+  requireModel(camera.map, "distortion_model", {"plumb_bob", "rational_polynomial"});
+  K = readSquare(camera, {"camera_matrix", "K", "k"});
+  D = readMatrix(camera, {"distortion_coefficients", "D", "d"});
+  if (D.empty())
+    D.assign(4, 0.0);
+  const Keys keys = {"rectification_matrix", "R", "r"};
+  const std::vector<double> P = readMatrix(camera, ros_projection, 12);
+  Eigen::Isometry3d T_pair_camera = Eigen::Isometry3d::Identity();
+  T_pair_camera.linear() = nearestRotation(
+      readSquare(camera, keys), camera.map.where(findKey(camera, keys)) + ": R");
+  T_pair_camera.translation().x() = -P[3] / P[0];
+  return T_pair_camera;
+}
+
+StereoRig
+readRosRig(const Source& left, const Source& right)
+{
+  StereoRig rig;
+  readSize(left, rig);
+  const Eigen::Isometry3d T_pair_left = readRosCamera(left, rig.K1, rig.D1);
+  const Eigen::Isometry3d T_pair_right = readRosCamera(right, rig.K2, rig.D2);
+  const Eigen::Isometry3d T_right_left = T_pair_right.inverse() * T_pair_left;
+  rig.R = T_right_left.linear();
+  rig.T = T_right_left.translation();
+  return rig;
+}
+
+StereoRig
+readAnyRig(const Source& source, const std::string& extrinsics_path)
+{
+  if (source.map.isMap("cam0")) {
+    if (!extrinsics_path.empty())
+      PCL_THROW_EXCEPTION(BadInputException,
+                          source.path << ": is a camchain, which has its extrinsics; "
+                                      << extrinsics_path << " is one too many");
+    return readKalibrRig(source);
+  }
+  if (findKey(source, ros_projection).empty())
+    return readOpenCvRig(source,
+                         extrinsics_path.empty() ? source : load(extrinsics_path));
+  if (extrinsics_path.empty())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        source.path << ": is the camera_info of one camera; give that "
+                                       "of the right one as extrinsics");
+  return readRosRig(source, load(extrinsics_path));
+}
+
+} // namespace
+
+StereoRig
+readStereoRig(const std::string& path, const std::string& extrinsics_path)
+{
+  const StereoRig rig = readAnyRig(load(path), extrinsics_path);
   try {
     rig.validate();
   }
   catch (const InvalidParameterException& error) {
     const std::string message = error.what();
-    PCL_THROW_EXCEPTION(BadInputException, (message[0] == 'T' ? extrinsics.path : path)
-                                               << ": " << message);
+    PCL_THROW_EXCEPTION(
+        BadInputException,
+        (message[0] == 'T' && !extrinsics_path.empty() ? extrinsics_path : path)
+            << ": " << message);
   }
   return rig;
 }

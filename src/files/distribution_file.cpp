@@ -6,6 +6,7 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/npy_file.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -42,10 +43,45 @@ readNpyMatrix(const std::string& path, int width, int height, int classes)
                                                       Eigen::Index(width) * height);
 }
 
-LabelDistributions
-readIds(const std::string& path, int width, int height, int classes, float confidence)
+// The classes of the pixels.
+cv::Mat1b
+readLabels(const std::string& path, const PixelMapping& mapping)
 {
-  const cv::Mat ids = readPng(path, ImageKind::labels);
+  if (const auto* const numbers = std::get_if<LabelMapping>(&mapping)) {
+    cv::Mat ids;
+    readPng(path, ImageKind::segments).convertTo(ids, CV_16U);
+    cv::Mat1b labels(ids.size());
+    std::transform(ids.begin<std::uint16_t>(), ids.end<std::uint16_t>(), labels.begin(),
+                   *numbers);
+    return labels;
+  }
+  const auto* const colours = std::get_if<ColourMapping>(&mapping);
+  if (!colours)
+    return cv::Mat1b(readPng(path, ImageKind::labels));
+  const cv::Mat image = readPng(path, ImageKind::grey_or_colour);
+  if (image.channels() != 3)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": is grey, expected the colours of the classes");
+  cv::Mat1b labels(image.size());
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      const cv::Vec3b& bgr = image.at<cv::Vec3b>(v, u);
+      const auto label = (*colours)(bgr[2], bgr[1], bgr[0]);
+      if (!label)
+        PCL_THROW_EXCEPTION(BadInputException,
+                            path << ": pixel (" << u << ", " << v << ") has the colour "
+                                 << int(bgr[2]) << ", " << int(bgr[1]) << ", "
+                                 << int(bgr[0]) << ", expected that of a class");
+      labels(v, u) = *label;
+    }
+  return labels;
+}
+
+LabelDistributions
+readIds(const std::string& path, int width, int height, int classes, float confidence,
+        const PixelMapping& mapping)
+{
+  const cv::Mat ids = readLabels(path, mapping);
   if (ids.cols != width || ids.rows != height)
     PCL_THROW_EXCEPTION(BadInputException, path << ": is " << ids.cols << " x "
                                                 << ids.rows << " pixels, expected "
@@ -96,11 +132,11 @@ rowsOf(const LabelDistributions& distributions, int width)
 
 LabelDistributions
 readDistributions(const std::string& path, int width, int height, int classes,
-                  float confidence)
+                  float confidence, const PixelMapping& mapping)
 {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".png")
-    return readIds(path, width, height, classes, confidence);
+    return readIds(path, width, height, classes, confidence, mapping);
   if (extension != ".bin" && extension != ".npy")
     PCL_THROW_EXCEPTION(BadInputException,
                         path << ": expected a file named .bin, .npy or .png");

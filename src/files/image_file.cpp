@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "quiet_opencv.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -125,33 +127,67 @@ describe(ImageKind kind)
 const std::vector<std::string>&
 imageExtensions()
 {
-  static const std::vector<std::string> extensions{".png", ".jpg", ".jpeg"};
+  static const std::vector<std::string> extensions{".png", ".jpg", ".jpeg", ".tif",
+                                                   ".tiff"};
   return extensions;
 }
 
-cv::Mat
-readImage(const std::string& path)
+namespace {
+
+// Of one that is cut off OpenCV would print a complaint and make up the rest.
+void
+requireWholeJpeg(const std::vector<std::uint8_t>& bytes, const std::string& path)
 {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  if (extension != ".jpg" && extension != ".jpeg")
-    return readPng(path, ImageKind::grey_or_colour);
-  const std::vector<std::uint8_t> bytes = readBytes(path);
   if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8)
     PCL_THROW_EXCEPTION(BadInputException, path << ": is not a JPEG image");
-  // Of one that is cut off OpenCV would print a complaint and make up the rest.
   std::size_t end = bytes.size();
   while (end > 2 && bytes[end - 1] == 0)
     --end;
   if (bytes[end - 2] != 0xFF || bytes[end - 1] != 0xD9)
     PCL_THROW_EXCEPTION(BadInputException, path << ": the JPEG image is not complete");
+}
+
+void
+requireTiff(const std::vector<std::uint8_t>& bytes, const std::string& path)
+{
+  const std::uint8_t little[] = {'I', 'I', 42, 0}, big[] = {'M', 'M', 0, 42};
+  if (bytes.size() < 8 || (!std::equal(little, little + 4, bytes.begin()) &&
+                           !std::equal(big, big + 4, bytes.begin())))
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is not a TIFF image");
+}
+
+} // namespace
+
+cv::Mat
+readImage(const std::string& path)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
+  if (!is_jpeg && extension != ".tif" && extension != ".tiff")
+    return readPng(path, ImageKind::grey_or_colour);
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  const char* const name = is_jpeg ? "JPEG" : "TIFF";
+  if (is_jpeg)
+    requireWholeJpeg(bytes, path);
+  else
+    requireTiff(bytes, path);
   cv::Mat image;
   try {
-    image = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    const QuietOpenCv quiet;
+    image = cv::imdecode(bytes,
+                         is_jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION
+                                 : cv::IMREAD_UNCHANGED);
   }
-  catch (const cv::Exception&) { // an image larger than OpenCV's limit
+  catch (const cv::Exception&) { // damaged, or larger than OpenCV's limit
   }
-  if (image.cols < 2 || image.rows < 2 || !hasKind(image, ImageKind::grey_or_colour))
-    PCL_THROW_EXCEPTION(BadInputException, path << ": the JPEG image is damaged");
+  if (image.cols < 2 || image.rows < 2)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": the " << name << " image is damaged");
+  if (!hasKind(image, ImageKind::grey_or_colour))
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": has " << image.channels() << " channel(s) of "
+                             << 8 * image.elemSize1() << " bits, expected "
+                             << describe(ImageKind::grey_or_colour));
   return image;
 }
 

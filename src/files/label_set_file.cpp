@@ -104,4 +104,17 @@ readLabelMapping(const std::string& path, const LabelSet& label_set)
   return mapping;
 }
 
+PixelMapping
+readPixelMapping(const std::string& path, const LabelSet& label_set)
+{
+  if (path != "colours")
+    return readLabelMapping(path, label_set);
+  try {
+    return ColourMapping(label_set);
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, "label mapping colours: " << error.what());
+  }
+}
+
 } // namespace pcl_semantic

@@ -128,6 +128,7 @@ template bool YamlMap::get(const std::string&, double&) const;
 template bool YamlMap::get(const std::string&, std::string&) const;
 template bool YamlMap::get(const std::string&, std::vector<int>&) const;
 template bool YamlMap::get(const std::string&, std::vector<double>&) const;
+template bool YamlMap::get(const std::string&, std::vector<std::vector<double>>&) const;
 template bool YamlMap::get(const std::string&, std::vector<std::string>&) const;
 
 std::vector<YamlMap>

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onnx_check.h"
 
+#include "files/quiet_opencv.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -18,20 +20,6 @@ namespace pcl_semantic {
 
 namespace {
 
-// OpenCV's importer prints several lines of its own before it throws.
-class QuietOpenCv {
-public:
-  QuietOpenCv()
-      : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT))
-  {}
-  ~QuietOpenCv() { cv::utils::logging::setLogLevel(level_); }
-  QuietOpenCv(const QuietOpenCv&) = delete;
-  QuietOpenCv& operator=(const QuietOpenCv&) = delete;
-
-private:
-  cv::utils::logging::LogLevel level_;
-};
-
 std::string
 firstLine(const cv::Exception& error)
 {
@@ -39,11 +27,63 @@ firstLine(const cv::Exception& error)
   return text.substr(0, text.find_first_of("\r\n"));
 }
 
+// Names for a message.
+std::string
+joined(const std::vector<std::string>& names)
+{
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < 8; ++i)
+    text += (i ? ", " : "") + inQuotes(names[i]);
+  return text.empty() ? "none" : text;
+}
+
+// The names of the description are in the network.
+void
+requireNames(const OnnxInterface& network, const NetworkDescription& description,
+             const std::string& path)
+{
+  std::vector<std::string> inputs;
+  for (const OnnxInterface::Input& input : network.inputs)
+    inputs.push_back(input.name);
+  if (!std::count(inputs.begin(), inputs.end(), description.input_name))
+    PCL_THROW_EXCEPTION(BadModelException,
+                        path << ": has no input " << inQuotes(description.input_name)
+                             << ", which its description names; its inputs are "
+                             << joined(inputs));
+  if (!std::count(network.inner.begin(), network.inner.end(), description.output_name))
+    PCL_THROW_EXCEPTION(BadModelException,
+                        path << ": has no output " << inQuotes(description.output_name)
+                             << ", which its description names; its outputs are "
+                             << joined(network.outputs));
+}
+
+// Many a network takes images of another size than it was exported with; of one that
+// fails this is the likely cause. Empty if it is the size of the description.
+std::string
+otherSize(const OnnxInterface& network, const NetworkDescription& description)
+{
+  for (const OnnxInterface::Input& input : network.inputs) {
+    if (input.name != description.input_name || input.size.size() != 4 ||
+        input.size[2] <= 0 || input.size[3] <= 0 ||
+        (input.size[2] == description.input_height &&
+         input.size[3] == description.input_width))
+      continue;
+    return " (it was exported for images of " + std::to_string(input.size[3]) + " x " +
+           std::to_string(input.size[2]) + ", its description says " +
+           std::to_string(description.input_width) + " x " +
+           std::to_string(description.input_height) + ")";
+  }
+  return "";
+}
+
 cv::dnn::Net
-loadNetwork(const std::string& path)
+loadNetwork(const std::string& path, const NetworkDescription& description,
+            std::string& other_size)
 {
   const std::vector<std::uint8_t> bytes = readBytes(path);
-  checkOnnx(bytes, path);
+  const OnnxInterface interface = checkOnnx(bytes, path);
+  requireNames(interface, description, path);
+  other_size = otherSize(interface, description);
   try {
     const QuietOpenCv quiet;
     cv::dnn::Net network = cv::dnn::readNetFromONNX(bytes);
@@ -115,7 +155,14 @@ checkOutput(const cv::Mat& output, const NetworkDescription& description, int fr
 
 struct NetworkPredictor::Network {
   std::string path;
+  std::string other_size; // for a message, see otherSize()
   cv::dnn::Net net;
+
+  void
+  load(const NetworkDescription& description)
+  {
+    net = loadNetwork(path, description, other_size);
+  }
 
   cv::Mat
   run(const cv::Mat& input, const NetworkDescription& description)
@@ -143,7 +190,7 @@ NetworkPredictor::NetworkPredictor(const NetworkDescription& description,
   if (network_->path.empty())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "the description of the network names no model: give one");
-  network_->net = loadNetwork(network_->path);
+  network_->load(description_);
 }
 
 NetworkPredictor::~NetworkPredictor() = default;
@@ -170,7 +217,7 @@ NetworkPredictor::predict(const StereoFrame& frame)
       if (error.code == cv::Error::StsNoMem)
         throw;
       // OpenCV 4.10 joins layers of some networks (ESPNetv2) that do not fit then.
-      network_->net = loadNetwork(network_->path);
+      network_->load(description_);
       network_->net.enableFusion(false);
       output = network_->run(input, description_);
     }
@@ -178,7 +225,8 @@ NetworkPredictor::predict(const StereoFrame& frame)
   catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem)
       throw std::bad_alloc();
-    PCL_THROW_EXCEPTION(BadModelException, who << firstLine(error));
+    PCL_THROW_EXCEPTION(BadModelException,
+                        who << firstLine(error) << network_->other_size);
   }
   catch (const std::logic_error& error) { // std::length_error of a nonsensical size
     PCL_THROW_EXCEPTION(BadModelException, who << error.what());

@@ -68,10 +68,15 @@ std::string textOf(const WireField& field);
 /** \brief A text from the file as messages may show it: one line, printable, short. */
 std::string printable(const std::string& text);
 
+/** \brief What is known of a checked tensor. */
+struct OnnxTensor {
+  std::string name;
+  bool is_empty = false; ///< has no element
+};
+
 /** \brief Checks a TensorProto: it has exactly the data that its dimensions state, in
- * the file itself and of a type that OpenCV reads. \return its name \throws
- * BadModelException */
-std::string checkOnnxTensor(WireReader message, const std::string& path);
+ * the file itself and of a type that OpenCV reads. \throws BadModelException */
+OnnxTensor checkOnnxTensor(WireReader message, const std::string& path);
 
 WireReader::WireReader(const WireField& field, const std::string& path)
     : WireReader(field.data, field.size, path)
@@ -327,13 +332,13 @@ private:
 
 } // namespace
 
-std::string
+OnnxTensor
 checkOnnxTensor(WireReader message, const std::string& path)
 {
   const TensorChecker checker(path);
   const Tensor tensor = checker.readTensor(message);
   checker.checkTensor(tensor);
-  return tensor.name;
+  return {tensor.name, tensor.raw_bytes == 0 && tensor.typed_elements == 0};
 }
 
 namespace {
@@ -343,13 +348,15 @@ namespace model_field {
 constexpr std::uint32_t graph = 7;
 }
 namespace graph_field {
-constexpr std::uint32_t node = 1, initializer = 5, input = 11, sparse_initializer = 15;
+constexpr std::uint32_t node = 1, initializer = 5, input = 11, output = 12,
+                        sparse_initializer = 15;
 }
 namespace node_field {
 constexpr std::uint32_t input = 1, output = 2, name = 3, operation = 4, attribute = 5;
 }
-namespace value_field {
-constexpr std::uint32_t name = 1;
+namespace value_field { // and of the messages within its type
+constexpr std::uint32_t name = 1, type = 2, tensor = 1, shape = 2, dimension = 1,
+                        value = 1;
 }
 namespace attribute_field {
 constexpr std::uint32_t name = 1, integer = 3, integers = 8, tensor = 5, graph = 6,
@@ -362,24 +369,27 @@ struct Node {
   std::string operation;
   std::vector<std::string> inputs;
   std::vector<std::string> outputs;
+  bool has_empty_value = false; // an attribute is a tensor without elements
 };
 
 class OnnxChecker {
 public:
   explicit OnnxChecker(const std::string& path) : path_(path) {}
 
-  void
+  OnnxInterface
   checkModel(WireReader model)
   {
+    OnnxInterface interface;
     int graphs = 0;
     for (WireField field; model.next(field);)
       if (field.number == model_field::graph) {
-        checkGraph(WireReader(field, path_));
+        interface = checkGraph(WireReader(field, path_));
         ++graphs;
       }
     if (graphs != 1)
       refuse("is no ONNX file: it has " + std::to_string(graphs) +
              " graphs, expected 1");
+    return interface;
   }
 
 private:
@@ -389,39 +399,83 @@ private:
     PCL_THROW_EXCEPTION(BadModelException, path_ << ": " << why);
   }
 
-  void
+  OnnxInterface
   checkGraph(WireReader graph) const
   {
+    OnnxInterface interface;
     std::vector<Node> nodes;
-    std::set<std::string> known; // names that a node may take as input
+    std::set<std::string> weights, empty;
     for (WireField field; graph.next(field);)
       switch (field.number) {
       case graph_field::node:
         nodes.push_back(readNode(WireReader(field, path_)));
         break;
-      case graph_field::initializer:
-        known.insert(checkOnnxTensor(WireReader(field, path_), path_));
+      case graph_field::initializer: {
+        const OnnxTensor tensor = checkOnnxTensor(WireReader(field, path_), path_);
+        weights.insert(tensor.name);
+        if (tensor.is_empty)
+          empty.insert(tensor.name);
         break;
+      }
       case graph_field::input:
-        known.insert(readName(WireReader(field, path_)));
+        interface.inputs.push_back(readInput(WireReader(field, path_)));
+        break;
+      case graph_field::output:
+        interface.outputs.push_back(readInput(WireReader(field, path_)).name);
         break;
       case graph_field::sparse_initializer:
         refuse("has sparse tensors, which are not supported");
       }
     if (nodes.empty())
       refuse("the network has no nodes");
-    for (const Node& node : nodes)
+    std::set<std::string> known = weights; // names that a node may take as input
+    for (const OnnxInterface::Input& input : interface.inputs)
+      known.insert(input.name);
+    for (const Node& node : nodes) {
       checkNode(node, known);
+      checkOperands(node, empty);
+      interface.inner.insert(interface.inner.end(), node.outputs.begin(),
+                             node.outputs.end());
+    }
+    interface.inputs.erase(
+        std::remove_if(interface.inputs.begin(), interface.inputs.end(),
+                       [&](const auto& input) { return weights.count(input.name); }),
+        interface.inputs.end());
+    return interface;
   }
 
-  std::string
-  readName(WireReader value) const
+  OnnxInterface::Input
+  readInput(WireReader value) const
   {
-    std::string name;
+    OnnxInterface::Input input;
     for (WireField field; value.next(field);)
       if (field.number == value_field::name)
-        name = textOf(field);
-    return name;
+        input.name = textOf(field);
+      else if (field.number == value_field::type && field.type == WireField::bytes)
+        readSize(WireReader(field, path_), input.size);
+    return input;
+  }
+
+  // The type holds the tensor's, that a shape, that dimensions, each a number or a
+  // word.
+  void
+  readSize(WireReader type, std::vector<std::int64_t>& size) const
+  {
+    const auto forEach = [&](WireReader message, std::uint32_t number, auto&& visit) {
+      for (WireField field; message.next(field);)
+        if (field.number == number && field.type == WireField::bytes)
+          visit(WireReader(field, path_));
+    };
+    forEach(type, value_field::tensor, [&](const WireReader& tensor) {
+      forEach(tensor, value_field::shape, [&](const WireReader& shape) {
+        forEach(shape, value_field::dimension, [&](WireReader dimension) {
+          size.push_back(-1);
+          for (WireField field; dimension.next(field);)
+            if (field.number == value_field::value && field.type == WireField::varint)
+              size.back() = std::int64_t(field.value);
+        });
+      });
+    });
   }
 
   Node
@@ -445,7 +499,7 @@ private:
         node.operation = printable(textOf(field));
         break;
       case node_field::attribute:
-        checkAttribute(WireReader(field, path_));
+        node.has_empty_value |= checkAttribute(WireReader(field, path_));
         break;
       }
     return node;
@@ -465,9 +519,30 @@ private:
     known.insert(node.outputs.begin(), node.outputs.end());
   }
 
+  // OpenCV 4.6 takes these for granted, and divides by the size of weights.
   void
+  checkOperands(const Node& node, const std::set<std::string>& empty) const
+  {
+    static const std::set<std::string> of_two = {
+        "Add",    "Sub",  "Mul",    "Div",    "Pow",  "CumSum",
+        "MatMul", "Gemm", "Expand", "Gather", "Conv", "ConvTranspose"};
+    const std::string who = "node '" + node.name + "' (" + node.operation + ") ";
+    if (node.operation == "ConstantOfShape" && node.has_empty_value)
+      refuse(who + "has an empty value");
+    if (!of_two.count(node.operation))
+      return;
+    if (node.inputs.size() < 2)
+      refuse(who + "has one input, expected two");
+    for (const std::string& input : node.inputs)
+      if (empty.count(input))
+        refuse(who + "takes a tensor without elements: '" + printable(input) + "'");
+  }
+
+  // \return whether it is a tensor without elements
+  bool
   checkAttribute(WireReader attribute) const
   {
+    bool is_empty = false;
     int single_tensors = 0;
     std::string name;
     std::vector<std::uint64_t> integers;
@@ -486,7 +561,7 @@ private:
           refuse("has an attribute with two values");
         [[fallthrough]];
       case attribute_field::tensors:
-        checkOnnxTensor(WireReader(field, path_), path_);
+        is_empty = checkOnnxTensor(WireReader(field, path_), path_).is_empty;
         break;
       case attribute_field::graph:
       case attribute_field::graphs:
@@ -496,6 +571,7 @@ private:
         refuse("has sparse tensors, which are not supported");
       }
     checkSizes(name, integers);
+    return is_empty;
   }
 
   void
@@ -530,10 +606,10 @@ private:
 
 } // namespace
 
-void
+OnnxInterface
 checkOnnx(const std::vector<std::uint8_t>& bytes, const std::string& path)
 {
-  OnnxChecker(path).checkModel(WireReader(bytes.data(), bytes.size(), path));
+  return OnnxChecker(path).checkModel(WireReader(bytes.data(), bytes.size(), path));
 }
 
 } // namespace pcl_semantic

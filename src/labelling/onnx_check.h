@@ -7,6 +7,18 @@
 
 namespace pcl_semantic {
 
+/** \brief What a network takes, and everything in it that can be asked for. */
+struct OnnxInterface {
+  struct Input {
+    std::string name;
+    std::vector<std::int64_t> size; ///< batch, channels, rows, columns; -1 = any
+  };
+
+  std::vector<Input> inputs;        ///< without those that are weights
+  std::vector<std::string> outputs; ///< of the network
+  std::vector<std::string> inner;   ///< of all nodes, these outputs too
+};
+
 /** \brief Checks an ONNX file before OpenCV reads it: OpenCV 4.6 trusts the dimensions
  * of tensors and ends the program where they exceed the data.
  *
@@ -15,6 +27,7 @@ namespace pcl_semantic {
  * has exactly the data its dimensions state. \param[in] bytes content of the file
  * \param[in] path its name, for messages
  * \throws BadModelException */
-void checkOnnx(const std::vector<std::uint8_t>& bytes, const std::string& path);
+OnnxInterface checkOnnx(const std::vector<std::uint8_t>& bytes,
+                        const std::string& path);
 
 } // namespace pcl_semantic

@@ -11,8 +11,9 @@ namespace pcl_semantic {
 namespace fs = std::filesystem;
 
 StoredPredictor::StoredPredictor(const std::string& folder, int classes,
-                                 float png_confidence)
-    : folder_(folder), classes_(classes), png_confidence_(png_confidence)
+                                 float png_confidence, PixelMapping mapping)
+    : folder_(folder), classes_(classes), png_confidence_(png_confidence),
+      mapping_(std::move(mapping))
 {
   if (classes < 1 || classes > 255)
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -54,7 +55,7 @@ LabelDistributions
 StoredPredictor::predict(const StereoFrame& frame)
 {
   return readDistributions(findFile(frame.number), frame.left.cols, frame.left.rows,
-                           classes_, png_confidence_);
+                           classes_, png_confidence_, mapping_);
 }
 
 } // namespace pcl_semantic

@@ -4,7 +4,20 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/map_parameters.h>
 
+#include <algorithm>
+
 namespace pcl_semantic {
+
+MapParameters
+MapParameters::withWindow() const
+{
+  MapParameters parameters = *this;
+  if (window.isZero(0.0)) {
+    const double extent = std::min(2.0 * max_range + 4.0, 204.0);
+    parameters.window = {extent, extent, std::min(extent, 24.0)};
+  }
+  return parameters;
+}
 
 void
 MapParameters::validate() const
@@ -12,7 +25,8 @@ MapParameters::validate() const
   if (!(voxel_size >= 1e-3 && voxel_size <= 100.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "voxel_size is " << voxel_size << " m, expected 0.001 to 100");
-  if (!((window.array() >= voxel_size).all() && (window.array() <= 1e5).all()))
+  if (!window.isZero(0.0) &&
+      !((window.array() >= voxel_size).all() && (window.array() <= 1e5).all()))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "window is "
                             << window.transpose()

@@ -131,8 +131,8 @@ isNear(const Eigen::Vector3d& point, double voxel_size)
 
 SemanticVoxelMap::State::State(const LabelSet& classes, const MapParameters& p,
                                std::shared_ptr<BlockStore> given)
-    : label_set(classes), parameters(p), reader(classes.size(), p.fusion),
-      grid(windowInBlocks(p)),
+    : label_set(classes), parameters(p.withWindow()), reader(classes.size(), p.fusion),
+      grid(windowInBlocks(parameters)),
       store(given ? std::move(given) : std::make_shared<MemoryBlockStore>()),
       ray_caster(grid.slots())
 {}

@@ -491,7 +491,10 @@ parametersOf(MapperConfig& config)
       {"label_confidence", "probability of the class that a .png of --labels gives",
        &config.label_confidence},
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
-      {"window", "extent of the window around the camera: X,Y,Z, world axes [m]",
+      {"window",
+       "extent of the window around the sensor: X,Y,Z, world axes [m]; 0,0,0 = as far "
+       "as "
+       "max_depth reaches, at most 24 m high",
        &config.map.window},
       {"max_depth", "maximum depth of a hit [m]; pixels beyond it only clear space",
        &config.map.max_range},

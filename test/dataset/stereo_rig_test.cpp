@@ -9,7 +9,9 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 namespace pcl_semantic {
 
@@ -203,6 +205,133 @@ TEST(StereoRig, RefusesFilesThatHoldNone)
                     "image_size: has 1 numbers"));
   EXPECT_TRUE(holds(complaintAbout(intrinsics + extrinsics + "image_size: [-4, 480]\n"),
                     "the image size is -4 x 480"));
+}
+
+namespace {
+
+// Numbers with commas between, row after row.
+template <typename Matrix>
+std::string
+listOf(const Matrix& matrix)
+{
+  std::ostringstream text;
+  text << std::setprecision(17);
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j)
+      text << (i + j ? ", " : "[") << matrix(i, j);
+  return text.str() + "]";
+}
+
+std::string
+listOf(const std::vector<double>& values)
+{
+  return listOf(
+      Eigen::Map<const Eigen::RowVectorXd>(values.data(), Eigen::Index(values.size())));
+}
+
+void
+expectSameRig(const StereoRig& read, const StereoRig& rig)
+{
+  EXPECT_EQ(read.width, rig.width);
+  EXPECT_EQ(read.height, rig.height);
+  EXPECT_TRUE(read.K1.isApprox(rig.K1, 1e-12));
+  EXPECT_TRUE(read.K2.isApprox(rig.K2, 1e-12));
+  EXPECT_EQ(read.D1, rig.D1);
+  EXPECT_EQ(read.D2, rig.D2);
+  EXPECT_TRUE(read.R.isApprox(rig.R, 1e-12)) << read.R;
+  EXPECT_TRUE(read.T.isApprox(rig.T, 1e-12)) << read.T;
+}
+
+StereoRig
+rigOfFourCoefficients()
+{
+  StereoRig rig = exampleRig();
+  rig.D1.resize(4);
+  rig.D2.resize(4);
+  return rig;
+}
+
+std::string
+camchain(const StereoRig& rig, const std::string& model = "radtan")
+{
+  const auto camera = [&](const Eigen::Matrix3d& K, const std::vector<double>& D) {
+    return "  camera_model: pinhole\n  distortion_model: " + model +
+           "\n  intrinsics: " +
+           listOf(Eigen::RowVector4d(K(0, 0), K(1, 1), K(0, 2), K(1, 2))) +
+           "\n  distortion_coeffs: " + listOf(D) + "\n  resolution: [640, 480]\n";
+  };
+  std::string text = "cam0:\n" + camera(rig.K1, rig.D1) + "  rostopic: /left\ncam1:\n" +
+                     camera(rig.K2, rig.D2) + "  T_cn_cnm1:\n";
+  for (int i = 0; i < 3; ++i) {
+    Eigen::RowVector4d row;
+    row << rig.R.row(i), rig.T[i];
+    text += "  - " + listOf(row) + "\n";
+  }
+  return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
+}
+
+// camera_info as camera_calibration writes it.
+std::string
+cameraInfo(const Eigen::Matrix3d& K, const std::vector<double>& D,
+           const Eigen::Matrix3d& rectification, double Tx)
+{
+  const auto matrix = [](const char* name, int rows, int columns,
+                         const std::string& data) {
+    return std::string(name) + ":\n  rows: " + std::to_string(rows) +
+           "\n  cols: " + std::to_string(columns) + "\n  data: " + data + "\n";
+  };
+  Eigen::Matrix<double, 3, 4> P;
+  P << 450, 0, 320, Tx, 0, 450, 238, 0, 0, 0, 1, 0;
+  return "image_width: 640\nimage_height: 480\ncamera_name: left\n" +
+         matrix("camera_matrix", 3, 3, listOf(K)) + "distortion_model: plumb_bob\n" +
+         matrix("distortion_coefficients", 1, int(D.size()), listOf(D)) +
+         matrix("rectification_matrix", 3, 3, listOf(rectification)) +
+         matrix("projection_matrix", 3, 4, listOf(P));
+}
+
+} // namespace
+
+TEST(StereoRig, ReadsKalibrsCamchain)
+{
+  const TemporaryFolder folder;
+  const StereoRig rig = rigOfFourCoefficients();
+  expectSameRig(readStereoRig(folder.write("camchain.yaml", camchain(rig))), rig);
+  EXPECT_TRUE(holds(complaintAbout(camchain(rig, "equidistant")),
+                    "distortion_model is 'equidistant', expected 'radtan'"));
+  const std::string text = camchain(rig);
+  EXPECT_TRUE(holds(complaintAbout(text.substr(0, text.find("cam1:"))),
+                    "has one camera, expected cam0 and cam1"));
+  EXPECT_TRUE(holds(complaintAbout(text.substr(0, text.rfind("  - "))),
+                    "T_cn_cnm1: is no 4 x 4 matrix"));
+  EXPECT_TRUE(holds(complaintAbout(text.substr(0, text.find("  T_cn"))), "T_cn_cnm1"));
+}
+
+TEST(StereoRig, ReadsTheCameraInfosOfRos)
+{
+  const TemporaryFolder folder;
+  const StereoRig rig = exampleRig();
+  const Eigen::Matrix3d A1 = rotationBy(1.0, -1.5, 0.7),
+                        A2 = rotationBy(-0.8, 1.2, -0.5);
+  const std::string left =
+      folder.write("left.yaml", cameraInfo(rig.K1, rig.D1, A1.transpose(), 0.0));
+  const std::string right = folder.write(
+      "right.yaml", cameraInfo(rig.K2, rig.D2, A2.transpose(), -450.0 * 0.12));
+  expectSameRig(readStereoRig(left, right), rig);
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { readStereoRig(left); }),
+            "left.yaml: is the camera_info of one camera; give that of the right one"));
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { readStereoRig(right, left); }),
+            "are left and right swapped?"));
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { readStereoRig(left, left); }),
+            "the baseline is 0 m"));
+  std::string fisheye = cameraInfo(rig.K1, rig.D1, A1.transpose(), 0.0);
+  fisheye.replace(fisheye.find("plumb_bob"), 9, "equidistant");
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] {
+                      readStereoRig(folder.write("fisheye.yaml", fisheye), right);
+                    }),
+                    "distortion_model is 'equidistant'"));
 }
 
 } // namespace pcl_semantic

@@ -6,6 +6,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/label_set_file.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -106,6 +107,45 @@ TEST(ReadDistributions, ReadsWhatWasWrittenAsNpyAndAsIds)
     EXPECT_EQ(ids.mapLabel(j), written.mapLabel(j));
   thrownMessage<InvalidParameterException>(
       [&] { writeLabelIds(folder.path("b.png"), written, width + 1); });
+}
+
+TEST(ReadDistributions, NumbersAndColoursOfImagesAreMapped)
+{
+  const TemporaryFolder folder;
+  const LabelSet set({{"a", {10, 20, 30}}, {"b", {200, 0, 0}}, {"c", {0, 0, 200}}});
+  const auto labels = [&](const std::string& mapping) {
+    const LabelDistributions read = readDistributions(
+        folder.path("a.png"), width, height, 3, 0.8f, readPixelMapping(mapping, set));
+    EXPECT_NEAR(read.matrix().col(1).maxCoeff(), 0.8f, 1e-6f);
+    return std::vector<int>{read.mapLabel(0), read.mapLabel(1), read.mapLabel(2),
+                            read.mapLabel(3)};
+  };
+  const auto refusal = [&](const std::string& mapping) {
+    return thrownMessage<BadInputException>([&] { labels(mapping); });
+  };
+  cv::Mat ids(height, width, CV_8UC1, cv::Scalar(0));
+  ids.at<std::uint8_t>(0, 1) = 2;
+  ids.at<std::uint8_t>(0, 2) = 7;
+  writePng(folder.path("a.png"), ids);
+  EXPECT_EQ(labels("zero_based"), (std::vector<int>{1, 3, 0, 1}));
+  EXPECT_TRUE(holds(refusal("colours"), "is grey, expected the colours"));
+  ids.convertTo(ids, CV_16UC1, 1000.0);
+  writePng(folder.path("a.png"), ids);
+  folder.write("m.yaml", "classes:\n  b: [2000]\n  a: [7000, 0]\n");
+  EXPECT_EQ(labels(folder.path("m.yaml")), (std::vector<int>{1, 2, 1, 1}));
+  cv::Mat colours(height, width, CV_8UC3, cv::Scalar(0, 0, 0));
+  colours.at<cv::Vec3b>(0, 1) = {30, 20, 10}; // blue, green, red
+  colours.at<cv::Vec3b>(0, 2) = {0, 0, 200};
+  writePng(folder.path("a.png"), colours);
+  EXPECT_EQ(labels("colours"), (std::vector<int>{0, 1, 2, 0}));
+  EXPECT_TRUE(holds(refusal("zero_based"), "has 3 channel(s)"));
+  colours.at<cv::Vec3b>(2, 3) = {0, 0, 100};
+  writePng(folder.path("a.png"), colours);
+  EXPECT_TRUE(holds(refusal("colours"), "pixel (3, 2) has the colour 100, 0, 0"));
+  const LabelSet same({{"a", {1, 2, 3}}, {"b", {1, 2, 3}}});
+  EXPECT_TRUE(holds(
+      thrownMessage<BadInputException>([&] { readPixelMapping("colours", same); }),
+      "'a' and 'b' of the label set have one colour"));
 }
 
 TEST(ReadDistributions, RefusesOtherSizes)

@@ -177,3 +177,25 @@ TEST(WritePng, LeavesNothingBehindWhenItFails)
   thrownMessage<OutputException>([&] { writePng(folder.path("a.png"), cv::Mat()); });
   EXPECT_EQ(folder.entries(), 0u);
 }
+TEST(ReadImage, ATiffIsReadOrRefusedWithAWord)
+{
+  const TemporaryFolder folder;
+  cv::Mat image(48, 64, CV_8UC3);
+  cv::RNG(1).fill(image, cv::RNG::UNIFORM, 0, 256);
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(cv::imencode(".tiff", image, bytes));
+  const auto write = [&](std::size_t size) {
+    return folder.write(
+        "a.tif", std::string(bytes.begin(), bytes.begin() + std::ptrdiff_t(size)));
+  };
+  EXPECT_EQ(cv::norm(readImage(write(bytes.size())), image, cv::NORM_INF), 0.0);
+  for (std::size_t size = 0; size < bytes.size(); size += 1 + bytes.size() / 50)
+    EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readImage(write(size)); }),
+                      "TIFF image"))
+        << size;
+  cv::Mat deep(48, 64, CV_16UC1, cv::Scalar(1000));
+  ASSERT_TRUE(cv::imencode(".tiff", deep, bytes));
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { readImage(write(bytes.size())); }),
+            "has 1 channel(s) of 16 bits, expected 8-bit grey or 8-bit RGB"));
+}

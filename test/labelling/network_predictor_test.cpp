@@ -205,13 +205,15 @@ TEST_F(NetworkPredictorTest, RefusesAnotherNumberOfChannels)
   expectRefused(network_.file(), "frame 42");
 }
 
-TEST_F(NetworkPredictorTest, RefusesUnknownInputOrOutput)
+TEST_F(NetworkPredictorTest, RefusesAnotherInputOrOutput)
 {
   description_.output_name = "probabilities";
-  expectRefused(network_.file(), "frame 42");
+  expectRefused(network_.file(), "has no output 'probabilities', which its description "
+                                 "names; its outputs are 'logits'");
   description_.output_name = "logits";
   description_.input_name = "picture";
-  expectRefused(network_.file(), "frame 42");
+  expectRefused(network_.file(), "has no input 'picture', which its description names; "
+                                 "its inputs are 'image'");
 }
 
 TEST_F(NetworkPredictorTest, RefusesNonFiniteOutput)

@@ -172,7 +172,7 @@ TEST(OnnxCheck, RefusesSizesThatOpenCvWouldDivideBy)
     const Message node = Message()
                              .bytes(1, "image")
                              .bytes(2, "out")
-                             .bytes(4, "Conv")
+                             .bytes(4, "MaxPool")
                              .message(5, attribute);
     return onnxModel(
         Message().message(11, floatValue("image", {1, 3, 6, 8})).message(1, node));
@@ -184,6 +184,34 @@ TEST(OnnxCheck, RefusesSizesThatOpenCvWouldDivideBy)
     expectRefused(model(name, std::uint64_t(-1)), name);
     expectRefused(model(name, std::uint64_t(1) << 32), name);
   }
+}
+
+// Each ended the program: a signal within OpenCV 4.6.
+TEST(OnnxCheck, RefusesOperandsThatOpenCvTakesForGranted)
+{
+  expectRefused(withWeights(floatTensor("weights", {0, 3, 1, 1}, {})),
+                "a Conv of no channels");
+  const auto withNode = [](const Message& node) {
+    return onnxModel(Message()
+                         .message(1, node)
+                         .bytes(2, "graph")
+                         .message(5, floatTensor("none", {0}, {}))
+                         .message(11, floatValue("image", {1, 3, 6, 8}))
+                         .message(12, floatValue("logits", {1, 3, 6, 8})));
+  };
+  const auto node = [](const std::string& operation) {
+    return Message().bytes(1, "image").bytes(2, "logits").bytes(4, operation);
+  };
+  for (const char* const operation : {"Pow", "CumSum", "Gemm"}) {
+    expectRefused(withNode(node(operation)), operation);
+    expectRefused(withNode(node(operation).bytes(1, "none")), operation);
+  }
+  EXPECT_NO_THROW(check(withNode(node("Resize").bytes(1, "none")))) << "an empty roi";
+  const Message value =
+      Message().bytes(1, "value").message(5, floatTensor("", {0}, {})).number(20, 4);
+  expectRefused(withNode(node("ConstantOfShape").message(5, value)),
+                "ConstantOfShape of nothing");
+  EXPECT_NO_THROW(check(withNode(node("Constant").message(5, value))));
 }
 
 TEST(OnnxCheck, RefusesRandomBytes)

@@ -131,6 +131,19 @@ TEST(MapperConfig, ValuesOutOfRangeAreRefused)
       holds(complaintAbout("hit_probability: 0.4\n"), "hit_probability is 0.4"));
 }
 
+TEST(MapperConfig, TheWindowHoldsWhatTheSensorReaches)
+{
+  MapParameters parameters;
+  EXPECT_EQ(parameters.withWindow().window, Eigen::Vector3d(84, 84, 24));
+  parameters.max_range = 8.0;
+  EXPECT_EQ(parameters.withWindow().window, Eigen::Vector3d(20, 20, 20));
+  parameters.max_range = 1000.0;
+  EXPECT_EQ(parameters.withWindow().window, Eigen::Vector3d(204, 204, 24));
+  parameters.window = {25, 26, 8};
+  EXPECT_EQ(parameters.withWindow().window, Eigen::Vector3d(25, 26, 8));
+  EXPECT_TRUE(holds(complaintAbout("window: [0, 0, 8]\n"), "window is 0 0 8 m"));
+}
+
 TEST(MapperConfig, ThePresetOfThePaperIsItsHeadlineModel)
 {
   MapperConfig config;

@@ -45,7 +45,7 @@ TEST(RunDescription, NamesWhatHasChanged)
   EXPECT_EQ(change([](MappingRun& run) { run.config.map.voxel_size = 0.1 + 1e-9; }),
             "voxel_size was 0.1, is 0.100000001");
   EXPECT_EQ(change([](MappingRun& run) { run.config.map.window.y() = 12.5; }),
-            "window was 84,84,24, is 84,12.5,24");
+            "window was 0,0,0, is 0,12.5,0");
   EXPECT_EQ(change([](MappingRun& run) { run.config.crf = "none"; }),
             "crf was dense, is none");
   EXPECT_EQ(change([](MappingRun& run) { run.frames.push_back(8); }),

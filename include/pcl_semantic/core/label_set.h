@@ -5,7 +5,10 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -56,7 +59,8 @@ private:
 /** \brief Turns another numbering (raw SemanticKITTI ids go to 259) into labels. */
 class LabelMapping {
 public:
-  /** \brief Every id that is not set maps to unlabelled. */
+  /** \brief Every id that is not set maps to unlabelled.
+   * \throws InvalidParameterException beyond 65535 */
   void set(std::uint32_t id, Label label);
 
   Label
@@ -68,5 +72,23 @@ public:
 private:
   std::vector<Label> labels_;
 };
+
+/** \brief Turns the colours in which labels are drawn into labels. */
+class ColourMapping {
+public:
+  /** \throws InvalidParameterException if two classes have one colour: it cannot be
+   * told which is meant */
+  explicit ColourMapping(const LabelSet& label_set);
+
+  /** \brief The class of a colour, kUnlabelled for black; nothing for others. */
+  std::optional<Label> operator()(std::uint8_t red, std::uint8_t green,
+                                  std::uint8_t blue) const;
+
+private:
+  std::map<std::array<std::uint8_t, 3>, Label> labels_;
+};
+
+/** \brief What the pixels of a label image are: classes, other numbers or colours. */
+using PixelMapping = std::variant<std::monostate, LabelMapping, ColourMapping>;
 
 } // namespace pcl_semantic

@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/cloud_frame.h>
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/pinhole_camera.h>
 
 #include <string>
@@ -40,6 +41,17 @@ public:
   {
     return frames_.at(i).name;
   }
+
+  /** \brief Time of a frame [s]: of its colour image, or 0.1 s a frame. */
+  double
+  timestamp(std::size_t i) const
+  {
+    return frames_.at(i).time;
+  }
+
+  /** \brief The camera, with the size of the first image; a baseline of 1 m that means
+   * nothing. */
+  StereoCamera camera() const;
 
   /** \brief The i-th frame as an organized coloured cloud in the camera's frame (x
    * right, y down, z forward) [m], NaN where there is no depth, without labels.

@@ -30,7 +30,9 @@ struct StereoRig {
   void validate() const;
 };
 
-/** \brief Reads a rig as `cv::FileStorage` writes it in YAML.
+/** \brief Reads a rig as `cv::FileStorage` writes it in YAML, Kalibr's camchain (cam0 is
+ * the left camera, cam1 the right one; pinhole, radtan), or ROS' camera_info of both
+ * cameras (plumb_bob or rational_polynomial). Of OpenCV's:
  *
  * | value | key, one of |
  * |---|---|
@@ -44,7 +46,8 @@ struct StereoRig {
  * passed over. An R that is a rotation but for rounding is made one, with a warning if
  * it is more than that of text (1e-4); by more than 1e-2 it is refused.
  * \param[in] path the calibration, or the intrinsics alone
- * \param[in] extrinsics_path where R and T are, if in a file of their own
+ * \param[in] extrinsics_path where R and T are, if in a file of their own; of ROS the
+ * right camera's file
  * \throws BadInputException with file and key */
 StereoRig readStereoRig(const std::string& path,
                         const std::string& extrinsics_path = "");

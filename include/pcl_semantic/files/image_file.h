@@ -31,11 +31,11 @@ enum class ImageKind {
  * another kind */
 cv::Mat readPng(const std::string& path, ImageKind kind);
 
-/** \brief Extensions of what readImage() reads: `.png .jpg .jpeg`. */
+/** \brief Extensions of what readImage() reads: `.png .jpg .jpeg .tif .tiff`. */
 const std::vector<std::string>& imageExtensions();
 
-/** \brief Reads what a camera took, grey or colour: a JPEG if the file is named so,
- * else a PNG as readPng() does. \throws BadInputException as readPng() */
+/** \brief Reads what a camera took, grey or colour: a JPEG or TIFF if the file is named
+ * so, else a PNG as readPng() does. \throws BadInputException as readPng() */
 cv::Mat readImage(const std::string& path);
 
 /** \brief Writes a PNG file. \throws OutputException; nothing is left behind then */

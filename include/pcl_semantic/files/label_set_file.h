@@ -22,4 +22,8 @@ void writeLabelSet(const std::string& path, const LabelSet& label_set);
  * \throws BadInputException with file and line, at an unknown class for example */
 LabelMapping readLabelMapping(const std::string& path, const LabelSet& label_set);
 
+/** \brief The same for label images, of which `colours` says that they are drawn in the
+ * colours of the classes. \throws BadInputException also if two classes have one */
+PixelMapping readPixelMapping(const std::string& path, const LabelSet& label_set);
+
 } // namespace pcl_semantic

@@ -15,9 +15,11 @@ public:
   /** \param[in] folder where the files lie
    * \param[in] classes L
    * \param[in] png_confidence probability of the class that a .png states, in (0, 1]
+   * \param[in] mapping of the pixels of a .png, see readDistributions()
    * \throws InvalidParameterException if \a classes or \a png_confidence is out of
    * range \throws BadInputException if there is no such folder */
-  StoredPredictor(const std::string& folder, int classes, float png_confidence);
+  StoredPredictor(const std::string& folder, int classes, float png_confidence,
+                  PixelMapping mapping = {});
 
   /** \throws BadInputException if the frame has no file, more than one, or one that
    * does not fit its image */
@@ -30,6 +32,7 @@ private:
   std::string folder_;
   int classes_;
   float png_confidence_;
+  PixelMapping mapping_;
 };
 
 } // namespace pcl_semantic

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/dataset/image_pair_sequence.h>
+
+#include <memory>
+#include <string>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Whether a name is that of a video: `.mp4 .avi .mkv .mov`. */
+bool isVideo(const std::string& path);
+
+/** \brief Stereo pairs of two videos that were taken together, rectified as they are
+ * read. Frame n is the n-th image of both, its time n over the frames a second that the
+ * left one states, or row n of `times`. Frames are read in order; going back begins
+ * anew. Not for use from several threads at once. */
+class VideoPairSequence : public FrameSequence {
+public:
+  /** \param[in] files `left` and `right` are videos
+   * \throws BadInputException if one cannot be read, or they differ in size, rate or
+   * length, or the calibration does not fit */
+  explicit VideoPairSequence(const ImagePairFiles& files);
+
+  ~VideoPairSequence() override;
+
+  std::size_t size() const override;
+
+  int
+  frameNumber(std::size_t i) const override
+  {
+    return static_cast<int>(i);
+  }
+
+  double timestamp(std::size_t i) const override;
+
+  StereoFrame frame(std::size_t i) const override;
+
+  const StereoCamera& camera() const override;
+
+  const Eigen::Isometry3d& T_camera0_camera() const override;
+
+private:
+  struct Videos;
+  std::unique_ptr<Videos> videos_;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/bad_case.h"
+
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/odometry/pose_source.h>
+
+#include <opencv2/core.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+
+namespace pcl_semantic {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The left images of a street with their true depth, in millimetres, as an RGB-D camera
+// takes them: street/rgbd, camera.yaml and world.txt, the poses of the camera.
+void
+makeRgbd(const std::string& street)
+{
+  const KittiSequence sequence(street);
+  const StereoCamera& camera = sequence.camera();
+  fs::create_directories(street + "/rgbd/depth");
+  fs::create_directories(street + "/rgbd/rgb");
+  Trajectory poses;
+  for (const Eigen::Isometry3d& pose : readKittiTrajectory(street + "/poses.txt"))
+    poses.push_back(worldFromFirstCamera() * pose * sequence.T_camera0_camera());
+  writeKittiTrajectory(street + "/world.txt", poses);
+  std::ofstream(street + "/camera.yaml")
+      << std::setprecision(17) << "K: [" << camera.fx << ", 0, " << camera.cx << ", 0, "
+      << camera.fy << ", " << camera.cy << ", 0, 0, 1]\n";
+  for (const char* const name : {"000000.png", "000001.png", "000002.png"}) {
+    fs::copy(street + "/image_2/" + name, street + "/rgbd/rgb/" + name);
+    const cv::Mat disparity =
+        readPng(street + "/disparity/" + name, ImageKind::disparity);
+    cv::Mat depth(disparity.size(), CV_16UC1, cv::Scalar(0));
+    for (int v = 0; v < depth.rows; ++v)
+      for (int u = 0; u < depth.cols; ++u)
+        if (const int d = disparity.at<std::uint16_t>(v, u))
+          depth.at<std::uint16_t>(v, u) =
+              cv::saturate_cast<std::uint16_t>(1000.0 * camera.depth(d / 256.0));
+    writePng(street + "/rgbd/depth/" + name, depth);
+  }
+}
+
+const std::string run =
+    "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses STREET/world.txt "
+    "--output OUT --labels STREET/labels ";
+
+} // namespace
+
+TEST(RgbdMap, IsLabelledAsTheImagesAre)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), out = folder.path("out");
+  copyStreet(street);
+  makeRgbd(street);
+  const ToolResult result = runTool(replaceAll(
+      replaceAll(run + "--crf hierarchical --cliques superpixel", "STREET", street),
+      "OUT", out));
+  ASSERT_EQ(result.code, 0) << result.text;
+  const cv::Mat truth = readPng(street + "/gt/000002.png", ImageKind::labels);
+  const cv::Mat labels = readPng(out + "/labels/000002.png", ImageKind::labels);
+  ASSERT_EQ(labels.size(), truth.size());
+  const cv::Mat known = (truth > 0) & (labels > 0);
+  const int right = cv::countNonZero((truth == labels) & known);
+  EXPECT_GT(cv::countNonZero(known), int(truth.total()) / 3);
+  EXPECT_GT(right, cv::countNonZero(known) * 3 / 4);
+}
+
+TEST(RgbdMap, BadInput)
+{
+  for (const BadCase& bad : std::vector<BadCase>{
+           {"sequence", 2, "exclude each other", run + "STREET"},
+           {"clouds", 2, "exclude each other", run + "--clouds STREET"},
+           {"no camera", 2, "--rgbd needs --calibration",
+            "map --rgbd STREET/rgbd --poses STREET/world.txt --output OUT --labels "
+            "STREET/labels"},
+           {"no poses", 2, "--rgbd needs a trajectory",
+            "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --output OUT "
+            "--labels STREET/labels"},
+           {"no labels", 2, "either --labels or --network",
+            "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses "
+            "STREET/world.txt --output OUT"},
+           {"sensor", 2, "--sensor is for --clouds", run + "--sensor own"},
+           {"also", 2, "--also is for stereo", run + "--also depth"},
+           {"scale", 2, "--depth-scale is less than 0", run + "--depth-scale -1"},
+           {"frames", 3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
+           {"layout", 3, "no RGB-D sequence",
+            replaceAll(run, "STREET/rgbd", "STREET/gt"), makeRgbd},
+           {"intrinsics", 3, "calib.txt", replaceAll(run, "camera.yaml", "calib.txt"),
+            makeRgbd},
+           {"a pose is missing", 3, "world.txt", run, [](const std::string& street) {
+              makeRgbd(street);
+              writeKittiTrajectory(street + "/world.txt",
+                                   {Eigen::Isometry3d::Identity()});
+            }}})
+    expectFails(bad);
+}
+
+} // namespace pcl_semantic

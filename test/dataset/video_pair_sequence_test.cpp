@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/stereo_rigs.h"
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/video_pair_sequence.h>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace {
+
+// A video whose n-th image is grey 20 n + 40.
+void
+writeVideo(const std::string& path, int frames, cv::Size size = {640, 480},
+           double rate = 5.0)
+{
+  cv::VideoWriter writer(path, cv::CAP_FFMPEG,
+                         cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), rate, size);
+  ASSERT_TRUE(writer.isOpened());
+  for (int n = 0; n < frames; ++n)
+    writer << cv::Mat(size, CV_8UC3, cv::Scalar::all(20 * n + 40));
+}
+
+class VideoPairs : public ::testing::Test {
+protected:
+  void
+  SetUp() override
+  {
+    writeRig(folder.path("rig.yaml"), exampleRig());
+    writeVideo(files.left, 4);
+    writeVideo(files.right, 4);
+  }
+
+  std::string
+  refusal() const
+  {
+    return thrownMessage<BadInputException>([&] { VideoPairSequence{files}; });
+  }
+
+  double
+  greyOf(const VideoPairSequence& videos, std::size_t i) const
+  {
+    return videos.frame(i).left.at<cv::Vec3b>(240, 320)[1];
+  }
+
+  const TemporaryFolder folder;
+  ImagePairFiles files{folder.path("left.avi"), folder.path("right.avi"),
+                       folder.path("rig.yaml"), "", ""};
+};
+
+} // namespace
+
+TEST_F(VideoPairs, FramesComeInAnyOrder)
+{
+  const VideoPairSequence videos(files);
+  ASSERT_EQ(videos.size(), 4u);
+  EXPECT_EQ(videos.timestamp(2), 0.4);
+  for (const std::size_t i : {0, 1, 3, 1, 1, 2})
+    EXPECT_NEAR(greyOf(videos, i), 20.0 * double(i) + 40.0, 3.0) << i;
+  EXPECT_EQ(videos.frame(0).left.size(),
+            cv::Size(videos.camera().width, videos.camera().height));
+  EXPECT_TRUE(isVideo("a.mp4"));
+  EXPECT_FALSE(isVideo("a.png"));
+}
+
+TEST_F(VideoPairs, TimesMayComeFromAFile)
+{
+  files.times = folder.write("times.txt", "0\n1\n2.5\n3\n");
+  EXPECT_EQ(VideoPairSequence(files).timestamp(2), 2.5);
+  folder.write("times.txt", "0\n1\n");
+  EXPECT_TRUE(holds(refusal(), "has 2 times for 4 frames"));
+}
+
+TEST_F(VideoPairs, RefusesWhatIsNoPair)
+{
+  writeVideo(files.right, 3);
+  EXPECT_TRUE(holds(refusal(), "left.avi: has 4 frames, 5 a second"));
+  writeVideo(files.right, 4, {320, 240});
+  EXPECT_TRUE(holds(refusal(), "have images of different sizes"));
+  writeVideo(files.right, 4, {640, 480}, 10.0);
+  EXPECT_TRUE(holds(refusal(), "10 a second"));
+  folder.write("right.avi", "no video at all");
+  EXPECT_TRUE(holds(refusal(), "right.avi: is no video that OpenCV reads"));
+  std::filesystem::remove(files.right);
+  EXPECT_TRUE(holds(refusal(), "right.avi: cannot be read"));
+}
+
+TEST_F(VideoPairs, ACutOffVideoNamesTheFrame)
+{
+  const VideoPairSequence whole(files);
+  std::filesystem::resize_file(files.left,
+                               std::filesystem::file_size(files.left) * 6 / 10);
+  const std::string message = thrownMessage<BadInputException>([&] {
+    const VideoPairSequence videos(files);
+    for (std::size_t i = 0; i < videos.size(); ++i)
+      videos.frame(i);
+  });
+  EXPECT_TRUE(holds(message, "left.avi")) << message;
+}
+
+} // namespace pcl_semantic
