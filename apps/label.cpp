@@ -332,10 +332,15 @@ prepareClouds(const LabelArguments& arguments, const CloudSequence& clouds)
   if (is_cloud && chosen.size() > 1)
     failUsage(label_usage, "--output is one cloud, but --clouds are " +
                                std::to_string(chosen.size()));
-  for (const std::size_t i : chosen)
-    refuseSameFiles({clouds.path(i)}, {outputOf(arguments, clouds.path(i))});
-  if (!is_cloud)
+  std::vector<std::string> written;
+  for (const std::size_t i : chosen) {
+    written.push_back(outputOf(arguments, clouds.path(i)));
+    refuseSameFiles({clouds.path(i)}, {written.back()});
+  }
+  if (!is_cloud) {
     makeOutputFolder(arguments.output);
+    warnOfOtherFiles(arguments.output, written);
+  }
   return chosen;
 }
 
@@ -351,9 +356,13 @@ labelClouds(const LabelArguments& arguments)
   if (arguments.carries())
     carrier.emplace(arguments.sequence, arguments.sensor_pose, visibilityOf(arguments));
   const std::vector<std::size_t> chosen = prepareClouds(arguments, clouds);
-  for (const std::size_t i : chosen)
+  std::vector<int> frames;
+  for (const std::size_t i : chosen) {
+    frames.push_back(clouds.frameNumber(i));
     if (carrier)
-      carrier->requireImage(clouds.path(i), clouds.frameNumber(i));
+      carrier->requireImage(clouds.path(i), frames.back());
+  }
+  predictor->requireFrames(frames);
   catchInterrupts();
   double fraction = 0.0;
   {

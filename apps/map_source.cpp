@@ -166,6 +166,7 @@ public:
                         {"clique_calibration", arguments.clique_calibration}});
     for (const std::size_t i : positions_)
       run_.frames.push_back(sequence_->frameNumber(i));
+    labelling_.predictor->requireFrames(run_.frames);
     run_.camera = sequence_->camera();
     run_.T_camera0_camera = sequence_->T_camera0_camera();
     run_.label_set = labelling_.label_set;
@@ -397,6 +398,7 @@ public:
                         {"model", labelling_.model},
                         {"label_calibration", arguments.label_calibration},
                         {"clique_calibration", arguments.clique_calibration}});
+    labelling_.predictor->requireFrames(run_.frames);
     run_.camera = sequence_.camera();
     run_.label_set = labelling_.label_set;
     run_.config = arguments.parameters;

@@ -87,6 +87,10 @@ convert(const Options& options)
 {
   const RgbdSequence sequence(options.sequence, cameraOf(options), options.depth_scale);
   makeOutputFolder(options.output);
+  std::vector<std::string> clouds;
+  for (std::size_t i = 0; i < sequence.size(); ++i)
+    clouds.push_back(options.output + "/" + sequence.name(i) + ".pcd");
+  tool::warnOfOtherFiles(options.output, clouds);
   tool::catchInterrupts();
   tool::ProgressBar progress("converting", sequence.size());
   double valid = 0.0;

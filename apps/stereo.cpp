@@ -106,6 +106,10 @@ nameOutputs(const Options& options, const ImagePairSequence& pairs)
          options.disparity.empty() ? "" : options.disparity + "/" + name + ".png"});
   }
   makeOutputFolder(options.output);
+  std::vector<std::string> clouds;
+  for (const Outputs& each : outputs)
+    clouds.push_back(each.cloud);
+  tool::warnOfOtherFiles(options.output, clouds);
   if (!options.disparity.empty())
     makeOutputFolder(options.disparity);
   return outputs;

@@ -5,8 +5,10 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/synthetic_labels.h>
 #include <pcl_semantic/dataset/synthetic_writer.h>
+#include <pcl_semantic/files/input_file.h>
 
 #include <cstdio>
+#include <filesystem>
 
 using namespace pcl_semantic;
 
@@ -90,6 +92,11 @@ synthesize(int argc, char** argv)
   const std::uint32_t seed = parseSeed(options.seed);
   const SyntheticScene scene(seed, options.frames);
   const SyntheticRenderer renderer(scene, size.width, size.height);
+  const std::string longer =
+      options.output + "/image_2/" + frameFileName(options.frames, ".png");
+  if (std::filesystem::exists(longer))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        longer << ": is of a longer sequence, expected a new folder");
   const SyntheticWriter writer(options.output);
   tool::catchInterrupts();
   {

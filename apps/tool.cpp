@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <set>
 
 namespace pcl_semantic::tool {
 
@@ -149,6 +150,26 @@ requireOutput(const std::string& path, const std::string& extension)
   if (!folder.empty() && !std::filesystem::is_directory(folder, error))
     PCL_THROW_EXCEPTION(OutputException,
                         path << ": cannot be written: there is no folder " << folder);
+}
+
+void
+warnOfOtherFiles(const std::string& folder, const std::vector<std::string>& written)
+{
+  namespace fs = std::filesystem;
+  std::set<fs::path> names, extensions;
+  for (const std::string& path : written) {
+    names.insert(fs::path(path).filename());
+    extensions.insert(fs::path(path).extension());
+  }
+  std::size_t others = 0;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    others += extensions.count(entry.path().extension()) &&
+              !names.count(entry.path().filename());
+  if (others > 0)
+    warn(folder + ": holds " + std::to_string(others) + " other " +
+         extensions.begin()->string() + " file" + (others > 1 ? "s" : "") +
+         ", which stay: of an earlier run?");
 }
 
 void

@@ -87,6 +87,12 @@ int run(const std::string& name, const std::function<int()>& body);
  * \throws InvalidParameterException, OutputException */
 void requireOutput(const std::string& path, const std::string& extension);
 
+/** \brief Warns if a folder holds files of the kind that will be written beside those
+ * that will be: what reads the folder takes them for one sequence. \param[in] written
+ * paths in that folder */
+void warnOfOtherFiles(const std::string& folder,
+                      const std::vector<std::string>& written);
+
 /** \brief Refuses outputs that are also inputs, or each other; empty paths are no
  * files. \throws InvalidParameterException */
 void refuseSameFiles(const std::vector<std::string>& inputs,

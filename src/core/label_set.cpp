@@ -2,6 +2,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/label_set.h>
 
+#include <algorithm>
 #include <set>
 
 namespace pcl_semantic {
@@ -12,10 +13,19 @@ LabelSet::LabelSet(std::vector<LabelClass> classes) : classes_(std::move(classes
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "a label set needs 1 to 255 classes, not " << classes_.size());
   std::set<std::string> names;
-  for (const LabelClass& c : classes_)
+  constexpr std::size_t longest = 100;
+  for (const LabelClass& c : classes_) {
+    const bool is_word =
+        std::none_of(c.name.begin(), c.name.end(),
+                     [](unsigned char x) { return x < 0x20 || x == 0x7F; });
+    if (!is_word || c.name.size() > longest)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "a class name has control characters, or more than "
+                              << longest << " bytes");
     if (c.name.empty() || !names.insert(c.name).second)
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           "class name '" << c.name << "' is empty or used twice");
+  }
 }
 
 const LabelClass&

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/csv_field.h"
+
 #include "files/json_text.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -289,10 +291,10 @@ confusionCsv(const ConfusionMatrix& confusion, const LabelSet& label_set)
   std::ostringstream text;
   text << "truth \\ prediction,uncovered";
   for (int label = 1; label <= confusion.classes(); ++label)
-    text << "," << label_set[static_cast<Label>(label)].name;
+    text << "," << csvField(label_set[static_cast<Label>(label)].name);
   text << "\n";
   for (int truth = 0; truth <= confusion.classes(); ++truth) {
-    text << label_set[static_cast<Label>(truth)].name;
+    text << csvField(label_set[static_cast<Label>(truth)].name);
     for (int prediction = 0; prediction <= confusion.classes(); ++prediction)
       text << ","
            << confusion(static_cast<Label>(truth), static_cast<Label>(prediction));

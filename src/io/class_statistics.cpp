@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/csv_field.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/io/class_statistics.h>
 #include <pcl_semantic/map/voxel_set.h>
@@ -12,18 +14,6 @@
 namespace pcl_semantic {
 
 namespace {
-
-// A field of a CSV file; quoted if it has to be (RFC 4180).
-std::string
-fieldOf(const std::string& text)
-{
-  if (text.find_first_of(",\"\r\n") == std::string::npos)
-    return text;
-  std::string quoted = "\"";
-  for (const char letter : text)
-    quoted += letter == '"' ? "\"\"" : std::string(1, letter);
-  return quoted + "\"";
-}
 
 std::string
 numberOf(double value)
@@ -87,7 +77,7 @@ writeClassStatistics(const std::string& path,
   text << "label,class,voxels,fraction,volume_m3,area_m2,mean_z_m,lowest_z_m,"
           "highest_z_m\n";
   for (const ClassStatistics& entry : statistics) {
-    text << int(entry.label) << "," << fieldOf(label_set[entry.label].name) << ","
+    text << int(entry.label) << "," << csvField(label_set[entry.label].name) << ","
          << entry.voxels;
     for (const double value : {entry.fraction, entry.volume, entry.area, entry.mean_z,
                                entry.lowest_z, entry.highest_z})

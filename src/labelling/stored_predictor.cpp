@@ -51,6 +51,13 @@ StoredPredictor::findFile(int frame) const
   return found;
 }
 
+void
+StoredPredictor::requireFrames(const std::vector<int>& frames) const
+{
+  for (const int frame : frames)
+    findFile(frame);
+}
+
 LabelDistributions
 StoredPredictor::predict(const StereoFrame& frame)
 {

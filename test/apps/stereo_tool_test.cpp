@@ -99,6 +99,25 @@ TEST(StereoTool, AFolderAtATime)
   }
 }
 
+TEST(StereoTool, FilesOfAnEarlierRunAreTold)
+{
+  const TemporaryFolder folder;
+  const std::string run =
+      inStreet("stereo STREET/image_2 STREET/image_3 STREET/calib.txt ") +
+      folder.path();
+  EXPECT_EQ(runTool(run).text.find("other"), std::string::npos);
+  EXPECT_EQ(runTool(run).text.find("other"), std::string::npos);
+  folder.write("000007.pcd", "");
+  EXPECT_NE(runTool(run).text.find("holds 1 other .pcd file, which stay"),
+            std::string::npos);
+  std::filesystem::create_directories(folder.path("street/image_2"));
+  folder.write("street/image_2/000003.png", "");
+  const ToolResult result =
+      runTool("synthesize --size 208x64 --frames 3 " + folder.path("street"));
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.text.find("000003.png: is of a longer sequence"), std::string::npos);
+}
+
 TEST(StereoTool, BracketsInPathsAreMeantAsTheyAre)
 {
   const TemporaryFolder folder;

@@ -72,8 +72,16 @@ TEST(LabelSet, RefusesEmptyAndRepeatedNames)
   EXPECT_TRUE(
       holds(thrownMessage<InvalidParameterException>([&] { LabelSet set(classes); }),
             "class1"));
-  classes[2].name = "";
-  thrownMessage<InvalidParameterException>([&] { LabelSet set(classes); });
+  for (const std::string& name :
+       {std::string(), std::string("a\nb"), std::string("a\0b", 3),
+        std::string("\x1b[2J"), std::string(101, 'a')}) {
+    classes[2].name = name;
+    const std::string message =
+        thrownMessage<InvalidParameterException>([&] { LabelSet set(classes); });
+    EXPECT_EQ(message.find_first_of("\n\x1b"), std::string::npos);
+  }
+  classes[2].name = std::string(100, 'a');
+  EXPECT_EQ(LabelSet(classes).size(), 3);
 }
 
 TEST(LabelMapping, MapsWhatIsSetAndNothingElse)

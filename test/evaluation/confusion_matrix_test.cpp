@@ -211,6 +211,9 @@ TEST(EvaluationReport, Texts)
             "truth \\ prediction,uncovered,building,sky,road,sign\n"
             "unlabelled,0,0,0,0,0\nbuilding,1,1,1,0,0\nsky,0,0,0,0,0\n"
             "road,0,0,0,1,0\nsign,0,0,0,0,0\n");
+  EXPECT_EQ(confusionCsv(ConfusionMatrix(1), LabelSet({{"a, \"b\""}})),
+            "truth \\ prediction,uncovered,\"a, \"\"b\"\"\"\nunlabelled,0,0\n"
+            "\"a, \"\"b\"\"\",0,0\n");
 }
 
 TEST(EvaluationReport, NothingToEvaluate)

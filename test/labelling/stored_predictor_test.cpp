@@ -114,6 +114,14 @@ TEST_F(StoredPredictorTest, FileOfAnotherImageSize)
   EXPECT_NE(refusal().find("000012.png"), std::string::npos);
 }
 
+TEST_F(StoredPredictorTest, FramesWithoutAFileAreFoundBeforeTheWork)
+{
+  writePng(file("000012.png"), cv::Mat(2, 4, CV_8UC1, cv::Scalar(1)));
+  const StoredPredictor predictor(folder_.string(), classes, 0.7f);
+  EXPECT_NO_THROW(predictor.requireFrames({12}));
+  EXPECT_THROW(predictor.requireFrames({12, 13}), BadInputException);
+}
+
 TEST_F(StoredPredictorTest, RefusesWrongArguments)
 {
   const std::string folder = folder_.string();

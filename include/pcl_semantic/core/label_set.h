@@ -34,7 +34,8 @@ public:
   LabelSet() = default;
 
   /** \brief Takes the classes in the order of their labels, 1 first.
-   * \throws InvalidParameterException unless there are 1 to 255, named uniquely. */
+   * \throws InvalidParameterException unless there are 1 to 255, named uniquely, by
+   * at most 100 bytes without control characters. */
   explicit LabelSet(std::vector<LabelClass> classes);
 
   /** \brief L, the number of classes without the unlabelled one. */

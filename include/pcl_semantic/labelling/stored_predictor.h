@@ -21,6 +21,8 @@ public:
   StoredPredictor(const std::string& folder, int classes, float png_confidence,
                   PixelMapping mapping = {});
 
+  void requireFrames(const std::vector<int>& frames) const override;
+
   /** \throws BadInputException if the frame has no file, more than one, or one that
    * does not fit its image */
   LabelDistributions predict(const StereoFrame& frame) override;
