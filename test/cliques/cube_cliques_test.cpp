@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -138,4 +139,39 @@ TEST(CubeCliques, RefusesABadEdge)
     EXPECT_TRUE(holds(
         thrownMessage<InvalidParameterException>([&] { CubeCliques cubes(edge); }),
         "edge"));
+}
+
+// As PCL's segmentations are used.
+TEST(CubeCliques, OfAnInputCloudAndIndices)
+{
+  const Cloud::Ptr cloud(new Cloud(randomCloud(500, Eigen::Vector3f::Zero(), 3.0f)));
+  cloud->header.frame_id = "lidar";
+  CubeCliques cubes(1.0);
+  std::vector<pcl::PointIndices> cliques;
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { cubes.extract(cliques); }),
+            "no input cloud"));
+  cubes.setInputCloud(cloud);
+  cubes.extract(cliques);
+  EXPECT_EQ(listsOf(cliques), listsOf(CubeCliques(1.0).generate(*cloud)));
+  EXPECT_EQ(cliques.at(0).header.frame_id, "lidar");
+
+  const pcl::IndicesPtr odd(new pcl::Indices);
+  for (int i = 1; i < 500; i += 2)
+    odd->push_back(i);
+  cubes.setIndices(odd);
+  cubes.extract(cliques);
+  std::vector<std::vector<int>> expected;
+  for (std::vector<int> clique : listsOf(CubeCliques(1.0).generate(*cloud))) {
+    clique.erase(
+        std::remove_if(clique.begin(), clique.end(), [](int i) { return i % 2 == 0; }),
+        clique.end());
+    if (!clique.empty())
+      expected.push_back(clique);
+  }
+  EXPECT_EQ(listsOf(cliques), expected);
+  odd->push_back(500);
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { cubes.extract(cliques); }),
+            "index 500 is beyond the 500 points"));
 }

@@ -5,6 +5,7 @@
 #include <pcl_semantic/core/export.h>
 
 #include <pcl/PointIndices.h>
+#include <pcl/pcl_base.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
@@ -19,14 +20,22 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * One point type for all, so that a generator is an ordinary class: callers with other
  * points copy xyz and, where there is one, colour (pcl::copyPointCloud does). A
  * generator that needs an image besides a map (superpixels) takes it in setters of its
- * own. Not for use from several threads at once. */
-class CliqueGenerator {
+ * own. Not for use from several threads at once.
+ *
+ * Used as PCL's segmentations are: setInputCloud(), setIndices(), extract(). */
+class CliqueGenerator : public pcl::PCLBase<pcl::PointXYZRGB> {
 public:
   using Ptr = std::shared_ptr<CliqueGenerator>;
   using ConstPtr = std::shared_ptr<const CliqueGenerator>;
   using Cloud = pcl::PointCloud<pcl::PointXYZRGB>;
 
-  virtual ~CliqueGenerator() = default;
+  /** \brief Groups the points of the input cloud, or those that setIndices() names: the
+   * others are as if they were not there, so that what needs an organized cloud refuses
+   * indices.
+   * \param[out] cliques lists of indices into the input cloud
+   * \throws InvalidParameterException if there is no input cloud, or an index beyond it
+   * \throws BadInputException as generate() */
+  void extract(std::vector<pcl::PointIndices>& cliques);
 
   /** \brief Whether the result depends on the colours: callers whose points have none
    * should refuse such a generator. */

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/cliques/clique_generator.h>
+#include <pcl_semantic/core/exceptions.h>
+
+namespace pcl_semantic {
+
+void
+CliqueGenerator::extract(std::vector<pcl::PointIndices>& cliques)
+{
+  if (!input_)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "cliques: there is no input cloud");
+  if (!indices_ || fake_indices_) {
+    cliques = generate(*input_);
+  }
+  else {
+    Cloud chosen;
+    for (const pcl::index_t i : *indices_) {
+      if (i < 0 || std::size_t(i) >= input_->size())
+        PCL_THROW_EXCEPTION(InvalidParameterException, "cliques: index "
+                                                           << i << " is beyond the "
+                                                           << input_->size()
+                                                           << " points of the cloud");
+      chosen.push_back((*input_)[std::size_t(i)]);
+    }
+    cliques = generate(chosen);
+    for (pcl::PointIndices& clique : cliques)
+      for (pcl::index_t& i : clique.indices)
+        i = (*indices_)[std::size_t(i)];
+  }
+  for (pcl::PointIndices& clique : cliques)
+    clique.header = input_->header;
+}
+
+} // namespace pcl_semantic
