@@ -40,8 +40,8 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
   }
   else {
     makeOutputFolder(std::filesystem::absolute(options_.path).parent_path().string());
-    archive_ = MapArchive::create(options_.path,
-                                  {run.label_set, run.config.map.withWindow(), describeRun(run)});
+    archive_ = MapArchive::create(
+        options_.path, {run.label_set, run.config.map.withWindow(), describeRun(run)});
   }
   is_new_ = !is_there;
 }

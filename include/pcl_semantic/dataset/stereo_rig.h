@@ -30,8 +30,8 @@ struct StereoRig {
   void validate() const;
 };
 
-/** \brief Reads a rig as `cv::FileStorage` writes it in YAML, Kalibr's camchain (cam0 is
- * the left camera, cam1 the right one; pinhole, radtan), or ROS' camera_info of both
+/** \brief Reads a rig as `cv::FileStorage` writes it in YAML, Kalibr's camchain (cam0
+ * is the left camera, cam1 the right one; pinhole, radtan), or ROS' camera_info of both
  * cameras (plumb_bob or rational_polynomial). Of OpenCV's:
  *
  * | value | key, one of |

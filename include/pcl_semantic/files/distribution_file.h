@@ -12,13 +12,10 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Reads the label distributions of an image.
  *
  * By extension: `.bin` float32, pixel-major, L values a pixel (the format of the
- * paper's released code); `.npy` H x W x L, float32 or float16; `.png` class ids, or what
- * \a mapping says, each taken with \a confidence.
- * \param[in] path file
- * \param[in] width columns of the image [px]
- * \param[in] height rows of the image [px]
- * \param[in] classes L
- * \param[in] confidence probability of the stated class, for `.png` only
+ * paper's released code); `.npy` H x W x L, float32 or float16; `.png` class ids, or
+ * what \a mapping says, each taken with \a confidence. \param[in] path file \param[in]
+ * width columns of the image [px] \param[in] height rows of the image [px] \param[in]
+ * classes L \param[in] confidence probability of the stated class, for `.png` only
  * \param[in] mapping likewise: of numbers (8 or 16 bits) or colours; colours that no
  * class has are refused, as they are mixed where an image was scaled
  * \return L x (width * height), pixels row by row, normalised; all-zero columns are

@@ -37,16 +37,16 @@ struct FusionParameters {
 /** \brief Parameters of SemanticVoxelMap. */
 struct MapParameters {
   double voxel_size = 0.1; ///< edge of a voxel [m]
-  /// Extent of the window around the sensor, world axes [m], rounded up to blocks; zeros:
-  /// see withWindow().
+  /// Extent of the window around the sensor, world axes [m], rounded up to blocks;
+  /// zeros: see withWindow().
   Eigen::Vector3d window{0.0, 0.0, 0.0};
   /// Reach in each axis of the sensor's frame [m]; for a camera with less than 90
   /// degrees of view this is depth. Points beyond it clear space up to it.
   double max_range = 40.0;
   FusionParameters fusion;
 
-  /** \brief The same with an extent in the place of zeros: max_range along each axis and
-   * 2 m more, at most 204 x 204 x 24 m. */
+  /** \brief The same with an extent in the place of zeros: max_range along each axis
+   * and 2 m more, at most 204 x 204 x 24 m. */
   MapParameters withWindow() const;
 
   /** \throws InvalidParameterException */
