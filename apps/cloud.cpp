@@ -53,10 +53,12 @@ parse(int argc, char** argv, Arguments& arguments)
       tool::label_mapping_help)("crop", po::value(&arguments.crop),
                                 "keep the points in a box x0,y0,z0,x1,y1,z1 [m]")(
       "keep", po::value(&arguments.keep),
-      "keep the points of these classes: names or numbers with commas between")(
-      "drop", po::value(&arguments.drop),
-      "drop the points of these classes")("relabel", po::value(&arguments.relabel),
-                                          "other labels for classes: fence=pole,7=0")(
+      "keep the points of these classes: names (also unlabelled) or numbers with "
+      "commas "
+      "between")("drop", po::value(&arguments.drop),
+                 "drop the points of these classes")(
+      "relabel", po::value(&arguments.relabel),
+      "other labels for classes: fence=pole,7=0")(
       "thin", po::value(&arguments.thin),
       "keep one point a voxel of this size [m], with the mean of its points' "
       "probabilities or their most frequent label")(
@@ -124,7 +126,7 @@ private:
         number <= largest)
       return Label(number);
     const Label label = label_set_ ? label_set_->find(word) : kUnlabelled;
-    if (label == kUnlabelled)
+    if (label == kUnlabelled && word != "unlabelled")
       PCL_THROW_EXCEPTION(
           InvalidParameterException,
           option << ": " << inQuotes(word) << " is no class"

@@ -11,7 +11,7 @@ main_models=(dense superpixel calibrated_dense calibrated_superpixel calibrated_
 # Table I, what the paper compares: its models, all with the same network as it comes.
 compared_models=(dense pn_potts superpixel clique_kernels no_free_label supervoxel)
 # And the systems, each on a map of its own.
-presets=(paper_dense released sengupta13 hermans14 vineet15 zhao16 sengupta15)
+presets=(paper paper_dense released sengupta13 hermans14 vineet15 zhao16 sengupta15)
 # One thing changed of the model `superpixel`.
 ablations=(every_4 five_updates write_back product)
 all_models=("${main_models[@]}" pn_potts clique_kernels no_free_label supervoxel

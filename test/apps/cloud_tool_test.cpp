@@ -62,6 +62,8 @@ TEST_F(CloudTool, CropsKeepsDropsAndRenames)
             (Points{{8, 1}, {9, 3}, {10, 3}}));
   EXPECT_EQ(intensitiesAndLabels(edited("--keep 1,5")),
             (Points{{7, 1}, {8, 1}, {11, 5}}));
+  EXPECT_EQ(intensitiesAndLabels(edited("--keep unlabelled,1")),
+            intensitiesAndLabels(edited("--keep 0,1")));
   EXPECT_EQ(intensitiesAndLabels(edited(
                 "--drop road --relabel car=0,building=3 --label-set " + label_set)),
             (Points{{7, 3}, {8, 3}, {11, 5}}))
