@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
