@@ -33,6 +33,24 @@ requireShape(const py::array& array, const char* name, py::ssize_t rows,
 }
 
 void
+requireIntegers(const py::array& array, const char* name)
+{
+  const char kind = array.dtype().kind();
+  if (kind != 'i' && kind != 'u' && kind != 'b' && array.size() > 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        name << " are " << py::str(array.dtype()).cast<std::string>()
+                             << ", expected integers");
+}
+
+void
+requireWithin(std::int64_t value, std::int64_t largest, const char* name)
+{
+  if (value < 0 || value > largest)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        name << " hold " << value << ", expected 0 to " << largest);
+}
+
+void
 setParameters(const ConfigParameters& parameters, const py::kwargs& values)
 {
   for (const auto& [key, value] : values) {

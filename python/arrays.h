@@ -13,6 +13,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,38 @@ constexpr py::ssize_t kAny = -1; ///< number of rows or columns
  * \throws InvalidParameterException that names it */
 void requireShape(const py::array& array, const char* name, py::ssize_t rows,
                   std::optional<py::ssize_t> columns = std::nullopt);
+
+/** \throws InvalidParameterException unless the array holds integers (or nothing) */
+void requireIntegers(const py::array& array, const char* name);
+
+/** \throws InvalidParameterException unless 0 <= value <= largest */
+void requireWithin(std::int64_t value, std::int64_t largest, const char* name);
+
+/** \brief Whole numbers of any kind as another kind of them.
+ * \throws InvalidParameterException that names them, if they are no integers, or one is
+ * not within the range of the other kind: as colours from 0 to 1 */
+template <typename T>
+Array<T>
+integersOf(const py::object& values, const char* name)
+{
+  const py::array array = py::array::ensure(values);
+  if (!array)
+    throw py::error_already_set();
+  requireIntegers(array, name);
+  const Array<std::int64_t> wide(array);
+  if constexpr (sizeof(T) < sizeof(std::int64_t))
+    for (py::ssize_t i = 0; i < wide.size(); ++i)
+      requireWithin(wide.data()[i], std::numeric_limits<T>::max(), name);
+  return Array<T>(wide);
+}
+
+/** \brief The same of what may be None. */
+template <typename T>
+MaybeArray<T>
+maybeIntegersOf(const py::object& values, const char* name)
+{
+  return values.is_none() ? std::nullopt : MaybeArray<T>(integersOf<T>(values, name));
+}
 
 /** \brief Sets parameters that are called as in YAML files.
  * \throws TypeError at a name that there is not */

@@ -28,6 +28,16 @@ cliquesOf(const Array<std::int64_t>& numbers, py::ssize_t points)
   return result;
 }
 
+CliqueGenerator::Ptr
+generatorOf(const std::string& kind)
+{
+  if (!namesCloudCliques(kind) || kind.rfind("slic", 0) == 0)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "cliques: '"
+                            << kind << "', expected cubes:SIZE or supervoxel:DISTANCE");
+  return makeCliqueGenerator(kind);
+}
+
 // Puts them into the cloud. \return the largest, at least 1
 int
 setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
@@ -47,9 +57,11 @@ setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>&
 
 py::tuple
 refine(const Array<float>& points, const MaybeArray<float>& probabilities,
-       const MaybeArray<std::int64_t>& labels, const MaybeArray<std::uint8_t>& colours,
+       const py::object& given_labels, const py::object& given_colours,
        const py::object& cliques, int classes, const py::kwargs& parameters)
 {
+  const auto labels = maybeIntegersOf<std::int64_t>(given_labels, "labels");
+  const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
   if (probabilities.has_value() == labels.has_value())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "expected probabilities or labels, one of them");
@@ -72,9 +84,9 @@ refine(const Array<float>& points, const MaybeArray<float>& probabilities,
     crf.setLabelConfidence(config.label_confidence, classes > 0 ? classes : largest);
   }
   if (py::isinstance<py::str>(cliques))
-    crf.setCliqueGenerator(makeCliqueGenerator(cliques.cast<std::string>()));
+    crf.setCliqueGenerator(generatorOf(cliques.cast<std::string>()));
   else if (!cliques.is_none())
-    crf.setCliques(cliquesOf(cliques.cast<Array<std::int64_t>>(), count));
+    crf.setCliques(cliquesOf(integersOf<std::int64_t>(cliques, "cliques"), count));
   {
     const py::gil_scoped_release others_may_run;
     crf.setInputCloud(cloud);
@@ -85,12 +97,13 @@ refine(const Array<float>& points, const MaybeArray<float>& probabilities,
 
 py::array_t<std::int32_t>
 cliques(const Array<float>& points, const std::string& kind,
-        const MaybeArray<std::uint8_t>& colours)
+        const py::object& given_colours)
 {
+  const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
   const auto labelled = cloudOf(points, colours);
   pcl::PointCloud<pcl::PointXYZRGB> cloud;
   pcl::copyPointCloud(*labelled, cloud);
-  const CliqueGenerator::Ptr generator = makeCliqueGenerator(kind);
+  const CliqueGenerator::Ptr generator = generatorOf(kind);
   if (generator->usesColour() && !colours)
     PCL_THROW_EXCEPTION(InvalidParameterException, "'" << kind << "' needs colours");
   std::vector<pcl::PointIndices> found;

@@ -12,9 +12,12 @@ namespace pcl_semantic::python {
 namespace {
 
 py::array_t<std::uint64_t>
-confusionMatrix(const Array<std::uint8_t>& truth, const Array<std::uint8_t>& prediction,
+confusionMatrix(const py::object& given_truth, const py::object& given_prediction,
                 int classes)
 {
+  const auto truth = integersOf<std::uint8_t>(given_truth, "ground truth labels");
+  const auto prediction =
+      integersOf<std::uint8_t>(given_prediction, "predicted labels");
   if (truth.size() != prediction.size())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "ground truth of " << truth.size() << " labels, prediction of "
@@ -30,8 +33,9 @@ confusionMatrix(const Array<std::uint8_t>& truth, const Array<std::uint8_t>& pre
 }
 
 py::dict
-scores(const Array<std::uint64_t>& counts)
+scores(const py::object& confusion)
 {
+  const auto counts = integersOf<std::uint64_t>(confusion, "counts");
   const py::ssize_t size = counts.ndim() == 2 ? counts.shape(0) : 0;
   if (size < 2 || size > 256)
     PCL_THROW_EXCEPTION(InvalidParameterException,

@@ -59,6 +59,9 @@ labelsAt(const SemanticVoxelMap& map, const Array<double>& points)
 void
 write(const SemanticVoxelMap& map, const std::string& path, bool class_colours)
 {
+  if (path.size() < 4 || path.substr(path.size() - 4) != ".pcd")
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        path << ": expected a name that ends in .pcd");
   const py::gil_scoped_release others_may_run;
   writeVoxelCloud(path, map.occupiedEverywhere(), map.labelSet(),
                   class_colours ? VoxelColour::classes : VoxelColour::measured);
@@ -94,9 +97,9 @@ public:
 
   py::dict
   integrate(const Array<float>& points, const Array<double>& pose,
-            const MaybeArray<float>& probabilities,
-            const MaybeArray<std::uint8_t>& colours)
+            const MaybeArray<float>& probabilities, const py::object& given_colours)
   {
+    const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
     const auto cloud = cloudOf(points, colours);
     const Eigen::Isometry3d T_world_sensor = poseOf(pose);
     const LabelDistributions distributions =
@@ -160,14 +163,21 @@ cameraOf(const std::vector<double>& numbers)
                         "the camera has " << numbers.size()
                                           << " numbers, expected seven: fx, fy, cx, cy "
                                              "[px], baseline [m], width, height [px]");
+  for (const std::size_t i : {5, 6})
+    if (!(numbers[i] >= 2.0 && numbers[i] <= 65536.0))
+      PCL_THROW_EXCEPTION(InvalidParameterException, "the camera's image size is "
+                                                         << numbers[5] << " x "
+                                                         << numbers[6]
+                                                         << ", expected 2 to 65536");
   return {numbers[0], numbers[1],      numbers[2],     numbers[3],
           numbers[4], int(numbers[5]), int(numbers[6])};
 }
 
 // H x W or H x W x 3, red green blue.
 cv::Mat
-imageOf(const Array<std::uint8_t>& array, const StereoCamera& camera, const char* name)
+imageOf(const py::object& values, const StereoCamera& camera, const char* name)
 {
+  const auto array = integersOf<std::uint8_t>(values, name);
   const bool is_grey = array.ndim() == 2;
   if ((!is_grey && (array.ndim() != 3 || array.shape(2) != 3)) ||
       array.shape(0) != camera.height || array.shape(1) != camera.width)
@@ -214,9 +224,9 @@ public:
 
   py::dict
   process(const Array<float>& points, const Array<double>& pose,
-          const MaybeArray<float>& probabilities,
-          const MaybeArray<std::uint8_t>& colours)
+          const MaybeArray<float>& probabilities, const py::object& given_colours)
   {
+    const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
     const auto cloud = cloudOf(points, colours);
     CloudFrame frame;
     frame.cloud.reset(new pcl::PointCloud<pcl::PointXYZRGB>);
@@ -231,7 +241,7 @@ public:
   }
 
   py::dict
-  processPair(const Array<std::uint8_t>& left, const Array<std::uint8_t>& right,
+  processPair(const py::object& left, const py::object& right,
               const Array<double>& pose, const Array<float>& probabilities)
   {
     if (!camera_)

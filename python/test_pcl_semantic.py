@@ -66,6 +66,13 @@ class Refine(unittest.TestCase):
                 ("labels are 3, expected 4000", {"labels": noisy[:3]}),
                 ("points are 3, expected N x 3", {"points": points[0], "labels": noisy}),
                 ("probabilities or labels", {}),
+                ("labels are float64, expected integers", {"labels": noisy + 0.5}),
+                ("colours are float32, expected integers",
+                 {"labels": noisy, "colours": points / 4}),
+                ("colours hold 256", {"labels": noisy,
+                                      "colours": np.full((4000, 3), 256)}),
+                ("'superpixel', expected cubes",
+                 {"labels": noisy, "crf": "hierarchical", "cliques": "superpixel"}),
                 ("-1 of point 0", {"labels": noisy - 10 * (noisy > 0) + 8 - (noisy > 1)}),
                 ("smoothness_weight is -1", {"labels": noisy, "smoothness_weight": -1}),
                 ("colours are 4000, expected 4000 x 3",
@@ -190,6 +197,8 @@ class Mapper(unittest.TestCase):
             mapper.process_pair(image, image, np.eye(4), np.ones((2400, 11)))
         with self.assertRaisesRegex(ValueError, "expected seven"):
             pcl_semantic.SemanticMapper(LABEL_SET, camera=[1, 2])
+        with self.assertRaisesRegex(ValueError, "image size is 6.5 x 1e"):
+            pcl_semantic.SemanticMapper(LABEL_SET, camera=[1, 2, 3, 4, 5, 6.5, 1e300])
         mapper = pcl_semantic.SemanticMapper(LABEL_SET, disparities=64,
                                              camera=[50, 50, 30, 20, 0.5, 60, 40])
         with self.assertRaisesRegex(ValueError, "left image"):
@@ -224,6 +233,8 @@ class Files(unittest.TestCase):
                            {"x": np.zeros(2), "y": np.zeros(3)}, {"a b": np.zeros(2)}):
                 with self.assertRaises(ValueError):
                     pcl_semantic.write_cloud(os.path.join(folder, "no.pcd"), broken)
+            with self.assertRaisesRegex(ValueError, "ends in .pcd"):
+                pcl_semantic.write_cloud(os.path.join(folder, "no.ply"), cloud)
             self.assertEqual(os.listdir(folder), ["cloud.pcd"])
         self.assertEqual(list(found), list(cloud))
         for name, column in cloud.items():
