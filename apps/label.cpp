@@ -239,9 +239,7 @@ makePredictor(const LabelArguments& arguments)
   }
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   const int classes = label_set.size();
-  PixelMapping mapping;
-  if (!arguments.label_mapping.empty())
-    mapping = readPixelMapping(arguments.label_mapping, label_set);
+  PixelMapping mapping = readPixelMapping(arguments.label_mapping, label_set);
   const auto confidence = float(arguments.label_confidence);
   if (arguments.carries() || isFolder(arguments.labels) ||
       fs::path(arguments.clouds).extension() != ".pcd")

@@ -4,19 +4,17 @@
 #include "sequence_options.h"
 
 #include <pcl_semantic/core/visible_points.h>
+#include <pcl_semantic/dataset/camera_images.h>
 #include <pcl_semantic/labelling/label_predictor.h>
 
 #include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include <memory>
+#include <optional>
 #include <string>
 
 namespace pcl_semantic::tool {
-
-/** \brief The images in which a camera saw what a scanner measured. */
-class SeeingCamera;
 
 /** \brief Gives a scanner's clouds the labels of a camera's images. */
 class LabelCarrier {
@@ -29,8 +27,6 @@ public:
   LabelCarrier(const SequenceOptions& images, const std::string& sensor_pose,
                const VisibilityParameters& visibility);
 
-  ~LabelCarrier();
-
   /** \brief Before the work: \throws BadInputException if there is no image of a frame
    * \param[in] cloud of that frame, for the message */
   void requireImage(const std::string& cloud, int frame) const;
@@ -41,9 +37,9 @@ public:
                            LabelPredictor& predictor) const;
 
 private:
-  std::unique_ptr<SeeingCamera> camera_;
   VisibilityParameters visibility_;
   Eigen::Isometry3d T_camera_sensor_ = Eigen::Isometry3d::Identity();
+  std::optional<CameraImages> images_; ///< in which the camera saw the points
 };
 
 } // namespace pcl_semantic::tool

@@ -106,8 +106,7 @@ requireLabels(const MapArguments& arguments)
 {
   if (!arguments.sensor.empty())
     fail("--sensor is for --clouds");
-  if (!arguments.label_mapping.empty() && arguments.clouds.empty() &&
-      arguments.labels.empty())
+  if (!arguments.label_mapping.empty() && arguments.labels.empty())
     fail("--label-mapping is for --labels or --clouds");
   if (arguments.labels.empty() == arguments.network.empty())
     fail("expected either --labels or --network");
@@ -115,6 +114,15 @@ requireLabels(const MapArguments& arguments)
     fail("--model needs --network");
   if (!arguments.label_set.empty() && arguments.labels.empty())
     fail("--label-set is for --labels; the description of a network names its own");
+}
+
+// Other sources of poses are those of stereo sequences.
+void
+requireTrajectory(const MapArguments& arguments, const std::string& option)
+{
+  if (arguments.poses == "auto" || arguments.poses == "sequence" ||
+      arguments.poses == "odometry")
+    fail(option + " needs a trajectory: --poses FILE");
 }
 
 void
@@ -128,9 +136,7 @@ requireClouds(const MapArguments& arguments)
   if (!arguments.labels.empty() || !arguments.network.empty() ||
       !arguments.model.empty())
     fail("--clouds bring their labels: pcl_semantic_label gives them some");
-  if (arguments.poses == "auto" || arguments.poses == "sequence" ||
-      arguments.poses == "odometry")
-    fail("--clouds needs a trajectory: --poses FILE");
+  requireTrajectory(arguments, "--clouds");
   if (sensor != "own" && sensor != "camera" && sensor != "grey" && sensor != "laser")
     fail("--sensor is '" + sensor + "', expected own, camera, grey or laser");
   if ((sensor == "own") != sequence.files.calibration.empty())
@@ -150,9 +156,7 @@ requireRgbd(const MapArguments& arguments)
     fail("--rgbd and a SEQUENCE, --clouds or options of pairs exclude each other");
   if (files.calibration.empty())
     fail("--rgbd needs --calibration, the camera's intrinsics");
-  if (arguments.poses == "auto" || arguments.poses == "sequence" ||
-      arguments.poses == "odometry")
-    fail("--rgbd needs a trajectory: --poses FILE");
+  requireTrajectory(arguments, "--rgbd");
   if (!arguments.also.empty())
     fail("--also is for stereo");
   requireLabels(arguments);

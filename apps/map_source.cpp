@@ -83,13 +83,11 @@ makeLabelling(const MapArguments& arguments)
             arguments.model.empty() ? network.model_path : arguments.model};
   }
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
-  PixelMapping mapping;
-  if (!arguments.label_mapping.empty())
-    mapping = readPixelMapping(arguments.label_mapping, label_set);
   return {label_set,
           std::make_unique<StoredPredictor>(
               arguments.labels, label_set.size(),
-              float(arguments.parameters.label_confidence), std::move(mapping)),
+              float(arguments.parameters.label_confidence),
+              readPixelMapping(arguments.label_mapping, label_set)),
           ""};
 }
 
@@ -146,6 +144,21 @@ makePoses(const std::string& chosen, const FrameSequence& sequence)
 
 namespace {
 
+// What a source is made from whose images are labelled in the run.
+void
+addLabelledInputs(const MapArguments& arguments, const std::string& poses,
+                  const std::string& model, MappingRun& run)
+{
+  run.inputs.insert(run.inputs.end(),
+                    {{"poses", poses},
+                     {"labels", arguments.labels},
+                     {"label_mapping", arguments.label_mapping},
+                     {"network", arguments.network},
+                     {"model", model},
+                     {"label_calibration", arguments.label_calibration},
+                     {"clique_calibration", arguments.clique_calibration}});
+}
+
 class SequenceSource : public MapSource {
 public:
   explicit SequenceSource(const MapArguments& arguments)
@@ -153,23 +166,17 @@ public:
         watch_(arguments.sequence.strict, sequence_->camera())
   {
     poses_ = choosePoses(arguments, *sequence_);
-    labelling_ = makeLabelling(arguments);
+    Labelling labelling = makeLabelling(arguments);
     positions_ = chooseFrames(arguments.sequence, *sequence_, arguments.frames);
     run_.inputs = inputsOf(arguments.sequence);
-    run_.inputs.insert(run_.inputs.end(),
-                       {{"poses", poses_},
-                        {"labels", arguments.labels},
-                        {"label_mapping", arguments.label_mapping},
-                        {"network", arguments.network},
-                        {"model", labelling_.model},
-                        {"label_calibration", arguments.label_calibration},
-                        {"clique_calibration", arguments.clique_calibration}});
+    addLabelledInputs(arguments, poses_, labelling.model, run_);
     for (const std::size_t i : positions_)
       run_.frames.push_back(sequence_->frameNumber(i));
-    labelling_.predictor->requireFrames(run_.frames);
+    labelling.predictor->requireFrames(run_.frames);
     run_.camera = sequence_->camera();
     run_.T_camera0_camera = sequence_->T_camera0_camera();
-    run_.label_set = labelling_.label_set;
+    run_.label_set = labelling.label_set;
+    predictor_ = std::move(labelling.predictor);
     run_.config = arguments.parameters;
     extras_ = makeExtras(arguments, sequence_.get(), positions_);
     calibrations_ = readCalibrations(arguments, run_.label_set);
@@ -198,18 +205,8 @@ public:
   }
 
 private:
-  std::unique_ptr<SemanticMapper>
-  newMapper(std::unique_ptr<PoseSource> poses,
-            std::shared_ptr<BlockStore> store) override
-  {
-    return std::make_unique<SemanticMapper>(
-        run_.label_set, run_.config, std::move(poses), run_.camera,
-        std::move(labelling_.predictor), std::move(store));
-  }
-
   std::unique_ptr<FrameSequence> sequence_;
   PairWatch watch_;
-  Labelling labelling_;
   std::vector<std::size_t> positions_;
 };
 
@@ -219,7 +216,9 @@ std::unique_ptr<SemanticMapper>
 MapSource::makeMapper(std::unique_ptr<PoseSource> poses,
                       std::shared_ptr<BlockStore> store)
 {
-  auto mapper = newMapper(std::move(poses), std::move(store));
+  auto mapper = std::make_unique<SemanticMapper>(
+      run_.label_set, run_.config, std::move(poses), run_.camera, std::move(predictor_),
+      std::move(store));
   setCalibrations(calibrations_, *mapper);
   return mapper;
 }
@@ -307,15 +306,6 @@ public:
   }
 
 private:
-  std::unique_ptr<SemanticMapper>
-  newMapper(std::unique_ptr<PoseSource> poses,
-            std::shared_ptr<BlockStore> store) override
-  {
-    return std::make_unique<SemanticMapper>(run_.label_set, run_.config,
-                                            std::move(poses), run_.camera, nullptr,
-                                            std::move(store));
-  }
-
   // Where the sensor is in camera 0, and its camera.
   void
   setSensor()
@@ -388,16 +378,9 @@ public:
     for (const std::size_t i : positions_)
       run_.frames.push_back(int(i));
     run_.inputs = inputsOf(arguments.sequence);
-    run_.inputs.insert(run_.inputs.end(),
-                       {{"rgbd", arguments.rgbd},
-                        {"depth_scale", shown(arguments.depth_scale)},
-                        {"poses", poses_},
-                        {"labels", arguments.labels},
-                        {"label_mapping", arguments.label_mapping},
-                        {"network", arguments.network},
-                        {"model", labelling_.model},
-                        {"label_calibration", arguments.label_calibration},
-                        {"clique_calibration", arguments.clique_calibration}});
+    run_.inputs.emplace_back("rgbd", arguments.rgbd);
+    run_.inputs.emplace_back("depth_scale", shown(arguments.depth_scale));
+    addLabelledInputs(arguments, poses_, labelling_.model, run_);
     labelling_.predictor->requireFrames(run_.frames);
     run_.camera = sequence_.camera();
     run_.label_set = labelling_.label_set;
@@ -435,15 +418,6 @@ public:
   }
 
 private:
-  std::unique_ptr<SemanticMapper>
-  newMapper(std::unique_ptr<PoseSource> poses,
-            std::shared_ptr<BlockStore> store) override
-  {
-    return std::make_unique<SemanticMapper>(run_.label_set, run_.config,
-                                            std::move(poses), run_.camera, nullptr,
-                                            std::move(store));
-  }
-
   RgbdSequence sequence_;
   Labelling labelling_;
   std::vector<std::size_t> positions_;

@@ -109,12 +109,9 @@ protected:
   std::string poses_;
   ExtraOptions extras_;
   Calibrations calibrations_;
+  std::unique_ptr<LabelPredictor>
+      predictor_;        // for the mapper; null if frames are clouds
   std::size_t next_ = 0; // of the frames
-
-private:
-  /** \brief makeMapper() without the calibrations. */
-  virtual std::unique_ptr<SemanticMapper>
-  newMapper(std::unique_ptr<PoseSource> poses, std::shared_ptr<BlockStore> store) = 0;
 };
 
 /** \brief Opens the sequence or the clouds that the arguments name.

@@ -96,7 +96,7 @@ convert(const Options& options)
   double valid = 0.0;
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     const CloudFrame frame = sequence.frame(i, options.max_depth);
-    writeColourCloud(options.output + "/" + sequence.name(i) + ".pcd", *frame.cloud);
+    writeColourCloud(clouds[i], *frame.cloud);
     valid += double(std::count_if(frame.cloud->begin(), frame.cloud->end(),
                                   [](const auto& point) { return point.z > 0.0f; })) /
              double(frame.cloud->size());

@@ -51,6 +51,14 @@ requireWithin(std::int64_t value, std::int64_t largest, const char* name)
 }
 
 void
+requirePcdName(const std::string& path)
+{
+  if (std::filesystem::path(path).extension() != ".pcd")
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        path << ": expected a name that ends in .pcd");
+}
+
+void
 setParameters(const ConfigParameters& parameters, const py::kwargs& values)
 {
   for (const auto& [key, value] : values) {

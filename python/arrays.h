@@ -66,6 +66,9 @@ maybeIntegersOf(const py::object& values, const char* name)
   return values.is_none() ? std::nullopt : MaybeArray<T>(integersOf<T>(values, name));
 }
 
+/** \throws InvalidParameterException unless a name to write ends in .pcd */
+void requirePcdName(const std::string& path);
+
 /** \brief Sets parameters that are called as in YAML files.
  * \throws TypeError at a name that there is not */
 void setParameters(const ConfigParameters& parameters, const py::kwargs& values);

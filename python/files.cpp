@@ -67,9 +67,7 @@ fieldOf(const std::string& name, const py::array& column)
 void
 writeCloud(const std::string& path, const py::dict& cloud)
 {
-  if (path.size() < 4 || path.substr(path.size() - 4) != ".pcd")
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        path << ": expected a name that ends in .pcd");
+  requirePcdName(path);
   PcdTable table;
   bool is_first = true;
   for (const auto& [key, value] : cloud) {

@@ -59,9 +59,7 @@ labelsAt(const SemanticVoxelMap& map, const Array<double>& points)
 void
 write(const SemanticVoxelMap& map, const std::string& path, bool class_colours)
 {
-  if (path.size() < 4 || path.substr(path.size() - 4) != ".pcd")
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        path << ": expected a name that ends in .pcd");
+  requirePcdName(path);
   const py::gil_scoped_release others_may_run;
   writeVoxelCloud(path, map.occupiedEverywhere(), map.labelSet(),
                   class_colours ? VoxelColour::classes : VoxelColour::measured);

@@ -5,38 +5,39 @@
 #include <pcl_semantic/dataset/camera_images.h>
 #include <pcl_semantic/files/image_file.h>
 
-#include <algorithm>
-#include <numeric>
-
 namespace pcl_semantic {
 
 CameraImages::CameraImages(const std::string& pattern, const PinholeCamera& camera)
-    : pattern_(pattern), paths_(findFiles(pattern, imageExtensions())),
-      numbers_(frameNumbersOf(paths_))
+    : name_(pattern)
 {
   camera.validate();
-  if (numbers_.empty()) {
-    numbers_.resize(paths_.size());
-    std::iota(numbers_.begin(), numbers_.end(), 0);
-  }
-  const cv::Mat first = readImage(paths_.front());
+  const std::vector<std::string> paths = findFiles(pattern, imageExtensions());
+  const std::vector<int> numbers = frameNumbersOf(paths);
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    paths_[numbers.empty() ? int(i) : numbers[i]] = paths[i];
+  const cv::Mat first = readImage(paths.front());
   camera_ = {camera.fx, camera.fy, camera.cx, camera.cy, 1.0, first.cols, first.rows};
 }
+
+CameraImages::CameraImages(std::map<int, std::string> paths, const StereoCamera& camera,
+                           std::string name)
+    : paths_(std::move(paths)), camera_(camera), name_(std::move(name))
+{}
 
 cv::Mat
 CameraImages::image(int frame) const
 {
-  const auto found = std::find(numbers_.begin(), numbers_.end(), frame);
-  if (found == numbers_.end())
+  const auto found = paths_.find(frame);
+  if (found == paths_.end())
     PCL_THROW_EXCEPTION(BadInputException,
-                        pattern_ << ": has no image of frame " << frame);
-  const std::string& path = paths_[std::size_t(found - numbers_.begin())];
-  cv::Mat image = readImage(path);
+                        name_ << ": has no image of frame " << frame);
+  cv::Mat image = readImage(found->second);
   if (image.cols != camera_.width || image.rows != camera_.height)
     PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has " << image.cols << " x " << image.rows
-                             << " pixels, expected those of " << paths_.front() << ", "
-                             << camera_.width << " x " << camera_.height);
+                        found->second << ": has " << image.cols << " x " << image.rows
+                                      << " pixels, expected those of "
+                                      << paths_.begin()->second << ", " << camera_.width
+                                      << " x " << camera_.height);
   return image;
 }
 

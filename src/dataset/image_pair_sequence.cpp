@@ -88,10 +88,7 @@ ImagePairSequence::frame(std::size_t i) const
       readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
                      {camera().width, camera().height}, "the first image");
   frame.timestamp = timestamp(i);
-  if (pair_.rectifier) {
-    frame.left = pair_.rectifier->rectify(frame.left, StereoSide::left);
-    frame.right = pair_.rectifier->rectify(frame.right, StereoSide::right);
-  }
+  pair_.rectify(frame);
   return frame;
 }
 

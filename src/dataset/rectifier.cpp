@@ -168,6 +168,15 @@ readRigOf(const SizedFile& first, const CalibrationFiles& files)
 
 } // namespace
 
+void
+RectifiedPair::rectify(StereoFrame& frame) const
+{
+  if (!rectifier)
+    return;
+  frame.left = rectifier->rectify(frame.left, StereoSide::left);
+  frame.right = rectifier->rectify(frame.right, StereoSide::right);
+}
+
 RectifiedPair
 readRectifiedPair(const CalibrationFiles& files, const SizedFile& first,
                   KittiCameras cameras)

@@ -158,10 +158,7 @@ VideoPairSequence::frame(std::size_t i) const
   frame.timestamp = timestamp(i);
   frame.left = videos_->left.frame(i);
   frame.right = videos_->right.frame(i);
-  if (const auto& rectifier = videos_->pair.rectifier) {
-    frame.left = rectifier->rectify(frame.left, StereoSide::left);
-    frame.right = rectifier->rectify(frame.right, StereoSide::right);
-  }
+  videos_->pair.rectify(frame);
   return frame;
 }
 

@@ -6,22 +6,6 @@
 
 namespace pcl_semantic {
 
-namespace {
-
-std::vector<SeenPoint>
-seenPointsOf(const pcl::PointCloud<pcl::PointXYZI>& scan, const StereoCamera& camera,
-             const Eigen::Isometry3d& T_camera_scanner,
-             const VisibilityParameters& parameters)
-{
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(scan.size());
-  for (const pcl::PointXYZI& point : scan)
-    points.push_back(T_camera_scanner * point.getVector3fMap().cast<double>());
-  return seenPoints(points, camera, parameters);
-}
-
-} // namespace
-
 std::vector<float>
 seenDepths(const pcl::PointCloud<pcl::PointXYZI>& scan, const StereoCamera& camera,
            const Eigen::Isometry3d& T_camera_scanner,
@@ -29,7 +13,8 @@ seenDepths(const pcl::PointCloud<pcl::PointXYZI>& scan, const StereoCamera& came
 {
   std::vector<float> depths;
   depths.reserve(scan.size());
-  for (const SeenPoint& p : seenPointsOf(scan, camera, T_camera_scanner, parameters))
+  for (const SeenPoint& p :
+       seenPoints(pointsInCamera(scan, T_camera_scanner), camera, parameters))
     depths.push_back(p.depth);
   return depths;
 }
@@ -45,7 +30,7 @@ projectLidarTruth(const pcl::PointCloud<pcl::PointXYZI>& scan,
                         "there are " << labels.size() << " labels for " << scan.size()
                                      << " points");
   const std::vector<SeenPoint> seen =
-      seenPointsOf(scan, camera, T_camera_scanner, parameters);
+      seenPoints(pointsInCamera(scan, T_camera_scanner), camera, parameters);
   cv::Mat1b truth(camera.height, camera.width, kUnlabelled);
   cv::Mat1f nearest(camera.height, camera.width,
                     std::numeric_limits<float>::infinity());

@@ -105,16 +105,16 @@ MapGeometry::addScan(const pcl::PointCloud<pcl::PointXYZI>& scan,
     origin_ = T_world_camera.translation();
   VisibilityParameters seen_parameters;
   seen_parameters.max_depth = parameters_.bands.back();
-  const std::vector<float> seen =
-      seenDepths(scan, camera, T_camera_scanner, seen_parameters);
-  std::vector<Eigen::Vector3d> camera_points;
+  const std::vector<Eigen::Vector3d> camera_points =
+      pointsInCamera(scan, T_camera_scanner);
+  const std::vector<SeenPoint> seen =
+      seenPoints(camera_points, camera, seen_parameters);
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    camera_points.push_back(T_camera_scanner * scan[i].getVector3fMap().cast<double>());
-    const Eigen::Vector3d point = T_world_camera * camera_points.back();
+    const Eigen::Vector3d point = T_world_camera * camera_points[i];
     const Eigen::Vector3f near = (point - origin_).cast<float>();
     returns_->push_back(pcl::PointXYZ(near.x(), near.y(), near.z()));
-    if (seen[i] > 0.0f)
-      countSurface(point, seen[i]);
+    if (seen[i].depth > 0.0f)
+      countSurface(point, seen[i].depth);
   }
   judgeVoxels(camera_points, camera, T_world_camera.inverse());
 }

@@ -107,6 +107,8 @@ readLabelMapping(const std::string& path, const LabelSet& label_set)
 PixelMapping
 readPixelMapping(const std::string& path, const LabelSet& label_set)
 {
+  if (path.empty())
+    return {};
   if (path != "colours")
     return readLabelMapping(path, label_set);
   try {

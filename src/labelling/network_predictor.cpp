@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "onnx_check.h"
-
 #include "files/quiet_opencv.h"
+#include "onnx_check.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>

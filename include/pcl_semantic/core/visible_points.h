@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <pcl/point_cloud.h>
 
 #include <optional>
 #include <vector>
@@ -28,6 +30,20 @@ struct VisibilityParameters {
  * nearer than z = 0.1 m. \param[in] point camera frame [m] */
 std::optional<Eigen::Vector2i> pixelOf(const Eigen::Vector3d& point,
                                        const StereoCamera& camera);
+
+/** \brief The points of a cloud in the camera's frame [m].
+ * \param[in] T_camera_sensor pose of what took the cloud in the camera */
+template <typename PointT>
+std::vector<Eigen::Vector3d>
+pointsInCamera(const pcl::PointCloud<PointT>& cloud,
+               const Eigen::Isometry3d& T_camera_sensor)
+{
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(cloud.size());
+  for (const PointT& point : cloud)
+    points.push_back(T_camera_sensor * point.getVector3fMap().template cast<double>());
+  return points;
+}
 
 /** \brief Where the camera sees a point. */
 struct SeenPoint {

@@ -7,47 +7,50 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include <cstddef>
+#include <map>
 #include <string>
-#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Images of one camera without distortion, by a pattern.
+/** \brief Images of one camera without distortion, by the numbers of their frames.
  *
- * If every name is a whole number up to 999999 it is the frame's number; else frame n
- * is the n-th image from 0 in natural order. CloudSequence counts likewise. */
+ * Of those of a pattern: if every name is a whole number up to 999999 it is the frame's
+ * number; else frame n is the n-th image from 0 in natural order. CloudSequence counts
+ * likewise. */
 class CameraImages {
 public:
   /** \param[in] pattern see findFiles()
    * \throws BadInputException if it matches nothing, or two names have one number */
   CameraImages(const std::string& pattern, const PinholeCamera& camera);
 
-  /** \brief The camera, with the size of the first image; a baseline of 1 m that means
-   * nothing. */
+  /** \param[in] paths by frame
+   * \param[in] camera with its image size
+   * \param[in] name of them all, for messages */
+  CameraImages(std::map<int, std::string> paths, const StereoCamera& camera,
+               std::string name);
+
+  /** \brief The camera with its image size; of a pattern that of the first image, and a
+   * baseline of 1 m that means nothing. */
   const StereoCamera&
   camera() const
   {
     return camera_;
   }
 
-  /** \brief The numbers of the frames, in natural order of their files. */
-  const std::vector<int>&
-  numbers() const
+  bool
+  has(int frame) const
   {
-    return numbers_;
+    return paths_.count(frame) > 0;
   }
 
   /** \brief The image of a frame, CV_8UC3 (BGR) or CV_8UC1.
-   * \throws BadInputException if there is none, or it has another size than the first
-   */
+   * \throws BadInputException if there is none, or it has not the camera's size */
   cv::Mat image(int frame) const;
 
 private:
-  std::string pattern_;
-  std::vector<std::string> paths_;
-  std::vector<int> numbers_;
+  std::map<int, std::string> paths_; ///< by frame
   StereoCamera camera_;
+  std::string name_;
 };
 
 } // namespace pcl_semantic

@@ -38,6 +38,13 @@ public:
     return frames_.at(i).number;
   }
 
+  /** \brief Path of the i-th left image. */
+  const std::string&
+  leftPath(std::size_t i) const
+  {
+    return frames_.at(i).left;
+  }
+
   /** \brief That of `times.txt` or, without it, 0.1 s times the frame number. */
   double
   timestamp(std::size_t i) const override

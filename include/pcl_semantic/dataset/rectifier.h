@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/dataset/stereo_rig.h>
 
@@ -72,6 +73,9 @@ struct RectifiedPair {
   StereoCamera camera;                                                ///< with its size
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity(); ///< left camera
   std::optional<Rectifier> rectifier; ///< none if the images are rectified already
+
+  /** \brief Rectifies the images of a frame, if they are not yet. */
+  void rectify(StereoFrame& frame) const;
 };
 
 /** \brief Files that describe a pair. */

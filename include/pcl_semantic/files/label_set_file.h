@@ -23,7 +23,8 @@ void writeLabelSet(const std::string& path, const LabelSet& label_set);
 LabelMapping readLabelMapping(const std::string& path, const LabelSet& label_set);
 
 /** \brief The same for label images, of which `colours` says that they are drawn in the
- * colours of the classes. \throws BadInputException also if two classes have one */
+ * colours of the classes, and an empty \a path that they hold labels. \throws
+ * BadInputException also if two classes have one */
 PixelMapping readPixelMapping(const std::string& path, const LabelSet& label_set);
 
 } // namespace pcl_semantic
