@@ -7,7 +7,7 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/io/label_sheet.h>
+#include <pcl_semantic/io/label_comparison.h>
 
 #include <filesystem>
 #include <sstream>
@@ -30,7 +30,7 @@ const tool::Usage usage{
     "  pcl_semantic_compare --image /tmp/street/image_2 \\\n"
     "    --labels /tmp/map/network_labels /tmp/map/labels --names \"2D network,map\" "
     "\\\n"
-    "    --truth /tmp/street/gt --output /tmp/sheets"};
+    "    --truth /tmp/street/gt --output /tmp/figures"};
 
 struct Arguments {
   std::string image, names, truth, label_set, output;
@@ -84,10 +84,10 @@ parse(int argc, char** argv, Arguments& arguments)
       "ground truth image or folder, 0 = not known; a folder need not have all frames")(
       "label-set", po::value(&arguments.label_set),
       "classes (YAML); default: the eleven of KITTI")(
-      "output,o", po::value(&arguments.output),
-      "sheet (.png), or folder of sheets")("small", po::bool_switch(&arguments.small),
-                                           "half the bytes, in fewer shades of colour");
-  tool::addOption(options, "width", arguments.width, "of a sheet [px]");
+      "output,o", po::value(&arguments.output), "figure (.png), or folder of figures")(
+      "small", po::bool_switch(&arguments.small),
+      "half the bytes, in fewer shades of colour");
+  tool::addOption(options, "width", arguments.width, "of a figure [px]");
   po::variables_map values;
   if (!tool::parseCommandLine(argc, argv, usage, options, {}, values))
     return false;
@@ -113,11 +113,11 @@ namesOf(const Arguments& arguments)
   return names;
 }
 
-/** \brief Makes one sheet. \param[in] file name within the folders; empty: they are
+/** \brief Makes one figure. \param[in] file name within the folders; empty: they are
  * files themselves */
 void
-makeSheet(const Arguments& arguments, const std::vector<std::string>& names,
-          const LabelSet& label_set, const std::string& file)
+drawFigure(const Arguments& arguments, const std::vector<std::string>& names,
+           const LabelSet& label_set, const std::string& file)
 {
   const std::string below = file.empty() ? "" : "/" + file;
   const cv::Mat image = readPng(arguments.image + below, ImageKind::grey_or_colour);
@@ -128,15 +128,15 @@ makeSheet(const Arguments& arguments, const std::vector<std::string>& names,
   cv::Mat truth;
   if (!arguments.truth.empty() && (file.empty() || fs::exists(arguments.truth + below)))
     truth = readPng(arguments.truth + below, ImageKind::labels);
-  cv::Mat sheet;
+  cv::Mat figure;
   try {
-    sheet = drawLabelSheet(image, labels, truth, label_set, arguments.width);
+    figure = drawLabelComparison(image, labels, truth, label_set, arguments.width);
   }
   catch (const InvalidParameterException& error) { // the fault of the images
     PCL_THROW_EXCEPTION(BadInputException,
                         arguments.image << below << ": " << error.what());
   }
-  (arguments.small ? writeSmallPng : writePng)(arguments.output + below, sheet);
+  (arguments.small ? writeSmallPng : writePng)(arguments.output + below, figure);
 }
 
 int
@@ -145,8 +145,8 @@ compare(const Arguments& arguments)
   const std::vector<std::string> names = namesOf(arguments);
   const LabelSet label_set = tool::readLabelSetOrDefault(arguments.label_set);
   if (!isFolder(arguments.image)) {
-    makeSheet(arguments, names, label_set, "");
-    tool::printResults({{"sheet", arguments.output}});
+    drawFigure(arguments, names, label_set, "");
+    tool::printResults({{"figure", arguments.output}});
     return tool::exit_done;
   }
   const std::vector<FrameFile> frames =
@@ -158,10 +158,10 @@ compare(const Arguments& arguments)
   makeOutputFolder(arguments.output);
   tool::ProgressBar progress("drawing", frames.size());
   for (const FrameFile& frame : frames) {
-    makeSheet(arguments, names, label_set, fs::path(frame.path).filename());
+    drawFigure(arguments, names, label_set, fs::path(frame.path).filename());
     progress.step();
   }
-  tool::printResults({{"sheets", arguments.output}});
+  tool::printResults({{"figures", arguments.output}});
   return tool::exit_done;
 }
 

@@ -11,7 +11,7 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/filters/image_crf.h>
-#include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/io/map_images.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <iostream>

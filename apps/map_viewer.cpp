@@ -97,7 +97,7 @@ struct MapViewer::Inside {
     if (state.path && map.path.size() > 1)
       others.push_back(actorOf(map.path));
     if (state.pictures)
-      for (const ViewedPicture& picture : map.pictures)
+      for (const ViewedImage& picture : map.pictures)
         for (const auto& actor : actorsOf(picture))
           others.push_back(actor);
     if (state.panel) {
@@ -114,7 +114,7 @@ struct MapViewer::Inside {
   vtkSmartPointer<KeyStyle> style = vtkSmartPointer<KeyStyle>::New();
   std::unique_ptr<pcl::visualization::PCLVisualizer> visualizer;
   ViewedMap map;
-  std::vector<PictureView> views;
+  std::vector<SceneView> views;
   ViewState state;
   ViewPanel panel;
   vtkSmartPointer<vtkActor> voxels;
@@ -129,7 +129,7 @@ MapViewer::MapViewer(const std::string& title, cv::Size size, bool off_screen)
 MapViewer::~MapViewer() = default;
 
 void
-MapViewer::show(ViewedMap map, std::vector<PictureView> views)
+MapViewer::show(ViewedMap map, std::vector<SceneView> views)
 {
   const bool is_first = inside_->map.colourings.empty();
   inside_->map = std::move(map);

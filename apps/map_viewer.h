@@ -3,7 +3,7 @@
 
 #include "view_state.h"
 
-#include <pcl_semantic/io/picture_view.h>
+#include <pcl_semantic/io/scene_view.h>
 
 #include <functional>
 #include <memory>
@@ -20,7 +20,7 @@ public:
   /** \brief Shows a map in place of the one before.
    * \param[in] views that the camera can take, in the frame of the map's indices; if
    * there was no map before, it takes the first */
-  void show(ViewedMap map, std::vector<PictureView> views);
+  void show(ViewedMap map, std::vector<SceneView> views);
 
   /** \brief Moves the camera, and what it looks at [m]. */
   void move(const Eigen::Vector3d& step);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
-#include "picture_options.h"
+#include "render_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/io/voxel_picture.h>
+#include <pcl_semantic/io/scene_image.h>
 
 #include <string>
 
@@ -19,7 +19,7 @@ struct RenderArguments {
   std::string colour = "class";
   int threads = 0;
   bool small = false;
-  PictureOptions picture;
+  RenderOptions picture;
 };
 
 /** \return false if help or version was asked for
@@ -71,7 +71,7 @@ optionsOf(RenderArguments& arguments)
       "output image (.png)")("compare", po::value(&arguments.compare),
                              "earlier map; shows where classes changed since")(
       "small", po::bool_switch(&arguments.small), "palette image of half the size");
-  addPictureOptions(arguments.picture, options);
+  addRenderOptions(arguments.picture, options);
   addOption(options, "size", arguments.picture.texts.size,
             "size of the image without its legend [px]");
   addOption(options, "colour", arguments.colour,
@@ -94,7 +94,7 @@ parseRenderArguments(int argc, char** argv, RenderArguments& arguments)
     return false;
   if (!arguments.compare.empty() && values["colour"].defaulted())
     arguments.colour = "change";
-  readPictureOptions(usage, arguments.picture);
+  readRenderOptions(usage, arguments.picture);
   validate(arguments);
   return true;
 }
@@ -135,7 +135,7 @@ render(const RenderArguments& arguments)
   const tool::MapInput map = tool::readMap(arguments.map, arguments.picture.hints);
   const Trajectory poses = tool::posesInScene(map);
   const VoxelColours colours = coloursOf(arguments, map);
-  const PictureView view = tool::viewOf(arguments.picture, map.scene, poses);
+  const SceneView view = tool::viewOf(arguments.picture, map.scene, poses);
   // The path would lead out of the camera's own eye.
   const cv::Mat picture = drawVoxels(
       map.scene, colours, view,

@@ -58,7 +58,7 @@ optionsOf(ViewArguments& arguments, std::string& hide, std::string& keys)
       "show the map after each frame; --images shows the newest image");
   options.add_options()("small", po::bool_switch(&arguments.small),
                         "half the bytes, in fewer shades of colour");
-  addPictureOptions(arguments.picture, options);
+  addRenderOptions(arguments.picture, options);
   addOption(options, "size", arguments.picture.texts.size, "of the window or picture");
   addOption(options, "threads", arguments.threads, "0 = all processors");
   return options;
@@ -93,7 +93,7 @@ parseViewArguments(int argc, char** argv, ViewArguments& arguments)
     failUsage(usage, "--above is not less than --below: nothing would be shown");
   arguments.hide = wordsOf(hide);
   arguments.keys = wordsOf(keys);
-  readPictureOptions(usage, arguments.picture);
+  readRenderOptions(usage, arguments.picture);
   return true;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "picture_options.h"
+#include "render_options.h"
 
 #include <limits>
 #include <string>
@@ -21,7 +21,7 @@ struct ViewArguments {
   bool follow = false;                                     ///< the map is being made
   bool small = false; ///< fewer bytes in the screenshot
   int threads = 0;
-  PictureOptions picture;
+  RenderOptions picture;
 };
 
 /** \return false if help or version was asked for

@@ -11,28 +11,28 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-constexpr std::size_t kMaxPictures = 12;
+constexpr std::size_t kMaxImages = 12;
 
 // A view of a map as a whole, so that the panel does not lie on it.
-PictureView
-besidePanel(const std::string& name, PictureOptions options, const VoxelScene& scene,
+SceneView
+besidePanel(const std::string& name, RenderOptions options, const VoxelScene& scene,
             const Trajectory& poses)
 {
   const int panel = options.size.width > 3 * kPanelWidth ? kPanelWidth : 0;
   options.looks_from = false;
   options.view = name;
   options.size.width -= panel;
-  PictureView view = viewOf(options, scene, poses);
+  SceneView view = viewOf(options, scene, poses);
   view.camera.width += panel;
   view.camera.cx += panel;
   return view;
 }
 
 // The view that was asked for, and those that are always there.
-std::vector<PictureView>
-viewsOf(const PictureOptions& options, const VoxelScene& scene, const Trajectory& poses)
+std::vector<SceneView>
+viewsOf(const RenderOptions& options, const VoxelScene& scene, const Trajectory& poses)
 {
-  std::vector<PictureView> views;
+  std::vector<SceneView> views;
   if (options.looks_from || options.view == "camera")
     views.push_back(viewOf(options, scene, poses));
   else if (options.view == "above")
@@ -41,7 +41,7 @@ viewsOf(const PictureOptions& options, const VoxelScene& scene, const Trajectory
   views.push_back(besidePanel("above", options, scene, poses));
   if (poses.empty())
     return views;
-  PictureOptions last = options;
+  RenderOptions last = options;
   last.looks_from = false;
   last.view = "camera";
   last.frame = int(poses.size()) - 1;
@@ -50,7 +50,7 @@ viewsOf(const PictureOptions& options, const VoxelScene& scene, const Trajectory
 }
 
 // Where the camera is now, seen from behind it.
-PictureView
+SceneView
 behindCamera(const ViewedMap& map, const ViewArguments& arguments)
 {
   const Eigen::Isometry3d& pose = map.path.back();
@@ -96,8 +96,8 @@ openMap(const ViewArguments& arguments)
       PCL_THROW_EXCEPTION(InvalidParameterException,
                           "--images: where the camera was is not known; name its "
                           "--trajectory");
-    opened.map.pictures = picturesOf(arguments.images, opened.map.path,
-                                     arguments.follow ? 1 : kMaxPictures);
+    opened.map.pictures =
+        imagesOf(arguments.images, opened.map.path, arguments.follow ? 1 : kMaxImages);
     opened.state.pictures = true;
   }
   const std::filesystem::path path(arguments.map);

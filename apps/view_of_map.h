@@ -12,7 +12,7 @@ namespace pcl_semantic::tool {
 /** \brief A map, from where it can be seen, and what of it is shown. */
 struct OpenedMap {
   ViewedMap map;
-  std::vector<PictureView> views;
+  std::vector<SceneView> views;
   ViewState state;
 };
 

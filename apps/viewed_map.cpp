@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/io/picture_parts.h>
+#include <pcl_semantic/io/drawing.h>
 
 #include <opencv2/imgproc.hpp>
 
@@ -13,8 +13,8 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-constexpr int kPictureColumns = 480;
-constexpr double kPicturesApart = 1.5; // at least [m]
+constexpr int kImageColumns = 480;
+constexpr double kImagesApart = 1.5; // at least [m]
 
 // Flat colours of the label set: the faces are shaded so little that they can be seen.
 VoxelColours
@@ -44,11 +44,11 @@ classesOf(const ViewedMap& map, const LabelSet& label_set)
 }
 
 // A picture of no more than so many columns, its camera with it.
-ViewedPicture
-smallPicture(const cv::Mat& image, const StereoCamera& camera,
-             const Eigen::Isometry3d& T_map_camera, int columns)
+ViewedImage
+smallImage(const cv::Mat& image, const StereoCamera& camera,
+           const Eigen::Isometry3d& T_map_camera, int columns)
 {
-  ViewedPicture picture{image, camera, T_map_camera};
+  ViewedImage picture{image, camera, T_map_camera};
   if (image.channels() == 1)
     cv::cvtColor(image, picture.image, cv::COLOR_GRAY2BGR);
   picture.camera.width = image.cols;
@@ -116,9 +116,8 @@ colouringOf(const ViewedMap& map, const std::string& name)
                                                            << known);
 }
 
-std::vector<ViewedPicture>
-picturesOf(const std::string& sequence, const Trajectory& T_map_camera0,
-           std::size_t most)
+std::vector<ViewedImage>
+imagesOf(const std::string& sequence, const Trajectory& T_map_camera0, std::size_t most)
 {
   const KittiSequence frames(sequence);
   std::vector<std::size_t> posed;
@@ -126,7 +125,7 @@ picturesOf(const std::string& sequence, const Trajectory& T_map_camera0,
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto row = std::size_t(frames.frameNumber(i));
     if (row >= T_map_camera0.size() ||
-        (T_map_camera0[row].translation() - last).norm() < kPicturesApart)
+        (T_map_camera0[row].translation() - last).norm() < kImagesApart)
       continue;
     last = T_map_camera0[row].translation();
     posed.push_back(i);
@@ -135,14 +134,14 @@ picturesOf(const std::string& sequence, const Trajectory& T_map_camera0,
     PCL_THROW_EXCEPTION(BadInputException, sequence << ": has no frame within the "
                                                     << T_map_camera0.size()
                                                     << " poses of the map");
-  std::vector<ViewedPicture> pictures;
+  std::vector<ViewedImage> pictures;
   const std::size_t count = std::min(most, posed.size());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = posed[posed.size() - 1 - k * posed.size() / count];
     const Eigen::Isometry3d pose =
         T_map_camera0[std::size_t(frames.frameNumber(i))] * frames.T_camera0_camera();
     pictures.push_back(
-        smallPicture(frames.frame(i).left, frames.camera(), pose, kPictureColumns));
+        smallImage(frames.frame(i).left, frames.camera(), pose, kImageColumns));
   }
   return pictures;
 }

@@ -29,7 +29,7 @@ struct ViewedClass {
 };
 
 /** \brief What a camera saw, and from where. */
-struct ViewedPicture {
+struct ViewedImage {
   cv::Mat image;       ///< CV_8UC3 (BGR)
   StereoCamera camera; ///< of the image
   Eigen::Isometry3d T_map_camera = Eigen::Isometry3d::Identity();
@@ -45,7 +45,7 @@ struct ViewedMap {
   std::vector<ViewedClass> classes;
   std::vector<Colouring> colourings; ///< those that the map can be painted with
   Trajectory path;                   ///< of the camera
-  std::vector<ViewedPicture> pictures;
+  std::vector<ViewedImage> pictures;
 
   /** \brief Height of a voxel's centre [m]. */
   double
@@ -71,8 +71,7 @@ std::size_t colouringOf(const ViewedMap& map, const std::string& name);
  * \param[in] T_map_camera0 row n belongs to frame n
  * \param[in] most how many
  * \throws BadInputException if it cannot be read or no frame has a pose */
-std::vector<ViewedPicture> picturesOf(const std::string& sequence,
-                                      const Trajectory& T_map_camera0,
-                                      std::size_t most);
+std::vector<ViewedImage> imagesOf(const std::string& sequence,
+                                  const Trajectory& T_map_camera0, std::size_t most);
 
 } // namespace pcl_semantic::tool

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtk_parts.h"
-#include "picture_options.h"
+#include "render_options.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -81,7 +81,7 @@ actorOf(const Trajectory& path)
 }
 
 std::vector<vtkSmartPointer<vtkActor>>
-actorsOf(const ViewedPicture& picture)
+actorsOf(const ViewedImage& picture)
 {
   constexpr double distance = 1.5; // [m]
   const StereoCamera& camera = picture.camera;
@@ -125,7 +125,7 @@ flatActorOf(const cv::Mat& picture)
 }
 
 void
-setCamera(vtkCamera& camera, const PictureView& view, const ViewedMap& map)
+setCamera(vtkCamera& camera, const SceneView& view, const ViewedMap& map)
 {
   Eigen::Vector3d middle = map.grid.corner;
   for (const VoxelIndex& index : map.indices)

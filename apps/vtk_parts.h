@@ -4,7 +4,7 @@
 #include "viewed_map.h"
 #include "voxel_faces.h"
 
-#include <pcl_semantic/io/picture_view.h>
+#include <pcl_semantic/io/scene_view.h>
 
 #include <vtkSmartPointer.h>
 
@@ -25,13 +25,13 @@ vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);
 
 /** \brief A picture in front of the place where it was taken, and the rays from there
  * to its corners. */
-std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedPicture& picture);
+std::vector<vtkSmartPointer<vtkActor>> actorsOf(const ViewedImage& picture);
 
 /** \brief A picture in the lower left corner of the window. */
 vtkSmartPointer<vtkActor2D> flatActorOf(const cv::Mat& picture);
 
 /** \brief Has a camera see as a view of a map does, and turn about its middle. */
-void setCamera(vtkCamera& camera, const PictureView& view, const ViewedMap& map);
+void setCamera(vtkCamera& camera, const SceneView& view, const ViewedMap& map);
 
 /** \brief What the window shows: CV_8UC3 (BGR). */
 cv::Mat pictureOf(vtkRenderWindow& window);

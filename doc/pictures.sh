@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # The pictures of one sequence: its map at an angle, from above, where the CRF changed
-# it, and a sheet a frame. Those of the synthetic street in doc/images are made after
+# it, and a figure a frame. Those of the synthetic street in doc/images are made after
 # ./dev demo by
 #   build/bin/pcl_semantic_map build/demo/sequence --labels build/demo/sequence/labels \
 #     --crf none --output build/demo/map_none

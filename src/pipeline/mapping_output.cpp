@@ -9,7 +9,7 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/io/map_images.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/version.h>

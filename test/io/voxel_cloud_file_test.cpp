@@ -3,7 +3,7 @@
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/files/labelled_cloud_file.h>
-#include <pcl_semantic/io/map_pictures.h>
+#include <pcl_semantic/io/map_images.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
@@ -107,7 +107,7 @@ TEST(VoxelCloudFile, AnEmptyMapIsAValidFile)
   EXPECT_EQ(read.width * read.height, 0u);
 }
 
-TEST(MapPictures, LabelsGetTheirColoursAndUnlabelledIsBlack)
+TEST(MapImages, LabelsGetTheirColoursAndUnlabelledIsBlack)
 {
   const cv::Mat labels = (cv::Mat_<std::uint8_t>(1, 3) << 0, 1, 2);
   const cv::Mat colours = colourLabels(labels, twoClasses());
@@ -116,7 +116,7 @@ TEST(MapPictures, LabelsGetTheirColoursAndUnlabelledIsBlack)
   EXPECT_EQ(colours.at<cv::Vec3b>(0, 2), cv::Vec3b(50, 40, 30));
 }
 
-TEST(MapPictures, TheOverlayShowsTheImageWhereNothingIsLabelled)
+TEST(MapImages, TheOverlayShowsTheImageWhereNothingIsLabelled)
 {
   cv::Mat image(20, 300, CV_8UC1, cv::Scalar(77));
   cv::Mat labels = cv::Mat::zeros(20, 300, CV_8UC1);
@@ -129,7 +129,7 @@ TEST(MapPictures, TheOverlayShowsTheImageWhereNothingIsLabelled)
   EXPECT_GT(house[2], house[0] + 50);
 }
 
-TEST(MapPictures, TheTopViewShowsTheHighestClassInItsPlace)
+TEST(MapImages, TheTopViewShowsTheHighestClassInItsPlace)
 {
   // Two voxels above each other, and one ahead and to the left.
   VoxelCloud voxels;
@@ -151,7 +151,7 @@ TEST(MapPictures, TheTopViewShowsTheHighestClassInItsPlace)
   EXPECT_GT(start[0], 40);
 }
 
-TEST(MapPictures, TheTopViewHoldsThePathBesideTheMap)
+TEST(MapImages, TheTopViewHoldsThePathBesideTheMap)
 {
   VoxelCloud voxels;
   voxels.voxel_size = 0.1;

@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
-#include <pcl_semantic/stereo/disparity_picture.h>
+#include <pcl_semantic/stereo/disparity_image.h>
 
 #include <opencv2/imgproc.hpp>
 
@@ -45,7 +45,7 @@ TEST(DisparityEngines, OthersAreRefused)
                         "disparities is " + std::to_string(disparities)));
 }
 
-TEST(DisparityPicture, FarIsBlueNearIsRedNoneIsBlack)
+TEST(DisparityImage, FarIsBlueNearIsRedNoneIsBlack)
 {
   const cv::Mat disparity = (cv::Mat_<float>(1, 4) << 0.0f, 4.0f, 60.0f, 500.0f);
   const cv::Mat picture = drawDisparity(disparity, 64.0);
@@ -57,7 +57,7 @@ TEST(DisparityPicture, FarIsBlueNearIsRedNoneIsBlack)
   EXPECT_GT(bgr(3)[2], bgr(3)[0]); // nearer than the scale: as its end
 }
 
-TEST(DisparityPicture, OtherImagesAreRefused)
+TEST(DisparityImage, OtherImagesAreRefused)
 {
   EXPECT_THROW(drawDisparity(cv::Mat(2, 2, CV_16UC1)), InvalidParameterException);
   EXPECT_THROW(drawDisparity(cv::Mat(2, 2, CV_32FC1), 0.0), InvalidParameterException);

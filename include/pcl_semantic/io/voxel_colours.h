@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
-#include <pcl_semantic/io/picture_parts.h>
+#include <pcl_semantic/io/drawing.h>
 #include <pcl_semantic/io/voxel_scene.h>
 
 #include <opencv2/core/mat.hpp>

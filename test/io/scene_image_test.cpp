@@ -5,9 +5,9 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/io/label_sheet.h>
-#include <pcl_semantic/io/map_pictures.h>
-#include <pcl_semantic/io/voxel_picture.h>
+#include <pcl_semantic/io/label_comparison.h>
+#include <pcl_semantic/io/map_images.h>
+#include <pcl_semantic/io/scene_image.h>
 
 #include <gtest/gtest.h>
 
@@ -60,13 +60,13 @@ pathThrough()
 }
 
 Eigen::Vector2d
-pixelOf(const PictureView& view, const Eigen::Vector3d& point)
+pixelOf(const SceneView& view, const Eigen::Vector3d& point)
 {
   return view.camera.project(view.T_world_camera.inverse() * point);
 }
 
 bool
-isInside(const PictureView& view, const Eigen::Vector3d& point)
+isInside(const SceneView& view, const Eigen::Vector3d& point)
 {
   const Eigen::Vector2d pixel = pixelOf(view, point);
   return pixel.minCoeff() >= 0.0 && pixel.x() < view.camera.width &&
@@ -187,13 +187,13 @@ TEST(VoxelScene, FindsTheSameVoxelsInAnotherMap)
   EXPECT_THROW(labelsAtVoxels(scene, other), InvalidParameterException);
 }
 
-TEST(PictureView, ShowsThePathAndMostOfTheMap)
+TEST(SceneView, ShowsThePathAndMostOfTheMap)
 {
   const VoxelScene scene = street();
   const SensorPath path = pathThrough();
   for (const bool above : {false, true}) {
     const cv::Size size(640, 360);
-    const PictureView view =
+    const SceneView view =
         above ? aboveView(scene, path, size) : angleView(scene, path, size);
     for (const Eigen::Vector3d& place : path)
       EXPECT_TRUE(isInside(view, place));
@@ -211,7 +211,7 @@ TEST(PictureView, ShowsThePathAndMostOfTheMap)
   }
 }
 
-TEST(PictureView, FarFromTheOriginNothingChanges)
+TEST(SceneView, FarFromTheOriginNothingChanges)
 {
   const VoxelScene near = street();
   VoxelScene far = street();
@@ -219,7 +219,7 @@ TEST(PictureView, FarFromTheOriginNothingChanges)
   for (VoxelIndex& index : far.voxels.indices)
     index += step;
   const cv::Size size(320, 180);
-  const PictureView here = angleView(near, {}, size), there = angleView(far, {}, size);
+  const SceneView here = angleView(near, {}, size), there = angleView(far, {}, size);
   EXPECT_NEAR(here.camera.cx, there.camera.cx, 1e-3);
   const Eigen::Vector3d moved =
       there.T_world_camera.translation() - step.cast<double>() * near.grid.size;
@@ -232,24 +232,24 @@ TEST(PictureView, FarFromTheOriginNothingChanges)
   EXPECT_LT(cv::mean(difference)[0], 1.0);
 }
 
-TEST(PictureView, RefusesWhatCannotBe)
+TEST(SceneView, RefusesWhatCannotBe)
 {
   const Eigen::Vector3d from(1, 2, 3);
   EXPECT_THROW(lookAt(from, from, 1.0, {100, 100}), InvalidParameterException);
   EXPECT_THROW(lookAt(from, -from, 0.0, {100, 100}), InvalidParameterException);
   EXPECT_THROW(lookAt(from, -from, 4.0, {100, 100}), InvalidParameterException);
   EXPECT_THROW(lookAt(from, -from, 1.0, {0, 100}), InvalidParameterException);
-  const PictureView down = lookAt(from, {1, 2, 0}, 1.0, {100, 100});
+  const SceneView down = lookAt(from, {1, 2, 0}, 1.0, {100, 100});
   EXPECT_TRUE(down.T_world_camera.linear().isUnitary(1e-12));
 }
 
-TEST(VoxelPicture, ShowsClassesInTheirPlaces)
+TEST(SceneImage, ShowsClassesInTheirPlaces)
 {
   const VoxelScene scene = street();
   const VoxelColours colours = classColours(scene, threeClasses());
   ASSERT_EQ(colours.legend.size(), 3u);
   EXPECT_EQ(colours.legend[0].text, "house");
-  const PictureView view = aboveView(scene, {}, {640, 360});
+  const SceneView view = aboveView(scene, {}, {640, 360});
   const cv::Mat picture = drawVoxels(scene, colours, view, {});
   EXPECT_EQ(picture.cols, 640);
   EXPECT_GT(picture.rows, 360);
@@ -266,11 +266,11 @@ TEST(VoxelPicture, ShowsClassesInTheirPlaces)
   EXPECT_LT(pixelOf(view, {5.0, 5.9, 3.0}).y(), pixelOf(view, {5.0, 1.0, 0.2}).y());
 }
 
-TEST(VoxelPicture, ThreadsChangeNoPixel)
+TEST(SceneImage, ThreadsChangeNoPixel)
 {
   const VoxelScene scene = street();
   const VoxelColours colours = classColours(scene, threeClasses());
-  const PictureView view = angleView(scene, pathThrough(), {320, 200});
+  const SceneView view = angleView(scene, pathThrough(), {320, 200});
   setNumberOfThreads(1);
   const cv::Mat one = drawVoxels(scene, colours, view, pathThrough());
   setNumberOfThreads(4);
@@ -279,13 +279,13 @@ TEST(VoxelPicture, ThreadsChangeNoPixel)
   EXPECT_EQ(cv::norm(one, four, cv::NORM_INF), 0.0);
 }
 
-TEST(VoxelPicture, RefusesWhatCannotBeDrawn)
+TEST(SceneImage, RefusesWhatCannotBeDrawn)
 {
   VoxelScene scene = street();
   const VoxelColours colours = classColours(scene, threeClasses());
-  const PictureView inside = lookAt({5.05, 3.05, 0.1}, {9, 3, 0}, 1.0, {64, 64});
+  const SceneView inside = lookAt({5.05, 3.05, 0.1}, {9, 3, 0}, 1.0, {64, 64});
   EXPECT_THROW(drawVoxels(scene, colours, inside, {}), InvalidParameterException);
-  const PictureView view = angleView(scene, {}, {64, 64});
+  const SceneView view = angleView(scene, {}, {64, 64});
   EXPECT_THROW(drawVoxels(scene, {}, view, {}), InvalidParameterException);
   EXPECT_THROW(drawVoxels(VoxelScene(), {}, view, {}), InvalidParameterException);
   scene.voxels.cloud->points[3].label = 4;
@@ -365,19 +365,19 @@ TEST(LabelSheet, MarksWhatBecameRightAndWrong)
   after.colRange(80, 320) = 2;
   truth.colRange(80, 160) = 2;
   truth.colRange(240, 320) = 0;
-  const cv::Mat sheet = drawLabelSheet(image, {{"a", before}, {"b", after}}, truth,
-                                       threeClasses(), 2 * 320 + 36);
+  const cv::Mat figure = drawLabelComparison(image, {{"a", before}, {"b", after}},
+                                             truth, threeClasses(), 2 * 320 + 36);
   // The lower right panel begins at 12 + 320 + 12 and 28 + 100 + 6 + 28.
-  const auto at = [&](int u) { return sheet.at<cv::Vec3b>(162 + 50, 344 + u); };
+  const auto at = [&](int u) { return figure.at<cv::Vec3b>(162 + 50, 344 + u); };
   EXPECT_EQ(at(40)[0], at(40)[1]); // grey
   EXPECT_GT(at(120)[1], at(120)[2] + 80);
   EXPECT_GT(at(200)[2], at(200)[1] + 80);
   EXPECT_EQ(at(280), cv::Vec3b(50, 40, 30));
   // The panels above it: the labels of before, and the truth.
   const cv::Mat expected = blendLabels(image, before, threeClasses());
-  EXPECT_EQ(sheet.at<cv::Vec3b>(28 + 50, 12 + 40), expected.at<cv::Vec3b>(50, 40));
-  const cv::Mat no_truth = drawLabelSheet(image, {{"a", before}, {"b", after}},
-                                          cv::Mat(), threeClasses(), 2 * 320 + 36);
+  EXPECT_EQ(figure.at<cv::Vec3b>(28 + 50, 12 + 40), expected.at<cv::Vec3b>(50, 40));
+  const cv::Mat no_truth = drawLabelComparison(image, {{"a", before}, {"b", after}},
+                                               cv::Mat(), threeClasses(), 2 * 320 + 36);
   EXPECT_EQ(no_truth.at<cv::Vec3b>(212, 344 + 120), cv::Vec3b(50, 40, 30));
   EXPECT_EQ(no_truth.at<cv::Vec3b>(28 + 50, 344 + 40), cv::Vec3b(100, 100, 100));
 }
@@ -389,9 +389,9 @@ TEST(LabelSheet, SparseTruthIsSeen)
   cv::Mat truth = cv::Mat::zeros(100, 320, CV_8UC1);
   truth.at<Label>(50, 100) = 2;
   truth.at<Label>(50, 200) = 1;
-  const cv::Mat sheet = drawLabelSheet(image, {{"a", before}, {"b", after}}, truth,
-                                       threeClasses(), 2 * 320 + 36);
-  const auto at = [&](int v, int u) { return sheet.at<cv::Vec3b>(162 + v, 344 + u); };
+  const cv::Mat figure = drawLabelComparison(image, {{"a", before}, {"b", after}},
+                                             truth, threeClasses(), 2 * 320 + 36);
+  const auto at = [&](int v, int u) { return figure.at<cv::Vec3b>(162 + v, 344 + u); };
   EXPECT_GT(at(48, 102)[1], at(48, 102)[2] + 80);
   EXPECT_GT(at(52, 198)[2], at(52, 198)[1] + 80);
   EXPECT_EQ(at(50, 104), cv::Vec3b(50, 40, 30));
@@ -402,15 +402,18 @@ TEST(LabelSheet, RefusesWhatDoesNotFit)
   const cv::Mat image(20, 40, CV_8UC1, cv::Scalar(100));
   const cv::Mat labels = cv::Mat::ones(20, 40, CV_8UC1);
   const LabelSet label_set = threeClasses();
-  EXPECT_NO_THROW(drawLabelSheet(image, {{"a", labels}}, cv::Mat(), label_set, 400));
-  EXPECT_THROW(drawLabelSheet(image, {}, cv::Mat(), label_set, 400),
+  EXPECT_NO_THROW(
+      drawLabelComparison(image, {{"a", labels}}, cv::Mat(), label_set, 400));
+  EXPECT_THROW(drawLabelComparison(image, {}, cv::Mat(), label_set, 400),
                InvalidParameterException);
-  EXPECT_THROW(drawLabelSheet(image, {{"a", labels}}, cv::Mat(), label_set, 20),
+  EXPECT_THROW(drawLabelComparison(image, {{"a", labels}}, cv::Mat(), label_set, 20),
                InvalidParameterException);
-  EXPECT_THROW(drawLabelSheet(image, {{"a", labels.t()}}, cv::Mat(), label_set, 400),
+  EXPECT_THROW(
+      drawLabelComparison(image, {{"a", labels.t()}}, cv::Mat(), label_set, 400),
+      InvalidParameterException);
+  EXPECT_THROW(drawLabelComparison(image, {{"a", labels}}, labels.t(), label_set, 400),
                InvalidParameterException);
-  EXPECT_THROW(drawLabelSheet(image, {{"a", labels}}, labels.t(), label_set, 400),
-               InvalidParameterException);
-  EXPECT_THROW(drawLabelSheet(image, {{"a", labels * 4}}, cv::Mat(), label_set, 400),
-               InvalidParameterException);
+  EXPECT_THROW(
+      drawLabelComparison(image, {{"a", labels * 4}}, cv::Mat(), label_set, 400),
+      InvalidParameterException);
 }

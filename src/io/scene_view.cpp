@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/picture_view.h>
+#include <pcl_semantic/io/scene_view.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -147,7 +147,7 @@ constexpr double kLeftOut = 0.015;
 
 // The path may not be left out.
 Extent
-extentOf(const PictureView& view, const std::vector<Eigen::Vector3d>& sample,
+extentOf(const SceneView& view, const std::vector<Eigen::Vector3d>& sample,
          const SensorPath& path)
 {
   const Eigen::Isometry3d T_camera_world = view.T_world_camera.inverse();
@@ -182,7 +182,7 @@ fits(const Extent& extent, cv::Size size)
 
 } // namespace
 
-PictureView
+SceneView
 lookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target, double field_of_view,
        cv::Size size)
 {
@@ -198,14 +198,14 @@ lookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target, double field_
   Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ());
   if (right.norm() < 1e-6) // straight down: the world's x is up in the picture
     right = -Eigen::Vector3d::UnitY();
-  PictureView view;
+  SceneView view;
   view.camera = pinhole(0.5 * size.width / std::tan(0.5 * field_of_view), size);
   view.T_world_camera.linear() = axesOf(forward, right.normalized());
   view.T_world_camera.translation() = from;
   return view;
 }
 
-PictureView
+SceneView
 angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
 {
   constexpr double elevation = 21.0 * kPi / 180.0, turn = 13.0 * kPi / 180.0;
@@ -223,7 +223,7 @@ angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
       values.push_back(each[axis]);
     centre[axis] = Range(values, kLeftOut).middle();
   }
-  PictureView view;
+  SceneView view;
   const auto setDistance = [&](double distance) {
     view = lookAt(centre - distance * forward, centre, 58.0 * kPi / 180.0, size);
     const Extent extent = extentOf(view, sample, path);
@@ -243,7 +243,7 @@ angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
   return view;
 }
 
-PictureView
+SceneView
 aboveView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
 {
   const std::vector<Eigen::Vector3d> sample = sampleOf(scene);
@@ -263,7 +263,7 @@ aboveView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
   }
   const double width = x.high - x.low + 2.0 * scene.grid.size,
                height = y.high - y.low + 2.0 * scene.grid.size;
-  PictureView view;
+  SceneView view;
   view.pixels_per_metre =
       std::min(0.96 * size.width / width, 0.9 * size.height / height);
   // From so far that nothing leans by a tenth of a pixel.

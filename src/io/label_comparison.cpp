@@ -3,9 +3,9 @@
 #include "label_changes.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/label_sheet.h>
-#include <pcl_semantic/io/map_pictures.h>
-#include <pcl_semantic/io/picture_parts.h>
+#include <pcl_semantic/io/drawing.h>
+#include <pcl_semantic/io/label_comparison.h>
+#include <pcl_semantic/io/map_images.h>
 
 #include <opencv2/imgproc.hpp>
 
@@ -99,10 +99,10 @@ captionOf(const std::string& before, const LabelChanges& changes, bool has_truth
   return caption;
 }
 
-// The sheet as a grid of two columns of panels of one size.
-class Sheet {
+// The figure as a grid of two columns of panels of one size.
+class Figure {
 public:
-  Sheet(int width, int rows, cv::Size image) : panel_((width - 3 * kGap) / 2, 0)
+  Figure(int width, int rows, cv::Size image) : panel_((width - 3 * kGap) / 2, 0)
   {
     panel_.height =
         std::max(1, cvRound(double(panel_.width) * image.height / image.width));
@@ -165,9 +165,10 @@ validate(const cv::Mat& image, const std::vector<NamedLabels>& labels,
 {
   if (width < 320 || width > 16384)
     PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a sheet " << width << " pixels wide, expected 320 to 16384");
+                        "a figure " << width << " pixels wide, expected 320 to 16384");
   if (labels.empty() || image.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a sheet needs an image and labels");
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "a figure needs an image and labels");
   std::vector<NamedLabels> all = labels;
   if (!truth.empty())
     all.push_back({"truth", truth});
@@ -189,11 +190,11 @@ validate(const cv::Mat& image, const std::vector<NamedLabels>& labels,
 } // namespace
 
 cv::Mat
-drawLabelSheet(const cv::Mat& image, const std::vector<NamedLabels>& labels,
-               const cv::Mat& truth, const LabelSet& label_set, int width)
+drawLabelComparison(const cv::Mat& image, const std::vector<NamedLabels>& labels,
+                    const cv::Mat& truth, const LabelSet& label_set, int width)
 {
   validate(image, labels, truth, label_set, width);
-  Sheet sheet(width, static_cast<int>(labels.size()), image.size());
+  Figure figure(width, static_cast<int>(labels.size()), image.size());
   cv::Mat shown = image;
   if (image.channels() == 1)
     cv::cvtColor(image, shown, cv::COLOR_GRAY2BGR);
@@ -201,22 +202,22 @@ drawLabelSheet(const cv::Mat& image, const std::vector<NamedLabels>& labels,
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const int row = static_cast<int>(i);
     const cv::Mat& after = labels[i].labels;
-    sheet.put(row, 0, blendLabels(image, after, label_set), labels[i].name);
+    figure.put(row, 0, blendLabels(image, after, label_set), labels[i].name);
     if (i == 0 && truth.empty())
-      sheet.put(row, 1, shown, "image");
+      figure.put(row, 1, shown, "image");
     else if (i == 0)
-      sheet.put(row, 1, drawTruth(image, truth, label_set),
-                isSparse(truth) ? "ground truth, its pixels drawn larger" : "truth");
+      figure.put(row, 1, drawTruth(image, truth, label_set),
+                 isSparse(truth) ? "ground truth, its pixels drawn larger" : "truth");
     else {
       const NamedLabels& before = labels[i - 1];
-      sheet.put(
+      figure.put(
           row, 1, drawChanges(image, before.labels, after, truth, label_set),
           captionOf(before.name,
                     countLabelChanges(listOf(before.labels), listOf(after), right),
                     !truth.empty()));
     }
   }
-  return sheet.with(legendFor(labels, truth, label_set));
+  return figure.with(legendFor(labels, truth, label_set));
 }
 
 } // namespace pcl_semantic

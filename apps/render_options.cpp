@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "picture_options.h"
+#include "render_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
@@ -50,7 +50,7 @@ positionOf(const Usage& usage, const std::string& text, const char* option)
 } // namespace
 
 void
-addPictureOptions(PictureOptions& options, po::options_description& description)
+addRenderOptions(RenderOptions& options, po::options_description& description)
 {
   description.add_options()(
       "trajectory", po::value(&options.hints.trajectory),
@@ -71,7 +71,7 @@ addPictureOptions(PictureOptions& options, po::options_description& description)
 }
 
 void
-readPictureOptions(const Usage& usage, PictureOptions& options)
+readRenderOptions(const Usage& usage, RenderOptions& options)
 {
   options.size = sizeOf(usage, options.texts.size);
   options.field_of_view = options.texts.degrees * M_PI / 180.0;
@@ -96,8 +96,8 @@ requireOneOf(const Usage& usage, const char* option, const std::string& value,
     failUsage(usage, std::string(option) + " is '" + value + "', expected " + expected);
 }
 
-PictureView
-viewOf(const PictureOptions& options, const VoxelScene& scene, const Trajectory& poses)
+SceneView
+viewOf(const RenderOptions& options, const VoxelScene& scene, const Trajectory& poses)
 {
   const Eigen::Vector3d& corner = scene.grid.corner;
   if (options.looks_from)

@@ -14,7 +14,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief From where a picture of a scene is taken. Its world is that of the scene's
  * indices: cube 0 begins at the origin, z is up. */
-struct PictureView {
+struct SceneView {
   StereoCamera camera; ///< its baseline means nothing
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   double pixels_per_metre = 0.0; ///< everywhere in the picture; 0 = it has depth
@@ -27,15 +27,15 @@ using SensorPath = std::vector<Eigen::Vector3d>;
  * \param[in] field_of_view angle over the width [rad]
  * \throws InvalidParameterException if they are one point, or an angle or a size cannot
  * be */
-PictureView lookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target,
-                   double field_of_view, cv::Size size);
+SceneView lookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target,
+                 double field_of_view, cv::Size size);
 
 /** \brief The view along the path from behind and above, near enough that the map fills
  * the picture: all but its last few percent on every side, where the stray voxels are.
  * Without a path it looks along the longer side. */
-PictureView angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size);
+SceneView angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size);
 
 /** \brief Straight from above, without perspective, the path from left to right. */
-PictureView aboveView(const VoxelScene& scene, const SensorPath& path, cv::Size size);
+SceneView aboveView(const VoxelScene& scene, const SensorPath& path, cv::Size size);
 
 } // namespace pcl_semantic

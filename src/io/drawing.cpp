@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/io/picture_parts.h>
+#include <pcl_semantic/io/drawing.h>
 
 #include <opencv2/imgproc.hpp>
 
@@ -23,8 +23,8 @@ largeTextSize(const std::string& text, double size, int& base_line)
 
 } // namespace
 
-const PictureTheme dark_theme{cv::Scalar(24, 24, 24), cv::Scalar(235, 235, 235)};
-const PictureTheme light_theme{cv::Scalar(252, 250, 249), cv::Scalar(50, 44, 40)};
+const DrawingTheme dark_theme{cv::Scalar(24, 24, 24), cv::Scalar(235, 235, 235)};
+const DrawingTheme light_theme{cv::Scalar(252, 250, 249), cv::Scalar(50, 44, 40)};
 
 cv::Vec3b
 classColour(const LabelSet& label_set, Label label)
@@ -70,7 +70,7 @@ drawText(cv::Mat& picture, const std::string& text, cv::Point at,
 
 cv::Mat
 drawLegend(const std::vector<LegendEntry>& entries, int width,
-           const PictureTheme& theme)
+           const DrawingTheme& theme)
 {
   constexpr int row_height = 24, swatch = 14, gap = 8;
   std::vector<cv::Point> positions;
@@ -103,7 +103,7 @@ legendOf(const LabelSet& label_set)
 }
 
 void
-drawScale(cv::Mat& picture, double pixels_per_metre, const PictureTheme& theme)
+drawScale(cv::Mat& picture, double pixels_per_metre, const DrawingTheme& theme)
 {
   const double wanted = 0.2 * picture.cols / pixels_per_metre;
   const double power = std::pow(10.0, std::floor(std::log10(wanted)));

@@ -12,13 +12,13 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The colours around a picture. */
-struct PictureTheme {
+struct DrawingTheme {
   cv::Scalar background;
   cv::Scalar text;
 };
 
-extern const PictureTheme dark_theme;
-extern const PictureTheme light_theme;
+extern const DrawingTheme dark_theme;
+extern const DrawingTheme light_theme;
 
 /** \brief A swatch of a legend and what it means. */
 struct LegendEntry {
@@ -39,12 +39,12 @@ void drawText(cv::Mat& picture, const std::string& text, cv::Point at,
 
 /** \brief A strip of swatches and names, as many rows as the width needs. */
 cv::Mat drawLegend(const std::vector<LegendEntry>& entries, int width,
-                   const PictureTheme& theme);
+                   const DrawingTheme& theme);
 
 /** \brief An entry a class, in the order of the labels. */
 std::vector<LegendEntry> legendOf(const LabelSet& label_set);
 
 /** \brief A bar of 1, 2 or 5 times a power of ten metres in the lower left corner. */
-void drawScale(cv::Mat& picture, double pixels_per_metre, const PictureTheme& theme);
+void drawScale(cv::Mat& picture, double pixels_per_metre, const DrawingTheme& theme);
 
 } // namespace pcl_semantic

@@ -2,8 +2,8 @@
 #include "map/cube_renderer.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/picture_view.h>
-#include <pcl_semantic/io/voxel_picture.h>
+#include <pcl_semantic/io/scene_image.h>
+#include <pcl_semantic/io/scene_view.h>
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <opencv2/core/mat.hpp>
@@ -20,7 +20,7 @@ namespace pcl_semantic {
  * corners between voxels and behind the edges of nearer ones.
  * \return CV_32FC1, about 0.3 to 1; 1 where there is no voxel */
 cv::Mat shadeCubes(const VoxelScene& scene, const CubeImage& cubes,
-                   const PictureView& view);
+                   const SceneView& view);
 
 namespace {
 
@@ -34,7 +34,7 @@ struct Face {
 
 class Shader {
 public:
-  Shader(const VoxelScene& scene, const CubeImage& cubes, const PictureView& view,
+  Shader(const VoxelScene& scene, const CubeImage& cubes, const SceneView& view,
          const VoxelSet& set)
       : scene_(scene), cubes_(cubes), view_(view), reader_(set)
   {
@@ -141,7 +141,7 @@ private:
 
   const VoxelScene& scene_;
   const CubeImage& cubes_;
-  const PictureView& view_;
+  const SceneView& view_;
   VoxelSet::Reader reader_;
   Eigen::Vector3d light_;
   Face last_; // the zero normal belongs to no face
@@ -151,7 +151,7 @@ private:
 } // namespace
 
 cv::Mat
-shadeCubes(const VoxelScene& scene, const CubeImage& cubes, const PictureView& view)
+shadeCubes(const VoxelScene& scene, const CubeImage& cubes, const SceneView& view)
 {
   const VoxelSet set(scene.voxels.indices);
   cv::Mat shade(cubes.voxel.size(), CV_32FC1, cv::Scalar(1.0));
@@ -172,8 +172,8 @@ const cv::Vec3f sky_colour(250, 247, 245), ground_colour(243, 240, 238),
     grid_colour(216, 210, 206);
 const cv::Scalar path_colour(60, 60, 235);
 
-PictureView
-enlarged(PictureView view, int factor)
+SceneView
+enlarged(SceneView view, int factor)
 {
   StereoCamera& camera = view.camera;
   camera.fx *= factor;
@@ -218,7 +218,7 @@ gridStep(const VoxelScene& scene)
 // The ground with its grid, where no voxel is in front of it.
 class Ground {
 public:
-  Ground(const VoxelScene& scene, const PictureView& view)
+  Ground(const VoxelScene& scene, const SceneView& view)
       : view_(view), corner_(scene.grid.corner), height_(groundHeight(scene)),
         step_(gridStep(scene))
   {}
@@ -256,13 +256,13 @@ public:
   }
 
 private:
-  const PictureView& view_;
+  const SceneView& view_;
   Eigen::Vector3d corner_; // of cube 0: lines lie at whole numbers of the file
   double height_, step_;   // [m]
 };
 
 cv::Mat
-paint(const VoxelScene& scene, const VoxelColours& colours, const PictureView& view,
+paint(const VoxelScene& scene, const VoxelColours& colours, const SceneView& view,
       const Ground& ground)
 {
   const CubeImage cubes =
@@ -288,7 +288,7 @@ paint(const VoxelScene& scene, const VoxelColours& colours, const PictureView& v
 
 // The way of the sensor: red, with a white border so that it shows on anything.
 void
-drawPath(cv::Mat& picture, const PictureView& view, const SensorPath& path)
+drawPath(cv::Mat& picture, const SceneView& view, const SensorPath& path)
 {
   constexpr int shift = 4; // OpenCV's fixed point
   const Eigen::Isometry3d T_camera_world = view.T_world_camera.inverse();
@@ -329,7 +329,7 @@ drawNote(cv::Mat& picture, const std::string& note)
 }
 
 void
-validate(const VoxelScene& scene, const VoxelColours& colours, const PictureView& view)
+validate(const VoxelScene& scene, const VoxelColours& colours, const SceneView& view)
 {
   if (scene.voxels.size() == 0)
     PCL_THROW_EXCEPTION(InvalidParameterException, "there is no voxel to draw");
@@ -348,11 +348,11 @@ validate(const VoxelScene& scene, const VoxelColours& colours, const PictureView
 } // namespace
 
 cv::Mat
-drawVoxels(const VoxelScene& scene, const VoxelColours& colours,
-           const PictureView& view, const SensorPath& path)
+drawVoxels(const VoxelScene& scene, const VoxelColours& colours, const SceneView& view,
+           const SensorPath& path)
 {
   validate(scene, colours, view);
-  const PictureView large = enlarged(view, kSupersampling);
+  const SceneView large = enlarged(view, kSupersampling);
   const Ground ground(scene, large);
   cv::Mat picture;
   cv::resize(paint(scene, colours, large, ground), picture,

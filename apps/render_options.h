@@ -4,7 +4,7 @@
 #include "map_input.h"
 #include "tool.h"
 
-#include <pcl_semantic/io/picture_view.h>
+#include <pcl_semantic/io/scene_view.h>
 
 #include <opencv2/core/types.hpp>
 
@@ -13,7 +13,7 @@
 namespace pcl_semantic::tool {
 
 /** \brief From where a map is seen, as a picture or in a window. */
-struct PictureOptions {
+struct RenderOptions {
   MapHints hints;
   std::string view = "angle";    ///< angle, above, camera
   cv::Size size;                 ///< [px]
@@ -31,10 +31,10 @@ struct PictureOptions {
 
 /** \brief Adds --trajectory, --from, --look-at, --label-set, --voxel-size, --view,
  * --frame and --field-of-view; --size is the program's own. */
-void addPictureOptions(PictureOptions& options, po::options_description& description);
+void addRenderOptions(RenderOptions& options, po::options_description& description);
 
 /** \brief Reads what was typed. \throws InvalidParameterException */
-void readPictureOptions(const Usage& usage, PictureOptions& options);
+void readRenderOptions(const Usage& usage, RenderOptions& options);
 
 /** \brief Refuses another value. \param[in] expected "angle, above or camera"
  * \throws InvalidParameterException */
@@ -44,8 +44,8 @@ void requireOneOf(const Usage& usage, const char* option, const std::string& val
 /** \brief The view that the options ask for, in the frame of the scene's indices.
  * \param[in] poses as posesInScene() has them
  * \throws InvalidParameterException if there is no such pose or position */
-PictureView viewOf(const PictureOptions& options, const VoxelScene& scene,
-                   const Trajectory& poses);
+SceneView viewOf(const RenderOptions& options, const VoxelScene& scene,
+                 const Trajectory& poses);
 
 /** \brief Where the camera was. */
 SensorPath pathOf(const Trajectory& poses);

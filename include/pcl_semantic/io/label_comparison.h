@@ -17,7 +17,7 @@ struct NamedLabels {
   cv::Mat labels; ///< CV_8UC1; 0 = none
 };
 
-/** \brief A sheet that compares label images of one frame, a row each, in their order:
+/** \brief A figure that compares label images of one frame, a row each, in their order:
  * on the left the image under its classes, on the right where labels differ from those
  * of the row above. The first row's right side holds the ground truth or, without one,
  * the image.
@@ -26,10 +26,11 @@ struct NamedLabels {
  * the ground truth, red if the old one was, yellow if neither was, and of the colour of
  * its new class where there is no ground truth. \param[in] image CV_8UC3 (BGR) or
  * CV_8UC1 \param[in] truth CV_8UC1, 0 = not known; empty = none \param[in] width of the
- * sheet [px], from 320 to 16384 \throws InvalidParameterException unless all images are
- * of one size, or at a label beyond the label set */
-cv::Mat drawLabelSheet(const cv::Mat& image, const std::vector<NamedLabels>& labels,
-                       const cv::Mat& truth, const LabelSet& label_set,
-                       int width = 1920);
+ * figure [px], from 320 to 16384 \throws InvalidParameterException unless all images
+ * are of one size, or at a label beyond the label set */
+cv::Mat drawLabelComparison(const cv::Mat& image,
+                            const std::vector<NamedLabels>& labels,
+                            const cv::Mat& truth, const LabelSet& label_set,
+                            int width = 1920);
 
 } // namespace pcl_semantic

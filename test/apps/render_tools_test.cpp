@@ -127,7 +127,7 @@ TEST(RenderTool, DrawsEveryViewAndColour)
   EXPECT_EQ(coloured, 0);
 }
 
-TEST(CompareTool, DrawsOneSheetOrOneAFrame)
+TEST(CompareTool, DrawsOneFigureOrOneAFrame)
 {
   const Maps maps;
   const std::string labels = " --labels " + maps.path("map/network_labels") +
@@ -135,18 +135,18 @@ TEST(CompareTool, DrawsOneSheetOrOneAFrame)
                              tinyStreet() + "/gtSUFFIX --image " + tinyStreet() +
                              "/image_2SUFFIX --width 640 --names 'a b,c' --output ";
   const ToolResult folders =
-      runTool("compare" + replaceAll(labels, "SUFFIX", "") + maps.path("sheets"));
+      runTool("compare" + replaceAll(labels, "SUFFIX", "") + maps.path("figures"));
   EXPECT_EQ(folders.code, 0) << folders.text;
   const ToolResult files = runTool(
       "compare" + replaceAll(labels, "SUFFIX", "/000001.png") + maps.path("one.png"));
   EXPECT_EQ(files.code, 0) << files.text;
   for (const char* const frame : {"000000", "000001", "000002"})
     EXPECT_EQ(
-        readPng(maps.path("sheets/") + frame + ".png", ImageKind::grey_or_colour).cols,
+        readPng(maps.path("figures/") + frame + ".png", ImageKind::grey_or_colour).cols,
         640);
   EXPECT_TRUE(
       areEqual(readPng(maps.path("one.png"), ImageKind::grey_or_colour),
-               readPng(maps.path("sheets/000001.png"), ImageKind::grey_or_colour)));
+               readPng(maps.path("figures/000001.png"), ImageKind::grey_or_colour)));
 }
 
 TEST(BadUsage, RenderTool)

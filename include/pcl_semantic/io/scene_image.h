@@ -2,7 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/io/picture_view.h>
+#include <pcl_semantic/io/scene_view.h>
 #include <pcl_semantic/io/voxel_colours.h>
 
 #include <opencv2/core/mat.hpp>
@@ -20,6 +20,6 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \throws InvalidParameterException if there are no voxels, as many colours as voxels
  * are not given, or the camera is inside a voxel */
 cv::Mat drawVoxels(const VoxelScene& scene, const VoxelColours& colours,
-                   const PictureView& view, const SensorPath& path);
+                   const SceneView& view, const SensorPath& path);
 
 } // namespace pcl_semantic

@@ -2,8 +2,8 @@
 #include "core/grey_image.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/map_pictures.h>
-#include <pcl_semantic/io/picture_parts.h>
+#include <pcl_semantic/io/drawing.h>
+#include <pcl_semantic/io/map_images.h>
 
 #include <opencv2/imgproc.hpp>
 

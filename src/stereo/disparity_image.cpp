@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/stereo/disparity_picture.h>
+#include <pcl_semantic/stereo/disparity_image.h>
 
 #include <opencv2/imgproc.hpp>
 
