@@ -88,7 +88,7 @@ encodeParameters(const MapParameters& parameters)
   MapParameters copy = parameters;
   const NamedValues values = valuesOf(copy);
   ByteWriter writer;
-  writer.put(static_cast<std::uint32_t>(values.size() + 2));
+  writer.put(static_cast<std::uint32_t>(values.size() + 3));
   for (const auto& [name, value] : values) {
     writer.putText(name);
     writer.put(*value);
@@ -97,6 +97,8 @@ encodeParameters(const MapParameters& parameters)
   writer.put(static_cast<double>(parameters.fusion.pixel_fusion));
   writer.putText("per_ray_counting");
   writer.put(static_cast<double>(parameters.fusion.per_ray_counting));
+  writer.putText("clearing");
+  writer.put(static_cast<double>(parameters.fusion.clearing));
   return writer.bytes();
 }
 
@@ -106,8 +108,10 @@ decodeParameters(const Bytes& bytes)
   MapParameters parameters;
   NamedValues missing = valuesOf(parameters);
   double pixel_fusion = 0.0, per_ray_counting = 0.0;
+  auto clearing = static_cast<double>(Clearing::full); // of older archives
   missing["pixel_fusion"] = &pixel_fusion;
   missing["per_ray_counting"] = &per_ray_counting;
+  missing["clearing"] = &clearing;
   ByteReader reader(bytes);
   for (auto count = reader.get<std::uint32_t>(); count > 0; --count) {
     const std::string name = reader.getText();
@@ -119,11 +123,15 @@ decodeParameters(const Bytes& bytes)
     missing.erase(known);
   }
   requireEnd(reader);
+  missing.erase("clearing");
   if (!missing.empty())
     PCL_THROW_EXCEPTION(BadInputException, "lacks " << missing.begin()->first);
   parameters.fusion.pixel_fusion =
       pixel_fusion == 0.0 ? PixelFusion::mean : PixelFusion::product;
   parameters.fusion.per_ray_counting = per_ray_counting != 0.0;
+  parameters.fusion.clearing = clearing == 0.0   ? Clearing::none
+                               : clearing == 1.0 ? Clearing::full
+                                                 : Clearing::careful;
   makeOrRefuse([&] { parameters.validate(); });
   return parameters;
 }

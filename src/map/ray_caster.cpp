@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ray_caster.h"
 #include "core/parallel_guard.h"
+#include "free_space.h"
 #include "kernels/ray_directions.h"
 #include "ray_traversal.h"
 #include "tile_sweep.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -38,10 +40,9 @@ hasDeviation(const Scan& scan, std::size_t i)
          ((*scan.deviations)[i] >= 0.0f && (*scan.deviations)[i] < max_reach);
 }
 
-// The fraction of a ray that is certainly free: nothing is cleared within two
-// deviations of its end.
+// The fraction of a ray before two deviations of its end.
 double
-freeFraction(const Scan& scan, std::size_t i)
+sureFraction(const Scan& scan, std::size_t i)
 {
   if (!scan.deviations)
     return 1.0;
@@ -79,6 +80,9 @@ setRay(const kernels::RayBatch& batch, std::size_t k, DirectedRay& ray)
   ray.leaf = std::uint16_t(batch.leaf[k]);
 }
 
+// In the place of an end: the point casts no ray.
+constexpr std::int32_t no_ray = std::numeric_limits<std::int32_t>::min();
+
 // Points that a thread takes at a time.
 constexpr std::size_t part_size = 1 << 14;
 
@@ -86,16 +90,17 @@ constexpr std::size_t tiles = 6 * kTilesAFace;
 
 } // namespace
 
+// The hits come first: where a ray may clear depends on those around its end.
 void
-RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+RayCaster::findHits(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                     const Settings& settings, std::size_t begin, std::size_t end,
                     Part& part)
 {
   const float range = float(settings.max_range);
-  kernels::RayBatch batch{};
   for (std::size_t i = begin; i < end; ++i) {
     const Eigen::Vector3f point = scan.points[i];
     const float reach = reachOf(point);
+    ends_[i].x() = no_ray;
     if (!(reach < max_reach) || !hasDeviation(scan, i)) { // or NaN
       ++part.invalid;
       continue;
@@ -104,45 +109,55 @@ RayCaster::findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
       ++part.sky;
       continue;
     }
+    ends_[i].setZero();
+    if (reach > range)
+      continue;
+    ends_[i] =
+        voxelOf(quantize(T_world_sensor * point.cast<double>(), settings.voxel_size));
+    if (crossed_.add(ends_[i]))
+      part.hits.push_back({std::uint32_t(crossed_.slotOf(blockOf(ends_[i]))),
+                           {std::uint32_t(i), std::uint32_t(voxelInBlock(ends_[i]))}});
+  }
+}
+
+void
+RayCaster::findRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+                    const Settings& settings, std::size_t begin, std::size_t end,
+                    Part& part)
+{
+  const float range = float(settings.max_range);
+  const kernels::RayStart start = rayStart(T_world_sensor, start_, settings.voxel_size);
+  FreeSpace free_space(settings.clearing, settings.voxel_size, crossed_,
+                       voxelOf(start_));
+  kernels::RayBatch batch{};
+  for (std::size_t i = begin; i < end; ++i) {
+    if (ends_[i].x() == no_ray)
+      continue;
+    const Eigen::Vector3f point = scan.points[i];
+    const float reach = reachOf(point);
     const std::size_t k = batch.count++;
     batch.point[k] = std::uint32_t(i);
     batch.x[k] = point.x();
     batch.y[k] = point.y();
     batch.z[k] = point.z();
-    batch.fraction[k] =
-        std::min(reach <= range ? 1.0 : double(range / reach), freeFraction(scan, i));
-    batch.in_range[k] = reach <= range;
+    const double in_reach = reach <= range
+                                ? free_space.fraction(ends_[i], double(point.norm()))
+                                : double(range / reach);
+    batch.fraction[k] = std::min(in_reach, sureFraction(scan, i));
     if (batch.count == kernels::RayBatch::capacity)
-      addRays(scan, T_world_sensor, settings, batch, part);
+      addRays(start, batch, part);
   }
-  addRays(scan, T_world_sensor, settings, batch, part);
+  addRays(start, batch, part);
 }
 
 void
-RayCaster::addRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
-                   const Settings& settings, kernels::RayBatch& batch, Part& part)
+RayCaster::addRays(const kernels::RayStart& start, kernels::RayBatch& batch, Part& part)
 {
-  kernels::findDirections(tier_)(rayStart(T_world_sensor, start_, settings.voxel_size),
-                                 batch);
-  const VoxelIndex start_voxel = voxelOf(start_);
+  kernels::findDirections(tier_)(start, batch);
   for (std::size_t k = 0; k < batch.count; ++k) {
-    const std::uint32_t point = batch.point[k];
-    ends_[point] = {batch.end[0][k], batch.end[1][k], batch.end[2][k]};
+    ends_[batch.point[k]] = {batch.end[0][k], batch.end[1][k], batch.end[2][k]};
     setRay(batch, k, part.rays.emplace_back()); // in place: a copy would wait
     ++part.next[part.rays.back().tile];
-    if (!batch.in_range[k])
-      continue;
-    const bool whole = batch.fraction[k] == 1.0;
-    const VoxelIndex voxel =
-        whole ? VoxelIndex(start_voxel + VoxelIndex(batch.cell[0][k], batch.cell[1][k],
-                                                    batch.cell[2][k]))
-              : voxelOf(quantize(T_world_sensor * scan.points[point].cast<double>(),
-                                 settings.voxel_size));
-    // A ray that stops short of its end leaves it to us to mark it.
-    if (!(whole ? crossed_.contains(blockOf(voxel)) : crossed_.add(voxel)))
-      continue; // outside the window
-    part.hits.push_back({std::uint32_t(crossed_.slotOf(blockOf(voxel))),
-                         {point, std::uint32_t(voxelInBlock(voxel))}});
   }
   batch.count = 0;
 }
@@ -224,27 +239,33 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   start_ = quantize(T_world_sensor.translation(), settings.voxel_size);
   ends_.resize(points);
   parts_.resize((points + part_size - 1) / part_size);
-  ParallelGuard guard;
+  const auto forEachPart = [&](auto find) {
+    ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t p = 0; p < parts_.size(); ++p)
-    guard.run([&] {
-      Part& part = parts_[p];
-      part.rays.clear();
-      part.hits.clear();
-      part.next.assign(tiles, 0);
-      part.invalid = part.sky = 0;
-      findEnds(scan, T_world_sensor, settings, p * part_size,
-               std::min(points, (p + 1) * part_size), part);
-    });
-  guard.rethrow();
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      guard.run([&] {
+        (this->*find)(scan, T_world_sensor, settings, p * part_size,
+                      std::min(points, (p + 1) * part_size), parts_[p]);
+      });
+    guard.rethrow();
+  };
+  for (Part& part : parts_) {
+    part.rays.clear();
+    part.hits.clear();
+    part.next.assign(tiles, 0);
+    part.invalid = part.sky = 0;
+  }
+  forEachPart(&RayCaster::findHits);
+  if (settings.clearing != Clearing::none)
+    forEachPart(&RayCaster::findRays);
   crossVoxels(); // sorts the hits too
   ScanCounts counts;
   counts.points = points;
-  counts.rays = rays_.size();
   for (const Part& part : parts_) {
     counts.invalid += part.invalid;
     counts.sky += part.sky;
   }
+  counts.rays = points - counts.invalid - counts.sky;
   return counts;
 }
 

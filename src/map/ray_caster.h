@@ -6,6 +6,7 @@
 #include "directed_ray.h"
 #include "ray_traversal.h"
 
+#include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/scan.h>
 
 #include <Eigen/Geometry>
@@ -18,7 +19,8 @@ namespace pcl_semantic {
 
 namespace kernels {
 struct RayBatch;
-}
+struct RayStart;
+} // namespace kernels
 
 /** \brief An end point of a ray in a block of the window. */
 struct RayHit {
@@ -42,6 +44,7 @@ public:
     double voxel_size = 0.0;  ///< [m]
     double max_range = 0.0;   ///< SemanticVoxelMap::Parameters::max_range [m]
     std::vector<bool> is_sky; ///< by label; these pixels cast no ray
+    Clearing clearing = Clearing::full;
   };
 
   /** \brief Forgets the last scan and casts the rays of this one. */
@@ -98,13 +101,18 @@ private:
     std::size_t invalid = 0, sky = 0;
   };
 
-  void findEnds(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+  // The voxels of the ends in reach, and which points cast a ray.
+  void findHits(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
+                const Settings& settings, std::size_t begin, std::size_t end,
+                Part& part);
+
+  // The rays, once all hits are known.
+  void findRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                 const Settings& settings, std::size_t begin, std::size_t end,
                 Part& part);
 
   // Adds the rays of a batch to a part, and empties it.
-  void addRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
-               const Settings& settings, kernels::RayBatch& batch, Part& part);
+  void addRays(const kernels::RayStart& start, kernels::RayBatch& batch, Part& part);
 
   void sortHits();
 
@@ -115,10 +123,10 @@ private:
   SimdTier tier_;
   CrossedVoxels crossed_;
   QuantizedPoint start_ = QuantizedPoint::Zero();
-  std::vector<RayDelta> ends_;           // of the rays from the start, by point
-  std::vector<Part> parts_;              // kept from scan to scan: memory is not free
-  std::vector<const DirectedRay*> rays_; // by tile
-  std::vector<RayHit> hits_;             // by slot
+  std::vector<RayDelta> ends_; // by point: voxel it lies in, then end of its ray
+  std::vector<Part> parts_;    // kept from scan to scan: memory is not free
+  std::vector<const DirectedRay*> rays_;             // by tile
+  std::vector<RayHit> hits_;                         // by slot
   std::vector<std::uint32_t> first_hit_, hit_count_; // by slot
   std::vector<std::uint32_t> hit_slots_;             // slots with a hit
 };

@@ -170,7 +170,8 @@ SemanticVoxelMap::State::integrate(const Scan& scan,
   centreWindow(T_world_sensor.translation());
   if (parameters.fusion.dynamic_decay > 0.0)
     decayDynamicVoxels(label_set, parameters.fusion, grid);
-  RayCaster::Settings settings{parameters.voxel_size, parameters.max_range, {}};
+  RayCaster::Settings settings{
+      parameters.voxel_size, parameters.max_range, {}, parameters.fusion.clearing};
   for (int label = 0; label <= label_set.size(); ++label)
     settings.is_sky.push_back(label_set[Label(label)].sky);
   ScanCounts counts = ray_caster.cast(scan, T_world_sensor, grid, settings);

@@ -36,6 +36,10 @@ FusionParameters::validate() const
   requireBetween(max_probability, 0.5, most, "max_probability");
   requireBetween(occupied_probability, min_probability, max_probability,
                  "occupied_probability");
+  if (per_ray_counting && clearing == Clearing::none)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "per_ray_counting counts rays that clear space, but clearing "
+                        "is none");
   requireBetween(label_min_probability, 0.0, 0.5, "label_min_probability");
   if (!(dynamic_decay >= 0.0 && dynamic_decay <= 7.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,

@@ -432,6 +432,7 @@ void
 MapperConfig::validate()
 {
   requireChoice(pixel_fusion, {"mean", "product"}, "pixel_fusion");
+  requireChoice(clearing, {"none", "full", "careful"}, "clearing");
   requireChoice(crf, crf_models, "crf");
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // is for organized clouds
@@ -442,6 +443,9 @@ MapperConfig::validate()
   makeCliqueGenerator(cliques, clique_parameters);
   map.fusion.pixel_fusion =
       pixel_fusion == "mean" ? PixelFusion::mean : PixelFusion::product;
+  map.fusion.clearing = clearing == "none"   ? Clearing::none
+                        : clearing == "full" ? Clearing::full
+                                             : Clearing::careful;
   if (!(map.max_range > 0.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "max_depth is " << map.max_range << " m, expected more than 0");
@@ -508,6 +512,11 @@ parametersOf(MapperConfig& config)
        &fusion.max_probability},
       {"occupied_probability", "a voxel is occupied at this probability or above",
        &fusion.occupied_probability},
+      {"clearing",
+       "what of a ray clears space: none of it, full, or careful: not its end, where "
+       "it "
+       "may run along the surface that it meets",
+       &config.clearing},
       {"per_ray_counting",
        "count every ray instead of one hit or miss a frame, as in the paper: true or "
        "false",

@@ -220,6 +220,7 @@ TEST(MapQueries, EveryRayCountsIfAskedTo)
 {
   SemanticVoxelMap::Parameters parameters = smallWindow();
   parameters.fusion.per_ray_counting = true;
+  parameters.fusion.clearing = Clearing::full;
   SemanticVoxelMap map(twoClasses(), parameters);
   pcl::PointCloud<pcl::PointXYZ> cloud;
   for (int i = 0; i < 3; ++i)

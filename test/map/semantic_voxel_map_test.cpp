@@ -236,7 +236,9 @@ TEST(SemanticVoxelMap, AHitWinsOverAMissOfTheSameScan)
   pcl::PointCloud<pcl::PointXYZ> cloud;
   cloud.push_back({2.0f, 0.1f, 0.1f});
   cloud.push_back({4.0f, 0.2f, 0.2f});
-  SemanticVoxelMap map(threeClasses(), smallWindow());
+  SemanticVoxelMap::Parameters parameters = smallWindow();
+  parameters.fusion.clearing = Clearing::full;
+  SemanticVoxelMap map(threeClasses(), parameters);
   const ScanCounts counts = map.integrate(cloud, poseAt(0, 0, 0));
   EXPECT_EQ(counts.hit_voxels, 2u);
   EXPECT_EQ(map.occupancy({2.0, 0.1, 0.1}), Occupancy::occupied);

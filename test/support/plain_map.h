@@ -31,26 +31,28 @@ public:
   {
     std::set<Key> crossed;
     std::map<Key, std::vector<std::size_t>> hits;
+    for (std::size_t i = 0; i < scan.cloud.size(); ++i)
+      if (isIn(scan, i) && isInRange(scan.cloud[i].getVector3fMap()))
+        hits[endOf(scan.cloud[i].getVector3fMap(), pose)].push_back(i);
     for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
       const Eigen::Vector3f point = scan.cloud[i].getVector3fMap();
-      const Label label = scan.distributions.mapLabel(Eigen::Index(i));
-      if (!point.allFinite() || point.cwiseAbs().maxCoeff() >= 1e6f ||
-          label_set_[label].sky)
+      if (!isIn(scan, i))
         continue;
       // Points beyond max_range clear space up to it, and hit nothing.
       const float reach = point.cwiseAbs().maxCoeff();
       const float range = float(parameters_.max_range);
-      const double scale = reach <= range ? 1.0 : double(range / reach);
+      const double scale = isInRange(point)
+                               ? freeFraction(hits, endOf(point, pose), pose, point)
+                               : double(range / reach);
       const QuantizedPoint from = quantized(pose.translation());
       const QuantizedPoint to = quantized(pose * (point.cast<double>() * scale));
       traverseSegment(from, to, [&](const VoxelIndex& v) {
         crossed.insert({v.x(), v.y(), v.z()});
         return true;
       });
-      const VoxelIndex end = pcl_semantic::voxelOf(to);
-      if (reach <= range)
-        hits[{end.x(), end.y(), end.z()}].push_back(i);
     }
+    for (const auto& [key, points] : hits)
+      crossed.insert(key);
     // Occupancy: one update a voxel and scan; a hit wins over a miss.
     for (const Key& key : crossed) {
       StoredLogOdds& log_odds = log_odds_.try_emplace(key, kUnknown).first->second;
@@ -91,6 +93,51 @@ public:
   }
 
 private:
+  bool
+  isIn(const LabelledScan& scan, std::size_t i) const
+  {
+    const Eigen::Vector3f point = scan.cloud[i].getVector3fMap();
+    return point.allFinite() && point.cwiseAbs().maxCoeff() < 1e6f &&
+           !label_set_[scan.distributions.mapLabel(Eigen::Index(i))].sky;
+  }
+
+  bool
+  isInRange(const Eigen::Vector3f& point) const
+  {
+    return point.cwiseAbs().maxCoeff() <= float(parameters_.max_range);
+  }
+
+  Key
+  endOf(const Eigen::Vector3f& point, const Eigen::Isometry3d& pose) const
+  {
+    const VoxelIndex end =
+        pcl_semantic::voxelOf(quantized(pose * point.cast<double>()));
+    return {end.x(), end.y(), end.z()};
+  }
+
+  // Clearing::careful: a ray clears nothing in its last voxel's length, nor in its last
+  // 3 %; over level ground nothing in the two layers above it, up to a quarter of it.
+  double
+  freeFraction(const std::map<Key, std::vector<std::size_t>>& hits, const Key& end,
+               const Eigen::Isometry3d& pose, const Eigen::Vector3f& point) const
+  {
+    if (parameters_.fusion.clearing == Clearing::full)
+      return 1.0;
+    const auto [x, y, z] = end;
+    bool level = true;
+    for (const auto& [hit, points] : hits) {
+      const auto [i, j, k] = hit;
+      if (std::abs(i - x) <= 1 && std::abs(j - y) <= 1 && std::abs(k - z) >= 2 &&
+          std::abs(k - z) <= 4 && i >> 3 == x >> 3 && j >> 3 == y >> 3)
+        level = false;
+    }
+    const VoxelIndex start = pcl_semantic::voxelOf(quantized(pose.translation()));
+    const double layers = std::max(std::abs(z - start.z()), 1);
+    const double spared = level ? std::min(2.0 / layers, 0.25) : 0.03;
+    const double length = double(point.norm());
+    return std::max(1.0 - parameters_.voxel_size / length - spared, 0.0);
+  }
+
   // Not that of the map, so that the two are independent.
   QuantizedPoint
   quantized(const Eigen::Vector3d& point) const

@@ -13,6 +13,13 @@ enum class PixelFusion {
   product ///< every pixel is a witness of its own (eq. (1) of the paper, word by word)
 };
 
+/** \brief Which part of the ray to a point clears space. */
+enum class Clearing {
+  none,   ///< no part: what was hit once stays occupied
+  full,   ///< all of it up to the voxel of the point (as in the paper)
+  careful ///< all but the end, where it may run along the surface that it meets
+};
+
 /** \brief Parameters of occupancy, colour and label fusion. */
 struct FusionParameters {
   double hit_probability = 0.7;      ///< of being occupied, given a hit
@@ -20,6 +27,7 @@ struct FusionParameters {
   double min_probability = 0.03;     ///< clamp of occupancy from below
   double max_probability = 0.97;     ///< clamp of occupancy from above
   double occupied_probability = 0.5; ///< occupied at or above; one hit is enough
+  Clearing clearing = Clearing::careful;
   PixelFusion pixel_fusion = PixelFusion::mean;
   double label_min_probability = 0.01; ///< clamp of each measurement from below
   /// Every ray through a voxel is a miss and every end in it a hit, one after the other

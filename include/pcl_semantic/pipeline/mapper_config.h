@@ -143,6 +143,7 @@ struct MapperConfig {
   double label_confidence = 0.8; ///< probability of the class a stored `.png` states
   SemanticVoxelMap::Parameters map;
   std::string pixel_fusion = "mean"; ///< PixelFusion by name
+  std::string clearing = "careful";  ///< Clearing by name
   std::string crf = "dense";         ///< none, dense, pn-potts or hierarchical
   int crf_every = 1;           ///< 1 = the CRF runs at each frame, 2 = at every other
   bool crf_write_back = false; ///< what it concludes is the prior of later frames
@@ -154,7 +155,7 @@ struct MapperConfig {
   SemanticCRFParameters crf_parameters;
   int threads = 0; ///< 0 = all processors
 
-  /** \brief Carries pixel_fusion into map and checks every value.
+  /** \brief Carries pixel_fusion and clearing into map and checks every value.
    * \throws InvalidParameterException */
   void validate();
 

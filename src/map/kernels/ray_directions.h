@@ -23,11 +23,9 @@ struct RayBatch {
   static constexpr std::size_t capacity = 128;
 
   std::size_t count = 0;
-  // What is given of each: its number in the scan, whether the point is in range, the
-  // point in the sensor's frame [m], and the fraction of the way to it at which it
-  // ends.
+  // What is given of each: its number in the scan, the point in the sensor's frame [m],
+  // and the fraction of the way to it at which it ends.
   std::uint32_t point[capacity];
-  bool in_range[capacity];
   float x[capacity], y[capacity], z[capacity];
   double fraction[capacity];
   // What is found: the end from the start [quanta, voxels], by axis; members of
