@@ -31,6 +31,11 @@ requireNothingOfStereo(const MapperConfig& config, bool has_camera)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "max_deviation and deviation_scale are for stereo: clouds do "
                         "not say how sure they are");
+  if (!has_camera && config.min_hit_ratio > 0.0 &&
+      config.min_hit_ratio != MapperConfig().min_hit_ratio)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "min_hit_ratio is for images: it counts the pixels that look "
+                        "past a voxel");
   if (!has_camera && config.crf == "hierarchical" &&
       config.cliques.rfind("superpixel", 0) == 0)
     PCL_THROW_EXCEPTION(InvalidParameterException,

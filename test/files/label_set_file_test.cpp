@@ -79,29 +79,62 @@ TEST(LabelSetFile, NamesTheLineOfAMistake)
   EXPECT_TRUE(holds(setRefusal("classes:\n  - road\n"), "line 2"));
 }
 
-// The table of the SemanticKITTI ids that the evaluation uses.
-TEST(LabelMappingFile, SemanticKittiToThePapersClasses)
+using IdsOfLabels = std::vector<std::pair<Label, std::vector<std::uint32_t>>>;
+
+void
+expectMapping(const std::string& mapping_name, const std::string& set_name,
+              const IdsOfLabels& expected)
 {
-  const LabelSet set = readLabelSet(data_folder + "label_sets/kitti11.yaml");
-  const LabelMapping mapping = readLabelMapping(
-      data_folder + "label_mappings/semantic_kitti_to_kitti11.yaml", set);
-  const std::pair<Label, std::vector<std::uint32_t>> expected[] = {
-      {6, {10, 13, 16, 18, 20, 252, 256, 257, 258, 259}},
-      {8, {11, 15, 31, 32, 253, 255}},
-      {7, {30, 254}},
-      {3, {40, 44, 60}},
-      {5, {48}},
-      {1, {50}},
-      {10, {51}},
-      {4, {70, 71, 72}},
-      {11, {80}},
-      {9, {81}}};
+  const LabelSet set = readLabelSet(data_folder + "label_sets/" + set_name);
+  const LabelMapping mapping =
+      readLabelMapping(data_folder + "label_mappings/" + mapping_name, set);
   std::vector<Label> labels(1000, kUnlabelled);
   for (const auto& [label, ids] : expected)
     for (const std::uint32_t id : ids)
       labels[id] = label;
   for (std::uint32_t id = 0; id < labels.size(); ++id)
     EXPECT_EQ(mapping(id), labels[id]) << id;
+}
+
+// The table of the SemanticKITTI ids that the evaluation uses.
+TEST(LabelMappingFile, SemanticKittiToThePapersClasses)
+{
+  expectMapping("semantic_kitti_to_kitti11.yaml", "kitti11.yaml",
+                {{6, {10, 13, 16, 18, 20, 252, 256, 257, 258, 259}},
+                 {8, {11, 15, 31, 32, 253, 255}},
+                 {7, {30, 254}},
+                 {3, {40, 44, 60}},
+                 {5, {48}},
+                 {1, {50}},
+                 {10, {51}},
+                 {4, {70, 71, 72}},
+                 {11, {80}},
+                 {9, {81}}});
+}
+
+// The dataset's own learning map.
+TEST(LabelMappingFile, SemanticKittiToItsNineteenClasses)
+{
+  expectMapping("semantic_kitti_to_semantic_kitti19.yaml", "semantic_kitti19.yaml",
+                {{1, {10, 252}},
+                 {2, {11}},
+                 {3, {15}},
+                 {4, {18, 258}},
+                 {5, {13, 16, 20, 256, 257, 259}},
+                 {6, {30, 254}},
+                 {7, {31, 253}},
+                 {8, {32, 255}},
+                 {9, {40, 60}},
+                 {10, {44}},
+                 {11, {48}},
+                 {12, {49}},
+                 {13, {50}},
+                 {14, {51}},
+                 {15, {70}},
+                 {16, {71}},
+                 {17, {72}},
+                 {18, {80}},
+                 {19, {81}}});
 }
 
 TEST(LabelMappingFile, NamesTheLineOfAMistake)
