@@ -194,8 +194,9 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
                         "the voxels have " << voxels.size() << " indices, their cloud "
                                            << (voxels.cloud ? voxels.cloud->size() : 0)
                                            << " points");
-  const CubeImage cubes =
-      renderCubes(voxels.indices, voxels.voxel_size, camera, T_world_camera, max_depth);
+  constexpr double inset = 0.2; // doc/map.md has the measurements
+  const CubeImage cubes = renderCubes(voxels.indices, voxels.voxel_size, camera,
+                                      T_world_camera, max_depth, inset);
   RenderedLabels result;
   result.labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
   cubes.depth.convertTo(result.depth, CV_32FC1);

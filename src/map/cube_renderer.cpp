@@ -33,6 +33,7 @@ struct View {
   const StereoCamera& camera;
   Eigen::Isometry3d T_world_camera;
   double max_depth;
+  double inset; ///< of free faces [m]
 
   /** \brief Lower corner of a voxel relative to the camera's centre [m]. Its upper one
    * is the lower one of the next, to the bit: no crack between neighbours. */
@@ -103,10 +104,39 @@ isHidden(const View& view, const VoxelIndex& voxel, double min_z,
   return true;
 }
 
+/** \brief Whether the voxels all around hide a cube even if their free faces are inset:
+ * those that they turn to each other are not. */
+bool
+isEnclosed(const VoxelIndex& voxel, VoxelSet::Reader& reader)
+{
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        if (!reader.contains(voxel + VoxelIndex(x, y, z)))
+          return false;
+  return true;
+}
+
+/** \brief The faces of a cube with no voxel on their other side: a bit each, that of
+ * the lower end of an axis before that of the upper one. */
+std::uint8_t
+freeFaces(const VoxelIndex& voxel, VoxelSet::Reader& reader)
+{
+  int faces = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int end = 0; end < 2; ++end) {
+      VoxelIndex neighbour = voxel;
+      neighbour[axis] += end == 0 ? -1 : 1;
+      faces |= int(!reader.contains(neighbour)) << (2 * axis + end);
+    }
+  return static_cast<std::uint8_t>(faces);
+}
+
 /** \brief What there is to draw: the footprint of every voxel, and for every band of
  * rows the voxels that reach into it. */
 struct Plan {
   std::vector<Footprint> footprints;
+  std::vector<std::uint8_t> free_faces; ///< empty if they are not inset
   std::vector<std::vector<std::uint32_t>> bands;
 };
 
@@ -117,6 +147,8 @@ planOf(const View& view)
   const VoxelSet set(view.voxels);
   Plan plan;
   plan.footprints.resize(view.voxels.size());
+  if (view.inset > 0.0)
+    plan.free_faces.resize(view.voxels.size());
   plan.bands.resize((view.camera.height + rows_of_band - 1) / rows_of_band);
 #pragma omp parallel
   {
@@ -125,10 +157,14 @@ planOf(const View& view)
     for (std::ptrdiff_t i = 0; i < count; ++i) {
       Footprint& footprint = plan.footprints[i];
       footprint = footprintOf(view, view.voxels[i]);
-      if (footprint.first_row <= footprint.last_row &&
-          footprint.first_column <= footprint.last_column &&
-          isHidden(view, view.voxels[i], footprint.min_z, reader))
+      if (footprint.first_row > footprint.last_row ||
+          footprint.first_column > footprint.last_column)
+        continue;
+      if (isHidden(view, view.voxels[i], footprint.min_z, reader) &&
+          (view.inset == 0.0 || isEnclosed(view.voxels[i], reader)))
         footprint.last_row = -1;
+      else if (view.inset > 0.0)
+        plan.free_faces[i] = freeFaces(view.voxels[i], reader);
     }
   }
   for (std::size_t i = 0; i < plan.footprints.size(); ++i) {
@@ -166,11 +202,17 @@ public:
   }
 
   void
-  draw(const Footprint& footprint, std::uint32_t voxel)
+  draw(const Footprint& footprint, std::uint32_t voxel, int free_faces)
   {
     const VoxelIndex& index = view_.voxels[voxel];
-    const Eigen::Vector3d lower = view_.lowerCorner(index);
-    const Eigen::Vector3d upper = view_.lowerCorner(index + VoxelIndex::Ones());
+    Eigen::Vector3d lower = view_.lowerCorner(index);
+    Eigen::Vector3d upper = view_.lowerCorner(index + VoxelIndex::Ones());
+    for (int axis = 0; axis < 3; ++axis) {
+      if (free_faces >> (2 * axis) & 1)
+        lower[axis] += view_.inset;
+      if (free_faces >> (2 * axis + 1) & 1)
+        upper[axis] -= view_.inset;
+    }
     const int last_row = std::min(footprint.last_row, end_row_ - 1);
     for (int row = std::max(footprint.first_row, first_row_); row <= last_row; ++row)
       for (int column = footprint.first_column; column <= footprint.last_column;
@@ -241,7 +283,8 @@ renderBand(const View& view, Plan& plan, std::size_t number, CubeImage& result)
     return z_a != z_b ? z_a < z_b : a < b;
   });
   for (const std::uint32_t voxel : voxels)
-    band.draw(plan.footprints[voxel], voxel);
+    band.draw(plan.footprints[voxel], voxel,
+              plan.free_faces.empty() ? 0 : plan.free_faces[voxel]);
   band.copyTo(result);
 }
 
@@ -269,9 +312,13 @@ validate(const View& view)
 CubeImage
 renderCubes(const std::vector<VoxelIndex>& voxels, double voxel_size,
             const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
-            double max_depth)
+            double max_depth, double inset)
 {
-  const View view{voxels, voxel_size, camera, T_world_camera, max_depth};
+  if (!(inset >= 0.0 && inset < 0.5))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "inset is " << inset << " voxels, expected 0 to less than 0.5");
+  const View view{voxels,         voxel_size, camera,
+                  T_world_camera, max_depth,  inset * voxel_size};
   validate(view);
   Plan plan = planOf(view);
   CubeImage result;

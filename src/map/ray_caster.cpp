@@ -239,7 +239,7 @@ RayCaster::cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
   start_ = quantize(T_world_sensor.translation(), settings.voxel_size);
   ends_.resize(points);
   parts_.resize((points + part_size - 1) / part_size);
-  const auto forEachPart = [&](auto find) {
+  const auto forEachPart = [&](decltype(&RayCaster::findHits) find) {
     ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t p = 0; p < parts_.size(); ++p)

@@ -64,8 +64,8 @@ TEST(Help, ItsExamplesRunWhenPasted)
        {"street/poses.txt", "map/map.pcd", "evaluation/metrics.json",
         "truth/000000.png", "refined.pcd", "refined.png", "road.pcd", "pair.pcd",
         "disparity.png", "street_labelled/000001.pcd", "map.png", "grouped.pcd",
-        "coloured.pcd", "figures/000001.png", "calibrated/calibration.yaml", "street.bt",
-        "street.ply", "street.yaml"})
+        "coloured.pcd", "figures/000001.png", "calibrated/calibration.yaml",
+        "street.bt", "street.ply", "street.yaml"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
   EXPECT_EQ(fs::exists(folder.path("view.png")), verbs.back() == "view");
 }

@@ -51,16 +51,17 @@ randomBox(unsigned seed, int side, double chance, const VoxelIndex& corner)
 
 /** \brief Where a ray is within a half-open box, from the definition. */
 std::pair<double, double>
-insideOf(const Eigen::Vector3d& lower, double size, const Eigen::Vector3d& ray)
+insideOf(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
+         const Eigen::Vector3d& ray)
 {
   double enter = 0.0, leave = kInfinity;
   for (int axis = 0; axis < 3; ++axis) {
     if (ray[axis] == 0.0) {
-      if (!(lower[axis] <= 0.0 && lower[axis] + size > 0.0))
+      if (!(lower[axis] <= 0.0 && upper[axis] > 0.0))
         return {0.0, 0.0};
       continue;
     }
-    const double a = lower[axis] / ray[axis], b = (lower[axis] + size) / ray[axis];
+    const double a = lower[axis] / ray[axis], b = upper[axis] / ray[axis];
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }
@@ -70,8 +71,23 @@ insideOf(const Eigen::Vector3d& lower, double size, const Eigen::Vector3d& ray)
 /** \brief The first voxel of every pixel, by trying all voxels. */
 cv::Mat
 bruteForce(const Voxels& voxels, double size, const StereoCamera& camera,
-           const Eigen::Isometry3d& pose, double max_depth)
+           const Eigen::Isometry3d& pose, double max_depth, double inset = 0.0)
 {
+  const auto less = [](const VoxelIndex& a, const VoxelIndex& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  const std::set<VoxelIndex, decltype(less)> set(voxels.begin(), voxels.end(), less);
+  std::vector<Eigen::Vector3d> lower, upper;
+  for (const VoxelIndex& voxel : voxels) {
+    lower.push_back(voxel.cast<double>() * size - pose.translation());
+    upper.push_back((voxel + VoxelIndex::Ones()).cast<double>() * size -
+                    pose.translation());
+    for (int axis = 0; axis < 3; ++axis) {
+      const VoxelIndex step = VoxelIndex::Unit(axis);
+      lower.back()[axis] += set.count(voxel - step) ? 0.0 : inset * size;
+      upper.back()[axis] -= set.count(voxel + step) ? 0.0 : inset * size;
+    }
+  }
   cv::Mat first(camera.height, camera.width, CV_32SC1, cv::Scalar(-1));
   std::vector<bool> too_near(voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i)
@@ -86,8 +102,7 @@ bruteForce(const Voxels& voxels, double size, const StereoCamera& camera,
       const Eigen::Vector3d ray = pose.linear() * camera.unproject(u, v, 1.0);
       double nearest = kInfinity;
       for (std::size_t i = 0; i < voxels.size(); ++i) {
-        const auto [enter, leave] =
-            insideOf(voxels[i].cast<double>() * size - pose.translation(), size, ray);
+        const auto [enter, leave] = insideOf(lower[i], upper[i], ray);
         if (too_near[i] || !(enter < leave) || enter > max_depth || enter >= nearest)
           continue;
         nearest = enter;
@@ -145,6 +160,12 @@ TEST(CubeRenderer, SeesTheFirstCubeOfEveryRay)
       if (trial % 3 == 0) {
         EXPECT_GT(covered(expected), 100 * chance);
       }
+      for (const double inset : {0.2, 0.45})
+        EXPECT_EQ(cv::countNonZero(
+                      renderCubes(voxels, size, camera, pose, max_depth, inset).voxel !=
+                      bruteForce(voxels, size, camera, pose, max_depth, inset)),
+                  0)
+            << "inset " << inset << ", chance " << chance << ", trial " << trial;
     }
 }
 
@@ -203,6 +224,8 @@ TEST(CubeRenderer, RefusesWhatCannotBe)
   EXPECT_THROW(renderCubes(voxels, 0.0, camera, pose, 1.0), InvalidParameterException);
   EXPECT_THROW(renderCubes(voxels, 0.1, camera, pose, 0.0), InvalidParameterException);
   EXPECT_THROW(renderCubes(voxels, 0.1, StereoCamera(), pose, 1.0),
+               InvalidParameterException);
+  EXPECT_THROW(renderCubes(voxels, 0.1, camera, pose, 1.0, 0.5),
                InvalidParameterException);
   EXPECT_EQ(covered(renderCubes({}, 0.1, camera, pose, 1.0).voxel), 0);
 }

@@ -96,13 +96,14 @@ struct RenderedLabels {
   cv::Mat indices; ///< CV_32SC1, which voxel of the cloud; -1 = none
 };
 
-/** \brief Renders voxels as solid cubes of their own size, the nearest along the ray of
+/** \brief Renders voxels as solid cubes, the nearest along the ray of
  * each pixel centre.
  *
- * A cube covers [index, index + 1) times the voxel size in the world frame and is drawn
- * in the label of its point in the cloud. The result does not depend on the number of
- * threads nor on the order of the voxels, but where two cubes touch exactly on a ray,
- * the first in the cloud is seen.
+ * A cube covers [index, index + 1) times the voxel size in the world frame, less a
+ * fifth of a voxel at each face with no voxel on its other side: whole cubes are fatter
+ * than the surfaces they stand for. It is drawn in the label of its point in the cloud.
+ * The result does not depend on the number of threads nor on the order of the voxels,
+ * but where two cubes touch exactly on a ray, the first in the cloud is seen.
  *
  * A cube with a corner nearer than z = 0.1 m is passed over: it would cover the picture
  * and is the camera's own car or noise.
