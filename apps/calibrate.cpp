@@ -164,7 +164,10 @@ addOptions(CalibrateArguments& options, po::options_description& description)
   addOption(description, "frames", options.frames,
             "A:B, frames numbered A <= n < B, of each sequence");
   addOption(description, "balance", options.fit.balance,
-            "0 = every pixel counts alike, 1 = every class");
+            "in a sequence, 0 = every pixel counts alike, 1 = every class");
+  addOption(description, "shrinkage", options.fit.shrinkage,
+            "what is taken off biases and curves afterwards, 0 to 1, as another street "
+            "is only in part like these");
   addOption(description, "bias-penalty", options.fit.bias_penalty,
             "on the square of a class's bias");
   addOption(description, "curve-penalty", options.fit.curve_penalty,

@@ -6,6 +6,7 @@
 #include <pcl_semantic/labelling/calibration_fit.h>
 
 #include <functional>
+#include <map>
 #include <set>
 
 namespace pcl_semantic {
@@ -83,6 +84,15 @@ CalibrationSamples::validate() const
       PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: a weight is "
                                                          << weight
                                                          << ", expected more than 0");
+  if (!sequences.empty() && sequences.size() != count)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "calibration: " << count << " labels for " << sequences.size()
+                                        << " sequences");
+  for (const int sequence : sequences)
+    if (sequence < 0)
+      PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: a sequence is "
+                                                         << sequence
+                                                         << ", expected 0 or more");
   for (const Label label : truth)
     if (label > network.classes())
       PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: ground truth "
@@ -95,7 +105,7 @@ void
 CalibrationOptions::validate() const
 {
   for (const auto& [name, value, most] :
-       {std::tuple("balance", balance, 1.0),
+       {std::tuple("balance", balance, 1.0), std::tuple("shrinkage", shrinkage, 1.0),
         std::tuple("bias_penalty", bias_penalty, 1e6),
         std::tuple("curve_penalty", curve_penalty, 1e6)})
     if (!(value >= 0.0 && value <= most))
@@ -186,6 +196,33 @@ weightOf(const CalibrationSamples& samples, std::size_t i)
   return samples.weights.empty() ? 1.0 : double(samples.weights[i]);
 }
 
+// Of the chosen samples, with a sum of 1: every sequence counts alike, and in it each
+// class as its number of samples to the power of 1 - balance.
+std::vector<double>
+balancedWeights(const CalibrationSamples& samples,
+                const std::vector<std::size_t>& chosen, double balance)
+{
+  const auto sequenceOf = [&](std::size_t i) {
+    return samples.sequences.empty() ? 0 : samples.sequences[i];
+  };
+  std::map<int, std::map<Label, double>> numbers;
+  for (const std::size_t i : chosen)
+    numbers[sequenceOf(i)][samples.truth[i]] += weightOf(samples, i);
+  std::map<int, double> sums;
+  for (const auto& [sequence, classes] : numbers)
+    for (const auto& [label, number] : classes)
+      sums[sequence] += std::pow(number, 1.0 - balance);
+  std::vector<double> weights;
+  weights.reserve(chosen.size());
+  for (const std::size_t i : chosen) {
+    const int sequence = sequenceOf(i);
+    const double number = numbers[sequence][samples.truth[i]];
+    weights.push_back(weightOf(samples, i) * std::pow(number, -balance) /
+                      (sums[sequence] * double(numbers.size())));
+  }
+  return weights;
+}
+
 // The classes of the samples that count.
 std::vector<Label>
 classesOf(const CalibrationSamples& samples)
@@ -237,15 +274,12 @@ Likelihood::Likelihood(const CalibrationSamples& samples,
   for (std::size_t k = 0; k < labels_.size(); ++k)
     number[labels_[k]] = int(k);
   std::vector<std::size_t> chosen;
-  std::vector<double> sizes(labels_.size());
   for (std::size_t i = 0; i < samples.truth.size(); ++i)
-    if (counts(samples, i)) {
+    if (counts(samples, i))
       chosen.push_back(i);
-      sizes[std::size_t(number[samples.truth[i]])] += weightOf(samples, i);
-    }
+  weights_ = balancedWeights(samples, chosen, options.balance);
   logs_.resize(classes(), Eigen::Index(chosen.size()));
   std::vector<float> logs(std::size_t(samples.network.classes()));
-  double total = 0.0;
   for (const std::size_t i : chosen) {
     const auto column = Eigen::Index(rows_.size());
     clampedLog(samples.network.column(Eigen::Index(i)), samples.network.classes(),
@@ -253,13 +287,8 @@ Likelihood::Likelihood(const CalibrationSamples& samples,
     for (int k = 0; k < classes(); ++k)
       logs_(k, column) = logs[labels_[std::size_t(k)] - 1u];
     truth_.push_back(number[samples.truth[i]]);
-    weights_.push_back(weightOf(samples, i) *
-                       std::pow(sizes[std::size_t(truth_.back())], -options.balance));
-    total += weights_.back();
     rows_.push_back(rowOf(options, samples.features[i]));
   }
-  for (double& weight : weights_)
-    weight /= total;
 }
 
 double
@@ -372,6 +401,7 @@ fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& opti
     start[0] = 0.0;
     best = minimizeConvex(blind, start, options.iterations, tolerance);
   }
+  best.tail(best.size() - 1) *= 1.0 - options.shrinkage;
   LabelCalibration result =
       likelihood.calibration(best.data(), samples.network.classes(), options);
   result.of = samples.of;

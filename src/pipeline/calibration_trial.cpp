@@ -129,6 +129,7 @@ pooled(const std::vector<CalibrationSamples>& sequences, std::size_t left_out)
                            each.features.end());
       pool.weights.insert(pool.weights.end(), each.weights.begin(), each.weights.end());
       pool.truth.insert(pool.truth.end(), each.truth.begin(), each.truth.end());
+      pool.sequences.insert(pool.sequences.end(), each.truth.size(), int(s));
       count += each.network.size();
     }
   pool.network.matrix().resize(sequences.front().network.classes(), count);

@@ -253,6 +253,7 @@ TEST(CalibrateToolUsage, BadInput)
            {"no truth option", 2, "'--truth' is required",
             "calibrate STREET --output OUT --labels STREET/labels"},
            {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
+           {"shrinkage", 2, "shrinkage is 2", all + "--shrinkage 2"},
            {"penalty", 2, "bias_penalty is -1", all + "--bias-penalty -1"},
            {"engine", 2, "stereo", all + "--stereo best"},
            {"ground", 2, "--ground: class 'lawn' is not in the label set",

@@ -48,7 +48,7 @@ someSamples(std::size_t count)
   return samples;
 }
 
-// What fitCalibration() makes small, sample by sample.
+// What fitCalibration() makes small, sample by sample, before it shrinks anything.
 double
 plainLoss(const LabelCalibration& calibration, const CalibrationSamples& samples,
           const CalibrationOptions& options)
@@ -57,11 +57,17 @@ plainLoss(const LabelCalibration& calibration, const CalibrationSamples& samples
     return samples.truth[i] != kUnlabelled &&
            samples.network.matrix().col(Eigen::Index(i)).sum() > 0.0f;
   };
+  const auto sequenceOf = [&](std::size_t i) {
+    return samples.sequences.empty() ? 0 : samples.sequences[i];
+  };
   std::map<Label, double> sizes;
+  std::map<int, std::map<Label, double>> in_sequence;
   for (std::size_t i = 0; i < samples.truth.size(); ++i)
-    if (counts(i))
+    if (counts(i)) {
       ++sizes[samples.truth[i]];
-  double loss = 0.0, weights = 0.0;
+      ++in_sequence[sequenceOf(i)][samples.truth[i]];
+    }
+  std::map<int, double> losses, weights;
   for (std::size_t i = 0; i < samples.truth.size(); ++i) {
     if (!counts(i))
       continue;
@@ -73,15 +79,19 @@ plainLoss(const LabelCalibration& calibration, const CalibrationSamples& samples
       total += weight;
       of_truth += label == samples.truth[i] ? weight : 0.0;
     }
-    const double weight = std::pow(sizes[samples.truth[i]], -options.balance);
-    loss -= weight * std::log(of_truth / total);
-    weights += weight;
+    const int sequence = sequenceOf(i);
+    const double weight =
+        std::pow(in_sequence[sequence][samples.truth[i]], -options.balance);
+    losses[sequence] -= weight * std::log(of_truth / total);
+    weights[sequence] += weight;
   }
+  double loss = 0.0;
+  for (const auto& [sequence, of_sequence] : losses)
+    loss += of_sequence / weights[sequence] / double(losses.size());
   double curves = 0.0;
   for (const ClassCurves& each : calibration.curves)
     curves += each.values.cast<double>().squaredNorm();
-  return loss / weights +
-         options.bias_penalty * calibration.bias.cast<double>().squaredNorm() +
+  return loss + options.bias_penalty * calibration.bias.cast<double>().squaredNorm() +
          options.curve_penalty * curves;
 }
 
@@ -120,11 +130,30 @@ expectMinimum(LabelCalibration calibration, const CalibrationSamples& samples,
   }
 }
 
+// Sequences 0, 2 and 5 with 1, 2 and 3 parts in 6 of the samples.
+std::vector<int>
+threeSequences(std::size_t count)
+{
+  std::vector<int> sequences;
+  for (std::size_t i = 0; i < count; ++i)
+    sequences.push_back(std::array{0, 2, 2, 5, 5, 5}[i % 6]);
+  return sequences;
+}
+
+CalibrationOptions
+unshrunk()
+{
+  CalibrationOptions options;
+  options.shrinkage = 0.0;
+  return options;
+}
+
 TEST(CalibrationFit, IsTheMinimumOfThePenalisedLoss)
 {
-  const CalibrationSamples samples = someSamples(500);
+  CalibrationSamples samples = someSamples(500);
   for (const double balance : {0.0, 0.5, 1.0}) {
-    CalibrationOptions options;
+    samples.sequences = threeSequences(balance == 1.0 ? 0 : 500);
+    CalibrationOptions options = unshrunk();
     options.balance = balance;
     options.curves = streetKnots(everyFeature());
     const LabelCalibration calibration = fitCalibration(samples, options);
@@ -152,7 +181,7 @@ TEST(CalibrationFit, StreetKnotsComeInOrderAndOnce)
 TEST(CalibrationFit, FitsWithoutCurves)
 {
   const CalibrationSamples samples = someSamples(1000);
-  CalibrationOptions options;
+  CalibrationOptions options = unshrunk();
   options.curves.clear();
   const LabelCalibration calibration = fitCalibration(samples, options);
   EXPECT_TRUE(calibration.curves.empty());
@@ -162,7 +191,7 @@ TEST(CalibrationFit, FitsWithoutCurves)
 TEST(CalibrationFit, FindsTheCalibrationThatTruthWasDrawnFrom)
 {
   const LabelCalibration known = randomCalibration(4, 21);
-  CalibrationOptions options;
+  CalibrationOptions options = unshrunk();
   options.balance = 0.0; // others weigh the classes, which moves biases
   options.bias_penalty = options.curve_penalty = 1e-6;
   options.curves.clear();
@@ -202,10 +231,54 @@ TEST(CalibrationFit, ANetworkThatIsMostlyWrongIsNotHeard)
     samples.network.matrix().col(i).minCoeff(&least);
     samples.truth.push_back(Label(least + 1));
   }
-  const LabelCalibration calibration = fitCalibration(samples, {});
+  const LabelCalibration calibration = fitCalibration(samples, unshrunk());
   EXPECT_EQ(calibration.sharpness, 0.0f);
   EXPECT_NO_THROW(calibrate(calibration, samples.network, samples.features));
-  expectMinimum(calibration, samples, {});
+  expectMinimum(calibration, samples, unshrunk());
+}
+
+TEST(CalibrationFit, ShrinkageScalesEverythingButTheSharpness)
+{
+  const CalibrationSamples samples = someSamples(500);
+  LabelCalibration whole = fitCalibration(samples, unshrunk());
+  CalibrationOptions options;
+  options.shrinkage = 0.25;
+  LabelCalibration shrunk = fitCalibration(samples, options);
+  const std::vector<float*> expected = parametersOf(whole),
+                            found = parametersOf(shrunk);
+  ASSERT_EQ(found.size(), expected.size());
+  EXPECT_EQ(*found[0], *expected[0]);
+  for (std::size_t i = 1; i < found.size(); ++i)
+    EXPECT_NEAR(*found[i], 0.75f * *expected[i], 1e-6f);
+}
+
+void
+appendCopy(CalibrationSamples& samples, std::size_t i, int sequence)
+{
+  const Eigen::Index end = samples.network.size();
+  samples.network.matrix().conservativeResize(samples.network.classes(), end + 1);
+  samples.network.matrix().col(end) = samples.network.matrix().col(Eigen::Index(i));
+  samples.features.push_back(PointFeatures(samples.features[i]));
+  samples.truth.push_back(Label(samples.truth[i]));
+  samples.sequences.push_back(sequence);
+}
+
+// The longer of two sequences is the shorter one, twice: as if it were but once.
+TEST(CalibrationFit, EverySequenceCountsAlike)
+{
+  constexpr std::size_t count = 300, first = 60;
+  CalibrationSamples samples = someSamples(count), longer;
+  for (std::size_t i = 0; i < count; ++i)
+    samples.sequences.push_back(i < first ? 0 : 1);
+  longer = samples;
+  for (std::size_t i = first; i < count; ++i)
+    appendCopy(longer, i, 1);
+  const LabelCalibration one = fitCalibration(samples, {});
+  const LabelCalibration other = fitCalibration(longer, {});
+  EXPECT_NEAR(one.sharpness, other.sharpness, 1e-3);
+  EXPECT_LT((one.bias - other.bias).cwiseAbs().maxCoeff(), 1e-3f);
+  longer.sequences.clear();
+  EXPECT_GT((fitCalibration(longer, {}).bias - one.bias).norm(), 1e-2f);
 }
 
 TEST(CalibrationFit, AWeightCountsASampleSoOften)
@@ -214,15 +287,10 @@ TEST(CalibrationFit, AWeightCountsASampleSoOften)
   weighted.weights.assign(300, 1.0f);
   for (std::size_t i = 0; i < 300; i += 3) {
     weighted.weights[i] = 3.0f;
-    for (int copy = 0; copy < 2; ++copy) {
-      const Eigen::Index end = repeated.network.size();
-      repeated.network.matrix().conservativeResize(4, end + 1);
-      repeated.network.matrix().col(end) =
-          weighted.network.matrix().col(Eigen::Index(i));
-      repeated.features.push_back(weighted.features[i]);
-      repeated.truth.push_back(weighted.truth[i]);
-    }
+    appendCopy(repeated, i, 0);
+    appendCopy(repeated, i, 0);
   }
+  repeated.sequences.clear();
   const LabelCalibration one = fitCalibration(weighted, {});
   const LabelCalibration other = fitCalibration(repeated, {});
   EXPECT_NEAR(one.sharpness, other.sharpness, 1e-3);
@@ -263,6 +331,9 @@ TEST(CalibrationFit, RefusesBadSamples)
   EXPECT_TRUE(holds(size([](auto& s) { s.features.pop_back(); }), "99 lists"));
   EXPECT_TRUE(holds(size([](auto& s) { s.weights.assign(99, 1.0f); }), "99 weights"));
   EXPECT_TRUE(holds(size([](auto& s) { s.weights.assign(100, 0.0f); }), "weight is 0"));
+  EXPECT_TRUE(holds(size([](auto& s) { s.sequences.assign(99, 0); }), "99 sequences"));
+  EXPECT_TRUE(
+      holds(size([](auto& s) { s.sequences.assign(100, -1); }), "sequence is -1"));
   EXPECT_TRUE(holds(size([](auto& s) { s.truth[5] = 5; }), "truth 5 of 4 classes"));
   const std::string few = "expected ground truth of two classes or more";
   const auto input = [&](auto&& how) {
@@ -283,6 +354,7 @@ TEST(CalibrationFit, RefusesBadOptions)
         [&] { fitCalibration(someSamples(100), options); });
   };
   EXPECT_TRUE(holds(refusal([](auto& o) { o.balance = 1.1; }), "balance is 1.1"));
+  EXPECT_TRUE(holds(refusal([](auto& o) { o.shrinkage = -0.1; }), "shrinkage is -0.1"));
   EXPECT_TRUE(holds(refusal([](auto& o) { o.bias_penalty = -1; }), "bias_penalty"));
   EXPECT_TRUE(
       holds(refusal([](auto& o) { o.curve_penalty = std::nan(""); }), "curve_penalty"));

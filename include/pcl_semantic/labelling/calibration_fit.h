@@ -12,10 +12,11 @@ struct CalibrationSamples {
   std::vector<PointFeatures> features;
   std::vector<Label> truth;   ///< kUnlabelled ones do not count
   std::vector<float> weights; ///< how often each counts, more than 0; empty = once
+  std::vector<int> sequences; ///< the sequence each is of, from 0; empty = one
   std::string of = "pixels";  ///< what they are, see LabelCalibration
 
   /** \throws InvalidParameterException if sizes do not fit, a label is not one of the
-   * classes, or a weight cannot be */
+   * classes, or a weight or sequence cannot be */
   void validate() const;
 };
 
@@ -36,9 +37,12 @@ const std::vector<Feature>& cliqueFeatures();
 std::vector<FeatureKnots> streetKnots(const std::vector<Feature>& features);
 
 struct CalibrationOptions {
-  /// Each class weighs as its number of samples to the power of 1 - balance: 0 = every
-  /// sample counts alike, 1 = every class.
+  /// Every sequence counts alike. In it each class weighs as its number of samples to
+  /// the power of 1 - balance: 0 = every sample counts alike, 1 = every class.
   double balance = 0.5;
+  /// What is taken off bias and curves afterwards: another street is only in part like
+  /// those they were learned from. 0 = nothing, 1 = the sharpness alone is left.
+  double shrinkage = 0.3;
   double bias_penalty = 0.01;   ///< on b^2, in mean log-likelihood
   double curve_penalty = 0.003; ///< on the squared values of the curves
   std::vector<FeatureKnots> curves = streetKnots(pixelFeatures()); ///< by feature
@@ -49,10 +53,10 @@ struct CalibrationOptions {
 };
 
 /** \brief The calibration of largest penalised likelihood, the sum over samples of
- * log p'(truth): convex, so there is but one. Classes that the ground truth does not
- * have are not fitted, and the sharpness is never below 0. \a ground of the result is
- * empty. \throws InvalidParameterException if sizes do not fit \throws
- * BadInputException if there are no samples of two classes or more */
+ * log p'(truth): convex, so there is but one. Then \a shrinkage is applied. Classes
+ * that the ground truth does not have are not fitted, and the sharpness is never below
+ * 0. \a ground of the result is empty. \throws InvalidParameterException if sizes do
+ * not fit \throws BadInputException if there are no samples of two classes or more */
 LabelCalibration fitCalibration(const CalibrationSamples& samples,
                                 const CalibrationOptions& options);
 
