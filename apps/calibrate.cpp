@@ -271,7 +271,7 @@ calibrateSequences(const tool::CalibrateArguments& options)
       names.push_back(sequence.name());
       samples.push_back(
           options.clique_config.empty()
-              ? calibrationSamples(sequence, options.config, ground)
+              ? calibrationSamples(sequence, options.config, ground, options.fit.curves)
               : cliqueSamples(sequence, options.config, label_set, ground));
       progress.step();
     }

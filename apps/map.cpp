@@ -99,6 +99,16 @@ judgeTracking(const MapArguments& arguments, int lost, int frames)
              " frames could not be tracked: their poses are predicted");
 }
 
+void
+judgeCalibration(const MapArguments& arguments, double domain_shift)
+{
+  constexpr double usual = 1.0;
+  if (domain_shift > usual)
+    tool::warn(arguments.label_calibration + ": was learned from other streets than " +
+               "this one (domain shift " + tool::shown(domain_shift) +
+               ", expected at most 1): compare the map with one without it");
+}
+
 int
 mapSource(const MapArguments& arguments)
 {
@@ -121,6 +131,7 @@ mapSource(const MapArguments& arguments)
   judgeTracking(arguments, poses.lostFrames(), int(run.frames.size()));
   archive.finish(*mapper);
   output.finish(mapper->map());
+  judgeCalibration(arguments, output.domainShift());
   if (!archive.close())
     tool::warn(arguments.archive.path + ": is being read by another program: " +
                arguments.archive.path + "-wal still belongs to it");

@@ -37,6 +37,24 @@ requireCurves(const ClassCurves& curves, int classes)
                             << " values at each, -1e6 to 1e6");
 }
 
+void
+requireSeen(const LabelCalibration& calibration)
+{
+  bool fits =
+      calibration.seen.empty() || calibration.seen.size() == calibration.curves.size();
+  for (std::size_t i = 0; fits && i < calibration.seen.size(); ++i)
+    fits = calibration.seen[i].rows() == calibration.classes() &&
+           calibration.seen[i].cols() == calibration.curves[i].values.cols() &&
+           (calibration.seen[i].array() >= 0.0f).all() && areSmall(calibration.seen[i]);
+  if (!fits ||
+      !(calibration.usual_distance >= 0.0f && calibration.usual_distance <= 1.0f))
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "calibration: what was seen needs "
+                            << calibration.classes()
+                            << " fractions at each knot of every curve, and a usual "
+                               "distance of 0 to 1");
+}
+
 // Works on one column after the other, with room for L values.
 class Calibrator {
 public:
@@ -117,6 +135,7 @@ LabelCalibration::validate() const
   if (!areInOrder(curves))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "calibration: a feature has two curves, or comes out of order");
+  requireSeen(*this);
 }
 
 LabelDistributions
@@ -142,6 +161,56 @@ calibrate(const LabelCalibration& calibration, const LabelDistributions& distrib
                        result.column(i));
   }
   return result;
+}
+
+Eigen::MatrixXf
+featureHistogram(Feature feature, const std::vector<float>& knots,
+                 const LabelDistributions& distributions,
+                 const std::vector<PointFeatures>& features)
+{
+  Eigen::MatrixXd sums =
+      Eigen::MatrixXd::Zero(distributions.classes(), Eigen::Index(knots.size()));
+  constexpr Eigen::Index enough = 100000; // pixels; more cost time and tell no more
+  const Eigen::Index step = 1 + distributions.size() / enough;
+  for (Eigen::Index i = 0; i < distributions.size(); i += step) {
+    const Label label = distributions.mapLabel(i);
+    const CurvePosition position = positionOn(knots, features[std::size_t(i)][feature]);
+    if (label == kUnlabelled || position.first < 0)
+      continue;
+    sums(label - 1, position.first) += 1.0 - position.fraction;
+    sums(label - 1, position.first + 1) += position.fraction;
+  }
+  const double sum = sums.sum();
+  return (sums / (sum > 0.0 ? sum : 1.0)).cast<float>();
+}
+
+double
+histogramDistance(const std::vector<Eigen::MatrixXf>& histograms,
+                  const std::vector<Eigen::MatrixXf>& others)
+{
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < std::min(histograms.size(), others.size()); ++i)
+    if (!histograms[i].isZero(0.0f) && !others[i].isZero(0.0f)) {
+      sum += 0.5 * double((histograms[i] - others[i]).cwiseAbs().sum());
+      ++count;
+    }
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+double
+domainShift(const LabelCalibration& calibration,
+            const LabelDistributions& distributions,
+            const std::vector<PointFeatures>& features)
+{
+  if (calibration.seen.empty() || !(calibration.usual_distance > 0.0f))
+    return std::numeric_limits<double>::quiet_NaN();
+  std::vector<Eigen::MatrixXf> histograms;
+  for (const ClassCurves& curves : calibration.curves)
+    histograms.push_back(
+        featureHistogram(curves.feature, curves.knots, distributions, features));
+  return histogramDistance(histograms, calibration.seen) /
+         double(calibration.usual_distance);
 }
 
 namespace {
@@ -202,6 +271,35 @@ readKnots(const YamlMap& knots, int classes)
   return curves;
 }
 
+// Histograms of zero but for the classes that are there.
+void
+readSeen(const YamlMap& file, const LabelSet& label_set, LabelCalibration& calibration)
+{
+  if (!file.has("seen"))
+    return;
+  const YamlMap seen = file.requireMap("seen");
+  calibration.usual_distance =
+      static_cast<float>(seen.require<double>("usual_distance"));
+  for (const ClassCurves& curves : calibration.curves) {
+    const YamlMap classes = seen.requireMap(nameOf(curves.feature));
+    Eigen::MatrixXf fractions =
+        Eigen::MatrixXf::Zero(curves.values.rows(), curves.values.cols());
+    for (const std::string& name : classes.keys()) {
+      const auto values = classes.require<std::vector<double>>(name);
+      if (values.size() != curves.knots.size())
+        PCL_THROW_EXCEPTION(BadInputException, classes.where(name)
+                                                   << ": " << values.size()
+                                                   << " values for "
+                                                   << curves.knots.size() << " knots");
+      for (std::size_t i = 0; i < values.size(); ++i)
+        fractions(labelOf(classes, name, name, label_set) - 1, Eigen::Index(i)) =
+            static_cast<float>(values[i]);
+    }
+    calibration.seen.push_back(std::move(fractions));
+  }
+  seen.refuseUnknownKeys();
+}
+
 std::string
 listOf(const float* values, std::size_t count, std::ptrdiff_t stride)
 {
@@ -239,6 +337,7 @@ readCalibration(const std::string& path, const LabelSet& label_set,
   for (const std::string& name : classes.keys())
     readClass(classes.requireMap(name), labelOf(classes, name, name, label_set),
               calibration);
+  readSeen(file, label_set, calibration);
   file.refuseUnknownKeys();
   try {
     calibration.validate();
@@ -274,6 +373,19 @@ printCalibration(const LabelCalibration& calibration, const LabelSet& label_set)
            << listOf(curves.values.data() + l, curves.knots.size(),
                      calibration.classes())
            << "\n";
+  }
+  if (!calibration.seen.empty())
+    text << "seen:\n  usual_distance: " << calibration.usual_distance << "\n";
+  for (std::size_t i = 0; i < calibration.seen.size(); ++i) {
+    const Eigen::MatrixXf& fractions = calibration.seen[i];
+    text << "  " << nameOf(calibration.curves[i].feature)
+         << (fractions.isZero(0.0f) ? ": {}\n" : ":\n");
+    for (Eigen::Index l = 0; l < fractions.rows(); ++l)
+      if (!fractions.row(l).isZero(0.0f))
+        text << "    " << label_set[Label(l + 1)].name << ": "
+             << listOf(fractions.data() + l, std::size_t(fractions.cols()),
+                       fractions.rows())
+             << "\n";
   }
   return text.str();
 }

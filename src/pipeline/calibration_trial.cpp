@@ -17,7 +17,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <map>
+#include <set>
 
 namespace pcl_semantic {
 
@@ -156,7 +158,8 @@ count(const LabelDistributions& distributions, const CalibrationSamples& samples
 
 CalibrationSamples
 calibrationSamples(const CalibrationSequence& sequence, const MapperConfig& config,
-                   const std::vector<Label>& ground)
+                   const std::vector<Label>& ground,
+                   const std::vector<FeatureKnots>& curves)
 {
   const auto predictor = sequence.makePredictor(config.label_confidence);
   const auto stereo = makeDisparityEstimator(config.stereo, config.disparities);
@@ -169,11 +172,73 @@ calibrationSamples(const CalibrationSequence& sequence, const MapperConfig& conf
     eraseUnsure(image, config.max_deviation);
     const LabelDistributions network = predictor->predict(frame);
     const auto cloud = disparityToCloud(image.disparity, frame.left, sequence.camera());
-    appendSamples(sequence.truth(i), network, frameFeatures(*cloud, network, ground),
-                  samples);
+    const auto features = frameFeatures(*cloud, network, ground);
+    appendSamples(sequence.truth(i), network, features, samples);
+    samples.frames.emplace_back();
+    for (const auto& [feature, knots] : curves)
+      samples.frames.back().push_back(
+          featureHistogram(feature, knots, network, features));
   }
   return samples;
 }
+
+namespace {
+
+using Histograms = std::vector<Eigen::MatrixXf>;
+
+// The mean of what the sequences show, but for those left out: frames count alike in
+// their sequence, and sequences do.
+Histograms
+meanHistograms(const std::vector<CalibrationSamples>& sequences,
+               const std::set<std::size_t>& left_out)
+{
+  Histograms mean;
+  for (std::size_t s = 0; s < sequences.size(); ++s) {
+    const std::vector<Histograms>& frames = sequences[s].frames;
+    if (left_out.count(s) || frames.empty())
+      continue;
+    for (const Histograms& frame : frames)
+      for (std::size_t i = 0; i < frame.size(); ++i) {
+        if (mean.size() <= i)
+          mean.push_back(Eigen::MatrixXf::Zero(frame[i].rows(), frame[i].cols()));
+        mean[i] += frame[i] / float(frames.size());
+      }
+  }
+  for (Eigen::MatrixXf& each : mean)
+    each /= std::max(each.sum(), std::numeric_limits<float>::min());
+  return mean;
+}
+
+// Of a sequence's frames from the others', the median.
+double
+distanceFromOthers(const std::vector<CalibrationSamples>& sequences, std::size_t of,
+                   std::size_t left_out)
+{
+  const Histograms others = meanHistograms(sequences, {of, left_out});
+  std::vector<double> distances;
+  for (const Histograms& frame : sequences[of].frames)
+    if (const double distance = histogramDistance(frame, others); distance >= 0.0)
+      distances.push_back(distance); // not NaN
+  if (distances.empty())
+    return 0.0;
+  const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+void
+setSeen(const std::vector<CalibrationSamples>& sequences, std::size_t left_out,
+        LabelCalibration& calibration)
+{
+  calibration.seen = meanHistograms(sequences, {left_out});
+  for (std::size_t s = 0; s < sequences.size(); ++s)
+    if (s != left_out)
+      calibration.usual_distance =
+          std::max(calibration.usual_distance,
+                   float(distanceFromOthers(sequences, s, left_out)));
+}
+
+} // namespace
 
 CalibrationTrial
 tryCalibration(const std::vector<CalibrationSamples>& sequences,
@@ -190,6 +255,7 @@ tryCalibration(const std::vector<CalibrationSamples>& sequences,
   const auto fitTo = [&](std::size_t left_out) {
     LabelCalibration calibration = fitCalibration(pooled(sequences, left_out), options);
     calibration.ground = ground;
+    setSeen(sequences, left_out, calibration);
     return calibration;
   };
   trial.all = fitTo(sequences.size());

@@ -23,7 +23,7 @@ FrameRecord
 recordOf(const MappedFrame& mapped)
 {
   return {mapped.frame.number, mapped.T_world_camera, mapped.counts,
-          mapped.times.seconds()};
+          mapped.times.seconds(), mapped.domain_shift};
 }
 
 std::vector<std::uint8_t>
@@ -40,6 +40,7 @@ encodeFrameRecord(const FrameRecord& record)
     writer.putText(stage);
     writer.put(seconds);
   }
+  writer.put(record.domain_shift);
   return writer.bytes();
 }
 
@@ -58,6 +59,8 @@ decodeFrameRecord(int number, const std::vector<std::uint8_t>& bytes)
     const std::string stage = reader.getText();
     record.seconds.emplace_back(stage, reader.get<double>());
   }
+  if (reader.left() > 0)
+    record.domain_shift = reader.get<double>();
   if (reader.left() > 0 || !record.T_world_camera.matrix().allFinite())
     PCL_THROW_EXCEPTION(BadInputException, "is no record of a frame");
   return record;

@@ -280,6 +280,17 @@ MappingOutput::trajectory() const
   return poses;
 }
 
+double
+MappingOutput::domainShift() const
+{
+  std::vector<double> shifts;
+  for (const FrameRecord& frame : frames_)
+    if (frame.domain_shift >= 0.0) // not NaN
+      shifts.push_back(frame.domain_shift);
+  return shifts.empty() ? std::numeric_limits<double>::quiet_NaN()
+                        : quantile(shifts, 0.5);
+}
+
 void
 MappingOutput::writeSummary(const VoxelCloud& voxels) const
 {
@@ -307,6 +318,8 @@ MappingOutput::writeSummary(const VoxelCloud& voxels) const
   summary["voxels"] = voxels.size();
   summary["voxel_size"] = voxels.voxel_size;
   summary["map_origin"] = toJson(voxels.origin);
+  if (const double shift = domainShift(); shift >= 0.0) // not NaN
+    summary["domain_shift"] = shift;
   for (const auto& [stage, all] : seconds)
     summary["seconds"][stage] = {{"median", quantile(all, 0.5)},
                                  {"95 %", quantile(all, 0.95)}};

@@ -170,9 +170,10 @@ SemanticMapper::fuse(MappedFrame& mapped)
   StageTimes& times = mapped.times;
   if (calibration_ && !mapped.network.empty())
     mapped.calibrated = times.measure("calibration", [&] {
-      return calibrate(
-          *calibration_, mapped.network,
-          frameFeatures(*mapped.cloud, mapped.network, calibration_->ground));
+      const auto features =
+          frameFeatures(*mapped.cloud, mapped.network, calibration_->ground);
+      mapped.domain_shift = domainShift(*calibration_, mapped.network, features);
+      return calibrate(*calibration_, mapped.network, features);
     });
   mapped.counts = times.measure("map", [&] { return integrate(mapped); });
   mapped.voxels = times.measure("voxels", [&] { return map_.occupied(); });

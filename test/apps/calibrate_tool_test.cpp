@@ -158,6 +158,21 @@ TEST_F(CalibrateTool, TheMapTakesIt)
   EXPECT_EQ(
       readJson(folder_.path("calibrated/summary.json"))["inputs"]["label_calibration"],
       folder_.path("out/calibration.yaml"));
+  // The street is one of those that it has seen.
+  EXPECT_LT(readJson(folder_.path("calibrated/summary.json"))["domain_shift"], 1.0);
+  EXPECT_FALSE(readJson(folder_.path("plain/summary.json")).contains("domain_shift"));
+  // Of another place: all was trees.
+  std::string text = bytesOf(folder_.path("out/calibration.yaml"));
+  text = text.substr(0, text.find("seen:")) +
+         "seen:\n  usual_distance: 0.2\n  height:\n    vegetation: [1, 0, 0, 0, 0, 0, "
+         "0, 0, 0, 0, 0]\n  distance: {}\n  level: {}\n";
+  folder_.write("wood.yaml", text);
+  const ToolResult wood = runTool("map " + street + " --labels " + street +
+                                  "/labels --output " + folder_.path("wood") +
+                                  " --label-calibration " + folder_.path("wood.yaml"));
+  EXPECT_EQ(wood.code, 0);
+  EXPECT_TRUE(holds(wood.text, "wood.yaml: was learned from other streets than this"));
+  EXPECT_GT(readJson(folder_.path("wood/summary.json"))["domain_shift"], 1.0);
   // It is the identity that changes nothing.
   folder_.write("same.yaml", "sharpness: 1\nground: []\nknots: {}\nclasses: {}\n");
   mapStreet(street, folder_.path("same"),

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 namespace pcl_semantic {
 namespace {
 
@@ -27,6 +29,20 @@ makeCalibration()
   LabelCalibration calibration = randomCalibration(5, 3);
   calibration.fitted[3] = false;
   calibration.ground = {3, 2};
+  return calibration;
+}
+
+// One that knows what it has seen.
+LabelCalibration
+makeExperiencedCalibration()
+{
+  LabelCalibration calibration = makeCalibration();
+  const LabelDistributions network = randomNetwork(5, 400, 21);
+  const std::vector<PointFeatures> features = randomFeatures(400, 22);
+  for (const ClassCurves& each : calibration.curves)
+    calibration.seen.push_back(
+        featureHistogram(each.feature, each.knots, network, features));
+  calibration.usual_distance = 0.25f;
   return calibration;
 }
 
@@ -150,6 +166,18 @@ TEST(LabelCalibration, RefusesWhatDoesNotFit)
   EXPECT_TRUE(holds(changed([](auto& c) { c.curves[0].values(0, 1) = 3e38f; }),
                     "curves of height"));
   EXPECT_TRUE(holds(changed([](auto& c) { c.ground = {6}; }), "ground label 6"));
+  const std::string seen = "what was seen needs 5 fractions at each knot";
+  for (const auto& change : std::vector<std::function<void(LabelCalibration&)>>{
+           [](auto& c) { c.seen.resize(1, Eigen::MatrixXf::Zero(5, 3)); },
+           [](auto& c) { c.seen[0].conservativeResize(5, 1); },
+           [](auto& c) { c.seen[1](2, 0) = -0.1f; },
+           [](auto& c) { c.seen[1](2, 0) = unknown; },
+           [](auto& c) { c.usual_distance = unknown; },
+           [](auto& c) { c.usual_distance = 1.5f; }}) {
+    LabelCalibration calibration = makeExperiencedCalibration();
+    change(calibration);
+    EXPECT_TRUE(holds(refusal(calibration, 5, 10), seen));
+  }
   EXPECT_TRUE(
       holds(changed([](auto& c) { c.curves[0].knots[1] = c.curves[0].knots[0]; }),
             "curves of height"));
@@ -172,10 +200,65 @@ TEST(LabelCalibration, RefusesWhatDoesNotFit)
       holds(changed([](auto& c) { c.curves.push_back(c.curves.back()); }), order));
 }
 
+// By hand: three pixels of class 2 at a quarter of the way, at a knot and beyond the
+// last one, one of class 1; two that do not count.
+TEST(FeatureHistogram, IsWhereThePixelsOfAClassLie)
+{
+  LabelDistributions network(5, 6);
+  const std::array<Label, 6> labels{2, 2, 2, 1, 2, kUnlabelled};
+  const std::array<float, 6> heights{0.25f, 1.0f, 7.0f, -1.0f, unknown, 1.0f};
+  std::vector<PointFeatures> features(6);
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (labels[i] != kUnlabelled)
+      network.setLabel(Eigen::Index(i), labels[i], 0.8f);
+    features[i][Feature::height] = heights[i];
+  }
+  Eigen::MatrixXf expected = Eigen::MatrixXf::Zero(5, 3);
+  expected.row(0) << 0.25f, 0.0f, 0.0f;
+  expected.row(1) << 0.75f / 4.0f, 1.25f / 4.0f, 0.25f;
+  const std::vector<float> knots{0.0f, 1.0f, 2.0f};
+  EXPECT_TRUE(featureHistogram(Feature::height, knots, network, features)
+                  .isApprox(expected, 1e-6f));
+  EXPECT_TRUE(featureHistogram(Feature::level, knots, network, features).isZero(0.0f));
+}
+
+TEST(FeatureHistogram, DistancesGoFromTheSameToNothingInCommon)
+{
+  Eigen::MatrixXf left = Eigen::MatrixXf::Zero(2, 2), right = left;
+  left(0, 0) = 1.0f;
+  right(1, 0) = 1.0f;
+  const Eigen::MatrixXf none = Eigen::MatrixXf::Zero(2, 2);
+  EXPECT_EQ(histogramDistance({left}, {left}), 0.0);
+  EXPECT_EQ(histogramDistance({left}, {right}), 1.0);
+  EXPECT_EQ(histogramDistance({left, left}, {left, right}), 0.5);
+  EXPECT_EQ(histogramDistance({left, none}, {right, right}), 1.0);
+  EXPECT_TRUE(std::isnan(histogramDistance({none}, {left})));
+  EXPECT_TRUE(std::isnan(histogramDistance({}, {left})));
+}
+
+TEST(DomainShift, IsTheDistanceInUnitsOfTheUsualOne)
+{
+  const LabelCalibration calibration = makeExperiencedCalibration();
+  const LabelDistributions same = randomNetwork(5, 400, 21);
+  const std::vector<PointFeatures> places = randomFeatures(400, 22);
+  EXPECT_NEAR(domainShift(calibration, same, places), 0.0, 1e-6);
+  LabelDistributions other = same;
+  for (Eigen::Index i = 0; i < other.size(); ++i)
+    other.setLabel(i, 4, 0.9f);
+  std::vector<Eigen::MatrixXf> shown;
+  for (const ClassCurves& each : calibration.curves)
+    shown.push_back(featureHistogram(each.feature, each.knots, other, places));
+  const double shift = domainShift(calibration, other, places);
+  EXPECT_NEAR(shift, histogramDistance(shown, calibration.seen) / 0.25, 1e-9);
+  EXPECT_GT(shift, 1.0);
+  EXPECT_TRUE(std::isnan(domainShift(makeCalibration(), same, places)));
+}
+
 TEST(LabelCalibrationFile, ComesBackBitByBit)
 {
   const TemporaryFolder folder;
-  LabelCalibration written = makeCalibration();
+  LabelCalibration written = makeExperiencedCalibration();
+  written.seen[1].setZero();
   written.of = "cliques";
   const std::string path =
       folder.write("a.yaml", printCalibration(written, fiveClasses()));
@@ -194,7 +277,10 @@ TEST(LabelCalibrationFile, ComesBackBitByBit)
   }
   for (const int l : {0, 1, 2, 4})
     EXPECT_EQ(read.bias[l], written.bias[l]);
+  EXPECT_EQ(read.usual_distance, written.usual_distance);
+  EXPECT_EQ(read.seen, written.seen);
   written.curves.clear();
+  written.seen.clear();
   EXPECT_TRUE(
       readCalibration(folder.write("b.yaml", printCalibration(written, fiveClasses())),
                       fiveClasses(), "cliques")
@@ -224,13 +310,16 @@ TEST(LabelCalibrationFile, BadOnesAreRefusedWithTheirLine)
   const std::string good = "sharpness: 0.5\nground: [road]\nknots:\n"
                            "  height: [0, 1, 2]\nclasses:\n  road:\n"
                            "    bias: 1\n    height: [1, 2, 3]\n  post:\n"
-                           "    bias: 2\n";
+                           "    bias: 2\n"
+                           "seen:\n  usual_distance: 0.5\n  height:\n"
+                           "    tree: [0, 0.5, 0.5]\n";
   const TemporaryFolder folder;
   const auto read = [&](const std::string& text) {
     return readCalibration(folder.write("a.yaml", text), fiveClasses());
   };
   EXPECT_EQ(read(good).curves.at(0).values(1, 2), 3.0f);
   EXPECT_EQ(read(good).fitted, (std::vector<bool>{false, true, false, false, true}));
+  EXPECT_EQ(read(good).seen.at(0)(3, 1), 0.5f);
   for (const auto& [from, to, says] : std::vector<std::array<std::string, 3>>{
            {"  post:", "  mast:", "line 9: class 'mast' is not in the label set"},
            {"[road]", "[rode]", "line 2: class 'rode' is not in the label set"},
@@ -244,6 +333,11 @@ TEST(LabelCalibrationFile, BadOnesAreRefusedWithTheirLine)
            {"[0, 1, 2]", "[0, 1, .nan]", "line 4: "},
            {"sharpness: 0.5", "sharpness: -1", "line 1: sharpness is -1"},
            {"bias: 2", "bias: much", "line 10: "},
+           {"[0, 0.5, 0.5]", "[0, 1]", "line 14: 2 values for 3 knots"},
+           {"tree", "three", "line 14: class 'three' is not in the label set"},
+           {"usual_distance: 0.5", "usual_distance: 2", "a usual distance of 0 to 1"},
+           {"  usual_distance: 0.5\n", "", "usual_distance"},
+           {"0.5\n  height", "0.5\n  heights", "height"},
            {"sharpness: 0.5\n", "", "sharpness"},
            {"ground: [road]\n", "", "ground"}}) {
     std::string text = good;

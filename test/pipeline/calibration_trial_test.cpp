@@ -55,5 +55,27 @@ TEST(TryCalibration, LeavesOneSequenceOut)
   EXPECT_TRUE(tryCalibration({first}, {}, {}).without.empty());
 }
 
+// Three sequences of one frame each, of classes 1, 1 and 2 alone.
+TEST(TryCalibration, KnowsWhatItHasSeen)
+{
+  std::vector<CalibrationSamples> sequences;
+  for (const Eigen::Index row : {0, 0, 1}) {
+    sequences.push_back(someSequence(200, unsigned(sequences.size()) + 1));
+    sequences.back().frames.resize(1);
+    for (const auto& [feature, knots] : CalibrationOptions().curves) {
+      sequences.back().frames[0].push_back(
+          Eigen::MatrixXf::Zero(3, Eigen::Index(knots.size())));
+      sequences.back().frames[0].back()(row, 1) = 1.0f;
+    }
+  }
+  const CalibrationTrial trial = tryCalibration(sequences, {}, {});
+  ASSERT_EQ(trial.all.seen.size(), trial.all.curves.size());
+  EXPECT_NEAR(trial.all.seen[0](0, 1), 2.0f / 3.0f, 1e-6f);
+  EXPECT_NEAR(trial.all.seen[0](1, 1), 1.0f / 3.0f, 1e-6f);
+  EXPECT_EQ(trial.all.usual_distance, 1.0f); // the third has nothing of the others
+  EXPECT_EQ(trial.without[2].seen[0](0, 1), 1.0f);
+  EXPECT_EQ(trial.without[2].usual_distance, 0.0f);
+}
+
 } // namespace
 } // namespace pcl_semantic

@@ -80,6 +80,7 @@ TEST(FrameRecord, SurvivesBytes)
   record.counts.seen_through = 2;
   record.counts.hit_voxels = 3;
   record.seconds = {{"stereo", 0.1}, {"map", 1.0 / 3.0}};
+  record.domain_shift = 2.0 / 3.0;
   std::vector<std::uint8_t> bytes = encodeFrameRecord(record);
   const FrameRecord read = decodeFrameRecord(12, bytes);
   EXPECT_EQ(read.number, 12);
@@ -89,9 +90,17 @@ TEST(FrameRecord, SurvivesBytes)
   EXPECT_EQ(read.counts.seen_through, 2u);
   EXPECT_EQ(read.counts.hit_voxels, 3u);
   EXPECT_EQ(read.seconds, record.seconds);
+  EXPECT_EQ(read.domain_shift, record.domain_shift);
+  const auto decodeFirst = [&](std::size_t size) {
+    return decodeFrameRecord(12, {bytes.begin(), bytes.begin() + long(size)});
+  };
+  const std::size_t older = bytes.size() - sizeof(double);
+  EXPECT_EQ(decodeFirst(older).seconds, record.seconds);
+  EXPECT_TRUE(std::isnan(decodeFirst(older).domain_shift));
   for (std::size_t size = 0; size < bytes.size(); ++size)
-    EXPECT_THROW(decodeFrameRecord(12, {bytes.begin(), bytes.begin() + long(size)}),
-                 BadInputException);
+    if (size != older) {
+      EXPECT_THROW(decodeFirst(size), BadInputException);
+    }
   bytes.push_back(0);
   EXPECT_THROW(decodeFrameRecord(12, bytes), BadInputException);
 }

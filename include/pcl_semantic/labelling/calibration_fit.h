@@ -14,6 +14,10 @@ struct CalibrationSamples {
   std::vector<float> weights; ///< how often each counts, more than 0; empty = once
   std::vector<int> sequences; ///< the sequence each is of, from 0; empty = one
   std::string of = "pixels";  ///< what they are, see LabelCalibration
+  std::vector<std::vector<Eigen::MatrixXf>>
+      frames; ///< of each frame that they are of a
+              ///< featureHistogram() for each of
+              ///< the curves; empty = not known
 
   /** \throws InvalidParameterException if sizes do not fit, a label is not one of the
    * classes, or a weight or sequence cannot be */
@@ -42,9 +46,9 @@ struct CalibrationOptions {
   double balance = 0.5;
   /// What is taken off bias and curves afterwards: another street is only in part like
   /// those they were learned from. 0 = nothing, 1 = the sharpness alone is left.
-  double shrinkage = 0.3;
-  double bias_penalty = 0.01;   ///< on b^2, in mean log-likelihood
-  double curve_penalty = 0.003; ///< on the squared values of the curves
+  double shrinkage = 0.5;
+  double bias_penalty = 0.001;   ///< on b^2, in mean log-likelihood
+  double curve_penalty = 0.0003; ///< on the squared values of the curves
   std::vector<FeatureKnots> curves = streetKnots(pixelFeatures()); ///< by feature
   int iterations = 300; ///< of the optimisation, at most
 

@@ -32,12 +32,15 @@ struct ClassCurves {
  * their probability, and the others share what is left. fitCalibration() makes one from
  * ground truth. */
 struct LabelCalibration {
-  std::string of;                  ///< "pixels" or "cliques"; empty = of either
-  std::vector<bool> fitted;        ///< of each class
-  std::vector<Label> ground;       ///< classes that the ground is made of
-  float sharpness = 1.0f;          ///< s
-  Eigen::VectorXf bias;            ///< b, L
-  std::vector<ClassCurves> curves; ///< f, of any features in the order of Feature
+  std::string of;                    ///< "pixels" or "cliques"; empty = of either
+  std::vector<bool> fitted;          ///< of each class
+  std::vector<Label> ground;         ///< classes that the ground is made of
+  float sharpness = 1.0f;            ///< s
+  Eigen::VectorXf bias;              ///< b, L
+  std::vector<ClassCurves> curves;   ///< f, of any features in the order of Feature
+  std::vector<Eigen::MatrixXf> seen; ///< what it was learned from, a featureHistogram()
+                                     ///< for each of the curves; empty = not known
+  float usual_distance = 0.0f;       ///< from there, see domainShift(); 0 = not known
 
   int
   classes() const
@@ -60,6 +63,29 @@ struct LabelCalibration {
 LabelDistributions calibrate(const LabelCalibration& calibration,
                              const LabelDistributions& distributions,
                              const std::vector<PointFeatures>& features);
+
+/** \brief Where the pixels of a frame lie: L x knots, the fraction of them that the
+ * network takes for a class, at each knot (between two, at both in part). Pixels that
+ * are unlabelled, or of which the feature is not known, do not count; all zero if there
+ * are no others. Of more than 100,000 pixels every second, third ... is taken.
+ * \param[in] features one a column of \a distributions */
+Eigen::MatrixXf featureHistogram(Feature feature, const std::vector<float>& knots,
+                                 const LabelDistributions& distributions,
+                                 const std::vector<PointFeatures>& features);
+
+/** \brief How much two lists of histograms differ: total variation, 0 = the same, 1 =
+ * nothing in common, the mean over those that neither has empty; NaN if there are none.
+ */
+double histogramDistance(const std::vector<Eigen::MatrixXf>& histograms,
+                         const std::vector<Eigen::MatrixXf>& others);
+
+/** \brief How far a frame is from those that a calibration was learned from, by
+ * histogramDistance(): 1 = as far as the one of their sequences that is least like the
+ * others. NaN if the calibration does not say what it has seen, or the frame has
+ * nothing to compare. \param[in] features one a column of \a distributions */
+double domainShift(const LabelCalibration& calibration,
+                   const LabelDistributions& distributions,
+                   const std::vector<PointFeatures>& features);
 
 /** \brief Reads a calibration: YAML with classes by name (doc/formats.md).
  * \param[in] of what it has to be of, unless it does not say so

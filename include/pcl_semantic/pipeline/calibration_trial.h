@@ -85,10 +85,12 @@ private:
 
 /** \brief The ground truth pixels of a sequence: what the network says there, and where
  * they are (frameFeatures). \param[in] config its disparity engine and max_deviation
- * are used \param[in] ground the classes of the ground */
+ * are used \param[in] ground the classes of the ground \param[in] curves of which the
+ * samples' \a frames have histograms */
 CalibrationSamples calibrationSamples(const CalibrationSequence& sequence,
                                       const MapperConfig& config,
-                                      const std::vector<Label>& ground);
+                                      const std::vector<Label>& ground,
+                                      const std::vector<FeatureKnots>& curves);
 
 /** \brief A calibration of several sequences, and what it is worth on one that it was
  * not fitted to. */
@@ -100,7 +102,8 @@ struct CalibrationTrial {
   ConfusionMatrix held_out;              ///< each sequence by that without it
 };
 
-/** \throws BadInputException as fitCalibration() */
+/** \brief Fits calibrations that know what they have seen, if the sequences' samples
+ * say it. \throws BadInputException as fitCalibration() */
 CalibrationTrial tryCalibration(const std::vector<CalibrationSamples>& sequences,
                                 const std::vector<Label>& ground,
                                 const CalibrationOptions& options);

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,12 +19,13 @@ struct FrameRecord {
   int number = 0;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   ScanCounts counts;
-  std::vector<std::pair<std::string, double>> seconds; ///< by stage
+  std::vector<std::pair<std::string, double>> seconds;            ///< by stage
+  double domain_shift = std::numeric_limits<double>::quiet_NaN(); ///< see MappedFrame
 };
 
 FrameRecord recordOf(const MappedFrame& mapped);
 
-/** \brief A record as bytes, without loss. */
+/** \brief A record as bytes, without loss; older ones end before \a domain_shift. */
 std::vector<std::uint8_t> encodeFrameRecord(const FrameRecord& record);
 
 /** \param[in] number of the frame

@@ -13,6 +13,7 @@
 #include <pcl/point_types.h>
 
 #include <chrono>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -64,6 +65,9 @@ struct MappedFrame {
   LabelDistributions network;    ///< L x pixels (or points), as they were labelled
   LabelDistributions calibrated; ///< L x pixels, what the map gets instead; empty if
                                  ///< there is no calibration
+  double domain_shift =
+      std::numeric_limits<double>::quiet_NaN(); ///< domainShift() of
+                                                ///< the calibration; NaN = not known
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   ScanCounts counts; ///< of the scan that went into the map
   VoxelCloud voxels; ///< the occupied voxels of the window after this frame

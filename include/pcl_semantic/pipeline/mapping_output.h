@@ -15,9 +15,10 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What a run writes beyond the map and its images: for evaluation. */
 struct ExtraOptions {
-  bool measured = false; ///< labels of the fused measurements, before the CRF
-  bool depth = false;    ///< measured depth of the pixels
-  std::string scans;     ///< folder of laser scans to label; empty = none
+  bool measured = false;    ///< labels of the fused measurements, before the CRF
+  bool depth = false;       ///< measured depth of the pixels
+  bool probability = false; ///< of the labels in the images
+  std::string scans;        ///< folder of laser scans to label; empty = none
   Eigen::Isometry3d T_camera_scanner = Eigen::Isometry3d::Identity();
   double within = 0.0; ///< also: a point takes the nearest voxel so far away [m]
 };
@@ -61,6 +62,10 @@ public:
   /** \brief map.pcd, map_classes.pcd, label_set.yaml, final_labels, top_view.png,
    * trajectory.txt, summary.json. \throws OutputException */
   void finish(const SemanticVoxelMap& map);
+
+  /** \brief How far the frames are from what their label calibration was learned from,
+   * the median of domainShift(); NaN = not known. */
+  double domainShift() const;
 
 private:
   std::string path(const std::string& name) const;
