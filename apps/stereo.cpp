@@ -10,7 +10,6 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
-#include <pcl_semantic/stereo/disparity_image.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <opencv2/core.hpp>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame_calibration.h"
 #include "stereo/cloud_features.h"
-#include "stereo/ground_plane.h"
 
 #include <pcl_semantic/core/exceptions.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_cliques.h"
 #include "frame_calibration.h"
-#include "stereo/ground_plane.h"
+#include "stereo/cloud_features.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/label_calibration.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "disparity_cleaning.h"
-#include "core/parallel_guard.h"
-#include "kernels/map_disparity.h"
+#include "core/disjoint_sets.h"
 #include "kernels/smoothing.h"
+#include "parallel_bands.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -12,124 +12,73 @@ namespace pcl_semantic {
 
 namespace {
 
-/** \brief Pixels of a row from first on that belong together. */
-struct Run {
-  int first, last;
-  int parent; ///< a run of the same segment, itself for the one that stands for it
-  int size;   ///< of the segment, where it is the one [px]
-};
-
-int
-rootOf(std::vector<Run>& runs, int run)
-{
-  while (runs[std::size_t(run)].parent != run) {
-    Run& r = runs[std::size_t(run)];
-    r.parent = runs[std::size_t(r.parent)].parent;
-    run = r.parent;
-  }
-  return run;
-}
-
-void
-join(std::vector<Run>& runs, int a, int b)
-{
-  a = rootOf(runs, a);
-  b = rootOf(runs, b);
-  if (a == b)
-    return;
-  if (a > b)
-    std::swap(a, b);
-  runs[std::size_t(b)].parent = a;
-  runs[std::size_t(a)].size += runs[std::size_t(b)].size;
-}
-
-void
-findRuns(const std::int16_t* row, int width, int range, std::vector<Run>& runs)
-{
-  for (int u = 0; u < width;) {
-    if (row[u] < 0) {
-      ++u;
-      continue;
-    }
-    const int first = u++;
-    while (u < width && row[u] >= 0 && std::abs(row[u] - row[u - 1]) <= range)
-      ++u;
-    runs.push_back({first, u - 1, int(runs.size()), u - first});
-  }
-}
-
-void
-joinRows(const std::int16_t* upper, const std::int16_t* lower, int range,
-         std::vector<Run>& runs, int above, int current)
-{
-  const int end = int(runs.size());
-  for (int a = above, b = current; a < current && b < end;) {
-    const Run &p = runs[std::size_t(a)], &q = runs[std::size_t(b)];
-    const int first = std::max(p.first, q.first), last = std::min(p.last, q.last);
-    for (int u = first; u <= last; ++u)
-      if (std::abs(upper[u] - lower[u]) <= range) {
-        join(runs, a, b);
-        break;
-      }
-    if (p.last < q.last)
-      ++a;
-    else
-      ++b;
-  }
-}
+constexpr int min_segment = 200; // [px]
+constexpr int segment_range = kernels::disparity_steps;
+constexpr int smoothing_radius = 5; // [px]
+constexpr int smoothing_range = 4 * kernels::disparity_steps;
 
 // 68 % of all errors lie within, gross ones included, on KITTI (doc/stereo.md) [px].
 constexpr float deviation_matched = 0.53f;
 constexpr float deviation_between = 0.94f; // like ends of a gap
 constexpr float deviation_beyond = 5.4f;   // behind a step, or at the border
 
-/** \brief One row of the result. */
-struct FilledRow {
-  float *disparity, *deviation;
-
-  void
-  set(int u, float value, float how_sure) const
-  {
-    disparity[u] = value / float(kernels::disparity_steps);
-    deviation[u] = value > 0.0f ? how_sure : 0.0f;
-  }
+/** \brief Pixels [first, last] of a row that belong together. */
+struct Run {
+  std::int16_t* row;
+  int first, last;
 };
 
-/** \brief Fills pixels (before, after) of a row that holds something at one of the
- * two, or at both. */
 void
-fillGap(const std::int16_t* row, int width, int before, int after, int step,
-        const FilledRow& filled)
+findRuns(std::int16_t* row, int width, int range, std::vector<Run>& runs)
 {
-  if (before < 0 || after >= width) {
-    const float only = float(row[before < 0 ? after : before]);
-    for (int u = before + 1; u < after; ++u)
-      filled.set(u, only, deviation_beyond);
-    return;
-  }
-  const float from = float(row[before]), to = float(row[after]);
-  const bool like = std::abs(to - from) <= float(step);
-  const float slope = (to - from) / float(after - before);
-  for (int u = before + 1; u < after; ++u)
-    filled.set(u, like ? from + slope * float(u - before) : std::min(from, to),
-               like ? deviation_between : deviation_beyond);
+  for (int u = 0; u < width; ++u)
+    if (row[u] >= 0) {
+      const int first = u;
+      while (u + 1 < width && row[u + 1] >= 0 && std::abs(row[u + 1] - row[u]) <= range)
+        ++u;
+      runs.push_back({row, first, u});
+    }
+}
+
+// Of neighbouring rows.
+bool
+belongTogether(const Run& a, const Run& b, int range)
+{
+  for (int u = std::max(a.first, b.first); u <= std::min(a.last, b.last); ++u)
+    if (std::abs(a.row[u] - b.row[u]) <= range)
+      return true;
+  return false;
 }
 
 void
-fillRow(const std::int16_t* row, int width, int longest, int step,
-        const FilledRow& filled)
+fillRow(const std::int16_t* row, int width, int step, float* disparity,
+        float* deviation)
 {
-  std::fill_n(filled.disparity, width, 0.0f);
-  std::fill_n(filled.deviation, width, 0.0f);
+  const auto set = [&](int u, float value, float how_sure) {
+    disparity[u] = value / float(kernels::disparity_steps);
+    deviation[u] = value > 0.0f ? how_sure : 0.0f;
+  };
+  // Pixels between two, of which at least one holds something.
+  const auto fill = [&](int before, int after) {
+    const bool has_ends = before >= 0 && after < width;
+    const float from = float(row[before >= 0 ? before : after]);
+    const float to = float(row[after < width ? after : before]);
+    const bool like = std::abs(to - from) <= float(step);
+    const float slope = (to - from) / float(after - before);
+    for (int u = before + 1; u < after; ++u)
+      set(u, like ? from + slope * float(u - before) : std::min(from, to),
+          like && has_ends ? deviation_between : deviation_beyond);
+  };
+  std::fill_n(disparity, width, 0.0f);
+  std::fill_n(deviation, width, 0.0f);
   int before = -1; // last pixel with a disparity
   for (int u = 0; u <= width; ++u) {
     if (u < width && row[u] < 0)
       continue;
-    const int gap = u - before - 1;
-    if (gap > 0 && gap < width && gap <= longest)
-      fillGap(row, width, before, u, step, filled);
+    if (before >= 0 || u < width)
+      fill(before, u);
     if (u < width)
-      filled.set(u, float(row[u]), deviation_matched);
+      set(u, float(row[u]), deviation_matched);
     before = u;
   }
 }
@@ -140,66 +89,78 @@ void
 removeSmallSegments(int size, int range, cv::Mat& disparity)
 {
   std::vector<Run> runs;
-  std::vector<int> starts; // of the runs of each row
+  DisjointSets segments;
+  std::size_t above = 0; // first run of the row above
   for (int v = 0; v < disparity.rows; ++v) {
-    starts.push_back(int(runs.size()));
-    const std::int16_t* const row = disparity.ptr<std::int16_t>(v);
-    findRuns(row, disparity.cols, range, runs);
-    if (v > 0)
-      joinRows(disparity.ptr<std::int16_t>(v - 1), row, range, runs,
-               starts[std::size_t(v - 1)], starts[std::size_t(v)]);
-  }
-  starts.push_back(int(runs.size()));
-  for (int v = 0; v < disparity.rows; ++v) {
-    std::int16_t* const row = disparity.ptr<std::int16_t>(v);
-    for (int i = starts[std::size_t(v)]; i < starts[std::size_t(v) + 1]; ++i) {
-      const Run& run = runs[std::size_t(i)];
-      if (runs[std::size_t(rootOf(runs, i))].size < size)
-        std::fill(row + run.first, row + run.last + 1, kernels::no_disparity);
+    const std::size_t current = runs.size();
+    findRuns(disparity.ptr<std::int16_t>(v), disparity.cols, range, runs);
+    segments.grow(runs.size());
+    for (std::size_t a = above, b = current; a < current && b < runs.size();) {
+      if (belongTogether(runs[a], runs[b], range))
+        segments.joinMembers(int(a), int(b));
+      ++(runs[a].last < runs[b].last ? a : b);
     }
+    above = current;
   }
+  std::vector<int> sizes(runs.size(), 0); // of the segments, by their roots [px]
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    sizes[std::size_t(segments.rootOf(int(i)))] += runs[i].last - runs[i].first + 1;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (sizes[std::size_t(segments.rootOf(int(i)))] < size)
+      std::fill(runs[i].row + runs[i].first, runs[i].row + runs[i].last + 1,
+                kernels::no_disparity);
 }
 
 void
-smoothDisparity(int radius, int range, cv::Mat& disparity)
+smoothDisparity(cv::Mat& disparity)
 {
+  constexpr int radius = smoothing_radius, taps = 2 * radius + 1;
+  static_assert(radius <= kernels::max_smoothing, "neighbours fit the kernel");
   const kernels::Smooth smooth = kernels::smoothing(simdTier());
-  const int width = disparity.cols, taps = 2 * radius + 1;
+  const int width = disparity.cols;
   cv::Mat result(disparity.size(), CV_16SC1);
-  ParallelGuard guard;
-#pragma omp parallel
-  guard.run([&] {
-    // Of one row, with a margin that holds nothing.
-    std::vector<std::int16_t> row(std::size_t(width + 2 * radius),
-                                  kernels::no_disparity);
-    const std::int16_t* neighbours[2 * kernels::max_smoothing + 1];
-#pragma omp for schedule(static)
-    for (int v = 0; v < disparity.rows; ++v) {
-      for (int i = 0; i < taps; ++i)
-        neighbours[i] = disparity.ptr<std::int16_t>(
-            std::clamp(v + i - radius, 0, disparity.rows - 1));
-      smooth(disparity.ptr<std::int16_t>(v), neighbours, taps, range, width,
-             row.data() + radius);
-      for (int i = 0; i < taps; ++i)
-        neighbours[i] = row.data() + i;
-      smooth(row.data() + radius, neighbours, taps, range, width,
-             result.ptr<std::int16_t>(v));
-    }
-  });
-  guard.rethrow();
+  // Of one row, with a margin that holds nothing.
+  const auto makeRow = [&] {
+    return std::vector<std::int16_t>(std::size_t(width + 2 * radius),
+                                     kernels::no_disparity);
+  };
+  forBandsOfRows(disparity.rows, 16, makeRow,
+                 [&](std::vector<std::int16_t>& row, int begin, int end) {
+                   const std::int16_t* neighbours[taps];
+                   for (int v = begin; v < end; ++v) {
+                     for (int i = 0; i < taps; ++i)
+                       neighbours[i] = disparity.ptr<std::int16_t>(
+                           std::clamp(v + i - radius, 0, disparity.rows - 1));
+                     smooth(disparity.ptr<std::int16_t>(v), neighbours, taps,
+                            smoothing_range, width, row.data() + radius);
+                     for (int i = 0; i < taps; ++i)
+                       neighbours[i] = row.data() + i;
+                     smooth(row.data() + radius, neighbours, taps, smoothing_range,
+                            width, result.ptr<std::int16_t>(v));
+                   }
+                 });
   disparity = result;
 }
 
 DisparityImage
-fillGaps(int longest, int step, const cv::Mat& disparity)
+fillGaps(int step, const cv::Mat& disparity)
 {
   DisparityImage result{cv::Mat(disparity.size(), CV_32FC1),
                         cv::Mat(disparity.size(), CV_32FC1)};
 #pragma omp parallel for schedule(static)
   for (int v = 0; v < disparity.rows; ++v)
-    fillRow(disparity.ptr<std::int16_t>(v), disparity.cols, longest, step,
-            {result.disparity.ptr<float>(v), result.deviation.ptr<float>(v)});
+    fillRow(disparity.ptr<std::int16_t>(v), disparity.cols, step,
+            result.disparity.ptr<float>(v), result.deviation.ptr<float>(v));
   return result;
+}
+
+DisparityImage
+cleanDisparity(int smoothing_rounds, int gap_step, cv::Mat disparity)
+{
+  removeSmallSegments(min_segment, segment_range, disparity);
+  for (int round = 0; round < smoothing_rounds; ++round)
+    smoothDisparity(disparity);
+  return fillGaps(gap_step * kernels::disparity_steps, disparity);
 }
 
 } // namespace pcl_semantic

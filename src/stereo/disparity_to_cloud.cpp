@@ -2,6 +2,8 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include <cmath>
 #include <limits>
 
@@ -31,19 +33,6 @@ checkImages(const cv::Mat& disparity, const cv::Mat& image, const StereoCamera& 
                                     << camera.height);
 }
 
-void
-setColour(const cv::Mat& image, int u, int v, pcl::PointXYZRGB& point)
-{
-  if (image.channels() == 1) {
-    point.r = point.g = point.b = image.at<std::uint8_t>(v, u);
-    return;
-  }
-  const cv::Vec3b& bgr = image.at<cv::Vec3b>(v, u);
-  point.r = bgr[2];
-  point.g = bgr[1];
-  point.b = bgr[0];
-}
-
 } // namespace
 
 pcl::PointCloud<pcl::PointXYZRGB>::Ptr
@@ -52,14 +41,19 @@ disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
 {
   camera.validate();
   checkImages(disparity, image, camera);
-  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  cv::Mat bgr = image;
+  if (image.channels() == 1)
+    cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZRGB>(
       static_cast<std::uint32_t>(image.cols), static_cast<std::uint32_t>(image.rows)));
   cloud->is_dense = false;
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u) {
       pcl::PointXYZRGB& point = cloud->at(u, v);
-      setColour(image, u, v, point);
+      const cv::Vec3b& colour = bgr.at<cv::Vec3b>(v, u);
+      point.b = colour[0];
+      point.g = colour[1];
+      point.r = colour[2];
       const float d = disparity.at<float>(v, u);
       if (!std::isfinite(d) || d < 0.0f)
         PCL_THROW_EXCEPTION(BadInputException, "disparity of pixel ("
@@ -68,7 +62,7 @@ disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
       if (d > 0.0f)
         point.getVector3fMap() = camera.unproject(u, v, camera.depth(d)).cast<float>();
       else
-        point.x = point.y = point.z = nan;
+        point.getVector3fMap().setConstant(std::numeric_limits<float>::quiet_NaN());
     }
   return cloud;
 }

@@ -7,12 +7,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -58,10 +56,11 @@ reducedBands(const cv::Mat& image)
 
 // Of means over positions so large that noise is gone.
 double
-contrastOf(const cv::Mat& image)
+contrastOf(const cv::Mat& image, const Bands& bands)
 {
   cv::Mat coarse;
-  cv::resize(image, coarse, cv::Size(32, grid_rows), 0.0, 0.0, cv::INTER_AREA);
+  cv::resize(bands.empty() ? greyImage(image) : cv::Mat(bands), coarse,
+             cv::Size(32, grid_rows), 0.0, 0.0, cv::INTER_AREA);
   cv::Scalar mean, deviation;
   cv::meanStdDev(coarse, mean, deviation);
   return deviation[0];
@@ -82,12 +81,11 @@ Bands
 gradientOf(const Bands& grey)
 {
   Bands gradient(grey.size(), std::uint8_t(128));
-  for (int v = 0; v < grey.rows; ++v) {
-    const std::uint8_t* const from = grey[v];
-    std::uint8_t* const to = gradient[v];
-    for (int u = 1; u + 1 < grey.cols; ++u)
-      to[u] = std::uint8_t(std::clamp(from[u + 1] - from[u - 1] + 128, 0, 255));
-  }
+  if (grey.cols < 3)
+    return gradient;
+  cv::Mat inside = gradient.colRange(1, grey.cols - 1);
+  cv::addWeighted(grey.colRange(2, grey.cols), 1.0, grey.colRange(0, grey.cols - 2),
+                  -1.0, 128.0, inside);
   return gradient;
 }
 
@@ -164,12 +162,9 @@ countMatches(const Bands& left, const Bands& right, PairEvidence& evidence)
   }
 }
 
-std::array<int*, 5>
-countsOf(PairEvidence& evidence)
-{
-  return {&evidence.textured, &evidence.alike, &evidence.matched, &evidence.forward,
-          &evidence.backward};
-}
+constexpr int PairEvidence::*counts[] = {&PairEvidence::textured, &PairEvidence::alike,
+                                         &PairEvidence::matched, &PairEvidence::forward,
+                                         &PairEvidence::backward};
 
 } // namespace
 
@@ -196,32 +191,26 @@ PairEvidence::fault() const
 std::string
 PairEvidence::reason() const
 {
-  std::ostringstream text;
   switch (fault()) {
-  case PairFault::none:
-    break;
   case PairFault::blank:
     if (std::max(left_contrast, right_contrast) < blank_contrast)
-      text << "both images are blank: covered lenses?";
-    else
-      text << (left_contrast < right_contrast ? "the left image" : "the right image")
-           << " is blank: a covered lens?";
-    break;
+      return "both images are blank: covered lenses?";
+    return std::string("the ") + (left_contrast < right_contrast ? "left" : "right") +
+           " image is blank: a covered lens?";
   case PairFault::identical:
-    text << "left and right are the same image";
-    break;
+    return "left and right are the same image";
   case PairFault::swapped:
-    text << "left and right are swapped: of " << forward + backward
-         << " positions found in both, " << backward
-         << " lie further right in the right image";
-    break;
+    return "left and right are swapped: of " + std::to_string(forward + backward) +
+           " positions found in both, " + std::to_string(backward) +
+           " lie further right in the right image";
   case PairFault::unrelated:
-    text << "left and right do not show the same rows: of " << textured
-         << " positions, " << matched
-         << " were found in both; is the pair of one moment and rectified?";
+    return "left and right do not show the same rows: of " + std::to_string(textured) +
+           " positions, " + std::to_string(matched) +
+           " were found in both; is the pair of one moment and rectified?";
+  case PairFault::none:
     break;
   }
-  return text.str();
+  return "";
 }
 
 PairEvidence
@@ -230,13 +219,10 @@ gatherPairEvidence(const cv::Mat& left, const cv::Mat& right)
   requireImagePair(left, right);
   PairEvidence evidence;
   const Bands left_bands = reducedBands(left), right_bands = reducedBands(right);
-  const bool is_tiny = left_bands.empty();
-  evidence.left_contrast =
-      contrastOf(is_tiny ? cv::Mat1b(greyImage(left)) : left_bands);
-  evidence.right_contrast =
-      contrastOf(is_tiny ? cv::Mat1b(greyImage(right)) : right_bands);
+  evidence.left_contrast = contrastOf(left, left_bands);
+  evidence.right_contrast = contrastOf(right, right_bands);
   evidence.is_identical = isIdentical(left, right);
-  if (!is_tiny)
+  if (!left_bands.empty())
     countMatches(gradientOf(left_bands), gradientOf(right_bands), evidence);
   return evidence;
 }
@@ -248,11 +234,9 @@ PairCheck::add(const cv::Mat& left, const cv::Mat& right)
   const PairFault fault = judged_.fault();
   if (fault == PairFault::blank || fault == PairFault::identical)
     return fault;
-  if (gathered_.textured > memory)
-    for (int* const count : countsOf(gathered_))
-      *count /= 2;
-  for (std::size_t i = 0; i < countsOf(judged_).size(); ++i)
-    *countsOf(gathered_)[i] += *countsOf(judged_)[i];
+  const int divisor = gathered_.textured > memory ? 2 : 1;
+  for (const auto count : counts)
+    gathered_.*count = gathered_.*count / divisor + judged_.*count;
   gathered_.left_contrast = judged_.left_contrast;
   gathered_.right_contrast = judged_.right_contrast;
   if (fault == PairFault::none && judged_.forward + judged_.backward < enough_matches)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plane_prior.h"
 #include "delaunay.h"
-#include "kernels/map_disparity.h"
 
 #include <algorithm>
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "elas.h"
-#include "kernels/descriptors.h"
+#include "kernels/elas_loops.h"
 
 #include <opencv2/core/mat.hpp>
 
@@ -54,7 +53,7 @@ struct SupportPoint {
  * what is sure (section 3.1 of the paper), in order of rows. */
 std::vector<SupportPoint> findSupportPoints(const GradientImage& left,
                                             const GradientImage& right,
-                                            const Elas::Parameters& parameters);
+                                            int disparities);
 
 /** \brief Adds the image's corners with the disparity of the nearest support point. */
 void addCorners(int width, int height, std::vector<SupportPoint>& points);

@@ -7,10 +7,10 @@
 
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"
-#include "stereo/sgbm.h"
 #include "support/random_scan.h"
 
 #include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <octomap/octomap.h>
@@ -85,12 +85,12 @@ readFrames(const std::string& name)
                              data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
   TrajectoryPoses poses(readKittiTrajectory(sequence.posesPath()),
                         sequence.T_camera0_camera());
-  Sgbm stereo((Sgbm::Parameters()));
+  const auto stereo = makeDisparityEstimator("sgbm", 128);
   std::vector<BenchFrame> frames;
   for (std::size_t i = 0; i < std::min<std::size_t>(sequence.size(), 8); ++i) {
     const StereoFrame images = sequence.frame(i);
     frames.push_back(
-        {disparityToCloud(stereo.estimate(images.left, images.right).disparity,
+        {disparityToCloud(stereo->estimate(images.left, images.right).disparity,
                           images.left, sequence.camera()),
          predictor.predict(images), poses.pose(images)});
     removeSky(label_set, frames.back());

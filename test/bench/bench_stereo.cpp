@@ -8,20 +8,17 @@
 // those that projectLidarTruth finds hidden from the camera.
 
 #include "bench/ratio.h"
-#include "stereo/elas.h"
-#include "stereo/semi_global_matcher.h"
-#include "stereo/sgbm.h"
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
 #include <memory>
 
 namespace {
@@ -32,42 +29,11 @@ constexpr double max_depth = 200.0; // beyond what the scanner reaches [m]
 const char* const sequences[] = {"00", "03", "05", "07", "09"};
 
 struct Engine {
-  const char* name;
-  std::function<std::unique_ptr<DisparityEstimator>(int disparities)> make;
+  const char *name, *engine; // in what is printed, in makeDisparityEstimator()
 };
-
-std::unique_ptr<DisparityEstimator>
-makeSgbm(Sgbm::Mode mode, int disparities)
-{
-  Sgbm::Parameters parameters;
-  parameters.mode = mode;
-  parameters.disparities = disparities;
-  return std::make_unique<Sgbm>(parameters);
-}
-
-std::unique_ptr<DisparityEstimator>
-makeElas(int disparities)
-{
-  Elas::Parameters parameters;
-  parameters.disparities = disparities;
-  return std::make_unique<Elas>(parameters);
-}
-
-std::unique_ptr<DisparityEstimator>
-makeSemiGlobal(int disparities)
-{
-  SemiGlobalMatcher::Parameters parameters;
-  parameters.disparities = disparities;
-  return std::make_unique<SemiGlobalMatcher>(parameters);
-}
 
 // The first is what the others are measured against.
-const Engine engines[] = {
-    {"sgbm_3way", [](int d) { return makeSgbm(Sgbm::Mode::three_way, d); }},
-    {"sgbm_5way", [](int d) { return makeSgbm(Sgbm::Mode::five_way, d); }},
-    {"elas", makeElas},
-    {"sgm", makeSemiGlobal},
-};
+const Engine engines[] = {{"sgbm_3way", "sgbm"}, {"elas", "elas"}, {"sgm", "sgm"}};
 
 /** \brief What an engine gave at the pixels of the truth. */
 struct Result {
@@ -250,7 +216,7 @@ benchKitti(const std::string& data)
   std::vector<Result> results(std::size(engines));
   std::vector<std::unique_ptr<DisparityEstimator>> estimators;
   for (const Engine& engine : engines)
-    estimators.push_back(engine.make(128));
+    estimators.push_back(makeDisparityEstimator(engine.engine, 128));
   for (const char* const name : sequences) {
     const KittiSequence sequence(data + "/kitti/" + name);
     Truth part{{}, truth.wrong_above, truth.wrong_above_share};
@@ -296,7 +262,7 @@ benchCones(const std::string& data)
   append(disparities, truth);
   std::vector<Result> results;
   for (const Engine& engine : engines) {
-    const auto estimator = engine.make(64);
+    const auto estimator = makeDisparityEstimator(engine.engine, 64);
     estimator->estimate(frame.left, frame.right);
     estimate(*estimator, frame, disparities, results.emplace_back());
   }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/thrown_message.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
@@ -124,12 +126,12 @@ TEST(DisparityToCloud, RefusesWhatDoesNotFit)
   const StereoCamera camera = makeCamera();
   const cv::Mat disparity = makeDisparity();
   const cv::Mat image = makeImage();
-  EXPECT_THROW(disparityToCloud(cv::Mat(), cv::Mat(), camera), BadInputException);
-  EXPECT_THROW(disparityToCloud(disparity, cv::Mat(), camera), BadInputException);
-  EXPECT_THROW(disparityToCloud(disparity, image.colRange(1, width), camera),
-               BadInputException);
-  EXPECT_THROW(disparityToCloud(image, image, camera), BadInputException);
-  EXPECT_THROW(disparityToCloud(disparity, disparity, camera), BadInputException);
+  for (const auto& [first, second] : {std::pair(cv::Mat(), cv::Mat()),
+                                      {disparity, cv::Mat()},
+                                      {disparity, image.colRange(1, width)},
+                                      {image, image},
+                                      {disparity, disparity}})
+    EXPECT_THROW(disparityToCloud(first, second, camera), BadInputException);
   StereoCamera other = camera;
   other.height = height + 1;
   EXPECT_THROW(disparityToCloud(disparity, image, other), BadInputException);
@@ -144,14 +146,10 @@ TEST(DisparityToCloud, RefusesNegativeAndNonFiniteDisparities)
                             std::numeric_limits<float>::quiet_NaN()}) {
     cv::Mat disparity = makeDisparity();
     disparity.at<float>(2, 3) = value;
-    try {
-      disparityToCloud(disparity, makeImage(), makeCamera());
-      FAIL() << value << " was accepted";
-    }
-    catch (const BadInputException& error) {
-      EXPECT_NE(std::string(error.what()).find("(3, 2)"), std::string::npos)
-          << error.what();
-    }
+    EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] {
+                        disparityToCloud(disparity, makeImage(), makeCamera());
+                      }),
+                      "(3, 2)"));
   }
 }
 

@@ -3,8 +3,7 @@
 // The inner loops of every tier against plain ones that can be checked by reading. All
 // numbers are whole: results have to be equal.
 
-#include "stereo/kernels/map_disparity.h"
-#include "stereo/kernels/smoothing.h"
+#include "stereo/kernels/elas_loops.h"
 #include "support/supported_tiers.h"
 
 #include <gtest/gtest.h>
@@ -42,9 +41,9 @@ TEST(ElasKernels, GradientsAreSobels)
     const auto rows = randomBytes(std::size_t(3 * width), 5);
     for (const SimdTier tier : supportedTiers()) {
       std::vector<std::uint8_t> across(rows.size()), down(rows.size());
-      descriptors(tier).gradients(rows.data(), rows.data() + width,
-                                  rows.data() + 2 * width, width, across.data(),
-                                  down.data());
+      elasLoops(tier).gradients(rows.data(), rows.data() + width,
+                                rows.data() + 2 * width, width, across.data(),
+                                down.data());
       for (int u = 0; u < width; ++u) {
         double sums[2] = {};
         for (int y = -1; y <= 1; ++y)
@@ -73,13 +72,13 @@ TEST(ElasKernels, DescriptorsAreGatheredAndCompared)
     elements[i] = plane.data() + i * 7 % descriptor_bytes;
   for (const SimdTier tier : supportedTiers()) {
     std::vector<std::uint8_t> gathered(count * descriptor_bytes);
-    descriptors(tier).gather(elements, count, gathered.data());
+    elasLoops(tier).gather(elements, count, gathered.data());
     for (int u = 0; u < count; ++u)
       for (int i = 0; i < descriptor_bytes; ++i)
         ASSERT_EQ(gathered[std::size_t(u * descriptor_bytes + i)], elements[i][u]);
     std::vector<std::uint16_t> costs(count, 11);
     const std::uint8_t* const own = gathered.data() + 5 * descriptor_bytes;
-    descriptors(tier).addDistances(own, gathered.data(), count, costs.data());
+    elasLoops(tier).addDistances(own, gathered.data(), count, costs.data());
     for (int u = 0; u < count; ++u)
       ASSERT_EQ(costs[std::size_t(u)],
                 11 + distance(own, gathered.data() + u * descriptor_bytes));
@@ -153,7 +152,7 @@ TEST_P(MapDisparity, IsThatOfTheLeastEnergy)
 {
   for (const SimdTier tier : supportedTiers()) {
     std::vector<std::int16_t> found(width);
-    mapDisparities(tier)(row_, found.data());
+    elasLoops(tier).match(row_, found.data());
     int matched = 0;
     for (int u = 0; u < width; ++u) {
       int least = no_energy;

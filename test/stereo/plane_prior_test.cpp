@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stereo/kernels/map_disparity.h"
 #include "stereo/plane_prior.h"
 
 #include <gtest/gtest.h>

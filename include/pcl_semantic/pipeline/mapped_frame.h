@@ -6,7 +6,7 @@
 #include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/map/scan.h>
-#include <pcl_semantic/stereo/disparity_estimator.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <Eigen/Geometry>
 #include <pcl/point_cloud.h>

@@ -10,7 +10,7 @@
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/mapped_frame.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
-#include <pcl_semantic/stereo/disparity_estimator.h>
+#include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <functional>
 #include <memory>

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/stereo/disparity_estimator.h>
+
+#include <opencv2/core/mat.hpp>
 
 #include <memory>
 #include <string>
@@ -10,13 +11,49 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
+/** \brief What is known of the disparity of every pixel of the left image. */
+struct DisparityImage {
+  cv::Mat disparity; ///< CV_32FC1 [px], 0 = none
+  cv::Mat deviation; ///< CV_32FC1, standard deviation of the disparity [px]
+};
+
+/** \brief Takes out the disparities of a larger standard deviation [px]; 0 = none. */
+inline void
+eraseUnsure(DisparityImage& image, double max_deviation)
+{
+  if (max_deviation > 0.0)
+    image.disparity.setTo(0.0, image.deviation > max_deviation);
+}
+
+/** \brief Disparities as colours: far is blue, near is red, none is black.
+ * \param[in] disparity CV_32FC1 [px], 0 = none
+ * \param[in] nearest disparity that is red, and what is larger [px]; more than 0
+ * \return CV_8UC3 (BGR)
+ * \throws InvalidParameterException if type or \a nearest do not fit */
+cv::Mat drawDisparity(const cv::Mat& disparity, double nearest = 128.0);
+
+/** \brief Gives the disparity of every pixel of the left image of a rectified pair. Not
+ * for use from several threads at once. */
+class DisparityEstimator {
+public:
+  virtual ~DisparityEstimator() = default;
+
+  /** \param[in] left CV_8UC3 (BGR) or CV_8UC1; colours are matched as grey levels
+   * \param[in] right as left
+   * \return images of the same size; the same for any number of threads
+   * \throws BadInputException if the images do not fit each other, or for `elas` if
+   * they are larger than 16384 pixels across */
+  virtual DisparityImage estimate(const cv::Mat& left, const cv::Mat& right) = 0;
+};
+
 /** \brief Names of the engines, the best first: `sgm` (SemiGlobalMatcher), `elas`
- * (Elas) and `sgbm` (Sgbm, OpenCV's). */
+ * (Elas) and `sgbm` (OpenCV's semi-global matching). */
 const std::vector<std::string>& disparityEngines();
 
 /** \brief An engine with its defaults.
  * \param[in] name one of disparityEngines()
- * \param[in] disparities largest disparity + 1 [px]; a multiple of 16, of 64 for `sgm`
+ * \param[in] disparities largest disparity + 1 [px]; a multiple of 16 up to 1024, for
+ * `sgm` of 64 up to 256
  * \throws InvalidParameterException */
 std::unique_ptr<DisparityEstimator> makeDisparityEstimator(const std::string& name,
                                                            int disparities);

@@ -22,9 +22,6 @@ constexpr int disparity_block = 64;
 constexpr int slot_padding = 64;
 constexpr std::uint8_t max_path_cost = 191;
 
-/** \brief Differing bits of a block of 5 x 5 pixels, as blockCosts gives them. */
-constexpr int max_block_cost = 49;
-
 /** \brief Census of a row of both images, by byte; the right one backwards: byte
  * width - 1 - u + d is that of the pixel that disparity d takes u to. */
 struct CensusRow {

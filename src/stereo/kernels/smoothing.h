@@ -10,6 +10,10 @@
  * it: raw pointers and sizes only. The same in all tiers. */
 namespace pcl_semantic::kernels {
 
+/** \brief Disparities are whole numbers of 1 / disparity_steps px. */
+constexpr int disparity_steps = 16;
+constexpr std::int16_t no_disparity = -1;
+
 constexpr int max_smoothing = 16; ///< radius [px]
 
 /** \brief Smooths \a count disparities (below 0 = none, stays).
