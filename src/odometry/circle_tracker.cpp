@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <vector>
 
 namespace pcl_semantic::odometry {
@@ -17,6 +18,17 @@ namespace {
 constexpr int kCornerBorder = 12; // windows are compared whole [px]
 constexpr int kThreshold = 10;    // of FAST, grey levels
 constexpr int kCornerHalf = 3;    // window of the eigenvalue
+constexpr double kMinEigenvalue = 100.0;
+
+constexpr int kSearchHalf = 5;
+constexpr int kPixels = (2 * kSearchHalf + 1) * (2 * kSearchHalf + 1);
+constexpr double kClear = 0.8; // of the second best, elsewhere on the row
+
+constexpr int kLevels = 3;        // above the images themselves
+const cv::Size kWindow(11, 11);   // [px]
+constexpr float kCircle = 1.0f;   // how far from the start a circle may end [px]
+constexpr float kRowError = 1.5f; // between left and right [px]
+constexpr float kBorder = 8.0f;   // [px]
 
 // Smaller eigenvalue of the gradients' second moments around a pixel.
 double
@@ -39,6 +51,26 @@ smallerEigenvalue(const cv::Mat& image, int x, int y)
   return half - std::sqrt(difference * difference + double(xy) * xy);
 }
 
+bool
+isInside(const cv::Point2f& point, const cv::Mat& image)
+{
+  return point.x >= kBorder && point.y >= kBorder &&
+         point.x < float(image.cols) - kBorder && point.y < float(image.rows) - kBorder;
+}
+
+void
+follow(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to, int levels,
+       const std::vector<cv::Point2f>& start, std::vector<cv::Point2f>& end,
+       std::vector<std::uint8_t>& found)
+{
+  found.clear();
+  if (start.empty())
+    return;
+  cv::calcOpticalFlowPyrLK(from, to, start, end, found, cv::noArray(), kWindow, levels,
+                           {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.01},
+                           cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+}
+
 } // namespace
 
 std::vector<cv::Point2f>
@@ -50,38 +82,30 @@ detectCorners(const cv::Mat& image, const std::vector<cv::Point2f>& old, int wan
   const auto cellOf = [&](const cv::Point2f& point) {
     return std::size_t(int(point.y / cell) * columns + int(point.x / cell));
   };
-  std::vector<char> taken(std::size_t(columns * rows), 0);
+  constexpr double taken = std::numeric_limits<double>::infinity();
+  std::vector<double> best(std::size_t(columns * rows), kMinEigenvalue);
+  std::vector<cv::Point2f> corners(best.size(), {-1.0f, -1.0f});
   for (const cv::Point2f& point : old)
-    taken[cellOf(point)] = 1;
+    best[cellOf(point)] = taken;
   std::vector<cv::KeyPoint> candidates;
   cv::FAST(image, candidates, kThreshold, true);
-  std::vector<double> best(taken.size(), 100.0);
-  std::vector<cv::Point2f> corners(taken.size(), {-1.0f, -1.0f});
+  const cv::Rect inside(kCornerBorder, kCornerBorder, image.cols - 2 * kCornerBorder,
+                        image.rows - 2 * kCornerBorder);
   for (const cv::KeyPoint& candidate : candidates) {
-    const int x = int(candidate.pt.x), y = int(candidate.pt.y);
-    if (x < kCornerBorder || y < kCornerBorder || x >= image.cols - kCornerBorder ||
-        y >= image.rows - kCornerBorder || taken[cellOf(candidate.pt)])
+    const cv::Point pixel(int(candidate.pt.x), int(candidate.pt.y));
+    const std::size_t i = cellOf(candidate.pt);
+    if (!inside.contains(pixel) || std::isinf(best[i]))
       continue;
-    const double value = smallerEigenvalue(image, x, y);
-    if (value > best[cellOf(candidate.pt)]) {
-      best[cellOf(candidate.pt)] = value;
-      corners[cellOf(candidate.pt)] = candidate.pt;
+    const double value = smallerEigenvalue(image, pixel.x, pixel.y);
+    if (value > best[i]) {
+      best[i] = value;
+      corners[i] = candidate.pt;
     }
   }
-  std::vector<cv::Point2f> found;
-  for (const cv::Point2f& corner : corners)
-    if (corner.x >= 0.0f)
-      found.push_back(corner);
-  return found;
+  const auto is_none = [](const cv::Point2f& corner) { return corner.x < 0.0f; };
+  corners.erase(std::remove_if(corners.begin(), corners.end(), is_none), corners.end());
+  return corners;
 }
-
-namespace {
-
-constexpr int kSearchHalf = 5;
-constexpr int kPixels = (2 * kSearchHalf + 1) * (2 * kSearchHalf + 1);
-constexpr double kClear = 0.8; // of the second best, elsewhere on the row
-
-} // namespace
 
 int
 searchDisparity(const cv::Mat& left, const cv::Mat& right, const cv::Point2f& corner,
@@ -113,49 +137,18 @@ searchDisparity(const cv::Mat& left, const cv::Mat& right, const cv::Point2f& co
   return count - 1 - at;
 }
 
-namespace {
-
-constexpr int kLevels = 3;        // above the images themselves
-const cv::Size kWindow(11, 11);   // [px]
-constexpr float kCircle = 1.0f;   // how far from the start a circle may end [px]
-constexpr float kRowError = 1.5f; // between left and right [px]
-constexpr float kBorder = 8.0f;   // [px]
-
-bool
-isInside(const cv::Point2f& point, const cv::Mat& image)
-{
-  return point.x >= kBorder && point.y >= kBorder &&
-         point.x < float(image.cols) - kBorder && point.y < float(image.rows) - kBorder;
-}
-
-void
-follow(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to, int levels,
-       const std::vector<cv::Point2f>& start, std::vector<cv::Point2f>& end,
-       std::vector<std::uint8_t>& found)
-{
-  found.clear();
-  if (start.empty())
-    return;
-  cv::calcOpticalFlowPyrLK(from, to, start, end, found, cv::noArray(), kWindow, levels,
-                           {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.01},
-                           cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
-}
-
-} // namespace
-
 void
 CircleTracker::push(const cv::Mat& left, const cv::Mat& right)
 {
-  std::swap(left_before_, left_now_);
-  std::swap(right_before_, right_now_);
+  std::swap(before_, now_);
   cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       // A copy: the caller may use the image's memory for the next one. Every second
       // matrix holds the derivatives of the one before it.
-      std::vector<cv::Mat> pyramid;
+      Pyramid pyramid;
       cv::buildOpticalFlowPyramid(i ? right : left, pyramid, kWindow, kLevels, true,
                                   cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);
-      (i ? right_now_ : left_now_) = pyramid;
+      (i ? now_.right : now_.left) = pyramid;
     }
   });
 }
@@ -171,12 +164,12 @@ CircleTracker::track(const std::vector<StereoFeature>& before,
     left_now.push_back(now[i].left);
     right_before.push_back(before[i].right);
   }
-  follow(left_before_, left_now_, kLevels, left_before, left_now, in_left);
+  follow(before_.left, now_.left, kLevels, left_before, left_now, in_left);
   for (std::size_t i = 0; i < before.size(); ++i)
     right_now.push_back(left_now[i] + now[i].right - now[i].left);
-  follow(left_now_, right_now_, 1, left_now, right_now, in_right);
+  follow(now_.left, now_.right, 1, left_now, right_now, in_right);
   std::vector<cv::Point2f> end = right_before;
-  follow(right_now_, right_before_, 1, right_now, end, in_circle);
+  follow(now_.right, before_.right, 1, right_now, end, in_circle);
   for (std::size_t i = 0; i < before.size(); ++i) {
     now[i].left = left_now[i];
     now[i].right = right_now[i];
@@ -197,9 +190,9 @@ CircleTracker::matchStereo(std::vector<StereoFeature>& features) const
     left.push_back(feature.left);
     right.push_back(feature.right);
   }
-  follow(left_now_, right_now_, 0, left, right, there);
+  follow(now_.left, now_.right, 0, left, right, there);
   std::vector<cv::Point2f> end = left;
-  follow(right_now_, left_now_, 0, right, end, back);
+  follow(now_.right, now_.left, 0, right, end, back);
   for (std::size_t i = 0; i < features.size(); ++i) {
     features[i].right = right[i];
     features[i].is_found = there[i] && back[i] && isInside(right[i], this->right()) &&

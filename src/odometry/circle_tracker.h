@@ -48,17 +48,23 @@ public:
   const cv::Mat&
   left() const
   {
-    return left_now_[0];
+    return now_.left[0];
   }
 
   const cv::Mat&
   right() const
   {
-    return right_now_[0];
+    return now_.right[0];
   }
 
 private:
-  std::vector<cv::Mat> left_before_, right_before_, left_now_, right_now_;
+  using Pyramid = std::vector<cv::Mat>;
+
+  struct Pair {
+    Pyramid left, right;
+  };
+
+  Pair before_, now_;
 };
 
 } // namespace pcl_semantic::odometry

@@ -85,7 +85,9 @@ KeyframeWindow::rejectOutliers(const WindowAdjustment& adjustment,
 Matrix6d
 KeyframeWindow::adjust(int iterations)
 {
-  WindowAdjustment adjustment(camera_, noise_);
+  WindowAdjustment adjustment;
+  adjustment.camera = camera_;
+  adjustment.noise = noise_;
   const std::vector<std::size_t> adjusted = collect(adjustment);
   adjustment.offset = adjustment.offset_before = offset;
   adjustment.offset_deviation = offset_deviation;

@@ -10,15 +10,24 @@
 
 namespace pcl_semantic {
 
-/** \brief The check of PoseSource::requirePoses().
- * \param[in] lacks tells whether a frame has no pose
- * \param[in] lackOf says so of a frame
- * \throws BadInputException */
-template <typename Lacks, typename LackOf>
-void
-requireNoneLacks(const std::vector<FrameTime>& frames, const Lacks& lacks,
-                 const LackOf& lackOf)
+StoredPoses::StoredPoses(const Eigen::Isometry3d& T_camera0_camera, std::string name)
+    : name_(std::move(name)), T_camera0_camera_(T_camera0_camera)
+{}
+
+Eigen::Isometry3d
+StoredPoses::pose(const SensorFrame& frame)
 {
+  const FrameTime& time = timeOf(frame);
+  const Eigen::Isometry3d* const found = find(time);
+  if (!found)
+    PCL_THROW_EXCEPTION(BadInputException, lackOf(time));
+  return worldFromFirstCamera() * *found * T_camera0_camera_;
+}
+
+void
+StoredPoses::requirePoses(const std::vector<FrameTime>& frames) const
+{
+  const auto lacks = [&](const FrameTime& frame) { return !find(frame); };
   const auto first = std::find_if(frames.begin(), frames.end(), lacks);
   if (first != frames.end())
     PCL_THROW_EXCEPTION(BadInputException,
@@ -30,14 +39,15 @@ requireNoneLacks(const std::vector<FrameTime>& frames, const Lacks& lacks,
 TimedPoses::TimedPoses(TimedTrajectory trajectory,
                        const Eigen::Isometry3d& T_camera0_camera, std::string name,
                        double tolerance)
-    : trajectory_(std::move(trajectory)), T_camera0_camera_(T_camera0_camera),
-      name_(std::move(name)), tolerance_(tolerance)
+    : StoredPoses(T_camera0_camera, std::move(name)),
+      trajectory_(std::move(trajectory)), tolerance_(tolerance)
 {}
 
-const TimedPose*
+const Eigen::Isometry3d*
 TimedPoses::find(const FrameTime& frame) const
 {
-  return findPose(trajectory_, frame.timestamp, tolerance_);
+  const TimedPose* const found = findPose(trajectory_, frame.timestamp, tolerance_);
+  return found ? &found->pose : nullptr;
 }
 
 std::string
@@ -54,35 +64,18 @@ TimedPoses::lackOf(const FrameTime& frame) const
   return text.str();
 }
 
-Eigen::Isometry3d
-TimedPoses::pose(const SensorFrame& frame)
-{
-  const FrameTime& time = timeOf(frame);
-  const TimedPose* const found = find(time);
-  if (!found)
-    PCL_THROW_EXCEPTION(BadInputException, lackOf(time));
-  return worldFromFirstCamera() * found->pose * T_camera0_camera_;
-}
-
-void
-TimedPoses::requirePoses(const std::vector<FrameTime>& frames) const
-{
-  requireNoneLacks(
-      frames, [&](const FrameTime& frame) { return !find(frame); },
-      [&](const FrameTime& frame) { return lackOf(frame); });
-}
-
 TrajectoryPoses::TrajectoryPoses(Trajectory trajectory,
                                  const Eigen::Isometry3d& T_camera0_camera,
                                  std::string name)
-    : trajectory_(std::move(trajectory)), T_camera0_camera_(T_camera0_camera),
-      name_(std::move(name))
+    : StoredPoses(T_camera0_camera, std::move(name)), trajectory_(std::move(trajectory))
 {}
 
-bool
-TrajectoryPoses::has(const FrameTime& frame) const
+const Eigen::Isometry3d*
+TrajectoryPoses::find(const FrameTime& frame) const
 {
-  return frame.number >= 0 && std::size_t(frame.number) < trajectory_.size();
+  const bool is_there =
+      frame.number >= 0 && std::size_t(frame.number) < trajectory_.size();
+  return is_there ? &trajectory_[std::size_t(frame.number)] : nullptr;
 }
 
 std::string
@@ -91,24 +84,6 @@ TrajectoryPoses::lackOf(const FrameTime& frame) const
   return name_ + ": has " + std::to_string(trajectory_.size()) +
          " poses, none for frame " + std::to_string(frame.number) +
          " (row = frame number)";
-}
-
-Eigen::Isometry3d
-TrajectoryPoses::pose(const SensorFrame& frame)
-{
-  const FrameTime& time = timeOf(frame);
-  if (!has(time))
-    PCL_THROW_EXCEPTION(BadInputException, lackOf(time));
-  return worldFromFirstCamera() * trajectory_[std::size_t(time.number)] *
-         T_camera0_camera_;
-}
-
-void
-TrajectoryPoses::requirePoses(const std::vector<FrameTime>& frames) const
-{
-  requireNoneLacks(
-      frames, [&](const FrameTime& frame) { return !has(frame); },
-      [&](const FrameTime& frame) { return lackOf(frame); });
 }
 
 namespace {

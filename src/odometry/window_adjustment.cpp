@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 
 #include <limits>
+#include <utility>
 
 namespace pcl_semantic::odometry {
 
@@ -15,8 +16,7 @@ constexpr double kBehindCost = 1e6;  // of a point behind the camera
 constexpr double kMinInverse = 1e-6; // inverse depth of what is at infinity [1/m]
 
 struct Robust {
-  double cost = 0.0;
-  double weight = 0.0;
+  double cost, weight;
 };
 
 Robust
@@ -28,33 +28,224 @@ huber(double squared)
   return {2.0 * kHuber * length - kHuber * kHuber, kHuber / length};
 }
 
-} // namespace
+// Whitened, of a scaled point in front of the camera.
+Eigen::Vector3d
+residualOf(const WindowAdjustment& window,
+           const WindowAdjustment::Measurement& measurement, const Eigen::Vector3d& q)
+{
+  const double inverse_depth =
+      window.points[std::size_t(measurement.point)].position.inverse_depth;
+  Eigen::Vector3d residual =
+      measurement.uvd - projectStereo(window.camera, q, inverse_depth);
+  residual.z() -= window.offset;
+  return residual.cwiseProduct(window.noise.whitening());
+}
 
-/** \brief What a measurement says against the model, whitened, and its derivatives. */
-struct WindowAdjustment::Residual {
-  Eigen::Vector3d value;
-  double weight = 1.0;
-  double cost = 0.0;
-  Eigen::Matrix<double, 3, 6> by_frame, by_anchor;
-  Eigen::Vector3d by_depth;
-  double by_offset = 0.0; ///< of the disparity
+/** \brief The normal equations of a window as it is: poses, then the offset; inverse
+ * depths apart. */
+class NormalEquations {
+public:
+  explicit NormalEquations(const WindowAdjustment& window) : window_(window)
+  {
+    for (const WindowAdjustment::Frame& frame : window.frames) {
+      unknown_.push_back(frame.is_fixed ? -1 : offset_);
+      offset_ += frame.is_fixed ? 0 : 6;
+    }
+    begin_.assign(window.points.size() + 1, 0);
+    for (const WindowAdjustment::Measurement& measurement : window.measurements)
+      ++begin_[std::size_t(measurement.point) + 1];
+    for (std::size_t i = 0; i < window.points.size(); ++i)
+      begin_[i + 1] += begin_[i];
+    linearize();
+  }
+
+  double
+  cost() const
+  {
+    return cost_;
+  }
+
+  /** \brief To be called when the window has changed. */
+  void
+  linearize()
+  {
+    H_.setZero(offset_ + 1, offset_ + 1);
+    b_.setZero(offset_ + 1);
+    by_points_.assign(window_.points.size(), {});
+    by_frame_.assign(window_.measurements.size(), Vector6d::Zero());
+    by_anchor_.assign(window_.measurements.size(), Vector6d::Zero());
+    const double deviation = window_.offset_deviation;
+    const double known = (window_.offset_before - window_.offset) / deviation;
+    cost_ = known * known;
+    H_(offset_, offset_) = 1.0 / (deviation * deviation);
+    b_(offset_) = known / deviation;
+    std::vector<Eigen::Isometry3d> T_world_camera;
+    for (const WindowAdjustment::Frame& frame : window_.frames)
+      T_world_camera.push_back(frame.T_camera_world.inverse());
+    for (std::size_t i = 0; i < window_.points.size(); ++i) {
+      addPoint(i);
+      for (std::size_t m = begin_[i]; m < begin_[i + 1]; ++m)
+        addMeasurement(m, T_world_camera[std::size_t(window_.points[i].anchor)]);
+    }
+  }
+
+  /** \brief Eliminates the inverse depths; fills the upper triangle. */
+  Eigen::MatrixXd
+  reduce(double damping, Eigen::VectorXd& right) const
+  {
+    Eigen::MatrixXd H = H_;
+    H.diagonal() *= 1.0 + damping;
+    right = b_;
+    std::vector<std::pair<int, Vector6d>> blocks;
+    for (std::size_t i = 0; i < by_points_.size(); ++i) {
+      blocks.clear();
+      Vector6d anchor = Vector6d::Zero();
+      for (std::size_t m = begin_[i]; m < begin_[i + 1]; ++m) {
+        if (const int c = unknownOf(window_.measurements[m].frame); c >= 0)
+          blocks.emplace_back(c, by_frame_[m]);
+        anchor += by_anchor_[m];
+      }
+      if (const int a = unknownOf(window_.points[i].anchor); a >= 0)
+        blocks.emplace_back(a, anchor);
+      const ByPoint& point = by_points_[i];
+      const double inverse = 1.0 / (point.H * (1.0 + damping));
+      const double offset_fraction = inverse * point.offset;
+      for (const auto& [row, left] : blocks) {
+        const Vector6d scaled = inverse * left;
+        right.segment<6>(row) -= point.b * scaled;
+        H.block<6, 1>(row, offset_) -= point.offset * scaled;
+        for (const auto& [column, other] : blocks)
+          if (row <= column)
+            H.block<6, 6>(row, column).noalias() -= scaled * other.transpose();
+      }
+      H(offset_, offset_) -= offset_fraction * point.offset;
+      right(offset_) -= offset_fraction * point.b;
+    }
+    return H;
+  }
+
+  /** \brief Moves the window, which is that of the constructor.
+   * \param[in] delta solution of what reduce() gave */
+  void
+  step(double damping, const Eigen::VectorXd& delta, WindowAdjustment& window) const
+  {
+    for (std::size_t i = 0; i < by_points_.size(); ++i) {
+      const ByPoint& point = by_points_[i];
+      double right = point.b - point.offset * delta(offset_);
+      const int a = unknownOf(window.points[i].anchor);
+      for (std::size_t m = begin_[i]; m < begin_[i + 1]; ++m) {
+        if (const int c = unknownOf(window.measurements[m].frame); c >= 0)
+          right -= by_frame_[m].dot(delta.segment<6>(c));
+        if (a >= 0)
+          right -= by_anchor_[m].dot(delta.segment<6>(a));
+      }
+      double& inverse_depth = window.points[i].position.inverse_depth;
+      inverse_depth =
+          std::max(inverse_depth + right / (point.H * (1.0 + damping)), kMinInverse);
+    }
+    window.offset += delta(offset_);
+    for (std::size_t f = 0; f < window.frames.size(); ++f)
+      if (unknown_[f] >= 0)
+        window.frames[f].T_camera_world =
+            expMotion(delta.segment<6>(unknown_[f])) * window.frames[f].T_camera_world;
+  }
+
+  /** \brief Where the six unknowns of a frame are, or -1. */
+  int
+  unknownOf(int frame) const
+  {
+    return unknown_[std::size_t(frame)];
+  }
+
+private:
+  /** \brief Its inverse depth with itself, the residuals and the offset. */
+  struct ByPoint {
+    double H = 0.0, b = 0.0, offset = 0.0;
+  };
+
+  // The disparity where it was seen first.
+  void
+  addPoint(std::size_t i)
+  {
+    const double by_offset = 1.0 / window_.noise.disparity;
+    const double slope =
+        window_.camera.fx * window_.camera.baseline / window_.noise.disparity;
+    const WindowAdjustment::Point& point = window_.points[i];
+    const double error =
+        (point.anchor_disparity - window_.offset) / window_.noise.disparity -
+        slope * point.position.inverse_depth;
+    const auto [cost, weight] = huber(error * error);
+    cost_ += cost;
+    by_points_[i] = {weight * slope * slope, weight * slope * error,
+                     weight * slope * by_offset};
+    H_(offset_, offset_) += weight * by_offset * by_offset;
+    b_(offset_) += weight * by_offset * error;
+  }
+
+  void
+  addMeasurement(std::size_t m, const Eigen::Isometry3d& T_world_anchor)
+  {
+    const WindowAdjustment::Measurement& measurement = window_.measurements[m];
+    const std::size_t i = std::size_t(measurement.point);
+    const AnchoredPoint& position = window_.points[i].position;
+    const Eigen::Isometry3d motion =
+        window_.frames[std::size_t(measurement.frame)].T_camera_world * T_world_anchor;
+    const Eigen::Vector3d q = scaledPoint(position, motion);
+    if (q.z() < kNearest) {
+      cost_ += kBehindCost;
+      return;
+    }
+    const Eigen::Vector3d residual = residualOf(window_, measurement, q);
+    const auto [cost, weight] = huber(residual.squaredNorm());
+    const Eigen::Vector3d whiten = window_.noise.whitening();
+    const double by_offset = whiten.z();
+    const Eigen::Matrix3d by_q =
+        whiten.asDiagonal() *
+        projectionByPoint(window_.camera, q, position.inverse_depth);
+    const Eigen::Matrix<double, 3, 6> by_frame =
+        by_q * pointByCamera(q, position.inverse_depth);
+    const Eigen::Matrix<double, 3, 6> by_anchor =
+        -(by_q * motion.linear()) * pointByCamera(position.ray, position.inverse_depth);
+    Eigen::Vector3d by_depth = by_q * motion.translation();
+    by_depth.z() += whiten.z() * window_.camera.fx * window_.camera.baseline / q.z();
+
+    const auto add = [&, w = weight](int at, const Eigen::Matrix<double, 3, 6>& J,
+                                     Vector6d& cross) {
+      const Eigen::Matrix<double, 6, 3> weighted = w * J.transpose();
+      H_.block<6, 6>(at, at).noalias() += weighted * J;
+      b_.segment<6>(at).noalias() += weighted * residual;
+      H_.block<6, 1>(at, offset_) += by_offset * weighted.col(2);
+      cross.noalias() = weighted * by_depth;
+    };
+    const int c = unknownOf(measurement.frame), a = unknownOf(window_.points[i].anchor);
+    if (c >= 0)
+      add(c, by_frame, by_frame_[m]);
+    if (a >= 0)
+      add(a, by_anchor, by_anchor_[m]);
+    if (a >= 0 && c >= 0)
+      H_.block<6, 6>(std::min(a, c), std::max(a, c)).noalias() +=
+          a < c ? Matrix6d(weight * by_anchor.transpose() * by_frame)
+                : Matrix6d(weight * by_frame.transpose() * by_anchor);
+    cost_ += cost;
+    by_points_[i].H += weight * by_depth.squaredNorm();
+    by_points_[i].b += weight * by_depth.dot(residual);
+    by_points_[i].offset += weight * by_depth.z() * by_offset;
+    H_(offset_, offset_) += weight * by_offset * by_offset;
+    b_(offset_) += weight * by_offset * residual.z();
+  }
+
+  const WindowAdjustment& window_;
+  std::vector<int> unknown_;       ///< of a frame
+  int offset_ = 0;                 ///< behind the unknowns of the poses
+  std::vector<std::size_t> begin_; ///< first measurement of each point, and the end
+  double cost_ = 0.0;
+  Eigen::MatrixXd H_; ///< upper triangle
+  Eigen::VectorXd b_;
+  std::vector<ByPoint> by_points_;
+  std::vector<Vector6d> by_frame_, by_anchor_; ///< of a measurement: with its point
 };
 
-void
-WindowAdjustment::number()
-{
-  unknowns_ = 0;
-  unknown_.clear();
-  for (const Frame& frame : frames) {
-    unknown_.push_back(frame.is_fixed ? -1 : unknowns_);
-    unknowns_ += frame.is_fixed ? 0 : 6;
-  }
-  begin_.assign(points.size() + 1, 0);
-  for (const Measurement& measurement : measurements)
-    ++begin_[std::size_t(measurement.point) + 1];
-  for (std::size_t i = 0; i < points.size(); ++i)
-    begin_[i + 1] += begin_[i];
-}
+} // namespace
 
 double
 WindowAdjustment::squaredError(const Measurement& measurement) const
@@ -66,223 +257,43 @@ WindowAdjustment::squaredError(const Measurement& measurement) const
   const Eigen::Vector3d q = scaledPoint(point.position, motion);
   if (q.z() < kNearest)
     return std::numeric_limits<double>::infinity();
-  Eigen::Vector3d residual =
-      measurement.uvd - projectStereo(camera_, q, point.position.inverse_depth);
-  residual.z() -= offset;
-  return residual.cwiseProduct(noise_.whitening()).squaredNorm();
-}
-
-bool
-WindowAdjustment::evaluate(const Measurement& measurement,
-                           const Eigen::Isometry3d& T_world_anchor,
-                           Residual& residual) const
-{
-  const AnchoredPoint& position = points[std::size_t(measurement.point)].position;
-  const Eigen::Isometry3d motion =
-      frames[std::size_t(measurement.frame)].T_camera_world * T_world_anchor;
-  const Eigen::Vector3d q = scaledPoint(position, motion);
-  if (q.z() < kNearest)
-    return false;
-  const Eigen::Vector3d whiten = noise_.whitening();
-  residual.value = measurement.uvd - projectStereo(camera_, q, position.inverse_depth);
-  residual.value.z() -= offset;
-  residual.value = residual.value.cwiseProduct(whiten);
-  const Robust robust = huber(residual.value.squaredNorm());
-  residual.cost = robust.cost;
-  residual.weight = robust.weight;
-  const Eigen::Matrix3d by_point =
-      whiten.asDiagonal() * projectionByPoint(camera_, q, position.inverse_depth);
-  residual.by_frame = by_point * pointByCamera(q, position.inverse_depth);
-  residual.by_anchor = -(by_point * motion.linear()) *
-                       pointByCamera(position.ray, position.inverse_depth);
-  residual.by_depth = by_point * motion.translation();
-  residual.by_depth.z() += whiten.z() * camera_.fx * camera_.baseline / q.z();
-  residual.by_offset = whiten.z();
-  return true;
-}
-
-// The disparity where it was seen first.
-void
-WindowAdjustment::addPoint(std::size_t i, System& system) const
-{
-  const int o = unknowns_;
-  const double slope = camera_.fx * camera_.baseline / noise_.disparity;
-  const double by_offset = 1.0 / noise_.disparity;
-  const double error = (points[i].anchor_disparity - offset) / noise_.disparity -
-                       slope * points[i].position.inverse_depth;
-  const Robust robust = huber(error * error);
-  system.cost += robust.cost;
-  system.point_H[i] = robust.weight * slope * slope;
-  system.point_b[i] = robust.weight * slope * error;
-  system.point_offset[i] = robust.weight * slope * by_offset;
-  system.H(o, o) += robust.weight * by_offset * by_offset;
-  system.b(o) += robust.weight * by_offset * error;
-}
-
-void
-WindowAdjustment::addMeasurement(std::size_t m, const Residual& residual,
-                                 System& system) const
-{
-  const Measurement& measurement = measurements[m];
-  const std::size_t i = std::size_t(measurement.point);
-  const int c = unknown_[std::size_t(measurement.frame)];
-  const int a = unknown_[std::size_t(points[i].anchor)];
-  const int o = unknowns_;
-  const double weight = residual.weight;
-  const auto add = [&](int at, const Eigen::Matrix<double, 3, 6>& J, Vector6d& cross) {
-    const Eigen::Matrix<double, 6, 3> weighted = weight * J.transpose();
-    system.H.block<6, 6>(at, at).noalias() += weighted * J;
-    system.b.segment<6>(at).noalias() += weighted * residual.value;
-    system.H.block<6, 1>(at, o) += residual.by_offset * weighted.col(2);
-    cross.noalias() = weighted * residual.by_depth;
-  };
-  if (c >= 0)
-    add(c, residual.by_frame, system.by_frame[m]);
-  if (a >= 0)
-    add(a, residual.by_anchor, system.by_anchor[m]);
-  if (a >= 0 && c >= 0)
-    system.H.block<6, 6>(std::min(a, c), std::max(a, c)).noalias() +=
-        a < c ? Matrix6d(weight * residual.by_anchor.transpose() * residual.by_frame)
-              : Matrix6d(weight * residual.by_frame.transpose() * residual.by_anchor);
-  system.cost += residual.cost;
-  system.point_H[i] += weight * residual.by_depth.squaredNorm();
-  system.point_b[i] += weight * residual.by_depth.dot(residual.value);
-  system.point_offset[i] += weight * residual.by_depth.z() * residual.by_offset;
-  system.H(o, o) += weight * residual.by_offset * residual.by_offset;
-  system.b(o) += weight * residual.by_offset * residual.value.z();
-}
-
-// Fills the upper triangle of H.
-void
-WindowAdjustment::linearize(System& system) const
-{
-  system.H.setZero(unknowns_ + 1, unknowns_ + 1);
-  system.b.setZero(unknowns_ + 1);
-  for (std::vector<double>* const each :
-       {&system.point_H, &system.point_b, &system.point_offset})
-    each->assign(points.size(), 0.0);
-  system.by_frame.assign(measurements.size(), Vector6d::Zero());
-  system.by_anchor.assign(measurements.size(), Vector6d::Zero());
-  const double known = (offset_before - offset) / offset_deviation;
-  system.cost = known * known;
-  system.H(unknowns_, unknowns_) = 1.0 / (offset_deviation * offset_deviation);
-  system.b(unknowns_) = known / offset_deviation;
-  std::vector<Eigen::Isometry3d> T_world_camera;
-  for (const Frame& frame : frames)
-    T_world_camera.push_back(frame.T_camera_world.inverse());
-  Residual residual;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    addPoint(i, system);
-    for (std::size_t m = begin_[i]; m < begin_[i + 1]; ++m)
-      if (evaluate(measurements[m], T_world_camera[std::size_t(points[i].anchor)],
-                   residual))
-        addMeasurement(m, residual, system);
-      else
-        system.cost += kBehindCost;
-  }
-}
-
-// Eliminates the inverse depths; fills the upper triangle.
-Eigen::MatrixXd
-WindowAdjustment::reduce(const System& system, double damping,
-                         Eigen::VectorXd& right) const
-{
-  const int o = unknowns_;
-  Eigen::MatrixXd H = system.H;
-  H.diagonal() *= 1.0 + damping;
-  right = system.b;
-  std::vector<std::pair<int, Vector6d>> blocks;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    blocks.clear();
-    const int a = unknown_[std::size_t(points[i].anchor)];
-    Vector6d anchor = Vector6d::Zero();
-    for (std::size_t m = begin_[i]; m < begin_[i + 1]; ++m) {
-      const int c = unknown_[std::size_t(measurements[m].frame)];
-      if (c >= 0)
-        blocks.emplace_back(c, system.by_frame[m]);
-      anchor += system.by_anchor[m];
-    }
-    if (a >= 0)
-      blocks.emplace_back(a, anchor);
-    const double inverse = 1.0 / (system.point_H[i] * (1.0 + damping));
-    const double offset_fraction = inverse * system.point_offset[i];
-    for (const auto& [row, left] : blocks) {
-      const Vector6d scaled = inverse * left;
-      right.segment<6>(row) -= system.point_b[i] * scaled;
-      H.block<6, 1>(row, o) -= system.point_offset[i] * scaled;
-      for (const auto& [column, other] : blocks)
-        if (row <= column)
-          H.block<6, 6>(row, column).noalias() -= scaled * other.transpose();
-    }
-    H(o, o) -= offset_fraction * system.point_offset[i];
-    right(o) -= offset_fraction * system.point_b[i];
-  }
-  return H;
-}
-
-void
-WindowAdjustment::step(const System& system, double damping,
-                       const Eigen::VectorXd& delta)
-{
-  const double offset_step = delta(unknowns_);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    double right = system.point_b[i] - system.point_offset[i] * offset_step;
-    const int a = unknown_[std::size_t(points[i].anchor)];
-    for (std::size_t m = begin_[i]; m < begin_[i + 1]; ++m) {
-      const int c = unknown_[std::size_t(measurements[m].frame)];
-      if (c >= 0)
-        right -= system.by_frame[m].dot(delta.segment<6>(c));
-      if (a >= 0)
-        right -= system.by_anchor[m].dot(delta.segment<6>(a));
-    }
-    double& inverse_depth = points[i].position.inverse_depth;
-    inverse_depth += right / (system.point_H[i] * (1.0 + damping));
-    inverse_depth = std::max(inverse_depth, kMinInverse);
-  }
-  offset += offset_step;
-  for (std::size_t f = 0; f < frames.size(); ++f)
-    if (unknown_[f] >= 0)
-      frames[f].T_camera_world =
-          expMotion(delta.segment<6>(unknown_[f])) * frames[f].T_camera_world;
+  return residualOf(*this, measurement, q).squaredNorm();
 }
 
 double
 WindowAdjustment::solve(int iterations)
 {
-  number();
   double damping = 1e-6;
-  System system;
-  linearize(system);
+  NormalEquations equations(*this);
   for (int i = 0; i < iterations; ++i) {
     Eigen::VectorXd right;
-    const Eigen::MatrixXd H = reduce(system, damping, right);
+    const Eigen::MatrixXd H = equations.reduce(damping, right);
     const Eigen::VectorXd delta = H.selfadjointView<Eigen::Upper>().ldlt().solve(right);
     const WindowAdjustment old = *this;
-    const double old_cost = system.cost;
+    const double old_cost = equations.cost();
     if (delta.allFinite())
-      step(system, damping, delta);
-    linearize(system);
-    if (!(system.cost <= old_cost) || !delta.allFinite()) {
+      equations.step(damping, delta, *this);
+    equations.linearize();
+    if (!(equations.cost() <= old_cost) || !delta.allFinite()) {
       *this = old;
-      linearize(system);
+      equations.linearize();
       damping = std::max(10.0 * damping, 1e-4);
     }
-    else if (old_cost - system.cost < 1e-4 * old_cost)
+    else if (old_cost - equations.cost() < 1e-4 * old_cost)
       break;
     else
       damping *= 0.1;
   }
-  return system.cost;
+  return equations.cost();
 }
 
 Matrix6d
 WindowAdjustment::covariance(int frame) const
 {
-  System system;
-  linearize(system);
+  const NormalEquations equations(*this);
   Eigen::VectorXd right;
-  const Eigen::MatrixXd H = reduce(system, 0.0, right);
-  const int c = unknown_.at(std::size_t(frame));
+  const Eigen::MatrixXd H = equations.reduce(0.0, right);
+  const int c = equations.unknownOf(frame);
   const Matrix6d block = H.block<6, 6>(c, c).selfadjointView<Eigen::Upper>();
   return block.ldlt().solve(Matrix6d::Identity());
 }

@@ -15,8 +15,7 @@ namespace pcl_semantic::odometry {
  * never perfect, and how points near and far move tells. Minimises the sum of Huber's
  * cost of the whitened residuals (column, row, disparity) by Levenberg-Marquardt,
  * inverse depths eliminated by the Schur complement. */
-class WindowAdjustment {
-public:
+struct WindowAdjustment {
   struct Frame {
     Eigen::Isometry3d T_camera_world = Eigen::Isometry3d::Identity();
     bool is_fixed = false;
@@ -34,10 +33,8 @@ public:
     Eigen::Vector3d uvd = Eigen::Vector3d::Zero(); ///< column, row, disparity [px]
   };
 
-  WindowAdjustment(const StereoCamera& camera, const MeasurementNoise& noise)
-      : camera_(camera), noise_(noise)
-  {}
-
+  StereoCamera camera;
+  MeasurementNoise noise;
   std::vector<Frame> frames;
   std::vector<Point> points;
   std::vector<Measurement> measurements; ///< those of a point one after the other
@@ -57,40 +54,6 @@ public:
    * T_camera_world of a free frame, all other poses taken for exact, for the noise as
    * it was given. */
   Matrix6d covariance(int frame) const;
-
-private:
-  struct Residual;
-
-  /** \brief The normal equations: poses, then the offset; inverse depths apart. */
-  struct System {
-    Eigen::MatrixXd H;
-    Eigen::VectorXd b;
-    double cost = 0.0;
-    std::vector<double> point_H, point_b, point_offset;
-    std::vector<Vector6d> by_frame, by_anchor; ///< of a measurement: with its point
-  };
-
-  void number();
-
-  bool evaluate(const Measurement& measurement, const Eigen::Isometry3d& T_world_anchor,
-                Residual& residual) const;
-
-  void addPoint(std::size_t i, System& system) const;
-
-  void addMeasurement(std::size_t m, const Residual& residual, System& system) const;
-
-  void linearize(System& system) const;
-
-  Eigen::MatrixXd reduce(const System& system, double damping,
-                         Eigen::VectorXd& right) const;
-
-  void step(const System& system, double damping, const Eigen::VectorXd& delta);
-
-  StereoCamera camera_;
-  MeasurementNoise noise_;
-  std::vector<int> unknown_;       ///< of a frame: where its six unknowns are, or -1
-  int unknowns_ = 0;               ///< of the poses; the offset comes behind
-  std::vector<std::size_t> begin_; ///< first measurement of each point, and the end
 };
 
 } // namespace pcl_semantic::odometry

@@ -48,7 +48,7 @@ TEST(PoseRansac, GoesOnUntilSomethingAgrees)
   for (int round = 0; round < 100; ++round) {
     const std::vector<PoseMeasurement> measurements = measure(someMotion(), 2, random);
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    PoseRansac(gridCamera(), {}).estimate(measurements, pose);
+    estimatePose(gridCamera(), {}, measurements, pose);
     EXPECT_LT(logMotion(pose * someMotion().inverse()).norm(), 0.02) << round;
   }
 }
@@ -61,7 +61,7 @@ TEST(PoseRansac, FindsThePoseAmongWrongMeasurements)
         measure(someMotion(), nth, random);
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     const std::vector<char> inliers =
-        PoseRansac(gridCamera(), {}).estimate(measurements, pose);
+        estimatePose(gridCamera(), {}, measurements, pose);
     EXPECT_LT(logMotion(pose * someMotion().inverse()).norm(), 0.02) << nth;
     for (std::size_t i = 0; i < inliers.size(); ++i)
       EXPECT_FALSE(i % std::size_t(nth) == 0 && inliers[i]) << i;
@@ -76,8 +76,7 @@ TEST(PoseRansac, TooFewMeasurementsGiveNoInliers)
   std::vector<PoseMeasurement> measurements = measure(someMotion(), 1000, random);
   measurements.resize(2);
   Eigen::Isometry3d pose = someMotion();
-  const std::vector<char> inliers =
-      PoseRansac(gridCamera(), {}).estimate(measurements, pose);
+  const std::vector<char> inliers = estimatePose(gridCamera(), {}, measurements, pose);
   EXPECT_EQ(inliers, std::vector<char>(2, 0));
   EXPECT_TRUE(pose.isApprox(someMotion()));
 }
@@ -87,7 +86,7 @@ TEST(PoseRansac, IsTheSameEveryTime)
   std::mt19937 random(3);
   const std::vector<PoseMeasurement> measurements = measure(someMotion(), 3, random);
   Eigen::Isometry3d one = Eigen::Isometry3d::Identity(), two = one;
-  PoseRansac(gridCamera(), {}).estimate(measurements, one);
-  PoseRansac(gridCamera(), {}).estimate(measurements, two);
+  estimatePose(gridCamera(), {}, measurements, one);
+  estimatePose(gridCamera(), {}, measurements, two);
   EXPECT_EQ(one.matrix(), two.matrix());
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -9,6 +10,12 @@
 namespace {
 
 using namespace pcl_semantic;
+
+StereoFrame
+frameOf(int number, double time)
+{
+  return {{number, time}, {}, {}};
+}
 
 TEST(TrajectoryPoses, TurnsKittiFramesIntoTheWorld)
 {
@@ -22,42 +29,26 @@ TEST(TrajectoryPoses, TurnsKittiFramesIntoTheWorld)
   T_camera0_camera.translation() << -0.06, 0.0, 0.0;
   TrajectoryPoses poses(trajectory, T_camera0_camera);
 
-  StereoFrame frame;
-  const Eigen::Isometry3d first = poses.pose(frame);
+  const Eigen::Isometry3d first = poses.pose(frameOf(0, 0.0));
   EXPECT_TRUE(first.translation().isApprox(Eigen::Vector3d(0.0, 0.06, 0.0), 1e-12));
   EXPECT_TRUE(
       (first * Eigen::Vector3d(0, 0, 10)).isApprox(Eigen::Vector3d(10, 0.06, 0)));
   EXPECT_TRUE(
       (first * Eigen::Vector3d(0, 1, 0)).isApprox(Eigen::Vector3d(0, 0.06, -1)));
 
-  frame.number = 1;
-  const Eigen::Isometry3d second = poses.pose(frame);
+  const Eigen::Isometry3d second = poses.pose(frameOf(1, 0.0));
   // What is ahead of the turned camera lies to the left in the world: +y.
   EXPECT_TRUE(
       (second.linear() * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitY()));
   EXPECT_TRUE(second.translation().isApprox(Eigen::Vector3d(4.94, 0.0, 0.0)));
 }
 
-TEST(TrajectoryPoses, AFrameWithoutPoseIsNamed)
+TEST(TrajectoryPoses, FramesWithoutPoseAreNamed)
 {
   TrajectoryPoses poses(Trajectory(3, Eigen::Isometry3d::Identity()),
                         Eigen::Isometry3d::Identity(), "poses.txt");
-  StereoFrame frame;
-  frame.number = 3;
-  try {
-    poses.pose(frame);
-    FAIL() << "a pose was given";
-  }
-  catch (const BadInputException& error) {
-    EXPECT_STREQ(error.what(),
-                 "poses.txt: has 3 poses, none for frame 3 (row = frame number)");
-  }
-}
-
-TEST(TrajectoryPoses, AreAllRequiredBeforeTheFirstFrame)
-{
-  const TrajectoryPoses poses(Trajectory(3, Eigen::Isometry3d::Identity()),
-                              Eigen::Isometry3d::Identity(), "poses.txt");
+  EXPECT_EQ(thrownMessage<BadInputException>([&] { poses.pose(frameOf(3, 0.0)); }),
+            "poses.txt: has 3 poses, none for frame 3 (row = frame number)");
   poses.requirePoses({{0, 0.0}, {2, 0.2}});
   poses.requirePoses({});
   EXPECT_EQ(thrownMessage<BadInputException>([&] {
@@ -65,6 +56,84 @@ TEST(TrajectoryPoses, AreAllRequiredBeforeTheFirstFrame)
             }),
             "poses.txt: has 3 poses, none for frame 5 (row = frame number); 2 of 4 "
             "frames lack one");
+}
+
+TEST(TimedPoses, AreThoseOfTheSameTrajectoryByRow)
+{
+  Trajectory rows(3, Eigen::Isometry3d::Identity());
+  TimedTrajectory timed;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].translation() << 0.1 * double(i), 0.2, double(i);
+    timed.push_back({0.1 * double(i) + 0.004, rows[i]});
+  }
+  Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
+  T_camera0_camera.translation().x() = -0.06;
+  TimedPoses by_time(timed, T_camera0_camera);
+  TrajectoryPoses by_row(rows, T_camera0_camera);
+  for (int i = 0; i < 3; ++i) {
+    const StereoFrame frame = frameOf(i, 0.1 * i);
+    EXPECT_EQ(by_time.pose(frame).matrix(), by_row.pose(frame).matrix());
+  }
+}
+
+TEST(TimedPoses, AFrameWithoutPoseIsNamed)
+{
+  TimedPoses poses({{1.0, Eigen::Isometry3d::Identity()}},
+                   Eigen::Isometry3d::Identity(), "tum.txt");
+  EXPECT_EQ(thrownMessage<BadInputException>([&] { poses.pose(frameOf(7, 1.02)); }),
+            "tum.txt: has no pose within 0.01 s of 1.02 s, the time of frame 7; its "
+            "times are from 1 to 1 s");
+}
+
+TEST(TimedPoses, AreAllRequiredBeforeTheFirstFrame)
+{
+  const double start = 1403636579.763555584; // as ORB-SLAM writes EuRoC's
+  TimedTrajectory trajectory(4);
+  for (const int i : {0, 1, 2, 3})
+    trajectory[std::size_t(i)].time = start + (i < 2 ? 0.05 * i : 0.05 * (i + 1));
+  const TimedPoses poses(trajectory, Eigen::Isometry3d::Identity(), "tum.txt");
+  std::vector<FrameTime> frames;
+  for (const int i : {0, 1, 3, 4})
+    frames.push_back({10 + i, start + 0.05 * i});
+  poses.requirePoses(frames);
+  poses.requirePoses({});
+  frames.push_back({12, start + 0.1}); // lost in the middle
+  frames.push_back({15, start + 0.25});
+  EXPECT_EQ(
+      thrownMessage<BadInputException>([&] { poses.requirePoses(frames); }),
+      "tum.txt: has no pose within 0.01 s of 1403636579.86356 s, the time of frame 12; "
+      "its times are from 1403636579.76356 to 1403636579.96356 s; 2 of 6 frames lack "
+      "one");
+}
+
+TEST(PoseFile, ReadsEitherFormat)
+{
+  const TemporaryFolder folder;
+  const std::string kitti =
+      folder.write("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 2\n");
+  const std::string tum =
+      folder.write("tum.txt", "# made by hand\n5 0 0 0 0 0 0 1\n6 0 0 2 0 0 0 1\n");
+  // 0.1 m right of camera 0, which drove 2 m forward: world x forward, y left.
+  const Eigen::Isometry3d T_camera0_camera(Eigen::Translation3d(0.1, 0.0, 0.0));
+  for (const std::string& path : {kitti, tum}) {
+    const auto poses = readPoses(path, T_camera0_camera);
+    const Eigen::Isometry3d pose = poses->pose(frameOf(1, 6.0));
+    EXPECT_TRUE(pose.translation().isApprox(Eigen::Vector3d(2.0, -0.1, 0.0))) << path;
+    EXPECT_TRUE(
+        readPoses(path)->pose(frameOf(0, 5.0)).isApprox(worldFromFirstCamera()));
+    const std::string message = thrownMessage<BadInputException>([&] {
+      poses->requirePoses({{0, 5.0}, {7, 12.0}});
+    });
+    EXPECT_NE(message.find(path), std::string::npos) << message;
+  }
+}
+
+TEST(PoseFile, RefusesWhatIsNeither)
+{
+  const TemporaryFolder folder;
+  EXPECT_THROW(readPoses(folder.path("nowhere.txt")), BadInputException);
+  EXPECT_THROW(readPoses(folder.write("nine.txt", "1 2 3 4 5 6 7 8 9\n")),
+               BadInputException);
 }
 
 } // namespace

@@ -38,7 +38,9 @@ measured(const Drive& drive, double noise, double offset, std::mt19937& random)
   scaled.pixel *= noise;
   scaled.disparity *= noise;
   std::normal_distribution<double> normal;
-  WindowAdjustment adjustment(drive.camera, drive.noise);
+  WindowAdjustment adjustment;
+  adjustment.camera = drive.camera;
+  adjustment.noise = drive.noise;
   for (std::size_t f = 0; f < drive.T_camera_world.size(); ++f) {
     Vector6d error = Vector6d::Zero();
     for (double& each : error)

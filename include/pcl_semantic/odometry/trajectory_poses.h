@@ -10,8 +10,30 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
+/** \brief Poses from a trajectory of camera 0, in KITTI's frames. */
+class StoredPoses : public PoseSource {
+public:
+  Eigen::Isometry3d pose(const SensorFrame& frame) override;
+
+  void requirePoses(const std::vector<FrameTime>& frames) const override;
+
+protected:
+  StoredPoses(const Eigen::Isometry3d& T_camera0_camera, std::string name);
+
+  /** \return the camera-0 pose of a frame, or null */
+  virtual const Eigen::Isometry3d* find(const FrameTime& frame) const = 0;
+
+  /** \brief Says that a frame has none, as an error message. */
+  virtual std::string lackOf(const FrameTime& frame) const = 0;
+
+  std::string name_; ///< of the trajectory's file
+
+private:
+  Eigen::Isometry3d T_camera0_camera_;
+};
+
 /** \brief Poses from a TUM trajectory, found by the time of a frame. */
-class TimedPoses : public PoseSource {
+class TimedPoses : public StoredPoses {
 public:
   /** \param[in] trajectory camera-0 poses, see readTumTrajectory
    * \param[in] T_camera0_camera the camera that takes the images, in camera 0
@@ -20,23 +42,17 @@ public:
   TimedPoses(TimedTrajectory trajectory, const Eigen::Isometry3d& T_camera0_camera,
              std::string name = "the trajectory", double tolerance = 0.01);
 
-  Eigen::Isometry3d pose(const SensorFrame& frame) override;
-
-  void requirePoses(const std::vector<FrameTime>& frames) const override;
-
 private:
-  const TimedPose* find(const FrameTime& frame) const;
+  const Eigen::Isometry3d* find(const FrameTime& frame) const override;
 
-  std::string lackOf(const FrameTime& frame) const;
+  std::string lackOf(const FrameTime& frame) const override;
 
   TimedTrajectory trajectory_;
-  Eigen::Isometry3d T_camera0_camera_;
-  std::string name_;
   double tolerance_; ///< [s]
 };
 
 /** \brief Poses from a KITTI trajectory: row n is the pose of camera 0 at frame n. */
-class TrajectoryPoses : public PoseSource {
+class TrajectoryPoses : public StoredPoses {
 public:
   /** \param[in] trajectory camera-0 poses, see readKittiTrajectory
    * \param[in] T_camera0_camera the camera that takes the images, in camera 0
@@ -44,24 +60,18 @@ public:
   TrajectoryPoses(Trajectory trajectory, const Eigen::Isometry3d& T_camera0_camera,
                   std::string name = "the trajectory");
 
-  Eigen::Isometry3d pose(const SensorFrame& frame) override;
-
-  void requirePoses(const std::vector<FrameTime>& frames) const override;
-
 private:
-  bool has(const FrameTime& frame) const;
+  const Eigen::Isometry3d* find(const FrameTime& frame) const override;
 
-  std::string lackOf(const FrameTime& frame) const;
+  std::string lackOf(const FrameTime& frame) const override;
 
   Trajectory trajectory_;
-  Eigen::Isometry3d T_camera0_camera_;
-  std::string name_;
 };
 
 /** \brief The poses of a trajectory file, KITTI's or TUM's, whichever it is.
  * \param[in] T_camera0_camera the camera that takes the images, in camera 0, whose
- * poses the file holds \throws BadInputException as readKittiTrajectory() and
- * readTumTrajectory() */
+ * poses the file holds
+ * \throws BadInputException as readKittiTrajectory() and readTumTrajectory() */
 std::unique_ptr<PoseSource>
 readPoses(const std::string& path,
           const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity());
