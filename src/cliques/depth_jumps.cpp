@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/disjoint_sets.h"
 #include "core/parallel_guard.h"
 
 #include <pcl_semantic/cliques/depth_jumps.h>
@@ -98,9 +99,8 @@ private:
         runs[u] += runs[u] == kNone ? 0 : first;
       first += rows_[std::size_t(v)].runs;
     }
-    parents_.resize(std::size_t(first));
-    for (int run = 0; run < first; ++run)
-      parents_[std::size_t(run)] = run;
+    sets_.grow(std::size_t(first));
+    numbers_.resize(std::size_t(first));
   }
 
   void
@@ -125,37 +125,23 @@ private:
     }
   }
 
-  int
-  rootOf(int run)
-  {
-    int root = run;
-    while (parents_[std::size_t(root)] != root)
-      root = parents_[std::size_t(root)];
-    while (run != root) // the next search is short
-      run = std::exchange(parents_[std::size_t(run)], root);
-    return root;
-  }
-
   SurfaceParts
   parts()
   {
     for (const Row& row : rows_)
-      for (const auto& [above, run] : row.links) {
-        const int a = rootOf(above), b = rootOf(run);
-        parents_[std::size_t(std::max(a, b))] = std::min(a, b);
-      }
+      for (const auto& [above, run] : row.links)
+        sets_.joinMembers(above, run);
     // Runs are in the order of their first pixels, and so is the first run of a part.
-    std::vector<int> numbers(parents_.size());
     SurfaceParts result{std::move(runs_), 0};
-    for (std::size_t run = 0; run < numbers.size(); ++run) {
-      const int root = rootOf(int(run));
-      numbers[run] = root == int(run) ? result.count++ : numbers[std::size_t(root)];
+    for (std::size_t run = 0; run < numbers_.size(); ++run) {
+      const int root = sets_.rootOf(int(run));
+      numbers_[run] = root == int(run) ? result.count++ : numbers_[std::size_t(root)];
     }
 #pragma omp parallel for schedule(static)
     for (int v = 0; v < result.numbers.rows; ++v)
       for (int u = 0; u < result.numbers.cols; ++u)
         if (int& number = result.numbers.at<int>(v, u); number != kNone)
-          number = numbers[std::size_t(number)];
+          number = numbers_[std::size_t(number)];
     return result;
   }
 
@@ -164,7 +150,8 @@ private:
   float distance_, near_; // squared
   cv::Mat runs_;          // CV_32SC1
   std::vector<Row> rows_;
-  std::vector<int> parents_; // of each run: a run of the same part, itself at last
+  DisjointSets sets_;        // of runs: the parts
+  std::vector<int> numbers_; // of the part of each run
 };
 
 } // namespace

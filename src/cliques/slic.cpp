@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/disjoint_sets.h"
 #include "kernels/slic_assignment.h"
 
 #include <pcl_semantic/cliques/slic.h>
@@ -16,15 +17,6 @@
 
 namespace pcl_semantic {
 
-/** \brief Splits labels into connected segments (over edges of pixels). One of fewer
- * than \a smallest pixels joins the neighbour whose mean colour is nearest, a large one
- * if it has any.
- * \param[in] labels CV_32SC1
- * \param[in] image CV_8UC3 of the same size
- * \return CV_32SC1: numbers 0, 1, ... in the order of the first pixels */
-cv::Mat connectedSegments(const cv::Mat& labels, const cv::Mat& image,
-                          std::size_t smallest);
-
 namespace {
 
 constexpr int kNone = -1;
@@ -33,7 +25,6 @@ constexpr int kNone = -1;
 struct Part {
   std::size_t first = 0;                    // its pixels' index in the list of all
   std::size_t end = 0;                      // and their end
-  int joined = kNone;                       // has joined this part
   std::int64_t pixels = 0;                  // sums over it and what has joined it
   cv::Vec<std::int64_t, 3> colour{0, 0, 0}; // likewise
 };
@@ -74,20 +65,21 @@ public:
       for (int u = 0; u < labels.cols; ++u)
         if (numbers_.at<int>(v, u) == kNone)
           fill({u, v}, labels, image);
+    sets_.grow(parts_.size());
   }
 
   void
   joinSmall(std::size_t smallest)
   {
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const int root = rootOf(int(i));
+      const int root = sets_.rootOf(int(i));
       Part& part = parts_[std::size_t(root)];
       if (std::size_t(part.pixels) >= smallest)
         continue;
       const int neighbour = nearestNeighbour(parts_[i], root, smallest);
       if (neighbour == kNone)
         continue;
-      part.joined = neighbour;
+      sets_.join(root, neighbour);
       parts_[std::size_t(neighbour)].pixels += part.pixels;
       parts_[std::size_t(neighbour)].colour += part.colour;
     }
@@ -101,7 +93,7 @@ public:
     int next = 0;
     for (int v = 0; v < result.rows; ++v)
       for (int u = 0; u < result.cols; ++u) {
-        int& number = final_numbers[std::size_t(rootOf(numbers_.at<int>(v, u)))];
+        int& number = final_numbers[std::size_t(sets_.rootOf(numbers_.at<int>(v, u)))];
         if (number == kNone)
           number = next++;
         result.at<int>(v, u) = number;
@@ -132,17 +124,6 @@ private:
     parts_.push_back(part);
   }
 
-  int
-  rootOf(int part)
-  {
-    int root = part;
-    while (parts_[std::size_t(root)].joined != kNone)
-      root = parts_[std::size_t(root)].joined;
-    while (part != root) // the next search is short
-      part = std::exchange(parts_[std::size_t(part)].joined, root);
-    return root;
-  }
-
   // Of the parts beside the pixels of `part`, which has come to belong to `root`.
   int
   nearestNeighbour(const Part& part, int root, std::size_t smallest)
@@ -150,7 +131,7 @@ private:
     int nearest = kNone;
     std::pair<bool, double> least(true, std::numeric_limits<double>::infinity());
     const auto compare = [&](cv::Point pixel) {
-      const int other = rootOf(numbers_.at<int>(pixel));
+      const int other = sets_.rootOf(numbers_.at<int>(pixel));
       if (other == root || other == nearest)
         return;
       const Part& candidate = parts_[std::size_t(other)];
@@ -168,12 +149,16 @@ private:
   }
 
   std::vector<Part> parts_;
+  DisjointSets sets_;             // of those that have joined; sums are the root's
   std::vector<cv::Point> pixels_; // part by part
   cv::Mat numbers_;               // CV_32SC1: the part of every pixel
 };
 
-} // namespace
-
+/** \brief Splits labels (CV_32SC1) into segments that are connected over edges of
+ * pixels. One of fewer than \a smallest pixels joins the neighbour whose mean colour is
+ * nearest, a large one if it has any.
+ * \param[in] image CV_8UC3
+ * \return CV_32SC1: numbers 0, 1, ... in the order of the first pixels */
 cv::Mat
 connectedSegments(const cv::Mat& labels, const cv::Mat& image, std::size_t smallest)
 {
@@ -181,22 +166,6 @@ connectedSegments(const cv::Mat& labels, const cv::Mat& image, std::size_t small
   parts.joinSmall(smallest);
   return parts.segments();
 }
-
-std::vector<pcl::PointIndices>
-cliquesOfSegments(const cv::Mat& segments)
-{
-  std::vector<pcl::PointIndices> cliques;
-  for (int v = 0; v < segments.rows; ++v)
-    for (int u = 0; u < segments.cols; ++u) {
-      const auto segment = static_cast<std::size_t>(segments.at<int>(v, u));
-      if (segment >= cliques.size())
-        cliques.resize(segment + 1);
-      cliques[segment].indices.push_back(v * segments.cols + u);
-    }
-  return cliques;
-}
-
-namespace {
 
 template <typename T>
 void
@@ -249,21 +218,7 @@ gridCentres(const LabImage& lab, int superpixels, cv::Mat& labels)
   return std::vector<SlicCentre>(std::size_t(rows) * std::size_t(columns));
 }
 
-struct SlicSum {
-  std::int64_t l = 0, a = 0, b = 0, x = 0, y = 0, count = 0;
-
-  SlicSum&
-  operator+=(const SlicSum& other)
-  {
-    l += other.l;
-    a += other.a;
-    b += other.b;
-    x += other.x;
-    y += other.y;
-    count += other.count;
-    return *this;
-  }
-};
+using SlicSum = cv::Vec<std::int64_t, 6>; // of l, a, b, x, y, and their number
 
 // Whole numbers: their sums do not depend on who adds them up.
 std::vector<SlicSum>
@@ -278,13 +233,9 @@ sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
       const cv::Vec3b* const pixels = lab.bytes.ptr<cv::Vec3b>(v);
       const int* const row = labels.ptr<int>(v);
       for (int u = 0; u < labels.cols; ++u) {
-        SlicSum& sum = part[std::size_t(row[u])];
-        sum.l += pixels[u][0];
-        sum.a += pixels[u][1];
-        sum.b += pixels[u][2];
-        sum.x += u;
-        sum.y += v;
-        ++sum.count;
+        const cv::Vec3b& lab_bytes = pixels[u];
+        part[std::size_t(row[u])] +=
+            SlicSum(lab_bytes[0], lab_bytes[1], lab_bytes[2], u, v, 1);
       }
     }
 #pragma omp critical
@@ -301,11 +252,9 @@ moveCentres(const LabImage& lab, const cv::Mat& labels,
 {
   const std::vector<SlicSum> sums = sumPixels(lab, labels, centres.size());
   for (std::size_t c = 0; c < centres.size(); ++c)
-    if (const SlicSum& sum = sums[c]; sum.count > 0) {
-      const auto mean = [&](std::int64_t total) {
-        return float(double(total) / double(sum.count));
-      };
-      centres[c] = {mean(sum.l), mean(sum.a), mean(sum.b), mean(sum.x), mean(sum.y)};
+    if (const SlicSum& sum = sums[c]; sum[5] > 0) {
+      const auto mean = [&](int i) { return float(double(sum[i]) / double(sum[5])); };
+      centres[c] = {mean(0), mean(1), mean(2), mean(3), mean(4)};
     }
 }
 
@@ -385,6 +334,20 @@ slicSuperpixels(const cv::Mat& image, const SlicParameters& parameters)
   }
   const std::size_t smallest = labels.total() / centres.size() / 4;
   return enlarge(connectedSegments(labels, lab.bytes, smallest), image.size());
+}
+
+std::vector<pcl::PointIndices>
+cliquesOfSegments(const cv::Mat& segments)
+{
+  std::vector<pcl::PointIndices> cliques;
+  for (int v = 0; v < segments.rows; ++v)
+    for (int u = 0; u < segments.cols; ++u) {
+      const auto segment = static_cast<std::size_t>(segments.at<int>(v, u));
+      if (segment >= cliques.size())
+        cliques.resize(segment + 1);
+      cliques[segment].indices.push_back(v * segments.cols + u);
+    }
+  return cliques;
 }
 
 } // namespace pcl_semantic

@@ -1,15 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slic_cliques.h"
 
-#include "organized_image.h"
+#include <pcl_semantic/cliques/depth_jumps.h>
+#include <pcl_semantic/core/exceptions.h>
 
 namespace pcl_semantic {
 
-SlicCliques::SlicCliques(const SlicParameters& parameters, const DepthJumps& jumps)
-    : parameters_(parameters), jumps_(jumps)
+void
+requireOrganized(const CliqueGenerator::Cloud& cloud)
+{
+  if (!cloud.empty() && !cloud.isOrganized())
+    PCL_THROW_EXCEPTION(BadInputException,
+                        "superpixels need an organized cloud, an image of points; this "
+                        "one is a list of "
+                            << cloud.size());
+}
+
+cv::Mat
+slicSuperpixels(const CliqueGenerator::Cloud& cloud, const SlicParameters& parameters)
+{
+  requireOrganized(cloud);
+  cv::Mat3b image(int(cloud.height), int(cloud.width));
+#pragma omp parallel for schedule(static)
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      const pcl::PointXYZRGB& point = cloud(std::size_t(u), std::size_t(v));
+      image(v, u) = {point.b, point.g, point.r};
+    }
+  return slicSuperpixels(image, parameters);
+}
+
+SlicCliques::SlicCliques(const SlicParameters& parameters) : parameters_(parameters)
 {
   parameters_.validate();
-  jumps_.validate();
 }
 
 std::vector<pcl::PointIndices>
@@ -17,8 +40,8 @@ SlicCliques::generate(const Cloud& cloud)
 {
   if (cloud.empty())
     return {};
-  const cv::Mat segments = slicSuperpixels(imageOf(cloud), parameters_);
-  const SurfaceParts parts = splitAtDepthJumps(segments, cloud, jumps_);
+  const cv::Mat segments = slicSuperpixels(cloud, parameters_);
+  const SurfaceParts parts = splitAtDepthJumps(segments, cloud, DepthJumps());
   std::vector<pcl::PointIndices> cliques(std::size_t(parts.count));
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (const int part = parts.numbers.ptr<int>()[i]; part >= 0)

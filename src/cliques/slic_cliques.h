@@ -2,27 +2,24 @@
 #pragma once
 
 #include <pcl_semantic/cliques/clique_generator.h>
-#include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/cliques/slic.h>
 
 namespace pcl_semantic {
+
+/** \brief \throws BadInputException if a cloud has points and is not organized */
+void requireOrganized(const CliqueGenerator::Cloud& cloud);
+
+/** \brief Superpixels of the colours of an organized cloud, as slicSuperpixels(). */
+cv::Mat slicSuperpixels(const CliqueGenerator::Cloud& cloud,
+                        const SlicParameters& parameters);
 
 /** \brief Superpixels of an organized cloud's colours as cliques, split where they jump
  * in depth: every finite point is in exactly one. Points without depth take part in the
  * clustering by their colour. */
 class SlicCliques : public CliqueGenerator {
 public:
-  SlicCliques() = default;
-
-  /** \throws InvalidParameterException as the parameters' validate() */
-  explicit SlicCliques(const SlicParameters& parameters,
-                       const DepthJumps& jumps = DepthJumps());
-
-  const SlicParameters&
-  parameters() const
-  {
-    return parameters_;
-  }
+  /** \throws InvalidParameterException as SlicParameters::validate() */
+  explicit SlicCliques(const SlicParameters& parameters = SlicParameters());
 
   bool
   usesColour() const override
@@ -35,7 +32,6 @@ public:
 
 private:
   SlicParameters parameters_;
-  DepthJumps jumps_;
 };
 
 } // namespace pcl_semantic

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/parallel_guard.h"
 #include "core/voxel_table.h"
-#include "organized_image.h"
+#include "slic_cliques.h"
 
-#include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
@@ -20,19 +19,9 @@
 
 namespace pcl_semantic {
 
-/** \brief The part that most of the pixels in each voxel belong to; of equal numbers
- * the lowest. Pixels fall in voxels as SemanticVoxelMap::integrate puts them there.
- * \param[in] cloud organized, camera frame [m]
- * \param[in] parts of its pixels
- * \param[in] voxels global indices; one may be there several times
- * \return one number a voxel; -1 = no pixel */
-std::vector<int> partsOfVoxels(const CliqueGenerator::Cloud& cloud,
-                               const SurfaceParts& parts,
-                               const Eigen::Isometry3d& T_world_camera,
-                               const std::vector<VoxelIndex>& voxels,
-                               double voxel_size);
-
 namespace {
+
+constexpr int kNone = -1;
 
 // Neighbouring pixels of a row that fall in one voxel and belong to one part.
 struct Vote {
@@ -41,52 +30,36 @@ struct Vote {
   int pixels;
 };
 
-class Voting {
-public:
-  Voting(const CliqueGenerator::Cloud& cloud, const SurfaceParts& parts,
-         const Eigen::Isometry3d& T_world_camera, const VoxelTable& table,
-         double voxel_size)
-      : cloud_(cloud), parts_(parts), T_world_camera_(T_world_camera), table_(table),
-        voxel_size_(voxel_size)
-  {}
-
-  std::vector<Vote>
-  votesOfRow(int v) const
-  {
-    std::vector<Vote> votes;
-    const int* const parts = parts_.numbers.ptr<int>(v);
-    const Eigen::Isometry3d T_world_camera = T_world_camera_;
-    const double voxel_size = voxel_size_, farthest = kMaxVoxelIndex * voxel_size_;
-    VoxelIndex last = VoxelIndex::Constant(kMaxVoxelIndex);
-    std::int32_t voxel = VoxelTable::kNone; // that `last` is
-    for (int u = 0; u < parts_.numbers.cols; ++u) {
-      if (parts[u] < 0)
-        continue;
-      const Eigen::Vector3d point =
-          T_world_camera *
-          cloud_(std::size_t(u), std::size_t(v)).getVector3fMap().cast<double>();
-      if (!(point.array().abs() < farthest).all())
-        continue;
-      const VoxelIndex index = voxelOf(quantize(point, voxel_size));
-      if (index != last)
-        voxel = table_.find(index);
-      last = index;
-      if (voxel == VoxelTable::kNone)
-        continue;
-      if (votes.empty() || votes.back().voxel != voxel || votes.back().part != parts[u])
-        votes.push_back({voxel, parts[u], 0});
-      ++votes.back().pixels;
-    }
-    return votes;
+// Of a row of pixels, which fall in voxels as SemanticVoxelMap::integrate puts them
+// there.
+std::vector<Vote>
+votesOfRow(const int* parts, const pcl::PointXYZRGB* points, int width,
+           const Eigen::Isometry3d& T_world_camera, const VoxelTable& table,
+           double voxel_size)
+{
+  std::vector<Vote> votes;
+  const double farthest = kMaxVoxelIndex * voxel_size;
+  VoxelIndex last = VoxelIndex::Constant(kMaxVoxelIndex);
+  std::int32_t voxel = VoxelTable::kNone; // that `last` is
+  for (int u = 0; u < width; ++u) {
+    if (parts[u] < 0)
+      continue;
+    const Eigen::Vector3d point =
+        T_world_camera * points[u].getVector3fMap().cast<double>();
+    if (!(point.array().abs() < farthest).all())
+      continue;
+    const VoxelIndex index = voxelOf(quantize(point, voxel_size));
+    if (index != last)
+      voxel = table.find(index);
+    last = index;
+    if (voxel == VoxelTable::kNone)
+      continue;
+    if (votes.empty() || votes.back().voxel != voxel || votes.back().part != parts[u])
+      votes.push_back({voxel, parts[u], 0});
+    ++votes.back().pixels;
   }
-
-private:
-  const CliqueGenerator::Cloud& cloud_;
-  const SurfaceParts& parts_;
-  const Eigen::Isometry3d& T_world_camera_;
-  const VoxelTable& table_;
-  double voxel_size_;
-};
+  return votes;
+}
 
 // Brings votes together by voxel: counts those of each, then puts them in their places.
 std::vector<Vote>
@@ -109,7 +82,7 @@ int
 winnerOf(Vote* begin, Vote* end)
 {
   std::sort(begin, end, [](const Vote& a, const Vote& b) { return a.part < b.part; });
-  int winner = -1, most = 0;
+  int winner = kNone, most = 0;
   for (const Vote* vote = begin; vote != end;) {
     const int part = vote->part;
     int pixels = 0;
@@ -123,20 +96,22 @@ winnerOf(Vote* begin, Vote* end)
   return winner;
 }
 
-} // namespace
-
+// The part that most of the pixels in each voxel belong to, of equal numbers the
+// lowest; kNone = no pixel. A voxel may be there several times.
 std::vector<int>
 partsOfVoxels(const CliqueGenerator::Cloud& cloud, const SurfaceParts& parts,
               const Eigen::Isometry3d& T_world_camera,
               const std::vector<VoxelIndex>& voxels, double voxel_size)
 {
   const VoxelTable table(voxels);
-  const Voting voting(cloud, parts, T_world_camera, table, voxel_size);
-  std::vector<std::vector<Vote>> rows(std::size_t(parts.numbers.rows));
+  std::vector<std::vector<Vote>> rows(cloud.height);
   ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 8)
   for (std::size_t v = 0; v < rows.size(); ++v)
-    guard.run([&] { rows[v] = voting.votesOfRow(int(v)); });
+    guard.run([&] {
+      rows[v] = votesOfRow(parts.numbers.ptr<int>(int(v)), &cloud(0, v),
+                           int(cloud.width), T_world_camera, table, voxel_size);
+    });
   guard.rethrow();
   std::vector<std::size_t> first(voxels.size() + 1, 0);
   std::vector<Vote> votes = sortByVoxel(rows, first);
@@ -149,10 +124,6 @@ partsOfVoxels(const CliqueGenerator::Cloud& cloud, const SurfaceParts& parts,
       winners[i] = winners[std::size_t(table.find(voxels[i]))];
   return winners;
 }
-
-namespace {
-
-constexpr int kNone = -1;
 
 // Numbers without gaps, in the order of the first points that have them.
 int
@@ -199,11 +170,8 @@ SuperpixelCliques::setFrame(const Cloud::ConstPtr& cloud,
   if (!T_world_camera.matrix().allFinite())
     PCL_THROW_EXCEPTION(BadInputException,
                         "superpixels: the pose of the frame is not finite");
-  if (cloud && !cloud->empty() && !cloud->isOrganized())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "superpixels need an organized cloud, an image of points; this "
-                        "one is a list of "
-                            << cloud->size());
+  if (cloud)
+    requireOrganized(*cloud);
   frame_ = cloud;
   T_world_camera_ = T_world_camera;
 }
@@ -233,7 +201,13 @@ SuperpixelCliques::generate(const Cloud& cloud)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "superpixels: " << voxels_.size() << " voxels for a cloud of "
                                         << cloud.size() << " points");
-  std::vector<int> parts = partsOfVoxels();
+  std::vector<int> parts(voxels_.size(), kNone);
+  if (frame_ && !frame_->empty() && !voxels_.empty())
+    parts = partsOfVoxels(
+        *frame_,
+        splitAtDepthJumps(slicSuperpixels(*frame_, parameters_.slic), *frame_,
+                          {parameters_.passing_distance, 2.0 * voxel_size_}),
+        T_world_camera_, voxels_, voxel_size_);
   if (parameters_.keep)
     keepParts(parts);
   std::vector<pcl::PointIndices> cliques(std::size_t(renumber(parts)));
@@ -250,19 +224,6 @@ SuperpixelCliques::generate(const Cloud& cloud)
   cliques.erase(std::remove_if(cliques.begin(), cliques.end(), is_small),
                 cliques.end());
   return cliques;
-}
-
-// What the frame says of each point.
-std::vector<int>
-SuperpixelCliques::partsOfVoxels() const
-{
-  if (!frame_ || frame_->empty() || voxels_.empty())
-    return std::vector<int>(voxels_.size(), kNone);
-  const cv::Mat segments = slicSuperpixels(imageOf(*frame_), parameters_.slic);
-  const SurfaceParts parts = splitAtDepthJumps(
-      segments, *frame_, {parameters_.passing_distance, 2.0 * voxel_size_});
-  return pcl_semantic::partsOfVoxels(*frame_, parts, T_world_camera_, voxels_,
-                                     voxel_size_);
 }
 
 // Gives points that the frame does not see what they had the last time.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/parallel_guard.h"
 
-#include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 
@@ -18,23 +17,15 @@
 
 namespace pcl_semantic {
 
-/** \brief Supervoxels of the points in a cube [0, edge)^3, edge an even number of
- * voxels. The one place that sees pcl::SupervoxelClustering.
- * \param[in] cloud finite points of the cube [m]
- * \param[in] voxels edge of the cube in voxels
- * \return one label a point, 0 = none */
-std::vector<std::uint32_t> clusterSupervoxels(const CliqueGenerator::Cloud& cloud,
-                                              const SupervoxelParameters& parameters,
-                                              int voxels);
-
-/** \brief Gives the points without a label that of the nearest point with one, if it is
- * within \a reach [m]. */
-void labelTheRest(const CliqueGenerator::Cloud& cloud, double reach,
-                  std::vector<std::uint32_t>& labels);
-
 namespace {
 
 using Cloud = CliqueGenerator::Cloud;
+
+constexpr int kSeedsACube = 8;
+
+// Positions are rounded, so that supervoxels of a regular grid, in which many distances
+// are equal, do not change with the last bits of its coordinates: where the cloud lies.
+constexpr int kStepsAVoxel = 256;
 
 // Two points beyond opposite corners of the cube. PCL lays its voxels by the extent of
 // the points: with these it is always the same, and the voxels of the cube are those
@@ -55,8 +46,11 @@ withCorners(const Cloud& cloud, double resolution, int voxels)
   return result;
 }
 
-} // namespace
-
+/** \brief Supervoxels of the points in a cube [0, edge)^3, edge an even number of
+ * voxels. The one place that sees pcl::SupervoxelClustering.
+ * \param[in] cloud finite points of the cube [m]
+ * \param[in] voxels edge of the cube in voxels
+ * \return one label a point, 0 = none */
 std::vector<std::uint32_t>
 clusterSupervoxels(const Cloud& cloud, const SupervoxelParameters& parameters,
                    int voxels)
@@ -69,9 +63,8 @@ clusterSupervoxels(const Cloud& cloud, const SupervoxelParameters& parameters,
   clustering.setColorImportance(float(parameters.colour_weight));
   clustering.setSpatialImportance(float(parameters.spatial_weight));
   clustering.setNormalImportance(float(parameters.normal_weight));
-  const auto input =
-      std::make_shared<Cloud>(withCorners(cloud, double(resolution), voxels));
-  clustering.setInputCloud(input);
+  clustering.setInputCloud(
+      std::make_shared<Cloud>(withCorners(cloud, double(resolution), voxels)));
   std::map<std::uint32_t, pcl::Supervoxel<pcl::PointXYZRGB>::Ptr> supervoxels;
   clustering.extract(supervoxels);
   const auto labelled = clustering.getLabeledCloud();
@@ -81,6 +74,8 @@ clusterSupervoxels(const Cloud& cloud, const SupervoxelParameters& parameters,
   return labels;
 }
 
+/** \brief Gives the points without a label that of the nearest point with one, if it is
+ * within \a reach [m]. */
 void
 labelTheRest(const Cloud& cloud, double reach, std::vector<std::uint32_t>& labels)
 {
@@ -106,14 +101,6 @@ labelTheRest(const Cloud& cloud, double reach, std::vector<std::uint32_t>& label
         double(distances[0]) <= reach * reach)
       labels[i] = known_labels[std::size_t(nearest[0])];
 }
-
-namespace {
-
-constexpr int kSeedsACube = 8;
-
-// Positions are rounded, so that supervoxels of a regular grid, in which many distances
-// are equal, do not change with the last bits of its coordinates: where the cloud lies.
-constexpr int kStepsAVoxel = 256;
 
 // Even, so that the middle of a cube is a border of voxels.
 int

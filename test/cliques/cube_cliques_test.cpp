@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/clique_lists.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
@@ -37,7 +38,7 @@ randomCloud(int points, const Eigen::Vector3f& centre, float extent)
 }
 
 // What CubeCliques has to give, said with a map from z, y, x to the points.
-std::vector<std::vector<int>>
+Cliques
 plainCubes(const Cloud& cloud, double edge)
 {
   std::map<std::array<double, 3>, std::vector<int>> cubes;
@@ -48,22 +49,13 @@ plainCubes(const Cloud& cloud, double edge)
              std::floor(point.x / edge)}]
           .push_back(int(i));
   }
-  std::vector<std::vector<int>> lists;
+  Cliques lists;
   for (const auto& [cube, points] : cubes)
     lists.push_back(points);
   return lists;
 }
 
-std::vector<std::vector<int>>
-listsOf(const std::vector<pcl::PointIndices>& cliques)
-{
-  std::vector<std::vector<int>> lists;
-  for (const pcl::PointIndices& clique : cliques)
-    lists.emplace_back(clique.indices.begin(), clique.indices.end());
-  return lists;
-}
-
-std::vector<std::vector<int>>
+Cliques
 cubesOf(const Cloud& cloud, double edge)
 {
   return listsOf(CubeCliques(edge).generate(cloud));
@@ -95,7 +87,7 @@ TEST(CubeCliques, ACubeIsHalfOpen)
   Cloud cloud;
   for (const float x : {-0.5f, 0.0f, 0.25f, 0.5f, -0.25f, 0.75f})
     cloud.push_back({x, 0.0f, 0.0f, 0, 0, 0});
-  const std::vector<std::vector<int>> expected = {{0, 4}, {1, 2}, {3, 5}};
+  const Cliques expected = {{0, 4}, {1, 2}, {3, 5}};
   EXPECT_EQ(cubesOf(cloud, 0.5), expected);
 }
 
@@ -107,10 +99,7 @@ TEST(CubeCliques, PointsThatAreNotFiniteAreInNone)
   cloud[999].z = -std::numeric_limits<float>::infinity();
   const auto cliques = cubesOf(cloud, 1.0);
   EXPECT_EQ(cliques, plainCubes(cloud, 1.0));
-  std::size_t members = 0;
-  for (const std::vector<int>& clique : cliques)
-    members += clique.size();
-  EXPECT_EQ(members, 997u);
+  EXPECT_EQ(membersOf(cliques), 997u);
 }
 
 TEST(CubeCliques, NoPointsGiveNoClique)
@@ -161,7 +150,7 @@ TEST(CubeCliques, OfAnInputCloudAndIndices)
     odd->push_back(i);
   cubes.setIndices(odd);
   cubes.extract(cliques);
-  std::vector<std::vector<int>> expected;
+  Cliques expected;
   for (std::vector<int> clique : listsOf(CubeCliques(1.0).generate(*cloud))) {
     clique.erase(
         std::remove_if(clique.begin(), clique.end(), [](int i) { return i % 2 == 0; }),

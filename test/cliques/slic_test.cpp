@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../../src/cliques/kernels/slic_assignment.h"
-
+#include "cliques/kernels/slic_assignment.h"
 #include "cliques/slic_cliques.h"
+#include "support/same_image.h"
+#include "support/supported_tiers.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -64,12 +65,6 @@ parametersOf(int superpixels, int downscale)
   parameters.superpixels = superpixels;
   parameters.downscale = downscale;
   return parameters;
-}
-
-bool
-same(const cv::Mat& a, const cv::Mat& b)
-{
-  return a.size() == b.size() && cv::countNonZero(a != b) == 0;
 }
 
 int
@@ -169,7 +164,8 @@ TEST(Slic, TheNumberOfThreadsChangesNothing)
   const cv::Mat expected = slicSuperpixels(image, SlicParameters());
   for (const int threads : {2, 7}) {
     setNumberOfThreads(threads);
-    EXPECT_TRUE(same(slicSuperpixels(image, SlicParameters()), expected)) << threads;
+    EXPECT_TRUE(isSameImage(slicSuperpixels(image, SlicParameters()), expected))
+        << threads;
   }
   setNumberOfThreads(0);
 }
@@ -208,10 +204,8 @@ TEST(Slic, AssignmentGivesTheSameBitsInEveryTier)
     EXPECT_EQ(plain.second[x], first <= second ? 0 : 1) << x;
     EXPECT_NEAR(plain.first[x], std::min(first, second), 1e-2) << x;
   }
-  for (const SimdTier tier : {SimdTier::avx2, SimdTier::avx512})
-    if (tier <= simdTier()) {
-      EXPECT_EQ(assign(tier), plain) << nameOf(tier);
-    }
+  for (const SimdTier tier : supportedTiers())
+    EXPECT_EQ(assign(tier), plain) << nameOf(tier);
 }
 
 TEST(Slic, TakesGreyAndVerySmallImages)
@@ -267,7 +261,7 @@ TEST(SlicCliques, EveryFinitePointIsInTheCliqueOfItsSuperpixel)
   EXPECT_TRUE(generator.usesColour());
   const auto cliques = generator.generate(cloud);
 
-  const cv::Mat segments = slicSuperpixels(image, generator.parameters());
+  const cv::Mat segments = slicSuperpixels(image, SlicParameters());
   std::map<int, std::vector<int>> expected; // superpixel -> finite points
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (std::isfinite(cloud[i].z))

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/clique_lists.h"
 #include "support/plain_surface_parts.h"
 #include "support/street_scans.h"
 #include "support/thrown_message.h"
@@ -6,6 +7,7 @@
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <gtest/gtest.h>
 #include <pcl/common/io.h>
@@ -19,28 +21,8 @@ using namespace pcl_semantic;
 namespace {
 
 using Cloud = CliqueGenerator::Cloud;
-using Cliques = std::vector<std::vector<int>>;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-Cliques
-listsOf(const std::vector<pcl::PointIndices>& cliques)
-{
-  Cliques lists;
-  for (const pcl::PointIndices& clique : cliques)
-    lists.emplace_back(clique.indices.begin(), clique.indices.end());
-  return lists;
-}
-
-cv::Mat
-coloursOf(const Cloud& cloud)
-{
-  cv::Mat image(int(cloud.height), int(cloud.width), CV_8UC3);
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    image.at<cv::Vec3b>(int(i) / image.cols,
-                        int(i) % image.cols) = {cloud[i].b, cloud[i].g, cloud[i].r};
-  return image;
-}
 
 // The street, and its map after each frame.
 class SuperpixelsOfAStreet : public testing::Test {
@@ -105,7 +87,8 @@ public:
   Cliques
   add(const StreetScan& scan, const VoxelCloud& voxels)
   {
-    const cv::Mat segments = slicSuperpixels(coloursOf(*scan.cloud), parameters_.slic);
+    const cv::Mat segments =
+        slicSuperpixels(imageOfCloud(*scan.cloud), parameters_.slic);
     const PlainSurfaceParts parts(
         segments, *scan.cloud, {parameters_.passing_distance, 2 * voxels.voxel_size});
     std::map<VoxelIndex, std::map<int, int>, VoxelIndexLess> votes;
@@ -173,16 +156,10 @@ TEST_F(SuperpixelsOfAStreet, VoxelsJoinThePartThatMostOfTheirPixelsSee)
 
 TEST_F(SuperpixelsOfAStreet, WhatIsKeptGroupsMoreVoxels)
 {
-  const auto members = [](const Cliques& cliques) {
-    std::size_t count = 0;
-    for (const std::vector<int>& clique : cliques)
-      count += clique.size();
-    return count;
-  };
   SuperpixelCliques forgetful(someParameters(false)), keeping(someParameters(true));
   cliquesOf(keeping, 0);
-  const std::size_t kept = members(cliquesOf(keeping, 3));
-  const std::size_t seen = members(cliquesOf(forgetful, 3));
+  const std::size_t kept = membersOf(cliquesOf(keeping, 3));
+  const std::size_t seen = membersOf(cliquesOf(forgetful, 3));
   EXPECT_GT(double(kept), 1.05 * double(seen));
   keeping.clear();
   EXPECT_TRUE(cliquesOf(keeping, 3) == cliquesOf(forgetful, 3));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/clique_lists.h"
 #include "support/street_scans.h"
 #include "support/thrown_message.h"
 
@@ -19,17 +20,13 @@ using namespace pcl_semantic;
 namespace {
 
 using Cloud = CliqueGenerator::Cloud;
-using Cliques = std::vector<std::vector<int>>;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 Cliques
 cliquesOf(SupervoxelCliques& generator, const Cloud& cloud)
 {
-  Cliques lists;
-  for (const pcl::PointIndices& clique : generator.generate(cloud))
-    lists.emplace_back(clique.indices.begin(), clique.indices.end());
-  return lists;
+  return listsOf(generator.generate(cloud));
 }
 
 Cliques
@@ -88,14 +85,6 @@ expectSound(const Cliques& cliques, const Cloud& cloud)
       EXPECT_TRUE(std::isfinite(cloud[std::size_t(i)].x));
     }
   }
-}
-
-std::size_t
-membersOf(const Cliques& cliques)
-{
-  return std::accumulate(
-      cliques.begin(), cliques.end(), std::size_t(0),
-      [](std::size_t sum, const auto& clique) { return sum + clique.size(); });
 }
 
 } // namespace

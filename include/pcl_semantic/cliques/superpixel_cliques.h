@@ -79,8 +79,6 @@ public:
   void clear();
 
 private:
-  std::vector<int> partsOfVoxels() const;
-
   void keepParts(std::vector<int>& parts);
 
   SuperpixelParameters parameters_;
