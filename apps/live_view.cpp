@@ -45,7 +45,8 @@ firstLine(int pipe)
 
 } // namespace
 
-LiveView::LiveView(const std::string& folder, const std::string& images)
+void
+openLiveView(const std::string& folder, const std::string& images)
 {
   const std::string program =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() /
@@ -58,11 +59,10 @@ LiveView::LiveView(const std::string& folder, const std::string& images)
     words.insert(words.end(), {"--images", images});
   const bool is_started = start(std::move(words), ends[1]);
   close(ends[1]);
-  output_ = ends[0];
-  const std::string line = is_started ? firstLine(output_) : "";
+  const std::string line = is_started ? firstLine(ends[0]) : "";
   if (line == "following: " + folder)
-    return;
-  close(output_);
+    return; // the pipe stays open, so that the viewer may print
+  close(ends[0]);
   PCL_THROW_EXCEPTION(
       InvalidParameterException,
       "--view: " << (!is_started
@@ -70,11 +70,6 @@ LiveView::LiveView(const std::string& folder, const std::string& images)
                                " cannot be started; is pcl_semantic_view installed?"
                      : line.empty() ? "the window did not open"
                                     : line));
-}
-
-LiveView::~LiveView()
-{
-  close(output_);
 }
 
 } // namespace pcl_semantic::tool

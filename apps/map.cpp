@@ -119,9 +119,8 @@ mapSource(const MapArguments& arguments)
   std::unique_ptr<PoseSource> owned_poses = source->openPoses();
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(source->times());
-  std::optional<tool::LiveView> view;
   if (arguments.view)
-    view.emplace(arguments.output, arguments.sequence.folder);
+    tool::openLiveView(arguments.output, arguments.sequence.folder);
   MappingArchive archive(arguments.archive, run);
   const auto mapper = source->makeMapper(std::move(owned_poses), archive.store());
   MappingOutput output(arguments.output, describedRun(arguments, *source),

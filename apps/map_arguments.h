@@ -24,7 +24,7 @@ struct MapArguments {
   std::string also; ///< measured, depth, scans: see makeExtras()
   double scan_within = 0.0;
   bool print_config = false;
-  bool view = false; ///< a window, see LiveView
+  bool view = false; ///< a window, see openLiveView()
   MappingArchive::Options archive;
   MapperConfig parameters;
 };

@@ -1,20 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_viewer.h"
 
-#include "key_style.h"
 #include "tool.h"
 #include "view_panel.h"
 #include "vtk_parts.h"
+
+#include <pcl/visualization/pcl_visualizer.h>
 
 #include <vtkActor.h>
 #include <vtkActor2D.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
+#include <vtkObjectFactory.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
 namespace pcl_semantic::tool {
+
+namespace {
+
+// PCL's mouse, our keys: PCL's own would print, write files and change clouds.
+class KeyStyle : public pcl::visualization::PCLVisualizerInteractorStyle {
+public:
+  // Made as VTK makes its objects.
+  static KeyStyle*
+  New()
+  {
+    VTK_STANDARD_NEW_BODY(KeyStyle);
+  }
+
+  vtkTypeMacro(KeyStyle, pcl::visualization::PCLVisualizerInteractorStyle)
+
+      std::function<void(const std::string&)> on_key = [](const std::string&) {};
+  std::function<bool(int, int)> on_click = [](int, int) { return false; };
+
+protected:
+  void
+  OnChar() override
+  {}
+
+  void
+  OnKeyDown() override
+  {
+    if (const char* const key = Interactor->GetKeySym())
+      on_key(key);
+  }
+
+  void
+  OnKeyUp() override
+  {}
+
+  // PCL's draws again at every tick, which takes a whole processor without a graphics
+  // card; what changes the picture draws it.
+  void
+  OnTimer() override
+  {}
+
+  void
+  OnLeftButtonDown() override
+  {
+    const int* const position = Interactor->GetEventPosition();
+    if (!on_click(position[0], position[1]))
+      Superclass::OnLeftButtonDown();
+  }
+};
+
+} // namespace
 
 struct MapViewer::Inside {
   Inside(const std::string& title, cv::Size size, bool off_screen)
@@ -84,7 +136,7 @@ struct MapViewer::Inside {
   {
     if (voxels)
       renderer->RemoveActor(voxels);
-    voxels = actorOf(facesOf(map, state));
+    voxels = actorOf(map, state);
     renderer->AddActor(voxels);
   }
 

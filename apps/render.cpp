@@ -8,27 +8,24 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/io/scene_image.h>
 
+#include <map>
 #include <string>
 
-namespace pcl_semantic::tool {
+namespace {
 
-/** \brief What pcl_semantic_render is asked for. */
-struct RenderArguments {
+using namespace pcl_semantic;
+namespace po = tool::po;
+
+struct Arguments {
   std::string map, output;
   std::string compare; ///< another map; empty = none
   std::string colour = "class";
   int threads = 0;
   bool small = false;
-  RenderOptions picture;
+  tool::RenderOptions picture;
 };
 
-/** \return false if help or version was asked for
- * \throws InvalidParameterException */
-bool parseRenderArguments(int argc, char** argv, RenderArguments& arguments);
-
-namespace {
-
-const Usage usage{
+const tool::Usage usage{
     "pcl_semantic_render", "MAP OUT.png [options]",
     "Draws a labelled map as solid cubes, without a window or a graphics card. MAP is "
     "a\n"
@@ -43,27 +40,26 @@ const Usage usage{
 [[noreturn]] void
 fail(const std::string& message)
 {
-  failUsage(usage, message);
+  tool::failUsage(usage, message);
 }
 
 void
-validate(const RenderArguments& arguments)
+validate(const Arguments& arguments)
 {
   if (arguments.map.empty() || arguments.output.empty())
     fail("MAP or OUT.png is missing");
-  requireOutput(arguments.output, ".png");
-  refuseSameFiles(
+  tool::requireOutput(arguments.output, ".png");
+  tool::refuseSameFiles(
       {arguments.map, arguments.compare, arguments.picture.hints.trajectory},
       {arguments.output});
-  requireOneOf(usage, "--colour", arguments.colour,
-               {"class", "rgb", "entropy", "observations", "clique", "change"},
-               "class, rgb, entropy, observations, clique or change");
+  tool::requireOneOf(usage, "--colour", arguments.colour,
+                     {"class", "rgb", "entropy", "observations", "clique", "change"});
   if ((arguments.colour == "change") == arguments.compare.empty())
     fail("--colour change and --compare belong together");
 }
 
 po::options_description
-optionsOf(RenderArguments& arguments)
+optionsOf(Arguments& arguments)
 {
   po::options_description options("Options");
   options.add_options()("map", po::value(&arguments.map), "the map")(
@@ -71,52 +67,43 @@ optionsOf(RenderArguments& arguments)
       "output image (.png)")("compare", po::value(&arguments.compare),
                              "earlier map; shows where classes changed since")(
       "small", po::bool_switch(&arguments.small), "palette image of half the size");
-  addRenderOptions(arguments.picture, options);
-  addOption(options, "size", arguments.picture.texts.size,
-            "size of the image without its legend [px]");
-  addOption(options, "colour", arguments.colour,
-            "class, rgb, entropy, observations, clique, change (needs --compare)");
-  addOption(options, "threads", arguments.threads,
-            "number of threads; 0 = all processors");
+  tool::addRenderOptions(arguments.picture, options);
+  tool::addOption(options, "size", arguments.picture.texts.size,
+                  "size of the image without its legend [px]");
+  tool::addOption(
+      options, "colour", arguments.colour,
+      "class, rgb, entropy, observations, clique, change (needs --compare)");
+  tool::addOption(options, "threads", arguments.threads,
+                  "number of threads; 0 = all processors");
   return options;
 }
 
-} // namespace
-
 bool
-parseRenderArguments(int argc, char** argv, RenderArguments& arguments)
+parse(int argc, char** argv, Arguments& arguments)
 {
   const po::options_description options = optionsOf(arguments);
   po::positional_options_description positional;
   positional.add("map", 1).add("output", 1);
   po::variables_map values;
-  if (!parseCommandLine(argc, argv, usage, options, positional, values))
+  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
     return false;
   if (!arguments.compare.empty() && values["colour"].defaulted())
     arguments.colour = "change";
-  readRenderOptions(usage, arguments.picture);
+  tool::readRenderOptions(usage, arguments.picture);
   validate(arguments);
   return true;
 }
 
-} // namespace pcl_semantic::tool
-
-namespace {
-
-using namespace pcl_semantic;
-using tool::RenderArguments;
-
 VoxelColours
-coloursOf(const RenderArguments& arguments, const tool::MapInput& map)
+coloursOf(const Arguments& arguments, const tool::MapInput& map)
 {
-  if (arguments.colour == "rgb")
-    return measuredColours(map.scene);
-  if (arguments.colour == "entropy")
-    return entropyColours(map.scene);
-  if (arguments.colour == "observations")
-    return observationColours(map.scene);
-  if (arguments.colour == "clique")
-    return cliqueColours(map.scene);
+  static const std::map<std::string, VoxelColours (*)(const VoxelScene&)> known = {
+      {"rgb", measuredColours},
+      {"entropy", entropyColours},
+      {"observations", observationColours},
+      {"clique", cliqueColours}};
+  if (const auto found = known.find(arguments.colour); found != known.end())
+    return found->second(map.scene);
   if (!map.scene.has_labels)
     PCL_THROW_EXCEPTION(BadInputException,
                         arguments.map << ": has no labels, expected a field label or "
@@ -129,7 +116,7 @@ coloursOf(const RenderArguments& arguments, const tool::MapInput& map)
 }
 
 int
-render(const RenderArguments& arguments)
+render(const Arguments& arguments)
 {
   setNumberOfThreads(arguments.threads);
   const tool::MapInput map = tool::readMap(arguments.map, arguments.picture.hints);
@@ -151,8 +138,7 @@ int
 main(int argc, char** argv)
 {
   return tool::run("pcl_semantic_render", [&] {
-    RenderArguments arguments;
-    return tool::parseRenderArguments(argc, argv, arguments) ? render(arguments)
-                                                             : int(tool::exit_done);
+    Arguments arguments;
+    return parse(argc, argv, arguments) ? render(arguments) : int(tool::exit_done);
   });
 }

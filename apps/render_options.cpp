@@ -82,18 +82,21 @@ readRenderOptions(const Usage& usage, RenderOptions& options)
     options.from = positionOf(usage, options.texts.from, "--from");
     options.look_at = positionOf(usage, options.texts.look_at, "--look-at");
   }
-  requireOneOf(usage, "--view", options.view, {"angle", "above", "camera"},
-               "angle, above or camera");
+  requireOneOf(usage, "--view", options.view, {"angle", "above", "camera"});
   if (!(options.hints.voxel_size >= 0.0))
     failUsage(usage, "--voxel-size is less than 0");
 }
 
 void
 requireOneOf(const Usage& usage, const char* option, const std::string& value,
-             const std::vector<std::string>& known, const char* expected)
+             const std::vector<std::string>& known)
 {
-  if (std::count(known.begin(), known.end(), value) == 0)
-    failUsage(usage, std::string(option) + " is '" + value + "', expected " + expected);
+  if (std::count(known.begin(), known.end(), value) > 0)
+    return;
+  std::string expected = known.front();
+  for (std::size_t i = 1; i < known.size(); ++i)
+    expected += (i + 1 < known.size() ? ", " : " or ") + known[i];
+  failUsage(usage, std::string(option) + " is '" + value + "', expected " + expected);
 }
 
 SceneView

@@ -36,10 +36,9 @@ void addRenderOptions(RenderOptions& options, po::options_description& descripti
 /** \brief Reads what was typed. \throws InvalidParameterException */
 void readRenderOptions(const Usage& usage, RenderOptions& options);
 
-/** \brief Refuses another value. \param[in] expected "angle, above or camera"
- * \throws InvalidParameterException */
+/** \brief Refuses any other value. \throws InvalidParameterException */
 void requireOneOf(const Usage& usage, const char* option, const std::string& value,
-                  const std::vector<std::string>& known, const char* expected);
+                  const std::vector<std::string>& known);
 
 /** \brief The view that the options ask for, in the frame of the scene's indices.
  * \param[in] poses as posesInScene() has them

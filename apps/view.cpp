@@ -2,15 +2,19 @@
 #include "display.h"
 #include "map_viewer.h"
 #include "messages.h"
-#include "view_arguments.h"
-#include "view_of_map.h"
+#include "render_options.h"
+#include "view_panel.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
 
+#include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
+#include <set>
+#include <sstream>
 
 #ifdef __SANITIZE_ADDRESS__
 // What draws without a graphics card never frees 112 bytes. It is no longer loaded when
@@ -25,12 +29,273 @@ __asan_default_options()
 namespace {
 
 using namespace pcl_semantic;
+namespace po = tool::po;
 
 using tool::MapViewer;
-using tool::ViewArguments;
+using tool::RenderOptions;
+
+struct Arguments {
+  std::string map, screenshot;
+  std::string colour;            ///< empty = the first that the map has
+  std::vector<std::string> hide; ///< names of classes
+  std::string images;            ///< a sequence; empty = none
+  std::vector<std::string> keys; ///< pressed at the beginning
+  tool::ViewState state;         ///< heights that are shown
+  bool follow = false;           ///< the map is being made
+  bool small = false;            ///< fewer bytes in the screenshot
+  int threads = 0;
+  RenderOptions picture;
+};
+
+tool::Usage
+usageOfView()
+{
+  std::string keys;
+  for (const std::string& line : tool::helpOnKeys())
+    keys += "\n  " + line;
+  return {
+      "pcl_semantic_view", "MAP [options]",
+      "Shows a labelled map in a window. MAP is a folder that pcl_semantic_map has\n"
+      "written, a .pcd, or a map archive. --screenshot writes what the window would\n"
+      "show and ends; it needs no display. Keys:" +
+          keys,
+      "pcl_semantic_synthesize /tmp/street && \\\n"
+      "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output "
+      "/tmp/map && \\\n"
+      "  pcl_semantic_view /tmp/map --hide vegetation --screenshot /tmp/view.png"};
+}
+
+std::vector<std::string>
+wordsOf(const std::string& text)
+{
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');)
+    words.push_back(word);
+  return words;
+}
+
+po::options_description
+optionsOf(Arguments& arguments, std::string& hide, std::string& keys)
+{
+  po::options_description options("Options");
+  options.add_options()("map", po::value(&arguments.map), "the map")(
+      "screenshot", po::value(&arguments.screenshot),
+      "write a picture (.png) instead of opening a window")(
+      "colour", po::value(&arguments.colour),
+      "class, rgb, entropy, observations, clique; default: the first that MAP has")(
+      "hide", po::value(&hide), "classes to hide, by name, with commas between them")(
+      "below", po::value(&arguments.state.below),
+      "show only what is below this height [m]")(
+      "above", po::value(&arguments.state.above),
+      "show only what is above this height [m]")(
+      "images", po::value(&arguments.images),
+      "show pictures of this sequence (KITTI's layout) where the camera was")(
+      "keys", po::value(&keys),
+      "keys pressed at the beginning, with commas between them: m,3,Down")(
+      "follow", po::bool_switch(&arguments.follow),
+      "MAP is the output folder of a pcl_semantic_map --view that runs or is about to: "
+      "show the map after each frame; --images shows the newest image")(
+      "small", po::bool_switch(&arguments.small),
+      "half the bytes, in fewer shades of colour");
+  tool::addRenderOptions(arguments.picture, options);
+  tool::addOption(options, "size", arguments.picture.texts.size,
+                  "of the window or picture");
+  tool::addOption(options, "threads", arguments.threads, "0 = all processors");
+  return options;
+}
+
+bool
+parse(int argc, char** argv, Arguments& arguments)
+{
+  std::string hide, keys;
+  const tool::Usage usage = usageOfView();
+  const po::options_description options = optionsOf(arguments, hide, keys);
+  po::positional_options_description positional;
+  positional.add("map", 1);
+  po::variables_map values;
+  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
+    return false;
+  if (arguments.map.empty())
+    tool::failUsage(usage, "MAP is missing");
+  if (arguments.follow && !arguments.screenshot.empty())
+    tool::failUsage(usage, "--follow needs a window, --screenshot has none");
+  tool::requireOutput(arguments.screenshot, ".png");
+  tool::refuseSameFiles({arguments.map, arguments.picture.hints.trajectory,
+                         arguments.picture.hints.label_set},
+                        {arguments.screenshot});
+  if (!arguments.colour.empty())
+    tool::requireOneOf(usage, "--colour", arguments.colour,
+                       {"class", "rgb", "entropy", "observations", "clique"});
+  if (!(arguments.state.above < arguments.state.below))
+    tool::failUsage(usage, "--above is not less than --below: nothing would be shown");
+  arguments.hide = wordsOf(hide);
+  arguments.keys = wordsOf(keys);
+  tool::readRenderOptions(usage, arguments.picture);
+  return true;
+}
+
+constexpr std::size_t kMaxImages = 12;
+
+// A view of a map as a whole, so that the panel does not lie on it.
+SceneView
+besidePanel(const std::string& name, RenderOptions options, const VoxelScene& scene,
+            const Trajectory& poses)
+{
+  const int panel = options.size.width > 3 * tool::kPanelWidth ? tool::kPanelWidth : 0;
+  options.looks_from = false;
+  options.view = name;
+  options.size.width -= panel;
+  SceneView view = tool::viewOf(options, scene, poses);
+  view.camera.width += panel;
+  view.camera.cx += panel;
+  return view;
+}
+
+// The view that was asked for, and those that are always there.
+std::vector<SceneView>
+viewsOf(const RenderOptions& options, const VoxelScene& scene, const Trajectory& poses)
+{
+  std::vector<SceneView> views;
+  if (options.looks_from || options.view == "camera")
+    views.push_back(tool::viewOf(options, scene, poses));
+  else if (options.view == "above")
+    views.push_back(besidePanel("above", options, scene, poses));
+  views.push_back(besidePanel("angle", options, scene, poses));
+  views.push_back(besidePanel("above", options, scene, poses));
+  if (poses.empty())
+    return views;
+  RenderOptions last = options;
+  last.looks_from = false;
+  last.view = "camera";
+  last.frame = int(poses.size()) - 1;
+  views.push_back(tool::viewOf(last, scene, poses));
+  return views;
+}
+
+// Where the camera is now, seen from behind it.
+SceneView
+behindCamera(const tool::ViewedMap& map, const Arguments& arguments)
+{
+  const Eigen::Isometry3d& pose = map.path.back();
+  const Eigen::Vector3d behind = pose * Eigen::Vector3d(0.0, -6.0, -10.0),
+                        ahead = pose * Eigen::Vector3d(0.0, 1.0, 12.0);
+  return lookAt(behind - map.grid.corner, ahead - map.grid.corner, 60.0 * M_PI / 180.0,
+                arguments.picture.size);
+}
+
+std::set<Label>
+labelsOf(const std::vector<std::string>& names, const LabelSet& label_set)
+{
+  std::set<Label> labels;
+  for (const std::string& name : names) {
+    const Label label = label_set.find(name);
+    if (label == kUnlabelled && name != label_set[kUnlabelled].name)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--hide: no class is called '" << name << "'");
+    labels.insert(label);
+  }
+  return labels;
+}
+
+// A map, from where it can be seen, and what of it is shown.
+struct OpenedMap {
+  tool::ViewedMap map;
+  std::vector<SceneView> views;
+  tool::ViewState state;
+};
+
+OpenedMap
+openMap(const Arguments& arguments)
+{
+  const tool::MapInput input = tool::readMap(arguments.map, arguments.picture.hints);
+  OpenedMap opened;
+  opened.views = viewsOf(arguments.picture, input.scene, tool::posesInScene(input));
+  opened.map = tool::viewedMap(input.scene, input.label_set, arguments.map);
+  opened.map.path = input.T_world_camera;
+  for (Eigen::Isometry3d& pose : opened.map.path)
+    pose.translation() -= input.scene.origin;
+  opened.state = arguments.state;
+  opened.state.hidden = labelsOf(arguments.hide, input.label_set);
+  if (!arguments.colour.empty())
+    opened.state.colouring = tool::colouringOf(opened.map, arguments.colour);
+  if (!arguments.images.empty()) {
+    if (opened.map.path.empty())
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          "--images: where the camera was is not known; name its "
+                          "--trajectory");
+    opened.map.pictures = tool::imagesOf(arguments.images, opened.map.path,
+                                         arguments.follow ? 1 : kMaxImages);
+    opened.state.pictures = true;
+  }
+  const std::filesystem::path path(arguments.map);
+  opened.map.title =
+      (path.has_filename() ? path : path.parent_path()).filename().string();
+  return opened;
+}
+
+// Shows the map of a folder while pcl_semantic_map --view writes to it: what is around
+// the sensor after each frame, and at the end the whole.
+class FollowedMap {
+public:
+  FollowedMap(const Arguments& arguments, MapViewer& viewer)
+      : arguments_(arguments), viewer_(viewer), folder_(arguments.map)
+  {}
+
+  // Shows the map if it has changed.
+  void
+  update()
+  {
+    for (const std::string& folder : {folder_ + "/live", folder_}) {
+      std::error_code error;
+      const auto written =
+          std::filesystem::last_write_time(folder + "/summary.json", error);
+      if (error)
+        continue;
+      if (written == shown_)
+        return;
+      shown_ = written;
+      arguments_.map = folder;
+      try {
+        show(openMap(arguments_));
+      }
+      catch (const BadInputException&) {
+        // Nothing to look at yet, or on its way from one frame to the next.
+      }
+      return;
+    }
+  }
+
+private:
+  void
+  show(OpenedMap opened)
+  {
+    if (!opened.map.path.empty()) {
+      opened.views.insert(opened.views.begin(), behindCamera(opened.map, arguments_));
+      const Eigen::Vector3d position = opened.map.path.back().translation();
+      if (!is_first_) // it comes along
+        viewer_.move(position - last_position_);
+      last_position_ = position;
+    }
+    if (is_first_)
+      viewer_.state() = opened.state;
+    viewer_.show(std::move(opened.map), std::move(opened.views));
+    if (is_first_)
+      for (const std::string& key : arguments_.keys)
+        viewer_.press(key);
+    is_first_ = false;
+  }
+
+  Arguments arguments_;
+  MapViewer& viewer_;
+  const std::string folder_;
+  std::filesystem::file_time_type shown_; // when that map was written
+  bool is_first_ = true;
+  Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero(); // of the camera
+};
 
 int
-leave(const ViewArguments& arguments, MapViewer& viewer)
+leave(const Arguments& arguments, MapViewer& viewer)
 {
   if (arguments.screenshot.empty())
     return tool::interrupted() ? tool::exit_interrupted : tool::exit_done;
@@ -40,9 +305,9 @@ leave(const ViewArguments& arguments, MapViewer& viewer)
 }
 
 int
-viewMap(const ViewArguments& arguments)
+viewMap(const Arguments& arguments)
 {
-  tool::OpenedMap opened = tool::openMap(arguments);
+  OpenedMap opened = openMap(arguments);
   MapViewer viewer("pcl_semantic_view: " + arguments.map, arguments.picture.size,
                    !arguments.screenshot.empty());
   viewer.state() = opened.state;
@@ -55,11 +320,11 @@ viewMap(const ViewArguments& arguments)
 }
 
 int
-followMap(const ViewArguments& arguments)
+followMap(const Arguments& arguments)
 {
   MapViewer viewer("pcl_semantic_view: " + arguments.map, arguments.picture.size,
                    false);
-  tool::FollowedMap map(arguments, viewer);
+  FollowedMap map(arguments, viewer);
   std::cout << "following: " << arguments.map << std::endl;
   std::signal(SIGPIPE, SIG_IGN); // who started the window may end before it
   viewer.run([&] { map.update(); });
@@ -67,7 +332,7 @@ followMap(const ViewArguments& arguments)
 }
 
 int
-view(const ViewArguments& arguments, char** argv)
+view(const Arguments& arguments, char** argv)
 {
   setNumberOfThreads(arguments.threads);
   if (!tool::hasDisplay()) {
@@ -88,8 +353,7 @@ int
 main(int argc, char** argv)
 {
   return tool::run("pcl_semantic_view", [&] {
-    ViewArguments arguments;
-    return tool::parseViewArguments(argc, argv, arguments) ? view(arguments, argv)
-                                                           : int(tool::exit_done);
+    Arguments arguments;
+    return parse(argc, argv, arguments) ? view(arguments, argv) : int(tool::exit_done);
   });
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "view_state.h"
+#include "viewed_map.h"
 
 #include <opencv2/core/mat.hpp>
 

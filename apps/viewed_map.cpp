@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace pcl_semantic::tool {
@@ -68,6 +69,41 @@ smallImage(const cv::Mat& image, const StereoCamera& camera,
   changed.width = columns;
   changed.height = rows;
   return picture;
+}
+
+// Moves a limit by so many layers of voxels, from the end of the map if there was none.
+Redraw
+moveLimit(const ViewedMap& map, int layers, double& limit)
+{
+  if (map.indices.empty())
+    return Redraw::nothing;
+  const auto begin = map.indices.begin();
+  const auto [low, high] = std::minmax_element(
+      begin, map.indices.end(),
+      [](const VoxelIndex& a, const VoxelIndex& b) { return a.z() < b.z(); });
+  const double half = 0.5 * map.grid.size;
+  limit = std::clamp(limit, map.heightOf(std::size_t(low - begin)) - half,
+                     map.heightOf(std::size_t(high - begin)) + half) +
+          layers * map.grid.size;
+  return Redraw::voxels;
+}
+
+Redraw
+toggleAll(const ViewedMap& map, ViewState& state)
+{
+  const bool are_all_shown = state.hidden.empty();
+  state.hidden.clear();
+  if (are_all_shown)
+    for (const ViewedClass& each : map.classes)
+      state.hidden.insert(each.label);
+  return Redraw::voxels;
+}
+
+Redraw
+flip(bool& flag)
+{
+  flag = !flag;
+  return Redraw::panel;
 }
 
 } // namespace
@@ -144,6 +180,75 @@ imagesOf(const std::string& sequence, const Trajectory& T_map_camera0, std::size
         smallImage(frames.frame(i).left, frames.camera(), pose, kImageColumns));
   }
   return pictures;
+}
+
+Redraw
+press(const std::string& key, const ViewedMap& map, int views, ViewState& state)
+{
+  for (const ViewedClass& each : map.classes)
+    if (key == keyOf(each.label)) {
+      toggle(each.label, state);
+      return Redraw::voxels;
+    }
+  if (key == "a")
+    return toggleAll(map, state);
+  if (key == "m") {
+    state.colouring = (state.colouring + 1) % map.colourings.size();
+    return Redraw::voxels;
+  }
+  if (key == "Up" || key == "Down")
+    return moveLimit(map, key == "Up" ? 2 : -2, state.below);
+  if (key == "Prior" || key == "Next")
+    return moveLimit(map, key == "Prior" ? 2 : -2, state.above);
+  if (key == "Home") {
+    state.below = std::numeric_limits<double>::infinity();
+    state.above = -state.below;
+    return Redraw::voxels;
+  }
+  if (key == "v" || key == "r") {
+    state.view = key == "r" || views == 0 ? 0 : (state.view + 1) % views;
+    return Redraw::camera;
+  }
+  if (key == "q" || key == "Escape")
+    return flip(state.is_closed);
+  return key == "t"   ? flip(state.path)
+         : key == "i" ? flip(state.pictures)
+         : key == "l" ? flip(state.panel)
+         : key == "h" ? flip(state.help)
+                      : Redraw::nothing;
+}
+
+void
+toggle(Label label, ViewState& state)
+{
+  if (state.hidden.erase(label) == 0)
+    state.hidden.insert(label);
+}
+
+std::string
+keyOf(Label label)
+{
+  return label >= 1 && label <= 10 ? std::to_string(label % 10) : "";
+}
+
+const std::vector<std::string>&
+helpOnKeys()
+{
+  static const std::vector<std::string> lines = {
+      "1 ... 9, 0: a class on, off",
+      "click on a name: likewise",
+      "a: all classes on, off",
+      "m: next colouring",
+      "Down, Up: ceiling lower, higher",
+      "Page Down, Page Up: the floor",
+      "Home: neither of them",
+      "t: path of the camera",
+      "i: pictures of the camera",
+      "v: next view; r: the first",
+      "l: this panel; h: these lines",
+      "mouse: turn; Shift: move; wheel: zoom",
+      "q: close"};
+  return lines;
 }
 
 } // namespace pcl_semantic::tool

@@ -2,9 +2,12 @@
 #include "vtk_parts.h"
 #include "render_options.h"
 
+#include <pcl_semantic/map/voxel_set.h>
+
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -28,6 +31,146 @@
 namespace pcl_semantic::tool {
 
 namespace {
+
+// A face of a cube that can be seen: its corners, counterclockwise as seen from
+// outside, and their colours.
+struct VoxelFace {
+  std::array<std::array<float, 3>, 4> corners;        // as the cloud's points [m]
+  std::array<std::array<std::uint8_t, 3>, 4> colours; // red, green, blue
+};
+
+// How much light falls on a face: below, above, and the sides, by axis.
+constexpr double kLight[3][2] = {{0.86, 0.72}, {0.70, 0.79}, {0.55, 1.0}};
+constexpr double kCornerShade = 0.09;
+
+class FaceMaker {
+public:
+  FaceMaker(const ViewedMap& map, const ViewState& state, const VoxelSet& set)
+      : map_(map), colours_(map.colourings[state.colouring].colours), reader_(set)
+  {}
+
+  void
+  add(std::size_t voxel, std::vector<VoxelFace>& faces)
+  {
+    const VoxelIndex& index = map_.indices[voxel];
+    for (int axis = 0; axis < 3; ++axis)
+      for (int side = 0; side < 2; ++side) {
+        VoxelIndex front = index;
+        front[axis] += side == 0 ? -1 : 1;
+        if (!reader_.contains(front))
+          faces.push_back(face(voxel, front, axis, side));
+      }
+  }
+
+private:
+  VoxelFace
+  face(std::size_t voxel, const VoxelIndex& front, int axis, int side)
+  {
+    // Round the face, so that it is counterclockwise for the upper side.
+    constexpr int round[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    const cv::Vec3b& colour = colours_.colours[voxel];
+    VoxelFace face;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto& [to_b, to_c] = round[side == 1 ? k : 3 - k];
+      VoxelIndex corner = map_.indices[voxel];
+      corner[axis] += side;
+      corner[b] += to_b;
+      corner[c] += to_c;
+      const double light = kLight[axis][side] * openness(front, b, c, to_b, to_c);
+      const double shade = 1.0 - colours_.shading * (1.0 - light);
+      for (int i = 0; i < 3; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        face.corners[k][at] =
+            static_cast<float>(map_.grid.corner[i] + corner[i] * map_.grid.size);
+        face.colours[k][at] =
+            static_cast<std::uint8_t>(std::lround(colour[2 - i] * shade));
+      }
+    }
+    return face;
+  }
+
+  // Voxels beside the cell in front of a face take light from its corner.
+  double
+  openness(const VoxelIndex& front, int b, int c, int to_b, int to_c)
+  {
+    VoxelIndex beside_b = front, beside_c = front;
+    beside_b[b] += to_b == 1 ? 1 : -1;
+    beside_c[c] += to_c == 1 ? 1 : -1;
+    VoxelIndex across = beside_b;
+    across[c] = beside_c[c];
+    const bool has_b = reader_.contains(beside_b), has_c = reader_.contains(beside_c);
+    const int closed = has_b && has_c ? 3 : has_b + has_c + reader_.contains(across);
+    return 1.0 - kCornerShade * closed;
+  }
+
+  const ViewedMap& map_;
+  const VoxelColours& colours_;
+  VoxelSet::Reader reader_;
+};
+
+// The faces between what is shown of a map and the rest.
+std::vector<VoxelFace>
+facesOf(const ViewedMap& map, const ViewState& state)
+{
+  std::vector<std::size_t> shown;
+  std::vector<VoxelIndex> indices;
+  for (std::size_t i = 0; i < map.indices.size(); ++i)
+    if (state.shows(map, i)) {
+      shown.push_back(i);
+      indices.push_back(map.indices[i]);
+    }
+  const VoxelSet set(indices);
+  FaceMaker maker(map, state, set);
+  std::vector<VoxelFace> faces;
+  faces.reserve(2 * shown.size());
+  for (const std::size_t voxel : shown)
+    maker.add(voxel, faces);
+  return faces;
+}
+
+// Drawn while the camera moves, where all faces would take too long.
+constexpr std::size_t kFewPoints = 60000;
+
+// Squares of the four corners of each face, or one corner of every step-th as a point.
+template <int corners>
+vtkSmartPointer<vtkPolyDataMapper>
+mapperOf(const std::vector<VoxelFace>& faces, std::size_t step)
+{
+  const auto count = vtkIdType((faces.size() + step - 1) / step);
+  const auto positions = vtkSmartPointer<vtkFloatArray>::New();
+  const auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  for (vtkDataArray* const array :
+       {static_cast<vtkDataArray*>(positions), static_cast<vtkDataArray*>(colours)}) {
+    array->SetNumberOfComponents(3);
+    array->SetNumberOfTuples(corners * count);
+  }
+  const auto cells = vtkSmartPointer<vtkCellArray>::New();
+  cells->Use32BitStorage();
+  cells->AllocateExact(count, corners * count);
+  for (vtkIdType i = 0; i < count; ++i) {
+    const VoxelFace& face = faces[std::size_t(i) * step];
+    std::memcpy(positions->GetPointer(3 * corners * i), face.corners.data(),
+                corners * sizeof face.corners[0]);
+    std::memcpy(colours->GetPointer(3 * corners * i), face.colours.data(),
+                corners * sizeof face.colours[0]);
+    cells->InsertNextCell(corners);
+    for (int corner = 0; corner < corners; ++corner)
+      cells->InsertCellPoint(corners * i + corner);
+  }
+  const auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetData(positions);
+  const auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->GetPointData()->SetScalars(colours);
+  if (corners == 1)
+    data->SetVerts(cells);
+  else
+    data->SetPolys(cells);
+  auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
+  mapper->SetInputData(data);
+  return mapper;
+}
 
 vtkSmartPointer<vtkActor>
 unlitActor(vtkPolyData* data)
@@ -73,6 +216,19 @@ imageOf(const cv::Mat& picture)
 }
 
 } // namespace
+
+vtkSmartPointer<vtkActor>
+actorOf(const ViewedMap& map, const ViewState& state)
+{
+  const std::vector<VoxelFace> faces = facesOf(map, state);
+  const auto actor = vtkSmartPointer<vtkLODActor>::New();
+  actor->SetMapper(mapperOf<4>(faces, 1));
+  actor->AddLODMapper(mapperOf<1>(faces, faces.size() / kFewPoints + 1));
+  actor->GetProperty()->LightingOff();
+  actor->GetProperty()->BackfaceCullingOn();
+  actor->GetProperty()->SetPointSize(3.0f);
+  return actor;
+}
 
 vtkSmartPointer<vtkActor>
 actorOf(const Trajectory& path)
@@ -163,94 +319,6 @@ pictureOf(vtkRenderWindow& window)
   cv::cvtColor(rgb, picture, cv::COLOR_RGB2BGR);
   cv::flip(picture, picture, 0);
   return picture;
-}
-
-namespace {
-
-// Drawn while the camera moves, where all faces would take too long.
-constexpr std::size_t kFewPoints = 60000;
-
-// Positions and their colours, and nothing that connects them yet.
-struct Vertices {
-  explicit Vertices(vtkIdType count)
-  {
-    positions->SetNumberOfComponents(3);
-    positions->SetNumberOfTuples(count);
-    colours->SetNumberOfComponents(3);
-    colours->SetNumberOfTuples(count);
-  }
-
-  vtkSmartPointer<vtkPolyDataMapper>
-  mapper(vtkPolyData& data) const
-  {
-    const auto points = vtkSmartPointer<vtkPoints>::New();
-    points->SetData(positions);
-    data.SetPoints(points);
-    data.GetPointData()->SetScalars(colours);
-    auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
-    mapper->SetInputData(&data);
-    return mapper;
-  }
-
-  vtkSmartPointer<vtkFloatArray> positions = vtkSmartPointer<vtkFloatArray>::New();
-  vtkSmartPointer<vtkUnsignedCharArray> colours =
-      vtkSmartPointer<vtkUnsignedCharArray>::New();
-};
-
-vtkSmartPointer<vtkPolyDataMapper>
-mapperOfAll(const std::vector<VoxelFace>& faces)
-{
-  const auto count = vtkIdType(faces.size());
-  const Vertices vertices(4 * count);
-  const auto cells = vtkSmartPointer<vtkCellArray>::New();
-  cells->Use32BitStorage();
-  cells->AllocateExact(count, 4 * count);
-  for (vtkIdType i = 0; i < count; ++i) {
-    const VoxelFace& face = faces[std::size_t(i)];
-    std::memcpy(vertices.positions->GetPointer(12 * i), face.corners.data(),
-                sizeof face.corners);
-    std::memcpy(vertices.colours->GetPointer(12 * i), face.colours.data(),
-                sizeof face.colours);
-    cells->InsertNextCell({4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3});
-  }
-  const auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPolys(cells);
-  return vertices.mapper(*data);
-}
-
-// A corner of some faces, evenly over the map.
-vtkSmartPointer<vtkPolyDataMapper>
-mapperOfFew(const std::vector<VoxelFace>& faces)
-{
-  const std::size_t step = faces.size() / kFewPoints + 1;
-  const auto count = vtkIdType((faces.size() + step - 1) / step);
-  const Vertices vertices(count);
-  const auto cells = vtkSmartPointer<vtkCellArray>::New();
-  for (vtkIdType i = 0; i < count; ++i) {
-    const VoxelFace& face = faces[std::size_t(i) * step];
-    std::memcpy(vertices.positions->GetPointer(3 * i), face.corners.data(),
-                sizeof face.corners[0]);
-    std::memcpy(vertices.colours->GetPointer(3 * i), face.colours.data(),
-                sizeof face.colours[0]);
-    cells->InsertNextCell({i});
-  }
-  const auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetVerts(cells);
-  return vertices.mapper(*data);
-}
-
-} // namespace
-
-vtkSmartPointer<vtkActor>
-actorOf(const std::vector<VoxelFace>& faces)
-{
-  const auto actor = vtkSmartPointer<vtkLODActor>::New();
-  actor->SetMapper(mapperOfAll(faces));
-  actor->AddLODMapper(mapperOfFew(faces));
-  actor->GetProperty()->LightingOff();
-  actor->GetProperty()->BackfaceCullingOn();
-  actor->GetProperty()->SetPointSize(3.0f);
-  return actor;
 }
 
 } // namespace pcl_semantic::tool

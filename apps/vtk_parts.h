@@ -2,7 +2,6 @@
 #pragma once
 
 #include "viewed_map.h"
-#include "voxel_faces.h"
 
 #include <pcl_semantic/io/scene_view.h>
 
@@ -16,9 +15,11 @@ class vtkRenderWindow;
 /** \brief What VTK draws. Colours are as they are given: there is no light. */
 namespace pcl_semantic::tool {
 
-/** \brief The faces; some points instead while the camera moves, where they would take
- * too long. */
-vtkSmartPointer<vtkActor> actorOf(const std::vector<VoxelFace>& faces);
+/** \brief The faces between what is shown of a map and the rest, shaded as the pictures
+ * of maps are: by their orientation and in the corners between voxels. A face that
+ * looks up and lies open has the very colour of its voxel. While the camera moves some
+ * points are drawn instead, where all faces would take too long. */
+vtkSmartPointer<vtkActor> actorOf(const ViewedMap& map, const ViewState& state);
 
 /** \brief The path of a camera, in the red of the pictures. */
 vtkSmartPointer<vtkActor> actorOf(const Trajectory& path);

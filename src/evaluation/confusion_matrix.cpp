@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <sstream>
@@ -25,8 +24,6 @@ ratio(std::uint64_t numerator, std::uint64_t denominator)
                      : std::numeric_limits<double>::quiet_NaN();
 }
 
-/** \brief Refuses a label image of another size or type, or with labels beyond
- * \a largest. */
 void
 checkImage(const cv::Mat& image, const cv::Mat& truth, int largest, const char* name)
 {
@@ -67,8 +64,8 @@ scoresOf(const ConfusionMatrix& confusion, Label label,
   return scores;
 }
 
-/** \brief Mean of a figure over the classes for which \a present holds; a figure that
- * is no number (the precision of a class never predicted) counts as 0. */
+// Over the classes for which `present` holds; a figure that is no number (the precision
+// of a class never predicted) counts as 0.
 template <typename Present>
 double
 meanOf(const std::vector<ClassScores>& classes, double ClassScores::*figure,
@@ -173,44 +170,31 @@ computeScores(const ConfusionMatrix& confusion, const std::vector<Label>& evalua
 
 namespace {
 
-/** \brief A ratio in percent with one decimal; "-" if there is none. */
+// In percent; "-" if there is none.
 std::string
 percent(double ratio)
 {
-  if (std::isnan(ratio))
-    return "-";
-  char text[16];
-  std::snprintf(text, sizeof(text), "%.1f", 100.0 * ratio);
-  return text;
-}
-
-std::string
-padded(const std::string& text, int width)
-{
-  const std::string blanks(std::max(0, width - static_cast<int>(text.size())), ' ');
-  return blanks + text;
+  return std::isnan(ratio) ? "-" : cv::format("%.1f", 100.0 * ratio);
 }
 
 std::string
 tableLine(const std::string& name, int name_width, const ClassScores& scores)
 {
-  std::string line = name + std::string(name_width - name.size(), ' ');
+  std::string line = cv::format("%-*s", name_width, name.c_str());
   for (const double ratio :
        {scores.iou_exclusive, scores.iou_inclusive, scores.recall, scores.precision})
-    line += padded(percent(ratio), 15);
-  return line + padded(std::to_string(scores.pixels), 12) + "\n";
+    line += cv::format("%15s", percent(ratio).c_str());
+  return line + cv::format("%12s\n", std::to_string(scores.pixels).c_str());
 }
 
+// NaN becomes null.
 nlohmann::ordered_json
 jsonOf(const ClassScores& scores)
 {
-  const auto number = [](double ratio) {
-    return std::isnan(ratio) ? nlohmann::ordered_json() : nlohmann::ordered_json(ratio);
-  };
-  return {{"iou_exclusive", number(scores.iou_exclusive)},
-          {"iou_inclusive", number(scores.iou_inclusive)},
-          {"recall", number(scores.recall)},
-          {"precision", number(scores.precision)},
+  return {{"iou_exclusive", scores.iou_exclusive},
+          {"iou_inclusive", scores.iou_inclusive},
+          {"recall", scores.recall},
+          {"precision", scores.precision},
           {"pixels", scores.pixels},
           {"covered_pixels", scores.covered}};
 }
@@ -220,22 +204,20 @@ jsonOf(const ClassScores& scores)
 std::string
 scoresTable(const Scores& scores, const LabelSet& label_set)
 {
-  std::size_t width = std::string("class").size();
+  int width = 5; // of "class"
   for (const ClassScores& row : scores.classes)
-    width = std::max(width, label_set[row.label].name.size());
-  const int name_width = static_cast<int>(width);
-  std::string text = "class" + std::string(name_width - 5, ' ');
-  for (const char* title : {"IoU exclusive", "IoU inclusive", "recall", "precision"})
-    text += padded(title, 15);
-  text += padded("pixels", 12) + "\n";
+    width = std::max(width, static_cast<int>(label_set[row.label].name.size()));
+  std::string text =
+      cv::format("%-*s%15s%15s%15s%15s%12s\n", width, "class", "IoU exclusive",
+                 "IoU inclusive", "recall", "precision", "pixels");
   for (const ClassScores& row : scores.classes)
-    text += tableLine(label_set[row.label].name, name_width, row);
-  text += tableLine("mean", name_width, scores.mean);
-  text += "\nglobal accuracy         " + padded(percent(scores.global_accuracy), 6);
-  text +=
-      "\nfrequency-weighted IoU  " + padded(percent(scores.frequency_weighted_iou), 6);
-  text += "\ncoverage                " + padded(percent(scores.coverage), 6) + "\n";
-  return text;
+    text += tableLine(label_set[row.label].name, width, row);
+  return text + tableLine("mean", width, scores.mean) +
+         cv::format("\nglobal accuracy         %6s\nfrequency-weighted IoU  %6s\n"
+                    "coverage                %6s\n",
+                    percent(scores.global_accuracy).c_str(),
+                    percent(scores.frequency_weighted_iou).c_str(),
+                    percent(scores.coverage).c_str());
 }
 
 std::string

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 
@@ -22,10 +21,9 @@ namespace {
 std::vector<double>
 checkedBands(const std::vector<double>& bands)
 {
-  bool grow = bands.size() > 1 && bands.front() >= 0.0;
-  for (std::size_t i = 1; i < bands.size(); ++i)
-    grow = grow && bands[i] > bands[i - 1];
-  if (!grow)
+  if (bands.size() < 2 || !(bands.front() >= 0.0) ||
+      std::adjacent_find(bands.begin(), bands.end(),
+                         [](double a, double b) { return !(b > a); }) != bands.end())
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "borders of the bands have to grow from 0 or more");
   return bands;
@@ -219,32 +217,28 @@ namespace {
 std::string
 rounded(double value, int decimals)
 {
-  if (!std::isfinite(value))
-    return "-";
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.*f", decimals, value);
-  return text;
-}
-
-std::string
-shortest(double value)
-{
-  char text[32];
-  std::snprintf(text, sizeof(text), "%g", value);
-  return text;
+  return std::isfinite(value) ? cv::format("%.*f", decimals, value) : "-";
 }
 
 std::string
 bandName(const GeometryParameters& parameters, std::size_t band)
 {
-  return shortest(parameters.bands[band]) + "-" + shortest(parameters.bands[band + 1]) +
-         " m";
+  return cv::format("%g-%g m", parameters.bands[band], parameters.bands[band + 1]);
 }
 
 double
 fraction(std::uint64_t part, std::uint64_t whole)
 {
   return double(part) / double(whole); // 0 / 0 is NaN
+}
+
+// Fractions in a voxel, next to one, and near one [%].
+std::string
+fractionsOf(const SurfaceCounts& band)
+{
+  return rounded(100.0 * fraction(band.at, band.points), 1) + " / " +
+         rounded(100.0 * fraction(band.adjacent, band.points), 1) + " / " +
+         rounded(100.0 * fraction(band.within, band.points), 1);
 }
 
 } // namespace
@@ -262,16 +256,11 @@ geometryTable(const GeometrySamples& samples, const GeometryParameters& paramete
   for (std::size_t i = 0; i < scores.fractions.size(); ++i)
     text += "  to " + rounded(GeometryScores::limits[i], 1) + " m  " +
             rounded(100.0 * scores.fractions[i], 1) + " %\n";
-  text += "\nreturns in a voxel / next to one / within " + shortest(parameters.within) +
-          " m of one\n";
-  for (std::size_t i = 0; i < samples.surface.size(); ++i) {
-    const SurfaceCounts& band = samples.surface[i];
-    text += "  " + bandName(parameters, i) + ": " +
-            rounded(100.0 * fraction(band.at, band.points), 1) + " / " +
-            rounded(100.0 * fraction(band.adjacent, band.points), 1) + " / " +
-            rounded(100.0 * fraction(band.within, band.points), 1) + " % of " +
-            std::to_string(band.points) + "\n";
-  }
+  text += "\nreturns in a voxel / next to one / within " +
+          cv::format("%g", parameters.within) + " m of one\n";
+  for (std::size_t i = 0; i < samples.surface.size(); ++i)
+    text += "  " + bandName(parameters, i) + ": " + fractionsOf(samples.surface[i]) +
+            " % of " + std::to_string(samples.surface[i].points) + "\n";
   return text;
 }
 
@@ -301,13 +290,10 @@ geometryMarkdownRow(const GeometrySamples& samples,
     text += " " + rounded(100.0 * distance, 1) + " |";
   for (const double part : scores.fractions)
     text += " " + rounded(100.0 * part, 1) + " |";
-  for (std::size_t i = 0; i + 1 < parameters.bands.size(); ++i) {
-    const SurfaceCounts band =
-        i < samples.surface.size() ? samples.surface[i] : SurfaceCounts();
-    text += " " + rounded(100.0 * fraction(band.at, band.points), 1) + " / " +
-            rounded(100.0 * fraction(band.adjacent, band.points), 1) + " / " +
-            rounded(100.0 * fraction(band.within, band.points), 1) + " |";
-  }
+  std::vector<SurfaceCounts> surface = samples.surface;
+  surface.resize(parameters.bands.size() - 1);
+  for (const SurfaceCounts& band : surface)
+    text += " " + fractionsOf(band) + " |";
   return text + "\n";
 }
 

@@ -5,9 +5,10 @@
 #include <pcl_semantic/evaluation/trajectory_error.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace pcl_semantic {
 
@@ -153,15 +154,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <typename... Values>
-std::string
-formatted(const char* format, Values... values)
-{
-  char line[160];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
-
 double
 percent(const SegmentErrors& each)
 {
@@ -177,8 +169,8 @@ degrees(const SegmentErrors& each)
 std::string
 lineOf(const char* name, const AbsoluteErrors& errors)
 {
-  return formatted("%-16s mean %.4f m, rms %.4f m, largest %.4f m, last %.4f m\n", name,
-                   errors.mean, errors.rms, errors.largest, errors.last);
+  return cv::format("%-16s mean %.4f m, rms %.4f m, largest %.4f m, last %.4f m\n",
+                    name, errors.mean, errors.rms, errors.largest, errors.last);
 }
 
 Json
@@ -196,16 +188,16 @@ std::string
 trajectoryTable(const TrajectoryErrors& errors)
 {
   std::string text =
-      formatted("%zu poses, %.1f m\n\n%8s %9s %14s %16s\n", errors.poses, errors.length,
-                "length", "pieces", "translation %", "rotation deg/m");
+      cv::format("%zu poses, %.1f m\n\n%8s %9s %14s %16s\n", errors.poses,
+                 errors.length, "length", "pieces", "translation %", "rotation deg/m");
   for (const SegmentErrors& each : errors.pieces) {
     const std::string name =
-        each.length > 0.0 ? formatted("%g m", each.length) : std::string("all");
+        each.length > 0.0 ? cv::format("%g m", each.length) : std::string("all");
     if (each.segments > 0)
-      text += formatted("%8s %9zu %14.4f %16.5f\n", name.c_str(), each.segments,
-                        percent(each), degrees(each));
+      text += cv::format("%8s %9zu %14.4f %16.5f\n", name.c_str(), each.segments,
+                         percent(each), degrees(each));
     else
-      text += formatted("%8s %9zu %14s %16s\n", name.c_str(), each.segments, "-", "-");
+      text += cv::format("%8s %9zu %14s %16s\n", name.c_str(), each.segments, "-", "-");
   }
   return text + "\n" + lineOf("from the start:", errors.from_start) +
          lineOf("aligned:", errors.aligned);

@@ -5,21 +5,13 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace pcl_semantic {
 
 namespace {
-
-constexpr std::int32_t block_edge = 8; // voxels
-
-VoxelIndex
-lookupBlockOf(const VoxelIndex& index)
-{
-  return {floorDivide(index.x(), block_edge), floorDivide(index.y(), block_edge),
-          floorDivide(index.z(), block_edge)};
-}
 
 // Visits the indices of a box, both corners included, by z, y, x.
 template <typename Visit>
@@ -68,7 +60,7 @@ VoxelLookup::VoxelLookup(const VoxelCloud& voxels) : voxel_size_(voxels.voxel_si
   indices_.reserve(voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     indices_.emplace(voxels.indices[i], static_cast<std::int32_t>(i));
-    blocks_.insert(lookupBlockOf(voxels.indices[i]));
+    blocks_.insert(blockOf(voxels.indices[i]));
   }
 }
 
@@ -95,11 +87,11 @@ VoxelLookup::nearest(const Eigen::Vector3d& point, double within) const
   const VoxelIndex last = indexOf(point.array() + within, voxel_size_);
   double least = std::nextafter(within * within, 1e300);
   VoxelIndex best = VoxelIndex::Constant(std::numeric_limits<int>::max());
-  visitBox(lookupBlockOf(first), lookupBlockOf(last), [&](const VoxelIndex& block) {
+  visitBox(blockOf(first), blockOf(last), [&](const VoxelIndex& block) {
     if (blocks_.count(block)) // most are empty
       nearestInBlock(
-          point, first.cwiseMax(block * block_edge),
-          last.cwiseMin(block * block_edge + VoxelIndex::Constant(block_edge - 1)),
+          point, first.cwiseMax(block * kBlockEdge),
+          last.cwiseMin(block * kBlockEdge + VoxelIndex::Constant(kBlockEdge - 1)),
           least, best);
   });
   return find(best);
@@ -143,21 +135,19 @@ MapLabels::MapLabels(const VoxelCloud& voxels) : lookup(voxels)
 std::vector<Label>
 labelsAt(const std::vector<std::int32_t>& indices, const std::vector<Label>& labels)
 {
-  std::vector<Label> result;
-  result.reserve(indices.size());
-  for (const std::int32_t index : indices)
-    result.push_back(labelAt(index, labels));
+  std::vector<Label> result(indices.size());
+  std::transform(indices.begin(), indices.end(), result.begin(),
+                 [&](std::int32_t index) { return labelAt(index, labels); });
   return result;
 }
 
 cv::Mat
 labelsAt(const cv::Mat& indices, const std::vector<Label>& labels)
 {
-  cv::Mat result(indices.size(), CV_8UC1);
-  for (int row = 0; row < indices.rows; ++row)
-    for (int column = 0; column < indices.cols; ++column)
-      result.at<Label>(row, column) =
-          labelAt(indices.at<std::int32_t>(row, column), labels);
+  cv::Mat1b result(indices.size());
+  std::transform(indices.begin<std::int32_t>(), indices.end<std::int32_t>(),
+                 result.begin(),
+                 [&](std::int32_t index) { return labelAt(index, labels); });
   return result;
 }
 

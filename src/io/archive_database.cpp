@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_database.h"
-#include "archive_file.h"
 #include "block_encoding.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <sstream>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace pcl_semantic {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -24,23 +33,109 @@ const std::vector<std::string> tables = {
     "CREATE TABLE meta(name TEXT PRIMARY KEY, value BLOB NOT NULL) STRICT, WITHOUT "
     "ROWID"};
 
+Bytes
+unseal(std::string_view sealed, std::size_t max_size)
+{
+  return pcl_semantic::unseal(sealed.data(), sealed.size(), max_size);
+}
+
+void
+requireReadableFile(const std::string& path)
+{
+  std::error_code error;
+  if (fs::is_directory(path, error))
+    PCL_THROW_EXCEPTION(BadInputException, path << ": is a folder, expected a file");
+  // Not by opening it: closing it again would drop the locks that SQLite holds on the
+  // file in this process.
+  if (::access(path.c_str(), R_OK) != 0)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path << ": cannot be read: " << std::strerror(errno));
+}
+
+void
+refuseExisting(const std::string& path)
+{
+  std::error_code error;
+  if (fs::exists(path, error))
+    PCL_THROW_EXCEPTION(OutputException, path << ": is there already");
+  for (const char* const ending : {"-wal", "-journal"})
+    if (fs::exists(path + ending, error))
+      PCL_THROW_EXCEPTION(OutputException,
+                          path + ending << ": is left of an earlier archive of that "
+                                           "name; remove it");
+}
+
+// Never over a file that has appeared meanwhile; some file systems cannot promise that.
+void
+rename(const std::string& from, const std::string& to)
+{
+  int result =
+      ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE);
+  if (result != 0 && (errno == EINVAL || errno == ENOSYS)) {
+    refuseExisting(to);
+    result = ::rename(from.c_str(), to.c_str());
+  }
+  if (result != 0)
+    PCL_THROW_EXCEPTION(OutputException,
+                        to << ": cannot be written: " << std::strerror(errno));
+}
+
+// Removes what was made if it has not got its name.
+struct Temporary {
+  explicit Temporary(const fs::path& path)
+      : name(path.parent_path() / ("." + path.filename().string() + "." +
+                                   std::to_string(::getpid()) + ".tmp"))
+  {
+    remove();
+  }
+
+  ~Temporary() { remove(); }
+
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+
+  void
+  remove() const
+  {
+    std::error_code ignored;
+    for (const char* const ending : {"", "-wal", "-shm", "-journal"})
+      fs::remove(name + ending, ignored);
+  }
+
+  const std::string name;
+};
+
 } // namespace
 
 struct ArchiveDatabase::Statements {
-  explicit Statements(SqliteDatabase& database)
-      : put_meta(database, "INSERT OR REPLACE INTO meta VALUES(?, ?)"),
-        get_meta(database, "SELECT value FROM meta WHERE name = ?"),
-        put_frame(database, "INSERT OR REPLACE INTO frames VALUES(?, ?)"),
-        put_block(database,
-                  "INSERT INTO blocks(z, y, x, content) VALUES(?, ?, ?, ?) "
-                  "ON CONFLICT(z, y, x) DO UPDATE SET content = excluded.content"),
-        get_block(database,
-                  "SELECT content FROM blocks WHERE z = ? AND y = ? AND x = ?")
-  {}
-
-  SqliteStatement put_meta, get_meta, put_frame, put_block, get_block;
-  Sealer sealer;
+  SqliteDatabase& database;
+  SqliteStatement put_block{
+      database, "INSERT INTO blocks(z, y, x, content) VALUES(?, ?, ?, ?) "
+                "ON CONFLICT(z, y, x) DO UPDATE SET content = excluded.content"};
+  SqliteStatement get_block{
+      database, "SELECT content FROM blocks WHERE z = ? AND y = ? AND x = ?"};
+  Sealer sealer{};
 };
+
+void
+makeArchiveFile(const std::string& path,
+                const std::function<void(const std::string&)>& make)
+{
+  refuseExisting(path);
+  const Temporary temporary(path);
+  try {
+    make(temporary.name);
+  }
+  catch (const OutputException& error) {
+    std::string message = error.what();
+    const std::size_t at = message.find(temporary.name);
+    if (at != std::string::npos)
+      message.replace(at, temporary.name.size(), path);
+    PCL_THROW_EXCEPTION(OutputException, message);
+  }
+  rename(temporary.name, path);
+  synchronizeFolderOf(path);
+}
 
 std::string
 nameOfBlock(const VoxelIndex& index)
@@ -54,25 +149,28 @@ ArchiveDatabase::create(const std::string& path,
                         const std::function<void(ArchiveDatabase&)>& fill)
 {
   makeArchiveFile(path, [&](const std::string& temporary) {
-    ArchiveDatabase archive(temporary, true);
+    ArchiveDatabase archive(temporary);
     fill(archive);
     archive.database_.run("COMMIT");
   });
 }
 
-ArchiveDatabase::ArchiveDatabase(const std::string& path, bool)
-    : database_(path, Access::create), access_(Access::create)
+ArchiveDatabase::ArchiveDatabase(const std::string& path)
+    : database_(path, Access::create)
 {
-  database_.run("PRAGMA page_size = 4096; BEGIN IMMEDIATE");
-  makeTables();
-  statements_ = std::make_shared<Statements>(database_);
+  database_.run("PRAGMA page_size = 4096; BEGIN IMMEDIATE; " +
+                SqliteDatabase::markingAs(SqliteDatabase::whole) +
+                "; PRAGMA user_version = " + std::to_string(kVersion));
+  for (const std::string& table : tables)
+    database_.run(table);
+  statements_.reset(new Statements{database_});
 }
 
 ArchiveDatabase::ArchiveDatabase(const std::string& path, Access access)
-    : database_((requireReadableFile(path), path), access), access_(access)
+    : database_((requireReadableFile(path), path), access)
 {
   checkTables();
-  if (access_ == Access::read)
+  if (access == Access::read)
     database_.run("BEGIN");
   else {
     if (!database_.splitLog())
@@ -82,17 +180,10 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path, Access access)
     database_.run("PRAGMA synchronous = FULL; PRAGMA wal_autocheckpoint = 1000; PRAGMA "
                   "journal_size_limit = 67108864; BEGIN IMMEDIATE");
   }
-  statements_ = std::make_shared<Statements>(database_);
+  statements_.reset(new Statements{database_});
 }
 
-void
-ArchiveDatabase::makeTables()
-{
-  database_.run("PRAGMA application_id = " + std::to_string(SqliteDatabase::whole) +
-                "; PRAGMA user_version = " + std::to_string(kVersion));
-  for (const std::string& table : tables)
-    database_.run(table);
-}
+ArchiveDatabase::~ArchiveDatabase() = default;
 
 void
 ArchiveDatabase::checkTables()
@@ -109,8 +200,7 @@ ArchiveDatabase::checkTables()
   SqliteStatement schema(
       database_, "SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY name");
   std::vector<std::string> found;
-  while (schema.step())
-    found.emplace_back(schema.bytes(0));
+  schema.forEachRow([&] { found.emplace_back(schema.bytes(0)); });
   if (version != kVersion || found != tables)
     PCL_THROW_EXCEPTION(BadInputException,
                         path() << ": is damaged: its tables are not those of version "
@@ -141,30 +231,27 @@ ArchiveDatabase::putMeta(const std::string& name, const Bytes& content)
   if (writer.bytes().size() > kMaxMeta)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         path() << ": '" << name << "' is too large");
-  const Bytes sealed = statements_->sealer.seal(writer.bytes());
-  const SqliteReset reset(statements_->put_meta);
-  statements_->put_meta.bindText(1, name);
-  statements_->put_meta.bindBytes(2, sealed);
-  statements_->put_meta.step();
+  SqliteStatement(database_, "INSERT OR REPLACE INTO meta VALUES(?, ?)")
+      .run(name, statements_->sealer.seal(writer.bytes()));
 }
 
-Bytes
-ArchiveDatabase::getMeta(const std::string& name)
+void
+ArchiveDatabase::getMeta(const std::string& name,
+                         const std::function<void(const Bytes&)>& decode)
 {
-  SqliteStatement& row = statements_->get_meta;
-  const SqliteReset reset(row);
-  row.bindText(1, name);
-  if (!row.step())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path() << ": is damaged: has no '" << name << "'");
-  return readAt(path() + ": '" + name + "'", [&] {
-    const std::string_view sealed = row.bytes(0);
-    const Bytes content = unseal(sealed.data(), sealed.size(), kMaxMeta);
-    ByteReader reader(content);
+  SqliteStatement row(database_, "SELECT value FROM meta WHERE name = ?");
+  std::optional<Bytes> content;
+  const auto read = [&] {
+    content = unseal(row.bytes(0), kMaxMeta);
+    ByteReader reader(*content);
     if (reader.getText() != name)
       PCL_THROW_EXCEPTION(BadInputException, "holds something else");
-    return reader.getRest();
-  });
+    decode(reader.getRest());
+  };
+  row.forEachRow([&] { readAt(path() + ": '" + name + "'", read); }, name);
+  if (!content)
+    PCL_THROW_EXCEPTION(BadInputException,
+                        path() << ": is damaged: has no '" << name << "'");
 }
 
 void
@@ -173,11 +260,8 @@ ArchiveDatabase::putFrame(int number, const Bytes& content)
   ByteWriter writer;
   writer.put(std::int64_t(number));
   writer.putBytes(content);
-  const Bytes sealed = statements_->sealer.seal(writer.bytes());
-  const SqliteReset reset(statements_->put_frame);
-  statements_->put_frame.bind(1, number);
-  statements_->put_frame.bindBytes(2, sealed);
-  statements_->put_frame.step();
+  SqliteStatement(database_, "INSERT OR REPLACE INTO frames VALUES(?, ?)")
+      .run(number, statements_->sealer.seal(writer.bytes()));
 }
 
 std::uint64_t
@@ -196,50 +280,39 @@ void
 ArchiveDatabase::forEachFrame(const std::function<void(int, const Bytes&)>& visit)
 {
   SqliteStatement row(database_, "SELECT number, value FROM frames ORDER BY number");
-  while (row.step()) {
+  row.forEachRow([&] {
     const std::int64_t number = row.integer(0);
     readAt(path() + ": frame " + std::to_string(number), [&] {
-      const std::string_view sealed = row.bytes(1);
-      const Bytes content = unseal(sealed.data(), sealed.size(), kMaxFrame);
+      const Bytes content = unseal(row.bytes(1), kMaxFrame);
       ByteReader reader(content);
       if (reader.get<std::int64_t>() != number || int(number) != number)
         PCL_THROW_EXCEPTION(BadInputException, "holds another frame");
       visit(int(number), reader.getRest());
     });
-  }
+  });
 }
 
 void
 ArchiveDatabase::putBlock(const VoxelIndex& index, const Bytes& sealed)
 {
-  SqliteStatement& row = statements_->put_block;
-  const SqliteReset reset(row);
-  row.bind(1, index.z());
-  row.bind(2, index.y());
-  row.bind(3, index.x());
-  row.bindBytes(4, sealed);
-  row.step();
+  statements_->put_block.run(index.z(), index.y(), index.x(), sealed);
 }
 
 std::optional<Bytes>
 ArchiveDatabase::getBlock(const VoxelIndex& index)
 {
   SqliteStatement& row = statements_->get_block;
-  const SqliteReset reset(row);
-  row.bind(1, index.z());
-  row.bind(2, index.y());
-  row.bind(3, index.x());
-  if (!row.step())
-    return std::nullopt;
-  const std::string_view sealed = row.bytes(0);
-  return unsealBlock(index, {sealed.begin(), sealed.end()});
+  std::optional<Bytes> content;
+  row.forEachRow([&] { content = unsealBlock(index, row.bytes(0)); }, index.z(),
+                 index.y(), index.x());
+  return content;
 }
 
 Bytes
-ArchiveDatabase::unsealBlock(const VoxelIndex& index, const Bytes& sealed) const
+ArchiveDatabase::unsealBlock(const VoxelIndex& index, std::string_view sealed) const
 {
   return readAt(path() + ": " + nameOfBlock(index),
-                [&] { return unseal(sealed.data(), sealed.size(), kMaxBlock); });
+                [&] { return unseal(sealed, kMaxBlock); });
 }
 
 VoxelIndex
@@ -258,8 +331,7 @@ void
 ArchiveDatabase::forEachBlockKey(const std::function<void(const VoxelIndex&)>& visit)
 {
   SqliteStatement row(database_, "SELECT z, y, x FROM blocks ORDER BY z, y, x");
-  while (row.step())
-    visit(keyOf(row));
+  row.forEachRow([&] { visit(keyOf(row)); });
 }
 
 void
@@ -268,8 +340,7 @@ ArchiveDatabase::forEachBlock(
 {
   SqliteStatement row(database_,
                       "SELECT z, y, x, content FROM blocks ORDER BY z, y, x");
-  while (row.step())
-    visit(keyOf(row), row.bytes(3));
+  row.forEachRow([&] { visit(keyOf(row), row.bytes(3)); });
 }
 
 std::vector<std::string>
@@ -277,12 +348,12 @@ ArchiveDatabase::integrityFaults()
 {
   SqliteStatement check(database_, "PRAGMA integrity_check");
   std::vector<std::string> faults;
-  while (check.step()) {
+  check.forEachRow([&] {
     std::istringstream lines{std::string(check.bytes(0))};
     for (std::string line; std::getline(lines, line);)
       if (line != "ok" && line.rfind("***", 0) != 0) // a title
         faults.push_back(line);
-  }
+  });
   return faults;
 }
 

@@ -30,6 +30,7 @@ public:
                      const std::function<void(ArchiveDatabase&)>& fill);
 
   ArchiveDatabase(const std::string& path, Access access);
+  ~ArchiveDatabase();
 
   /** \brief Ends the transaction, and begins the next. */
   void commit();
@@ -39,7 +40,10 @@ public:
   bool close();
 
   void putMeta(const std::string& name, const Bytes& content);
-  Bytes getMeta(const std::string& name);
+
+  /** \brief Calls \a decode with what was put. */
+  void getMeta(const std::string& name,
+               const std::function<void(const Bytes&)>& decode);
 
   void putFrame(int number, const Bytes& content);
   void forEachFrame(const std::function<void(int, const Bytes&)>& visit);
@@ -57,12 +61,12 @@ public:
   /** \brief Visits the keys of the blocks in the order z, y, x. */
   void forEachBlockKey(const std::function<void(const VoxelIndex&)>& visit);
 
-  /** \brief What was sealed as that block. */
-  Bytes unsealBlock(const VoxelIndex& index, const Bytes& sealed) const;
-
   /** \brief Visits the blocks in that order, each with what was put. */
   void
   forEachBlock(const std::function<void(const VoxelIndex&, std::string_view)>& visit);
+
+  /** \brief What was sealed as that block. */
+  Bytes unsealBlock(const VoxelIndex& index, std::string_view sealed) const;
 
   /** \brief What SQLite itself finds wrong with the file, a line each. */
   std::vector<std::string> integrityFaults();
@@ -74,19 +78,24 @@ public:
   }
 
 private:
-  ArchiveDatabase(const std::string& path, bool make);
+  struct Statements;
 
-  void makeTables();
+  explicit ArchiveDatabase(const std::string& path);
 
   void checkTables();
-
   VoxelIndex keyOf(const SqliteStatement& row) const;
 
   SqliteDatabase database_;
-  Access access_;
-  struct Statements;
-  std::shared_ptr<Statements> statements_;
+  std::unique_ptr<Statements> statements_;
 };
+
+/** \brief Makes an archive that appears under its name whole or not at all.
+ * \param[in] make makes a file of the name that it is given
+ * \throws OutputException if there is one already, or remains of one, which SQLite
+ * would take for a part of the new one; of what \a make throws, the name is put right
+ */
+void makeArchiveFile(const std::string& path,
+                     const std::function<void(const std::string&)>& make);
 
 /** \brief Text of a key for messages: "block 1 -2 3" (x y z). */
 std::string nameOfBlock(const VoxelIndex& index);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "archive_file.h"
-#include "block_counter.h"
+#include "archive_database.h"
 #include "map/voxel_fusion.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -9,20 +8,14 @@
 #include <pcl_semantic/map/semantic_voxel.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <tuple>
 #include <vector>
 
 namespace pcl_semantic {
-
-/** \brief What several maps know of the same block taken together, in whatever order:
- * log-odds and label logs are added and clamped, where what is unknown adds nothing;
- * colours and counts are summed. A refined distribution is kept where only one map has
- * hit the voxel; of several it is no longer what a CRF would conclude.
- * \param[in] classes L, of all of them */
-VoxelBlock mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
-                       const FusionParameters& fusion);
 
 namespace {
 
@@ -33,8 +26,8 @@ constexpr std::uint32_t kMaxColourCount = 1u << 22; // as when pixels are fused
 
 // What one map knows of a voxel that it has hit.
 struct Source {
-  const VoxelBlock* block;
-  std::size_t record;
+  const VoxelRecord* record;
+  const float *measured, *refined; // L values
 };
 
 std::uint32_t
@@ -67,7 +60,7 @@ mergeRecords(const std::vector<Source>& sources)
 {
   std::uint64_t colour[3] = {}, colours = 0, observations = 0, labels = 0;
   for (const Source& source : sources) {
-    const VoxelRecord& record = source.block->records[source.record];
+    const VoxelRecord& record = *source.record;
     for (int channel = 0; channel < 3; ++channel)
       colour[channel] += record.colour_sum[std::size_t(channel)];
     colours += record.colour_count;
@@ -89,16 +82,15 @@ void
 mergeMeasured(const std::vector<Source>& sources, int classes, double log_ratio,
               float* merged)
 {
-  std::vector<std::int64_t> sums(std::size_t(classes), 0);
+  std::array<std::int64_t, 256> sums{};
   for (const Source& source : sources) {
-    const float* const measured =
-        source.block->measured.data() + source.record * std::size_t(classes);
-    for (std::size_t k = 0; k < sums.size(); ++k)
-      sums[k] +=
-          std::llround(std::clamp(double(measured[k]), -log_ratio, 0.0) * kLogScale);
+    for (std::size_t k = 0; k < std::size_t(classes); ++k) {
+      const double log = std::clamp(double(source.measured[k]), -log_ratio, 0.0);
+      sums[k] += std::llround(log * kLogScale);
+    }
   }
-  const std::int64_t largest = *std::max_element(sums.begin(), sums.end());
-  for (std::size_t k = 0; k < sums.size(); ++k)
+  const std::int64_t largest = *std::max_element(sums.begin(), sums.begin() + classes);
+  for (std::size_t k = 0; k < std::size_t(classes); ++k)
     merged[k] = float(std::max(double(sums[k] - largest) / kLogScale, -log_ratio));
 }
 
@@ -110,26 +102,20 @@ mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
   const auto record = static_cast<std::size_t>(merged.makeRecord(offset, classes));
   merged.records[record] = mergeRecords(sources);
   float* const measured = merged.measured.data() + record * count;
-  std::vector<Source> labelled = sources;
-  labelled.erase(
-      std::remove_if(labelled.begin(), labelled.end(),
-                     [](const Source& source) {
-                       return source.block->records[source.record].label_observations ==
-                              0;
-                     }),
-      labelled.end());
+  std::vector<Source> labelled;
+  for (const Source& source : sources)
+    if (source.record->label_observations > 0)
+      labelled.push_back(source);
   if (labelled.size() == 1) // without rounding
-    std::copy_n(labelled[0].block->measured.data() + labelled[0].record * count, count,
-                measured);
+    std::copy_n(labelled[0].measured, count, measured);
   else if (labelled.size() > 1)
     mergeMeasured(labelled, classes, std::log(fusion.label_max_ratio), measured);
   if (sources.size() == 1)
-    std::copy_n(sources[0].block->refined.data() + sources[0].record * count, count,
-                merged.refined.data() + record * count);
+    std::copy_n(sources[0].refined, count, merged.refined.data() + record * count);
 }
 
-} // namespace
-
+// What several maps know of the same block taken together, see mergeArchives(). A
+// refined distribution of several is no longer what a CRF would conclude.
 VoxelBlock
 mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
             const FusionParameters& fusion)
@@ -141,15 +127,15 @@ mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
         mergeLogOdds(blocks, std::size_t(offset), fusion);
     sources.clear();
     for (const VoxelBlock* const block : blocks)
-      if (block->recordAt(offset) != VoxelBlock::kNoRecord)
-        sources.push_back({block, std::size_t(block->recordAt(offset))});
+      if (const int record = block->recordAt(offset); record != VoxelBlock::kNoRecord)
+        sources.push_back({&block->records[std::size_t(record)],
+                           block->measured.data() + record * classes,
+                           block->refined.data() + record * classes});
     if (!sources.empty())
       mergeVoxel(sources, offset, classes, fusion, merged);
   }
   return merged;
 }
-
-namespace {
 
 using Archives = std::vector<std::unique_ptr<MapArchive>>;
 
@@ -191,24 +177,22 @@ requireSame(const MapArchive& first, const MapArchive& other)
 ArchiveHeader
 headerOf(const Archives& archives)
 {
+  std::vector<const MapArchive*> by_name;
+  for (const auto& archive : archives)
+    by_name.push_back(archive.get());
+  std::sort(by_name.begin(), by_name.end(),
+            [](const auto* a, const auto* b) { return a->path() < b->path(); });
   // What the result does not depend on is that of the first name.
-  ArchiveHeader header = (*std::min_element(archives.begin(), archives.end(),
-                                            [](const auto& a, const auto& b) {
-                                              return a->path() < b->path();
-                                            }))
-                             ->header();
-  std::vector<std::string> names;
-  for (const auto& archive : archives) {
-    const MapParameters& parameters = archive->header().parameters;
+  ArchiveHeader header = by_name.front()->header();
+  header.configuration.clear();
+  for (std::size_t i = 0; i < by_name.size(); ++i) {
+    const MapParameters& parameters = by_name[i]->header().parameters;
     header.parameters.window = header.parameters.window.cwiseMax(parameters.window);
     header.parameters.max_range =
         std::max(header.parameters.max_range, parameters.max_range);
-    names.push_back(archive->path());
+    header.configuration +=
+        "merged_" + std::to_string(i + 1) + ": " + by_name[i]->path() + "\n";
   }
-  std::sort(names.begin(), names.end());
-  header.configuration.clear();
-  for (std::size_t i = 0; i < names.size(); ++i)
-    header.configuration += "merged_" + std::to_string(i + 1) + ": " + names[i] + "\n";
   return header;
 }
 
@@ -234,11 +218,11 @@ stateOf(const Archives& archives)
 // before it has.
 void
 mergeBlocksOf(const Archives& archives, std::size_t i, MapArchive& merged,
-              BlockCounter& counter)
+              const std::function<void()>& step)
 {
   const ArchiveHeader& header = merged.header();
   archives[i]->forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-    counter.step();
+    step();
     if (merged.contains(index))
       return;
     std::vector<std::unique_ptr<VoxelBlock>> others;
@@ -273,12 +257,16 @@ mergeArchives(const std::vector<std::string>& inputs, const std::string& output,
   std::size_t inputs_blocks = 0;
   for (const auto& archive : archives)
     inputs_blocks += archive->state().blocks;
-  BlockCounter counter(progress, inputs_blocks);
+  std::size_t done = 0;
+  const auto step = [&] {
+    if (progress)
+      progress(++done, inputs_blocks);
+  };
   std::uint64_t blocks = 0;
   makeArchiveFile(output, [&](const std::string& temporary) {
     const auto merged = MapArchive::create(temporary, headerOf(archives));
     for (std::size_t i = 0; i < archives.size(); ++i)
-      mergeBlocksOf(archives, i, *merged, counter);
+      mergeBlocksOf(archives, i, *merged, step);
     merged->commit(stateOf(archives));
     blocks = merged->state().blocks;
     merged->close();

@@ -89,16 +89,15 @@ encodeParameters(const MapParameters& parameters)
   const NamedValues values = valuesOf(copy);
   ByteWriter writer;
   writer.put(static_cast<std::uint32_t>(values.size() + 3));
-  for (const auto& [name, value] : values) {
+  const auto put = [&](const std::string& name, double value) {
     writer.putText(name);
-    writer.put(*value);
-  }
-  writer.putText("pixel_fusion");
-  writer.put(static_cast<double>(parameters.fusion.pixel_fusion));
-  writer.putText("per_ray_counting");
-  writer.put(static_cast<double>(parameters.fusion.per_ray_counting));
-  writer.putText("clearing");
-  writer.put(static_cast<double>(parameters.fusion.clearing));
+    writer.put(value);
+  };
+  for (const auto& [name, value] : values)
+    put(name, *value);
+  put("pixel_fusion", static_cast<double>(parameters.fusion.pixel_fusion));
+  put("per_ray_counting", parameters.fusion.per_ray_counting);
+  put("clearing", static_cast<double>(parameters.fusion.clearing));
   return writer.bytes();
 }
 
@@ -169,24 +168,22 @@ decodeState(const Bytes& bytes)
   return state;
 }
 
-template <typename Decode>
-auto
-readMeta(ArchiveDatabase& database, const std::string& name, Decode decode)
-{
-  const Bytes content = database.getMeta(name);
-  return readAt(database.path() + ": '" + name + "'", [&] { return decode(content); });
-}
-
 } // namespace
 
 ArchiveHeader
 readHeader(ArchiveDatabase& database)
 {
-  return {readMeta(database, "label_set", decodeLabelSet),
-          readMeta(database, "parameters", decodeParameters),
-          readMeta(database, "configuration", [](const Bytes& bytes) {
-            return std::string(bytes.begin(), bytes.end());
-          })};
+  ArchiveHeader header;
+  database.getMeta("label_set", [&](const Bytes& bytes) {
+    header.label_set = decodeLabelSet(bytes);
+  });
+  database.getMeta("parameters", [&](const Bytes& bytes) {
+    header.parameters = decodeParameters(bytes);
+  });
+  database.getMeta("configuration", [&](const Bytes& bytes) {
+    header.configuration.assign(bytes.begin(), bytes.end());
+  });
+  return header;
 }
 
 void
@@ -201,7 +198,9 @@ writeHeader(ArchiveDatabase& database, const ArchiveHeader& header)
 ArchiveState
 readState(ArchiveDatabase& database)
 {
-  return readMeta(database, "state", decodeState);
+  ArchiveState state;
+  database.getMeta("state", [&](const Bytes& bytes) { state = decodeState(bytes); });
+  return state;
 }
 
 void

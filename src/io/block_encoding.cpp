@@ -39,20 +39,13 @@ checkBlock(const VoxelBlock& block, int classes)
 }
 
 // The numbers of a record, in the order of their columns.
-std::array<std::uint32_t, kRecordNumbers>
-numbersOf(const VoxelRecord& record)
+template <typename Record>
+auto
+numbersOf(Record& record)
 {
-  return {record.colour_sum[0], record.colour_sum[1], record.colour_sum[2],
-          record.colour_count,  record.observations,  record.label_observations};
-}
-
-void
-setNumber(VoxelRecord& record, std::size_t column, std::uint32_t value)
-{
-  std::uint32_t* const numbers[] = {&record.colour_sum[0], &record.colour_sum[1],
-                                    &record.colour_sum[2], &record.colour_count,
-                                    &record.observations,  &record.label_observations};
-  *numbers[column] = value;
+  return std::array{&record.colour_sum[0], &record.colour_sum[1],
+                    &record.colour_sum[2], &record.colour_count,
+                    &record.observations,  &record.label_observations};
 }
 
 void
@@ -97,7 +90,7 @@ putRecords(const VoxelBlock& block, int classes, ByteWriter& writer)
   Numbers column(order.size());
   for (std::size_t c = 0; c < kRecordNumbers; ++c) {
     for (std::size_t i = 0; i < order.size(); ++i)
-      column[i] = numbersOf(block.records[std::size_t(order[i])])[c];
+      column[i] = *numbersOf(block.records[std::size_t(order[i])])[c];
     writer.putColumn(column);
   }
   putDistributions(block.measured, order, classes, writer);
@@ -123,14 +116,13 @@ getRecords(ByteReader& reader, std::size_t records, int classes, VoxelBlock& blo
   for (std::size_t c = 0; c < kRecordNumbers; ++c) {
     const Numbers column = reader.getColumn<std::uint32_t>(records);
     for (std::size_t i = 0; i < records; ++i)
-      setNumber(block.records[i], c, column[i]);
+      *numbersOf(block.records[i])[c] = column[i];
   }
   block.measured = getDistributions(reader, records, classes);
   block.refined = getDistributions(reader, records, classes);
 }
 
-} // namespace
-
+// Of so many records.
 std::size_t
 encodedBlockSize(std::size_t records, int classes)
 {
@@ -142,6 +134,35 @@ encodedBlockSize(std::size_t records, int classes)
          records * (kRecordNumbers * sizeof(std::uint32_t) +
                     2 * std::size_t(classes) * sizeof(float));
 }
+
+// As measured (doc/map.md): level 5 takes twice the time for 3 % less.
+constexpr int kCompressionLevel = 3;
+
+[[noreturn]] void
+failDamaged(const char* why)
+{
+  PCL_THROW_EXCEPTION(BadInputException, "is damaged: " << why);
+}
+
+// The frame's descriptor is its fifth byte; bit 2 says that a checksum follows.
+bool
+hasChecksum(const void* data, std::size_t size)
+{
+  constexpr std::size_t descriptor = 4;
+  constexpr std::uint8_t checksum_flag = 1 << 2;
+  return size > descriptor &&
+         (static_cast<const std::uint8_t*>(data)[descriptor] & checksum_flag);
+}
+
+struct ContextDeleter {
+  void
+  operator()(ZSTD_DCtx* context) const
+  {
+    ZSTD_freeDCtx(context);
+  }
+};
+
+} // namespace
 
 Bytes
 encodeBlock(const VoxelIndex& index, const VoxelBlock& block, int classes)
@@ -186,37 +207,6 @@ decodeBlock(const Bytes& bytes, const VoxelIndex& index, int classes)
     getRecords(reader, records, classes, *block);
   return block;
 }
-
-namespace {
-
-// As measured (doc/map.md): level 5 takes twice the time for 3 % less.
-constexpr int kCompressionLevel = 3;
-
-[[noreturn]] void
-failDamaged(const char* why)
-{
-  PCL_THROW_EXCEPTION(BadInputException, "is damaged: " << why);
-}
-
-// The frame's descriptor is its fifth byte; bit 2 says that a checksum follows.
-bool
-hasChecksum(const void* data, std::size_t size)
-{
-  constexpr std::size_t descriptor = 4;
-  constexpr std::uint8_t checksum_flag = 1 << 2;
-  return size > descriptor &&
-         (static_cast<const std::uint8_t*>(data)[descriptor] & checksum_flag);
-}
-
-struct ContextDeleter {
-  void
-  operator()(ZSTD_DCtx* context) const
-  {
-    ZSTD_freeDCtx(context);
-  }
-};
-
-} // namespace
 
 struct Sealer::Context {
   ZSTD_CCtx* const zstd = ZSTD_createCCtx();

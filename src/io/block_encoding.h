@@ -9,9 +9,6 @@
 
 namespace pcl_semantic {
 
-/** \brief Bytes of an encoded block with \a records of \a classes. */
-std::size_t encodedBlockSize(std::size_t records, int classes);
-
 /** \brief A block as bytes, without loss: index, occupancy of all voxels, mask of those
  * with records, and the records column by column in the order of offset; doc/map.md has
  * the layout. The same voxels give the same bytes, in whatever order they were hit.

@@ -15,17 +15,6 @@ namespace pcl_semantic {
 
 namespace {
 
-std::string
-numberOf(double value)
-{
-  if (std::isnan(value))
-    return "";
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text << std::setprecision(7) << value; // what single precision has
-  return text.str();
-}
-
 // Turns counted sums into what is said of a class.
 void
 finish(ClassStatistics& entry, std::size_t voxels, std::size_t columns, double size)
@@ -74,14 +63,18 @@ writeClassStatistics(const std::string& path,
 {
   std::ostringstream text;
   text.imbue(std::locale::classic());
+  text << std::setprecision(7); // what single precision has
   text << "label,class,voxels,fraction,volume_m3,area_m2,mean_z_m,lowest_z_m,"
           "highest_z_m\n";
   for (const ClassStatistics& entry : statistics) {
     text << int(entry.label) << "," << csvField(label_set[entry.label].name) << ","
          << entry.voxels;
     for (const double value : {entry.fraction, entry.volume, entry.area, entry.mean_z,
-                               entry.lowest_z, entry.highest_z})
-      text << "," << numberOf(value);
+                               entry.lowest_z, entry.highest_z}) {
+      text << ",";
+      if (!std::isnan(value))
+        text << value;
+    }
     text << "\n";
   }
   writeTextFile(path, text.str());

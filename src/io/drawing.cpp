@@ -69,7 +69,7 @@ drawText(cv::Mat& picture, const std::string& text, cv::Point at,
 }
 
 cv::Mat
-drawLegend(const std::vector<LegendEntry>& entries, int width,
+withLegend(const cv::Mat& picture, const std::vector<LegendEntry>& entries,
            const DrawingTheme& theme)
 {
   constexpr int row_height = 24, swatch = 14, gap = 8;
@@ -77,19 +77,21 @@ drawLegend(const std::vector<LegendEntry>& entries, int width,
   cv::Point at(gap, gap);
   for (const LegendEntry& entry : entries) {
     const int advance = swatch + textWidth(entry.text) + 3 * gap;
-    if (at.x > gap && at.x + advance > width)
+    if (at.x > gap && at.x + advance > picture.cols)
       at = {gap, at.y + row_height};
     positions.push_back(at);
     at.x += advance;
   }
-  cv::Mat legend(at.y + row_height, width, CV_8UC3, theme.background);
+  cv::Mat legend(at.y + row_height, picture.cols, CV_8UC3, theme.background);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     cv::rectangle(legend, cv::Rect(positions[i].x, positions[i].y, swatch, swatch),
                   cv::Scalar(entries[i].colour), cv::FILLED);
     drawText(legend, entries[i].text, positions[i] + cv::Point(swatch + 6, swatch - 2),
              theme.text);
   }
-  return legend;
+  cv::Mat result;
+  cv::vconcat(picture, legend, result);
+  return result;
 }
 
 std::vector<LegendEntry>

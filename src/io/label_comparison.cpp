@@ -22,11 +22,7 @@ const cv::Vec3b green(70, 190, 40), red(50, 40, 235), yellow(60, 200, 250);
 std::vector<Label>
 listOf(const cv::Mat& labels)
 {
-  std::vector<Label> list;
-  for (int row = 0; row < labels.rows; ++row)
-    list.insert(list.end(), labels.ptr<Label>(row),
-                labels.ptr<Label>(row) + labels.cols);
-  return list;
+  return {labels.begin<Label>(), labels.end<Label>()};
 }
 
 // Truth of a laser scan is dots that nobody would see: they are drawn larger.
@@ -125,9 +121,7 @@ public:
   cv::Mat
   with(const std::vector<LegendEntry>& legend) const
   {
-    cv::Mat result;
-    cv::vconcat(picture_, drawLegend(legend, picture_.cols, light_theme), result);
-    return result;
+    return withLegend(picture_, legend, light_theme);
   }
 
 private:
@@ -140,22 +134,22 @@ legendFor(const std::vector<NamedLabels>& labels, const cv::Mat& truth,
           const LabelSet& label_set)
 {
   std::array<bool, 256> is_there{};
+  const auto mark = [&](const cv::Mat& image) {
+    for (const Label label : listOf(image))
+      is_there[label] = true;
+  };
   for (const NamedLabels& each : labels)
-    for (const Label label : listOf(each.labels))
-      is_there[label] = true;
-  if (!truth.empty())
-    for (const Label label : listOf(truth))
-      is_there[label] = true;
+    mark(each.labels);
+  mark(truth);
   std::vector<LegendEntry> legend;
   for (int label = 1; label <= label_set.size(); ++label)
     if (is_there[std::size_t(label)])
       legend.push_back(
           {label_set[Label(label)].name, classColour(label_set, Label(label))});
-  if (!truth.empty()) {
-    legend.push_back({"became right", green});
-    legend.push_back({"became wrong", red});
-    legend.push_back({"wrong before and after", yellow});
-  }
+  if (!truth.empty())
+    legend.insert(legend.end(), {{"became right", green},
+                                 {"became wrong", red},
+                                 {"wrong before and after", yellow}});
   return legend;
 }
 
@@ -198,7 +192,7 @@ drawLabelComparison(const cv::Mat& image, const std::vector<NamedLabels>& labels
   cv::Mat shown = image;
   if (image.channels() == 1)
     cv::cvtColor(image, shown, cv::COLOR_GRAY2BGR);
-  const std::vector<Label> right = truth.empty() ? std::vector<Label>() : listOf(truth);
+  const std::vector<Label> right = listOf(truth);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const int row = static_cast<int>(i);
     const cv::Mat& after = labels[i].labels;

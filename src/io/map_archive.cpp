@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_database.h"
 #include "archive_meta.h"
-#include "block_counter.h"
 #include "block_encoding.h"
 #include "core/parallel_guard.h"
 #include "files/byte_writer.h"
@@ -21,22 +20,18 @@
 
 namespace pcl_semantic {
 
+namespace {
+
 using IndexedBlocks = std::vector<std::pair<VoxelIndex, const VoxelBlock*>>;
 
-/** \brief Encodes and compresses blocks on all threads; the result does not depend on
- * how many there are.
- * \param[in] classes L
- * \return a frame a block, see encodeBlock() and Sealer */
-std::vector<Bytes> sealBlocks(const IndexedBlocks& blocks, int classes);
+// More than this waiting for a commit goes into the open transaction, so that memory
+// stays flat. [bytes]
+constexpr std::size_t kMaxPending = std::size_t(32) << 20;
 
-using SealedBlocks = std::vector<std::pair<VoxelIndex, Bytes>>;
+constexpr std::size_t kBlocksAtATime =
+    256; // are read, and then unpacked by all threads
 
-/** \brief Calls \a open for each block, on all threads. */
-std::vector<std::unique_ptr<VoxelBlock>> openBlocks(
-    const SealedBlocks& blocks,
-    const std::function<std::unique_ptr<VoxelBlock>(const VoxelIndex&, const Bytes&)>&
-        open);
-
+// A sealed frame for each block, made by all threads; how many there are changes none.
 std::vector<Bytes>
 sealBlocks(const IndexedBlocks& blocks, int classes)
 {
@@ -57,29 +52,6 @@ sealBlocks(const IndexedBlocks& blocks, int classes)
   guard.rethrow();
   return sealed;
 }
-
-std::vector<std::unique_ptr<VoxelBlock>>
-openBlocks(const SealedBlocks& blocks,
-           const std::function<std::unique_ptr<VoxelBlock>(const VoxelIndex&,
-                                                           const Bytes&)>& open)
-{
-  std::vector<std::unique_ptr<VoxelBlock>> opened(blocks.size());
-  ParallelGuard guard;
-#pragma omp parallel for schedule(dynamic, 16)
-  for (std::size_t i = 0; i < blocks.size(); ++i)
-    guard.run([&] { opened[i] = open(blocks[i].first, blocks[i].second); });
-  guard.rethrow();
-  return opened;
-}
-
-namespace {
-
-// More than this waiting for a commit goes into the open transaction, so that memory
-// stays flat. [bytes]
-constexpr std::size_t kMaxPending = std::size_t(32) << 20;
-
-constexpr std::size_t kBlocksAtATime =
-    256; // are read, and then unpacked by all threads
 
 } // namespace
 
@@ -149,6 +121,22 @@ struct MapArchive::Implementation {
   {
     return readAt(database.path() + ": " + nameOfBlock(index),
                   [&] { return decodeBlock(content, index, header.label_set.size()); });
+  }
+
+  // The blocks that were read, by all threads.
+  std::vector<std::unique_ptr<VoxelBlock>>
+  open(const std::vector<std::pair<VoxelIndex, std::string>>& sealed) const
+  {
+    std::vector<std::unique_ptr<VoxelBlock>> blocks(sealed.size());
+    ParallelGuard guard;
+#pragma omp parallel for schedule(dynamic, 16)
+    for (std::size_t i = 0; i < sealed.size(); ++i)
+      guard.run([&] {
+        const auto& [index, bytes] = sealed[i];
+        blocks[i] = decode(index, database.unsealBlock(index, bytes));
+      });
+    guard.rethrow();
+    return blocks;
   }
 
   ArchiveDatabase database;
@@ -237,18 +225,13 @@ MapArchive::forEach(
   // Two ordered lists become one; what waits is newer.
   const IndexedBlocks waiting = my.pendingInOrder();
   auto next = waiting.begin();
-  const auto visitWaitingBefore = [&](const VoxelIndex& index) {
-    for (; next != waiting.end() && VoxelIndexLess()(next->first, index); ++next)
-      visit(next->first, *next->second);
-  };
-  SealedBlocks read;
+  std::vector<std::pair<VoxelIndex, std::string>> read;
   const auto visitRead = [&] {
-    const auto blocks =
-        openBlocks(read, [&](const VoxelIndex& index, const Bytes& row) {
-          return my.decode(index, my.database.unsealBlock(index, row));
-        });
+    const auto blocks = my.open(read);
     for (std::size_t i = 0; i < read.size(); ++i) {
-      visitWaitingBefore(read[i].first);
+      for (; next != waiting.end() && VoxelIndexLess()(next->first, read[i].first);
+           ++next)
+        visit(next->first, *next->second);
       visit(read[i].first, *blocks[i]);
     }
     read.clear();
@@ -257,7 +240,7 @@ MapArchive::forEach(
   my.database.forEachBlock([&](const VoxelIndex& index, std::string_view row) {
     ++rows;
     if (my.pending.count(index) == 0)
-      read.emplace_back(index, Bytes(row.begin(), row.end()));
+      read.emplace_back(index, row);
     if (read.size() == kBlocksAtATime)
       visitRead();
   });
@@ -336,82 +319,55 @@ MapArchive::state() const
 
 namespace {
 
-class Verifier {
-public:
-  Verifier(const std::string& path, const BlockProgress& progress)
-      : database_(path, ArchiveDatabase::Access::read), progress_(progress)
-  {}
-
-  std::vector<std::string>
-  faults()
-  {
+void
+checkBlocks(ArchiveDatabase& database, int classes, const ArchiveState& state,
+            const BlockProgress& progress,
+            const std::function<void(const std::function<void()>&)>& check)
+{
+  BlockIndexSet keys;
+  std::size_t done = 0;
+  database.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
+    keys.insert(index);
+    if (progress)
+      progress(++done, state.blocks);
     check([&] {
-      for (const std::string& fault : database_.integrityFaults())
-        found_.push_back(database_.path() + ": is damaged: " + fault);
+      const Bytes content = database.unsealBlock(index, sealed);
+      readAt(database.path() + ": " + nameOfBlock(index),
+             [&] { decodeBlock(content, index, classes); });
     });
-    check([&] { checkContent(); });
-    return found_;
-  }
-
-private:
-  // Keeps what is thrown as a fault.
-  template <typename Check>
-  void
-  check(Check&& body)
-  {
-    try {
-      body();
-    }
-    catch (const BadInputException& error) {
-      found_.push_back(error.what());
-    }
-  }
-
-  void
-  checkContent()
-  {
-    const int classes = readHeader(database_).label_set.size();
-    const ArchiveState state = readState(database_);
-    check([&] { checkBlocks(state, classes); });
-    check([&] { checkFrames(state); });
-  }
-
-  void
-  checkBlocks(const ArchiveState& state, int classes)
-  {
-    BlockIndexSet keys;
-    BlockCounter counter(progress_, state.blocks);
-    database_.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
-      keys.insert(index);
-      counter.step();
-      check([&] {
-        const Bytes content =
-            database_.unsealBlock(index, {sealed.begin(), sealed.end()});
-        readAt(database_.path() + ": " + nameOfBlock(index),
-               [&] { decodeBlock(content, index, classes); });
-      });
-    });
-    checkBlockKeys(database_.path(), keys, state);
-  }
-
-  void
-  checkFrames(const ArchiveState& state)
-  {
-    checkFrameCount(database_, state);
-    database_.forEachFrame([](int, const Bytes&) {});
-  }
-
-  ArchiveDatabase database_;
-  const BlockProgress& progress_;
-  std::vector<std::string> found_;
-};
+  });
+  checkBlockKeys(database.path(), keys, state);
+}
 
 } // namespace
 
 std::vector<std::string>
 verifyArchive(const std::string& path, const BlockProgress& progress)
 {
-  return Verifier(path, progress).faults();
+  ArchiveDatabase database(path, ArchiveDatabase::Access::read);
+  std::vector<std::string> faults;
+  const auto check = [&](const std::function<void()>& body) {
+    try {
+      body();
+    }
+    catch (const BadInputException& error) {
+      faults.push_back(error.what());
+    }
+  };
+  check([&] {
+    for (const std::string& fault : database.integrityFaults())
+      faults.push_back(path + ": is damaged: " + fault);
+  });
+  check([&] {
+    const int classes = readHeader(database).label_set.size();
+    const ArchiveState state = readState(database);
+    check([&] { checkBlocks(database, classes, state, progress, check); });
+    check([&] {
+      checkFrameCount(database, state);
+      database.forEachFrame([](int, const Bytes&) {});
+    });
+  });
+  return faults;
 }
 
 } // namespace pcl_semantic

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "block_counter.h"
 #include "map/block_reader.h"
 
 #include <pcl_semantic/io/map_export.h>
 
 #include <algorithm>
+#include <functional>
 
 namespace pcl_semantic {
 
@@ -13,13 +13,14 @@ namespace {
 // Visits the blocks that hold occupied voxels, and these as a cloud.
 template <typename Visit>
 void
-forEachCloud(const MapArchive& archive, BlockCounter& counter, Visit&& visit)
+forEachCloud(const MapArchive& archive, const std::function<void()>& step,
+             Visit&& visit)
 {
   const ArchiveHeader& header = archive.header();
   const Eigen::Vector3d origin = archive.state().cloud_origin;
   const BlockReader reader(header.label_set.size(), header.parameters.fusion);
   archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-    counter.step();
+    step();
     const std::size_t count = reader.countOccupied(block);
     if (count == 0)
       return;
@@ -57,8 +58,12 @@ ArchiveExtent
 archiveExtent(const MapArchive& archive, const BlockProgress& progress)
 {
   ArchiveExtent extent;
-  BlockCounter counter(progress, archive.state().blocks);
-  forEachCloud(archive, counter, [&](const VoxelCloud& voxels) {
+  std::size_t done = 0;
+  const auto step = [&] {
+    if (progress)
+      progress(++done, archive.state().blocks);
+  };
+  forEachCloud(archive, step, [&](const VoxelCloud& voxels) {
     extent.voxels += voxels.size();
     for (const VoxelIndex& voxel : voxels.indices) {
       extent.box.extend(voxel.cast<double>() * voxels.voxel_size);
@@ -73,10 +78,14 @@ std::size_t
 exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
              const std::string& path, VoxelColour colour, const BlockProgress& progress)
 {
-  BlockCounter counter(progress, 2 * archive.state().blocks);
+  std::size_t done = 0;
+  const auto step = [&] {
+    if (progress)
+      progress(++done, 2 * archive.state().blocks);
+  };
   std::size_t count = 0;
   bool has_colour = false;
-  forEachCloud(archive, counter, [&](const VoxelCloud& voxels) {
+  forEachCloud(archive, step, [&](const VoxelCloud& voxels) {
     const std::vector<bool> is_selected = select(selection, voxels);
     count += std::size_t(std::count(is_selected.begin(), is_selected.end(), true));
     has_colour = has_colour || hasColour(voxels);
@@ -84,7 +93,7 @@ exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
   if (colour == VoxelColour::measured && count > 0 && !has_colour)
     colour = VoxelColour::none;
   VoxelCloudWriter writer(path, archive.header().label_set, colour, count);
-  forEachCloud(archive, counter, [&](const VoxelCloud& voxels) {
+  forEachCloud(archive, step, [&](const VoxelCloud& voxels) {
     writer.write(voxels, select(selection, voxels));
   });
   writer.commit();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "archive_file.h"
+#include "archive_database.h"
 
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_file.h>

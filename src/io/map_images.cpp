@@ -32,10 +32,9 @@ struct TopViewGrid {
       high = high.cwiseMax(index);
     }
     for (const Eigen::Vector2d& position : path) {
-      const Eigen::Vector2i cell = position.array().floor().cast<int>();
-      low.head<2>() = low.head<2>().cwiseMin(cell - Eigen::Vector2i::Constant(margin));
-      high.head<2>() =
-          high.head<2>().cwiseMax(cell + Eigen::Vector2i::Constant(margin));
+      const Eigen::Array2i cell = position.array().floor().cast<int>();
+      low.head<2>() = low.head<2>().array().min(cell - margin);
+      high.head<2>() = high.head<2>().array().max(cell + margin);
     }
     const int side = (high - low).head<2>().maxCoeff() + 1;
     scale = std::clamp(smallest_side / side, 1, 8);
@@ -102,11 +101,9 @@ drawPath(cv::Mat& picture, const TopViewGrid& grid,
 cv::Mat
 colourLabels(const cv::Mat& labels, const LabelSet& label_set)
 {
-  cv::Mat colours(labels.size(), CV_8UC3);
-  for (int v = 0; v < labels.rows; ++v)
-    for (int u = 0; u < labels.cols; ++u)
-      colours.at<cv::Vec3b>(v, u) =
-          classColour(label_set, labels.at<std::uint8_t>(v, u));
+  cv::Mat3b colours(labels.size());
+  std::transform(labels.begin<Label>(), labels.end<Label>(), colours.begin(),
+                 [&](Label label) { return classColour(label_set, label); });
   return colours;
 }
 
@@ -127,11 +124,8 @@ blendLabels(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_s
 cv::Mat
 drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
 {
-  const cv::Mat picture = blendLabels(image, labels, label_set);
-  cv::Mat result;
-  cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme),
-              result);
-  return result;
+  return withLegend(blendLabels(image, labels, label_set), legendOf(label_set),
+                    dark_theme);
 }
 
 cv::Mat
@@ -146,10 +140,7 @@ drawTopView(const VoxelCloud& voxels, const std::vector<Eigen::Vector3d>& path,
   drawColumns(picture, grid, voxels, label_set);
   drawPath(picture, grid, path_in_voxels);
   drawScale(picture, grid.scale / (voxels.voxel_size * grid.step), dark_theme);
-  cv::Mat result;
-  cv::vconcat(picture, drawLegend(legendOf(label_set), picture.cols, dark_theme),
-              result);
-  return result;
+  return withLegend(picture, legendOf(label_set), dark_theme);
 }
 
 } // namespace pcl_semantic

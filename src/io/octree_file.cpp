@@ -44,40 +44,32 @@ firstVoxel(const VoxelScene& scene)
   return cells.round().cast<int>();
 }
 
-class KeyMaker {
-public:
-  explicit KeyMaker(const VoxelScene& scene) : first_(firstVoxel(scene)) {}
-
-  octomap::OcTreeKey
-  operator()(const VoxelIndex& voxel) const
-  {
-    constexpr std::int64_t half = 1 << 15; // an octree has 16 levels
-    octomap::OcTreeKey key;
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t cell = std::int64_t(voxel[axis]) + first_[axis];
-      if (cell < -half || cell >= half)
-        PCL_THROW_EXCEPTION(BadInputException,
-                            "the map reaches "
-                                << cell << " voxels from the origin, an octree holds "
-                                << half << " to each side");
-      key[unsigned(axis)] = static_cast<octomap::key_type>(cell + half);
-    }
-    return key;
+octomap::OcTreeKey
+keyOf(const VoxelIndex& voxel, const VoxelIndex& first)
+{
+  constexpr std::int64_t half = 1 << 15; // an octree has 16 levels
+  octomap::OcTreeKey key;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t cell = std::int64_t(voxel[axis]) + first[axis];
+    if (cell < -half || cell >= half)
+      PCL_THROW_EXCEPTION(BadInputException,
+                          "the map reaches "
+                              << cell << " voxels from the origin, an octree holds "
+                              << half << " to each side");
+    key[unsigned(axis)] = static_cast<octomap::key_type>(cell + half);
   }
-
-private:
-  VoxelIndex first_;
-};
+  return key;
+}
 
 template <typename Tree, typename Paint>
 void
 fill(Tree& tree, const VoxelScene& scene, Paint&& paint)
 {
-  const KeyMaker keyOf(scene);
+  const VoxelIndex first = firstVoxel(scene);
   for (const VoxelIndex& voxel : scene.free)
-    tree.setNodeValue(keyOf(voxel), tree.getClampingThresMinLog(), true);
+    tree.setNodeValue(keyOf(voxel, first), tree.getClampingThresMinLog(), true);
   for (std::size_t i = 0; i < scene.voxels.size(); ++i)
-    paint(*tree.setNodeValue(keyOf(scene.voxels.indices[i]),
+    paint(*tree.setNodeValue(keyOf(scene.voxels.indices[i], first),
                              tree.getClampingThresMaxLog(), true),
           i);
   tree.updateInnerOccupancy();

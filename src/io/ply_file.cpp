@@ -47,65 +47,6 @@ faceCorners(int axis, bool upper)
   return {begin, begin + up, begin + right + up, begin + right};
 }
 
-class MeshMaker {
-public:
-  // The vertex of the voxel in this row at a corner.
-  std::uint32_t
-  vertex(const VoxelIndex& corner, std::uint32_t look, std::uint32_t row)
-  {
-    const auto number = static_cast<std::uint32_t>(mesh.corners.size());
-    const auto [found, is_new] = numbers_.try_emplace({corner, look}, number);
-    if (is_new) {
-      if (number == std::uint32_t(std::numeric_limits<std::int32_t>::max()))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "the mesh has more than " << number << " vertices");
-      mesh.corners.push_back(corner);
-      mesh.voxels.push_back(row);
-    }
-    return found->second;
-  }
-
-  VoxelMesh mesh;
-
-private:
-  std::unordered_map<VertexKey, std::uint32_t, VertexHash> numbers_;
-};
-
-} // namespace
-
-VoxelMesh
-blockyMesh(const VoxelScene& scene, const std::vector<cv::Vec3b>& colours)
-{
-  const std::vector<VoxelIndex>& voxels = scene.voxels.indices;
-  if (colours.size() != voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException, colours.size()
-                                                       << " colours for "
-                                                       << voxels.size() << " voxels");
-  const VoxelSet occupied(voxels);
-  VoxelSet::Reader reader(occupied);
-  MeshMaker maker;
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const cv::Vec3b& colour = colours[i];
-    const std::uint32_t look = (*scene.voxels.cloud)[i].label << 24 |
-                               std::uint32_t(colour[2]) << 16 |
-                               std::uint32_t(colour[1]) << 8 | colour[0];
-    for (int axis = 0; axis < 3; ++axis)
-      for (const bool upper : {false, true}) {
-        const VoxelIndex step = VoxelIndex::Unit(axis) * (upper ? 1 : -1);
-        if (reader.contains(voxels[i] + step))
-          continue;
-        std::array<std::uint32_t, 4> face;
-        const std::array<VoxelIndex, 4> corners = faceCorners(axis, upper);
-        for (std::size_t c = 0; c < 4; ++c)
-          face[c] = maker.vertex(voxels[i] + corners[c], look, std::uint32_t(i));
-        maker.mesh.faces.push_back(face);
-      }
-  }
-  return std::move(maker.mesh);
-}
-
-namespace {
-
 void
 requireColours(const VoxelScene& scene, const std::vector<cv::Vec3b>& colours)
 {
@@ -152,6 +93,48 @@ writeVertex(std::ostream& stream, const Eigen::Vector3d& position,
 }
 
 } // namespace
+
+VoxelMesh
+blockyMesh(const VoxelScene& scene, const std::vector<cv::Vec3b>& colours)
+{
+  requireColours(scene, colours);
+  const std::vector<VoxelIndex>& voxels = scene.voxels.indices;
+  const VoxelSet occupied(voxels);
+  VoxelSet::Reader reader(occupied);
+  VoxelMesh mesh;
+  std::unordered_map<VertexKey, std::uint32_t, VertexHash> numbers;
+  const auto vertexAt = [&](const VoxelIndex& corner, std::uint32_t look,
+                            std::size_t row) {
+    const auto number = static_cast<std::uint32_t>(mesh.corners.size());
+    const auto [found, is_new] = numbers.try_emplace({corner, look}, number);
+    if (is_new) {
+      if (number == std::uint32_t(std::numeric_limits<std::int32_t>::max()))
+        PCL_THROW_EXCEPTION(InvalidParameterException,
+                            "the mesh has more than " << number << " vertices");
+      mesh.corners.push_back(corner);
+      mesh.voxels.push_back(static_cast<std::uint32_t>(row));
+    }
+    return found->second;
+  };
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const cv::Vec3b& colour = colours[i];
+    const std::uint32_t look = (*scene.voxels.cloud)[i].label << 24 |
+                               std::uint32_t(colour[2]) << 16 |
+                               std::uint32_t(colour[1]) << 8 | colour[0];
+    for (int axis = 0; axis < 3; ++axis)
+      for (const bool upper : {false, true}) {
+        const VoxelIndex step = VoxelIndex::Unit(axis) * (upper ? 1 : -1);
+        if (reader.contains(voxels[i] + step))
+          continue;
+        std::array<std::uint32_t, 4> face;
+        const std::array<VoxelIndex, 4> corners = faceCorners(axis, upper);
+        for (std::size_t c = 0; c < 4; ++c)
+          face[c] = vertexAt(voxels[i] + corners[c], look, i);
+        mesh.faces.push_back(face);
+      }
+  }
+  return mesh;
+}
 
 void
 writePlyPoints(const std::string& path, const VoxelScene& scene,

@@ -16,12 +16,6 @@
 
 namespace pcl_semantic {
 
-/** \brief How bright each pixel of a rendering is: faces by orientation, darker in the
- * corners between voxels and behind the edges of nearer ones.
- * \return CV_32FC1, about 0.3 to 1; 1 where there is no voxel */
-cv::Mat shadeCubes(const VoxelScene& scene, const CubeImage& cubes,
-                   const SceneView& view);
-
 namespace {
 
 // A position on the surface: the face of a voxel, and where on it.
@@ -148,8 +142,7 @@ private:
   std::array<double, 4> corners_{};
 };
 
-} // namespace
-
+// How bright each pixel of a rendering is, about 0.3 to 1; 1 where there is no voxel.
 cv::Mat
 shadeCubes(const VoxelScene& scene, const CubeImage& cubes, const SceneView& view)
 {
@@ -164,8 +157,6 @@ shadeCubes(const VoxelScene& scene, const CubeImage& cubes, const SceneView& vie
   }
   return shade;
 }
-
-namespace {
 
 constexpr int kSupersampling = 2;
 const cv::Vec3f sky_colour(250, 247, 245), ground_colour(243, 240, 238),
@@ -203,62 +194,46 @@ groundHeight(const VoxelScene& scene)
 double
 gridStep(const VoxelScene& scene)
 {
-  VoxelIndex low = scene.voxels.indices.front(), high = low;
-  for (const VoxelIndex& index : scene.voxels.indices) {
-    low = low.cwiseMin(index);
-    high = high.cwiseMax(index);
-  }
-  const double side =
-      (high.cast<double>() - low.cast<double>()).head<2>().maxCoeff() + 1.0;
+  Eigen::AlignedBox3i box;
+  for (const VoxelIndex& index : scene.voxels.indices)
+    box.extend(index);
+  const double side = box.sizes().head<2>().maxCoeff() + 1.0;
   const double wanted = 0.1 * side * scene.grid.size;
   const double power = std::pow(10.0, std::floor(std::log10(wanted)));
   return power * (wanted / power >= 5.0 ? 5.0 : wanted / power >= 2.0 ? 2.0 : 1.0);
 }
 
 // The ground with its grid, where no voxel is in front of it.
-class Ground {
-public:
-  Ground(const VoxelScene& scene, const SceneView& view)
-      : view_(view), corner_(scene.grid.corner), height_(groundHeight(scene)),
-        step_(gridStep(scene))
-  {}
-
-  double
-  step() const
-  {
-    return step_;
-  }
+struct Ground {
+  const SceneView& view;
+  Eigen::Vector3d corner; // of cube 0: lines lie at whole numbers of the file
+  double height, step;    // [m]
 
   cv::Vec3f
   colourAt(int row, int column) const
   {
     const Eigen::Vector3d ray =
-        view_.T_world_camera.linear() * view_.camera.unproject(column, row, 1.0);
-    const Eigen::Vector3d& eye = view_.T_world_camera.translation();
-    const double depth = (height_ - eye.z()) / ray.z();
+        view.T_world_camera.linear() * view.camera.unproject(column, row, 1.0);
+    const Eigen::Vector3d& eye = view.T_world_camera.translation();
+    const double depth = (height - eye.z()) / ray.z();
     if (!(depth > 0.0) || !std::isfinite(depth))
       return sky_colour;
     const Eigen::Vector3d position = eye + depth * ray;
     // What a pixel covers of the ground, along the ray and across it [m].
-    const double across = depth / view_.camera.fx;
+    const double across = depth / view.camera.fx;
     const double along =
         across * ray.norm() / std::max(1e-9, std::abs(ray.z()) / ray.norm());
     double line = 0.0;
     for (int axis = 0; axis < 2; ++axis) {
-      const double cells = (position[axis] + corner_[axis]) / step_;
-      const double distance = std::abs(cells - std::round(cells)) * step_;
+      const double cells = (position[axis] + corner[axis]) / step;
+      const double distance = std::abs(cells - std::round(cells)) * step;
       const double width =
           std::max(across, along * std::abs(ray[axis]) / ray.head<2>().norm());
       line = std::max(line, std::clamp(1.5 - distance / width, 0.0, 1.0) *
-                                std::clamp(0.12 * step_ / width - 0.2, 0.0, 1.0));
+                                std::clamp(0.12 * step / width - 0.2, 0.0, 1.0));
     }
     return ground_colour + float(line) * (grid_colour - ground_colour);
   }
-
-private:
-  const SceneView& view_;
-  Eigen::Vector3d corner_; // of cube 0: lines lie at whole numbers of the file
-  double height_, step_;   // [m]
 };
 
 cv::Mat
@@ -353,22 +328,20 @@ drawVoxels(const VoxelScene& scene, const VoxelColours& colours, const SceneView
 {
   validate(scene, colours, view);
   const SceneView large = enlarged(view, kSupersampling);
-  const Ground ground(scene, large);
+  const Ground ground{large, scene.grid.corner, groundHeight(scene), gridStep(scene)};
   cv::Mat picture;
   cv::resize(paint(scene, colours, large, ground), picture,
              cv::Size(view.camera.width, view.camera.height), 0, 0, cv::INTER_AREA);
   drawPath(picture, view, path);
   std::string note = colours.note + (colours.note.empty() ? "" : ", ");
-  note += cv::format("grid of %g m", ground.step());
+  note += cv::format("grid of %g m", ground.step);
   if (view.pixels_per_metre > 0.0)
     drawScale(picture, view.pixels_per_metre, light_theme);
   drawNote(picture, note);
   std::vector<LegendEntry> legend = colours.legend;
   if (!path.empty())
     legend.push_back({"path of the camera", {60, 60, 235}});
-  cv::Mat result;
-  cv::vconcat(picture, drawLegend(legend, picture.cols, light_theme), result);
-  return result;
+  return withLegend(picture, legend, light_theme);
 }
 
 } // namespace pcl_semantic

@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <new>
@@ -25,23 +26,13 @@ constexpr int kWriterPatience = 100;  // [ms]
 bool
 isOutputFailure(int code)
 {
-  switch (code) {
-  case SQLITE_IOERR_READ:
-  case SQLITE_IOERR_SHORT_READ:
-  case SQLITE_IOERR_CORRUPTFS:
-    return false;
-  }
-  switch (code & 0xFF) {
-  case SQLITE_FULL:
-  case SQLITE_IOERR:
-  case SQLITE_READONLY:
-  case SQLITE_CANTOPEN:
-  case SQLITE_PERM:
-  case SQLITE_PROTOCOL:
-    return true;
-  default:
-    return false;
-  }
+  const auto isOneOf = [](int kind, std::initializer_list<int> kinds) {
+    return std::count(kinds.begin(), kinds.end(), kind) > 0;
+  };
+  return isOneOf(code & 0xFF, {SQLITE_FULL, SQLITE_IOERR, SQLITE_READONLY,
+                               SQLITE_CANTOPEN, SQLITE_PERM, SQLITE_PROTOCOL}) &&
+         !isOneOf(code,
+                  {SQLITE_IOERR_READ, SQLITE_IOERR_SHORT_READ, SQLITE_IOERR_CORRUPTFS});
 }
 
 // Whether a file is marked as belonging together with FILE-wal, in FILE itself. Read by
@@ -61,12 +52,6 @@ needsLog(sqlite3* connection)
   for (const unsigned char byte : bytes)
     mark = mark << 8 | byte;
   return mark == SqliteDatabase::with_log;
-}
-
-std::string
-marking(SqliteDatabase::FileMark mark)
-{
-  return "PRAGMA application_id = " + std::to_string(mark);
 }
 
 // For somebody else to come to an end of what takes no time.
@@ -119,9 +104,8 @@ SqliteDatabase::~SqliteDatabase()
 void
 SqliteDatabase::run(const std::string& sql)
 {
-  const int code = sqlite3_exec(connection_, sql.c_str(), nullptr, nullptr, nullptr);
-  if (code != SQLITE_OK)
-    fail(code);
+  if (!runUnlessBusy(sql))
+    fail(SQLITE_BUSY);
 }
 
 bool
@@ -152,6 +136,12 @@ SqliteDatabase::requireLog() const
   }
 }
 
+std::string
+SqliteDatabase::markingAs(FileMark mark)
+{
+  return "PRAGMA application_id = " + std::to_string(mark);
+}
+
 bool
 SqliteDatabase::moveLogToFile()
 {
@@ -163,7 +153,7 @@ SqliteDatabase::splitLog()
 {
   if (!runUnlessBusy("PRAGMA journal_mode = WAL"))
     return false;
-  run(marking(with_log));
+  run(markingAs(with_log));
   return needsLog(connection_) || moveLogToFile();
 }
 
@@ -174,7 +164,7 @@ SqliteDatabase::joinLog()
   // A reader is done soon, as a rule.
   for (int attempt = 0; attempt < 40; ++attempt) {
     // Everything else is in the file before the mark that says so.
-    if (moveLogToFile() && runUnlessBusy(marking(whole)) && moveLogToFile() &&
+    if (moveLogToFile() && runUnlessBusy(markingAs(whole)) && moveLogToFile() &&
         runUnlessBusy("PRAGMA journal_mode = DELETE"))
       return true;
     waitALittle();
@@ -186,7 +176,9 @@ std::int64_t
 SqliteDatabase::number(const std::string& sql)
 {
   SqliteStatement statement(*this, sql);
-  return statement.step() ? statement.integer(0) : 0;
+  std::int64_t result = 0;
+  statement.forEachRow([&] { result = statement.integer(0); });
+  return result;
 }
 
 void
@@ -231,6 +223,11 @@ SqliteStatement::~SqliteStatement()
   sqlite3_finalize(statement_);
 }
 
+SqliteStatement::Reset::~Reset()
+{
+  sqlite3_reset(statement.statement_);
+}
+
 void
 SqliteStatement::bind(int parameter, std::int64_t value)
 {
@@ -239,7 +236,7 @@ SqliteStatement::bind(int parameter, std::int64_t value)
 }
 
 void
-SqliteStatement::bindText(int parameter, std::string_view text)
+SqliteStatement::bind(int parameter, const std::string& text)
 {
   if (const int code = sqlite3_bind_text(statement_, parameter, text.data(),
                                          int(text.size()), SQLITE_STATIC))
@@ -247,7 +244,7 @@ SqliteStatement::bindText(int parameter, std::string_view text)
 }
 
 void
-SqliteStatement::bindBytes(int parameter, const std::vector<std::uint8_t>& bytes)
+SqliteStatement::bind(int parameter, const std::vector<std::uint8_t>& bytes)
 {
   if (const int code = sqlite3_bind_blob64(statement_, parameter, bytes.data(),
                                            bytes.size(), SQLITE_STATIC))
@@ -258,16 +255,9 @@ bool
 SqliteStatement::step()
 {
   const int code = sqlite3_step(statement_);
-  if (code == SQLITE_ROW || code == SQLITE_DONE)
-    return code == SQLITE_ROW;
-  sqlite3_reset(statement_);
-  database_.fail(code);
-}
-
-void
-SqliteStatement::reset()
-{
-  sqlite3_reset(statement_);
+  if (code != SQLITE_ROW && code != SQLITE_DONE)
+    database_.fail(code);
+  return code == SQLITE_ROW;
 }
 
 std::int64_t

@@ -35,8 +35,8 @@ public:
   /** \brief Runs statements that give nothing. */
   void run(const std::string& sql);
 
-  /** \brief The same; only says whether a lock of another program was in the way. */
-  bool runUnlessBusy(const std::string& sql);
+  /** \brief The statement that marks the file. */
+  static std::string markingAs(FileMark mark);
 
   /** \brief From now on commits go to FILE-wal first, so that readers are not in the
    * way; outside of a transaction. The file says so (FileMark::with_log) before the
@@ -57,11 +57,14 @@ public:
     return path_;
   }
 
+private:
+  friend class SqliteStatement;
+
   /** \brief Throws what belongs to a result code of SQLite. */
   [[noreturn]] void fail(int code) const;
 
-private:
-  friend class SqliteStatement;
+  /** \brief As run(), but says whether a lock of another program was in the way. */
+  bool runUnlessBusy(const std::string& sql);
 
   void requireLog() const;
   bool moveLogToFile();
@@ -79,38 +82,44 @@ public:
   SqliteStatement(const SqliteStatement&) = delete;
   SqliteStatement& operator=(const SqliteStatement&) = delete;
 
-  void bind(int parameter, std::int64_t value);
+  /** \brief Runs it with numbers, texts or bytes as its parameters. */
+  template <typename... Values>
+  void
+  run(const Values&... values)
+  {
+    forEachRow([] {}, values...);
+  }
 
-  /** \brief The text and the bytes have to stay until reset(). */
-  void bindText(int parameter, std::string_view text);
-  void bindBytes(int parameter, const std::vector<std::uint8_t>& bytes);
-
-  /** \return whether there is a row */
-  bool step();
-
-  /** \brief Makes it ready to run again. */
-  void reset();
+  /** \brief The same; \a visit may ask for the columns of the row it is called at. */
+  template <typename Visit, typename... Values>
+  void
+  forEachRow(Visit&& visit, const Values&... values)
+  {
+    const Reset at_the_end{*this};
+    int parameter = 0;
+    (bind(++parameter, values), ...);
+    while (step())
+      visit();
+  }
 
   std::int64_t integer(int column) const;
 
-  /** \brief Valid until the next step() or reset(). */
+  /** \brief Valid until the next row. */
   std::string_view bytes(int column) const;
 
 private:
+  struct Reset {
+    ~Reset();
+    SqliteStatement& statement;
+  };
+
+  void bind(int parameter, std::int64_t value);
+  void bind(int parameter, const std::string& text);
+  void bind(int parameter, const std::vector<std::uint8_t>& bytes);
+  bool step();
+
   SqliteDatabase& database_;
   sqlite3_stmt* statement_ = nullptr;
-};
-
-/** \brief Resets a statement at the end of a scope, whatever happens in it. */
-class SqliteReset {
-public:
-  explicit SqliteReset(SqliteStatement& statement) : statement_(statement) {}
-  ~SqliteReset() { statement_.reset(); }
-  SqliteReset(const SqliteReset&) = delete;
-  SqliteReset& operator=(const SqliteReset&) = delete;
-
-private:
-  SqliteStatement& statement_;
 };
 
 } // namespace pcl_semantic

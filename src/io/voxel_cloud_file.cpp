@@ -11,29 +11,6 @@ namespace pcl_semantic {
 
 namespace {
 
-class RowWriter {
-public:
-  explicit RowWriter(std::uint8_t* row) : next_(row) {}
-
-  template <typename T>
-  void
-  put(const T* values, std::size_t count)
-  {
-    std::memcpy(next_, values, count * sizeof(T));
-    next_ += count * sizeof(T);
-  }
-
-  template <typename T>
-  void
-  put(T value)
-  {
-    put(&value, 1);
-  }
-
-private:
-  std::uint8_t* next_;
-};
-
 std::uint32_t
 packColour(const std::array<std::uint8_t, 3>& rgb)
 {
@@ -83,16 +60,24 @@ VoxelCloudWriter::write(const VoxelCloud& voxels, const std::vector<bool>& is_wr
       continue;
     const pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
     const auto column = static_cast<Eigen::Index>(i);
-    RowWriter row(row_.data());
-    row.put(point.data, 3);
-    if (colour_ != VoxelColour::none)
-      row.put(colour_ == VoxelColour::classes
-                  ? packColour(label_set_[Label(point.label)].colour)
-                  : packColour({point.r, point.g, point.b}));
-    row.put(std::uint32_t(point.label));
-    row.put(voxels.refined.column(column), classes);
-    row.put(voxels.refined.entropy(column));
-    row.put(voxels.observations[i]);
+    std::uint8_t* next = row_.data();
+    const auto put = [&](const auto* values, std::size_t count = 1) {
+      std::memcpy(next, values, count * sizeof *values);
+      next += count * sizeof *values;
+    };
+    put(point.data, 3);
+    if (colour_ != VoxelColour::none) {
+      const std::uint32_t colour =
+          colour_ == VoxelColour::classes
+              ? packColour(label_set_[Label(point.label)].colour)
+              : packColour({point.r, point.g, point.b});
+      put(&colour);
+    }
+    const float entropy = voxels.refined.entropy(column);
+    put(&point.label);
+    put(voxels.refined.column(column), classes);
+    put(&entropy);
+    put(&voxels.observations[i]);
     file_.stream().write(reinterpret_cast<const char*>(row_.data()),
                          std::streamsize(row_.size()));
     --missing_;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace pcl_semantic {
 
@@ -87,6 +88,15 @@ uncertaintyRamp()
   return ramp;
 }
 
+void
+requireField(bool is_there, const char* what, const char* field)
+{
+  if (!is_there)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "the points have no "
+                                                       << what << ", expected a field "
+                                                       << field);
+}
+
 } // namespace
 
 VoxelColours
@@ -115,9 +125,7 @@ classColours(const VoxelScene& scene, const LabelSet& label_set)
 VoxelColours
 measuredColours(const VoxelScene& scene)
 {
-  if (!scene.has_colour)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the points have no colour, expected a field rgb or rgba");
+  requireField(scene.has_colour, "colour", "rgb or rgba");
   VoxelColours result;
   for (const pcl::PointXYZRGBL& point : *scene.voxels.cloud)
     result.colours.emplace_back(point.b, point.g, point.r);
@@ -129,10 +137,8 @@ VoxelColours
 entropyColours(const VoxelScene& scene)
 {
   const LabelDistributions& distributions = scene.voxels.refined;
-  if (distributions.size() != Eigen::Index(scene.voxels.size()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the points have no distributions, expected a field "
-                        "probability");
+  requireField(distributions.size() == Eigen::Index(scene.voxels.size()),
+               "distributions", "probability");
   const cv::Mat ramp = uncertaintyRamp();
   const double largest = std::log(std::max(2, distributions.classes()));
   VoxelColours result;
@@ -155,10 +161,8 @@ VoxelColours
 observationColours(const VoxelScene& scene)
 {
   const std::vector<std::uint32_t>& observations = scene.voxels.observations;
-  if (observations.size() != scene.voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the points have no numbers of observations, expected a field "
-                        "observations");
+  requireField(observations.size() == scene.voxels.size(), "numbers of observations",
+               "observations");
   constexpr int steps = 8; // 1, 2 to 3, 4 to 7, ... 128 and more
   const cv::Mat ramp = uncertaintyRamp();
   const auto colourOf = [&](int step) {
@@ -185,20 +189,15 @@ observationColours(const VoxelScene& scene)
 VoxelColours
 cliqueColours(const VoxelScene& scene)
 {
-  if (scene.cliques.size() != scene.voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the points have no cliques, expected a field clique");
+  requireField(scene.cliques.size() == scene.voxels.size(), "cliques", "clique");
   VoxelColours result;
-  std::vector<std::uint32_t> numbers;
+  std::set<std::uint32_t> numbers;
   for (const std::uint32_t clique : scene.cliques) {
     result.colours.push_back(clique == 0 ? grey_of_unchanged : colourOfNumber(clique));
-    if (clique != 0)
-      numbers.push_back(clique);
+    numbers.insert(clique);
   }
-  if (numbers.size() < scene.cliques.size())
+  if (numbers.erase(0) > 0)
     result.legend.push_back({"in no clique", grey_of_unchanged});
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   result.note = grouped(numbers.size()) + " cliques, " + sizeOf(scene);
   return result;
 }

@@ -153,73 +153,36 @@ standIn(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
   return *first;
 }
 
-// Fills the scene with one point a voxel.
-class SceneMaker {
-public:
-  SceneMaker(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
-             VoxelScene& scene)
-      : labelled_(labelled), rows_(rows), scene_(scene)
-  {
-    if (!labelled.cliques.empty() || labelled.table.find("clique") >= 0)
-      clique_of_row_.resize(labelled.cloud->size());
+// What the rows of the file that are kept say beside labels and colours.
+void
+keepRows(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
+         VoxelScene& scene)
+{
+  const LabelDistributions& all = labelled.distributions;
+  if (all.classes() > 0) {
+    LabelDistributions::Matrix values(all.classes(), Eigen::Index(rows.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      values.col(Eigen::Index(i)) = all.matrix().col(Eigen::Index(rows[i]));
+    scene.voxels.refined = LabelDistributions(std::move(values));
+  }
+  if (!labelled.cliques.empty() || labelled.table.find("clique") >= 0) {
+    std::vector<std::uint32_t> clique_of_row(labelled.cloud->size());
     for (std::size_t c = 0; c < labelled.cliques.size(); ++c)
       for (const int row : labelled.cliques[c].indices)
-        clique_of_row_[std::size_t(row)] = static_cast<std::uint32_t>(c + 1);
+        clique_of_row[std::size_t(row)] = static_cast<std::uint32_t>(c + 1);
+    for (const std::size_t row : rows)
+      scene.cliques.push_back(clique_of_row[row]);
   }
-
-  void
-  make(const std::vector<VoxelIndex>& indices)
-  {
-    std::vector<std::size_t> order(indices.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    // A map has each voxel once: its order stays.
-    if (VoxelSet(indices).size() < indices.size())
-      std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return VoxelIndexLess()(indices[a], indices[b]);
-      });
-    std::vector<std::size_t> kept;
-    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-      while (end < order.size() && indices[order[end]] == indices[order[begin]])
-        ++end;
-      pcl::PointXYZRGBL point;
-      kept.push_back(rows_[standIn(labelled_, rows_, order.data() + begin,
-                                   order.data() + end, point)]);
-      scene_.voxels.cloud->push_back(point);
-      scene_.voxels.indices.push_back(indices[order[begin]]);
-    }
-    keep(kept);
+  const int field = labelled.table.find("observations");
+  if (field < 0 || labelled.table.fields[std::size_t(field)].count != 1)
+    return; // none, or not ours
+  const PcdColumn observations(labelled.table, field);
+  for (const std::size_t row : rows) {
+    const double count = observations(row); // NaN becomes none
+    scene.voxels.observations.push_back(
+        count >= 1.0 ? static_cast<std::uint32_t>(std::min(count, 4294967295.0)) : 0);
   }
-
-private:
-  void
-  keep(const std::vector<std::size_t>& rows)
-  {
-    const LabelDistributions& all = labelled_.distributions;
-    if (all.classes() > 0) {
-      LabelDistributions::Matrix values(all.classes(), Eigen::Index(rows.size()));
-      for (std::size_t i = 0; i < rows.size(); ++i)
-        values.col(Eigen::Index(i)) = all.matrix().col(Eigen::Index(rows[i]));
-      scene_.voxels.refined = LabelDistributions(std::move(values));
-    }
-    if (!clique_of_row_.empty())
-      for (const std::size_t row : rows)
-        scene_.cliques.push_back(clique_of_row_[row]);
-    const int field = labelled_.table.find("observations");
-    if (field < 0 || labelled_.table.fields[std::size_t(field)].count != 1)
-      return; // none, or not ours
-    const PcdColumn observations(labelled_.table, field);
-    for (const std::size_t row : rows) {
-      const double count = observations(row); // NaN becomes none
-      scene_.voxels.observations.push_back(
-          count >= 1.0 ? static_cast<std::uint32_t>(std::min(count, 4294967295.0)) : 0);
-    }
-  }
-
-  const LabelledCloud& labelled_;
-  const std::vector<std::size_t>& rows_;
-  VoxelScene& scene_;
-  std::vector<std::uint32_t> clique_of_row_;
-};
+}
 
 } // namespace
 
@@ -234,8 +197,25 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid)
   scene.grid = grid.size > 0.0 ? grid : findGrid(path, points.positions);
   scene.voxels.voxel_size = scene.grid.size;
   scene.voxels.origin = scene.grid.corner;
-  SceneMaker(labelled, points.rows, scene)
-      .make(indicesOf(path, points.positions, scene.grid));
+  const std::vector<VoxelIndex> indices = indicesOf(path, points.positions, scene.grid);
+  std::vector<std::size_t> order(indices.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  // A map has each voxel once: its order stays.
+  if (VoxelSet(indices).size() < indices.size())
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return VoxelIndexLess()(indices[a], indices[b]);
+    });
+  std::vector<std::size_t> kept;
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && indices[order[end]] == indices[order[begin]])
+      ++end;
+    pcl::PointXYZRGBL point;
+    kept.push_back(points.rows[standIn(labelled, points.rows, order.data() + begin,
+                                       order.data() + end, point)]);
+    scene.voxels.cloud->push_back(point);
+    scene.voxels.indices.push_back(indices[order[begin]]);
+  }
+  keepRows(labelled, kept, scene);
   return scene;
 }
 

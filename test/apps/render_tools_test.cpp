@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
+#include "support/same_image.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
@@ -50,28 +51,16 @@ private:
   TemporaryFolder folder_;
 };
 
-bool
-areEqual(const cv::Mat& a, const cv::Mat& b)
-{
-  return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0.0;
-}
-
 BadCase::Damage
 cloud(const std::string& fields, const std::string& points, int count)
 {
   return [=](const std::string& street) {
-    const std::size_t words =
-        1 + std::size_t(std::count(fields.begin(), fields.end(), ' '));
-    std::string sizes, types, counts;
-    for (std::size_t i = 0; i < words; ++i) {
-      sizes += " 4";
-      types += i < 3 ? " F" : " U";
-      counts += " 1";
-    }
+    const bool has_label = fields == "x y z label";
     std::ofstream(street + "/a.pcd")
-        << "VERSION 0.7\nFIELDS " << fields << "\nSIZE" << sizes << "\nTYPE" << types
-        << "\nCOUNT" << counts << "\nWIDTH " << count << "\nHEIGHT 1\nPOINTS " << count
-        << "\nDATA ascii\n"
+        << "VERSION 0.7\nFIELDS " << fields
+        << (has_label ? "\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH "
+                      : "\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH ")
+        << count << "\nHEIGHT 1\nPOINTS " << count << "\nDATA ascii\n"
         << points;
   };
 }
@@ -93,15 +82,16 @@ TEST(RenderTool, DrawsFoldersCloudsAndArchivesAlike)
   EXPECT_EQ(folder.cols, 320);
   EXPECT_GT(folder.rows, 200);
   const std::string path = " --trajectory MAPS/map/trajectory.txt";
-  EXPECT_TRUE(areEqual(folder, maps.render("MAPS/map.archive" + path)));
+  EXPECT_TRUE(isSameImage(folder, maps.render("MAPS/map.archive" + path)));
   // Its grid is found, not read: the same cubes to a rounding.
   const cv::Mat cloud = maps.render("MAPS/map/map.pcd" + path);
   ASSERT_EQ(cloud.size(), folder.size());
   cv::Mat difference;
   cv::absdiff(cloud, folder, difference);
   EXPECT_LT(cv::mean(difference)[0], 1.0);
-  EXPECT_FALSE(areEqual(folder, maps.render("MAPS/map.archive"))); // without its path
-  EXPECT_TRUE(areEqual(folder, maps.render("MAPS/map --threads 3")));
+  EXPECT_FALSE(
+      isSameImage(folder, maps.render("MAPS/map.archive"))); // without its path
+  EXPECT_TRUE(isSameImage(folder, maps.render("MAPS/map --threads 3")));
 }
 
 TEST(RenderTool, DrawsEveryViewAndColour)
@@ -115,7 +105,7 @@ TEST(RenderTool, DrawsEveryViewAndColour)
     pictures.push_back(maps.render(std::string("MAPS/map") + options));
   for (std::size_t i = 0; i < pictures.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      EXPECT_FALSE(areEqual(pictures[i], pictures[j])) << i << " and " << j;
+      EXPECT_FALSE(isSameImage(pictures[i], pictures[j])) << i << " and " << j;
   // Nothing changes against itself: all grey but the path, on both sides of the camera.
   const cv::Mat same = maps.render("MAPS/map --compare MAPS/map --view camera");
   int coloured = 0;
@@ -134,19 +124,19 @@ TEST(CompareTool, DrawsOneFigureOrOneAFrame)
                              "SUFFIX " + maps.path("map/labels") + "SUFFIX --truth " +
                              tinyStreet() + "/gtSUFFIX --image " + tinyStreet() +
                              "/image_2SUFFIX --width 640 --names 'a b,c' --output ";
-  const ToolResult folders =
-      runTool("compare" + replaceAll(labels, "SUFFIX", "") + maps.path("figures"));
-  EXPECT_EQ(folders.code, 0) << folders.text;
-  const ToolResult files = runTool(
-      "compare" + replaceAll(labels, "SUFFIX", "/000001.png") + maps.path("one.png"));
-  EXPECT_EQ(files.code, 0) << files.text;
+  for (const auto& [suffix, output] :
+       {std::pair("", "figures"), std::pair("/000001.png", "one.png")}) {
+    const ToolResult result =
+        runTool("compare" + replaceAll(labels, "SUFFIX", suffix) + maps.path(output));
+    EXPECT_EQ(result.code, 0) << result.text;
+  }
   for (const char* const frame : {"000000", "000001", "000002"})
     EXPECT_EQ(
         readPng(maps.path("figures/") + frame + ".png", ImageKind::grey_or_colour).cols,
         640);
   EXPECT_TRUE(
-      areEqual(readPng(maps.path("one.png"), ImageKind::grey_or_colour),
-               readPng(maps.path("figures/000001.png"), ImageKind::grey_or_colour)));
+      isSameImage(readPng(maps.path("one.png"), ImageKind::grey_or_colour),
+                  readPng(maps.path("figures/000001.png"), ImageKind::grey_or_colour)));
 }
 
 TEST(BadUsage, RenderTool)

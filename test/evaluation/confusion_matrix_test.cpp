@@ -164,17 +164,13 @@ TEST(ConfusionMatrix, RefusesImagesThatDoNotFit)
 {
   ConfusionMatrix confusion(4);
   const cv::Mat1b image(3, 3, Label(1)), beyond(3, 3, Label(5)), other(3, 4, Label(1));
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { confusion.add(beyond, image); }),
-            "holds the label 5"));
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { confusion.add(image, beyond); }),
-            "prediction holds"));
-  EXPECT_TRUE(holds(
-      thrownMessage<BadInputException>([&] { confusion.add(image, other); }), "4 x 3"));
-  EXPECT_TRUE(holds(
-      thrownMessage<BadInputException>([&] { confusion.add(image, image, other); }),
-      "covered"));
+  const auto refusalOf = [&](const auto&... images) {
+    return thrownMessage<BadInputException>([&] { confusion.add(images...); });
+  };
+  EXPECT_TRUE(holds(refusalOf(beyond, image), "holds the label 5"));
+  EXPECT_TRUE(holds(refusalOf(image, beyond), "prediction holds"));
+  EXPECT_TRUE(holds(refusalOf(image, other), "4 x 3"));
+  EXPECT_TRUE(holds(refusalOf(image, image, other), "covered"));
   EXPECT_EQ(confusion(1, 1), 0u);
   EXPECT_THROW(confusion += ConfusionMatrix(5), InvalidParameterException);
   EXPECT_THROW(ConfusionMatrix(0), InvalidParameterException);

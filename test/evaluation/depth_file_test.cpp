@@ -34,17 +34,16 @@ TEST(DepthFile, PointsAreFloats)
   const cv::Mat1f read = readDepths(folder.path("a.bin"));
   ASSERT_EQ(read.size(), cv::Size(3, 1));
   EXPECT_EQ(read(0, 1), 12.3456f);
+  const auto refusal = [&] {
+    return thrownMessage<BadInputException>([&] { readDepths(folder.path("a.bin")); });
+  };
   for (const float bad : {-1.0f, std::numeric_limits<float>::quiet_NaN(),
                           std::numeric_limits<float>::infinity()}) {
     writePointDepths(folder.path("a.bin"), {1.0f, bad});
-    EXPECT_TRUE(holds(
-        thrownMessage<BadInputException>([&] { readDepths(folder.path("a.bin")); }),
-        "a.bin: point 1"));
+    EXPECT_TRUE(holds(refusal(), "a.bin: point 1"));
   }
   folder.write("a.bin", "12345");
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { readDepths(folder.path("a.bin")); }),
-            "has 5 bytes"));
+  EXPECT_TRUE(holds(refusal(), "has 5 bytes"));
   thrownMessage<BadInputException>([&] { readDepths(folder.path("none.png")); });
 }
 

@@ -3,6 +3,7 @@
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <limits>

@@ -5,92 +5,96 @@
 #include <pcl_semantic/evaluation/lidar_truth.h>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
+#include <algorithm>
 #include <random>
 
 namespace pcl_semantic {
 
 namespace {
 
+using Scan = pcl::PointCloud<pcl::PointXYZI>;
+
+// A return in the image.
 struct Projected {
   int u = 0, v = 0;
-  float z = 0.0f;
-  Label label = 0;
+  double z = 0.0; // 0 = outside of it
 };
 
-/** \brief The rule of projectLidarTruth spelt out over pairs of returns. */
-LidarTruth
-bruteForce(const pcl::PointCloud<pcl::PointXYZI>& scan,
-           const std::vector<Label>& labels, const StereoCamera& camera,
-           const Eigen::Isometry3d& pose, const VisibilityParameters& parameters)
+std::vector<Projected>
+project(const Scan& scan, const StereoCamera& camera, const Eigen::Isometry3d& pose)
 {
-  std::vector<Projected> points;
+  std::vector<Projected> points(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Eigen::Vector3d p = pose * Eigen::Vector3d(scan[i].x, scan[i].y, scan[i].z);
-    if (p.z() <= 0.1)
-      continue;
     const double u = camera.fx * p.x() / p.z() + camera.cx;
     const double v = camera.fy * p.y() / p.z() + camera.cy;
-    if (u < -0.5 || v < -0.5 || u >= camera.width - 0.5 || v >= camera.height - 0.5)
-      continue;
-    points.push_back(
-        {int(std::floor(u + 0.5)), int(std::floor(v + 0.5)), float(p.z()), labels[i]});
+    if (p.z() > 0.1 && u >= -0.5 && v >= -0.5 && u < camera.width - 0.5 &&
+        v < camera.height - 0.5)
+      points[i] = {int(std::floor(u + 0.5)), int(std::floor(v + 0.5)), p.z()};
   }
-  cv::Mat1b truth(camera.height, camera.width, Label(0));
-  cv::Mat1f depth(camera.height, camera.width, 0.0f);
-  for (const Projected& p : points) {
-    bool visible = p.z <= parameters.max_depth, above = false, below = false;
-    for (const Projected& q : points) {
-      if (q.u == p.u && q.v == p.v && q.z < p.z)
-        visible = false;
-      if (std::abs(q.u - p.u) <= parameters.window_columns &&
-          std::abs(q.v - p.v) <= parameters.window_rows &&
-          q.z < p.z - parameters.absolute_margin &&
-          q.z < p.z - parameters.relative_margin * p.z) {
-        above = above || q.v <= p.v;
-        below = below || q.v >= p.v;
-      }
-    }
-    if (visible && !(above && below)) {
-      truth(p.v, p.u) = p.label;
-      depth(p.v, p.u) = p.label ? p.z : 0.0f;
-    }
-  }
-  return {truth, depth};
+  return points;
 }
 
-/** \brief The rule of seenDepths spelt out over pairs of returns. */
+// Whether nearer returns lie on both sides of a point's row, spelt out over all pairs.
+bool
+isHidden(const Projected& p, const std::vector<Projected>& points,
+         const VisibilityParameters& parameters)
+{
+  bool above = false, below = false;
+  for (const Projected& q : points)
+    if (q.z > 0.0 && std::abs(q.u - p.u) <= parameters.window_columns &&
+        std::abs(q.v - p.v) <= parameters.window_rows &&
+        q.z < p.z - parameters.absolute_margin &&
+        q.z < p.z - parameters.relative_margin * p.z) {
+      above = above || q.v <= p.v;
+      below = below || q.v >= p.v;
+    }
+  return above && below;
+}
+
 void
-expectSeen(const pcl::PointCloud<pcl::PointXYZI>& scan, const Eigen::Isometry3d& pose,
+expectSeen(const Scan& scan, const Eigen::Isometry3d& pose,
            const VisibilityParameters& parameters)
 {
-  const StereoCamera camera = smallCamera();
-  const std::vector<float> seen = seenDepths(scan, camera, pose, parameters);
+  const std::vector<Projected> points = project(scan, smallCamera(), pose);
+  const std::vector<float> seen = seenDepths(scan, smallCamera(), pose, parameters);
   ASSERT_EQ(seen.size(), scan.size());
   int hidden = 0, visible = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Eigen::Vector3d p = pose * Eigen::Vector3d(scan[i].x, scan[i].y, scan[i].z);
-    const auto pixel = pixelOf(p, camera);
-    bool expected = pixel && p.z() <= parameters.max_depth, above = false,
-         below = false;
-    for (std::size_t j = 0; j < scan.size() && expected; ++j) {
-      const Eigen::Vector3d q = pose * Eigen::Vector3d(scan[j].x, scan[j].y, scan[j].z);
-      const auto other = pixelOf(q, camera);
-      if (!other || std::abs(other->x() - pixel->x()) > parameters.window_columns ||
-          std::abs(other->y() - pixel->y()) > parameters.window_rows ||
-          q.z() >= p.z() - parameters.absolute_margin ||
-          q.z() >= p.z() - parameters.relative_margin * p.z())
-        continue;
-      above = above || other->y() <= pixel->y();
-      below = below || other->y() >= pixel->y();
-    }
-    hidden += expected && above && below;
-    expected = expected && !(above && below);
-    visible += expected;
-    ASSERT_NEAR(seen[i], expected ? p.z() : 0.0, 1e-5) << i;
+    const bool is_near = points[i].z > 0.0 && points[i].z <= parameters.max_depth;
+    const bool is_hidden = is_near && isHidden(points[i], points, parameters);
+    hidden += is_hidden;
+    visible += is_near && !is_hidden;
+    ASSERT_NEAR(seen[i], is_near && !is_hidden ? points[i].z : 0.0, 1e-5) << i;
   }
   EXPECT_GT(hidden, 20);
   EXPECT_GT(visible, 100);
+}
+
+void
+expectProjected(const LidarTruth& result, const Scan& scan,
+                const std::vector<Label>& labels, const Eigen::Isometry3d& pose,
+                const VisibilityParameters& parameters)
+{
+  const std::vector<Projected> points = project(scan, smallCamera(), pose);
+  cv::Mat1b truth(smallCamera().height, smallCamera().width, Label(0));
+  cv::Mat1f depth(truth.size(), 0.0f);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Projected& p = points[i];
+    const bool is_nearest =
+        std::none_of(points.begin(), points.end(), [&](const Projected& q) {
+          return q.z > 0.0 && q.u == p.u && q.v == p.v && float(q.z) < float(p.z);
+        });
+    if (p.z > 0.0 && p.z <= parameters.max_depth && is_nearest &&
+        !isHidden(p, points, parameters)) {
+      truth(p.v, p.u) = labels[i];
+      depth(p.v, p.u) = labels[i] ? float(p.z) : 0.0f;
+    }
+  }
+  EXPECT_EQ(cv::countNonZero(result.labels != truth), 0);
+  EXPECT_LT(cv::norm(result.depth, depth, cv::NORM_INF), 1e-5);
 }
 
 } // namespace
@@ -100,7 +104,7 @@ TEST(LidarTruth, EqualsBruteForce)
   std::mt19937 random(7);
   std::uniform_real_distribution<float> side(-15.0f, 15.0f), ahead(-3.0f, 50.0f);
   std::uniform_int_distribution<int> label(0, 11);
-  pcl::PointCloud<pcl::PointXYZI> scan;
+  Scan scan;
   std::vector<Label> labels;
   for (int i = 0; i < 1500; ++i) {
     pcl::PointXYZI point;
@@ -121,10 +125,8 @@ TEST(LidarTruth, EqualsBruteForce)
   parameters.window_columns = 2;
   const LidarTruth result =
       projectLidarTruth(scan, labels, smallCamera(), pose, parameters);
-  const LidarTruth expected = bruteForce(scan, labels, smallCamera(), pose, parameters);
   const cv::Mat1b truth = result.labels;
-  EXPECT_EQ(cv::countNonZero(truth != expected.labels), 0);
-  EXPECT_LT(cv::norm(result.depth, expected.depth, cv::NORM_INF), 1e-5);
+  expectProjected(result, scan, labels, pose, parameters);
   expectSeen(scan, pose, parameters);
   parameters.absolute_margin = 1e9; // no occlusion rule
   const int all = cv::countNonZero(
@@ -137,7 +139,7 @@ TEST(LidarTruth, BackgroundShinesThroughOnlyBesideTheObject)
 {
   // Returns as pixels with depth, scanner = camera.
   const StereoCamera camera = smallCamera();
-  pcl::PointCloud<pcl::PointXYZI> scan;
+  Scan scan;
   std::vector<Label> labels;
   const auto add = [&](int u, int v, double depth, Label label) {
     pcl::PointXYZI point;
@@ -172,7 +174,7 @@ TEST(LidarTruth, BackgroundShinesThroughOnlyBesideTheObject)
 
 TEST(LidarTruth, RefusesWrongSizes)
 {
-  pcl::PointCloud<pcl::PointXYZI> scan;
+  Scan scan;
   EXPECT_THROW(
       projectLidarTruth(scan, {1}, smallCamera(), Eigen::Isometry3d::Identity()),
       InvalidParameterException);

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -38,10 +39,16 @@ scannerPose()
   return pose;
 }
 
+struct Return {
+  std::size_t frame;
+  Eigen::Vector3d in_camera, in_world;
+};
+
 // Scans and a map of the same random points, some of them moved; more of the map
 // elsewhere.
 struct World {
   std::vector<Scan> scans;
+  std::vector<Return> returns; // of all scans, one after the other
   VoxelCloud voxels;
 
   explicit World(int frames)
@@ -58,6 +65,9 @@ struct World {
         pcl::PointXYZI point;
         point.getVector3fMap() = (scannerPose().inverse() * seen).cast<float>();
         scan.push_back(point);
+        const Eigen::Vector3d in_camera =
+            scannerPose() * point.getVector3fMap().cast<double>();
+        returns.push_back({std::size_t(frame), in_camera, poseOf(frame) * in_camera});
         const Eigen::Vector3d moved =
             poseOf(frame) * seen +
             Eigen::Vector3d(noise(random), noise(random), noise(random));
@@ -96,9 +106,9 @@ isJudged(const World& world, std::size_t voxel, const GeometryParameters& parame
       continue;
     bool above = false, below = false;
     double farthest = 0.0;
-    for (const pcl::PointXYZI& point : world.scans[frame]) {
-      const Eigen::Vector3d q = scannerPose() * point.getVector3fMap().cast<double>();
-      if (!isInside(q))
+    for (const Return& each : world.returns) {
+      const Eigen::Vector3d& q = each.in_camera;
+      if (each.frame != frame || !isInside(q))
         continue;
       const Eigen::Vector2d offset = pixelIn(q) - pixelIn(p);
       if (std::abs(offset.x()) > parameters.window_columns ||
@@ -117,39 +127,33 @@ isJudged(const World& world, std::size_t voxel, const GeometryParameters& parame
 double
 nearestReturn(const World& world, std::size_t voxel)
 {
-  double least = 1e9;
-  for (std::size_t frame = 0; frame < world.scans.size(); ++frame)
-    for (const pcl::PointXYZI& point : world.scans[frame])
-      least =
-          std::min(least, (poseOf(int(frame)) *
-                               (scannerPose() * point.getVector3fMap().cast<double>()) -
-                           world.centre(voxel))
-                              .norm());
-  return least;
+  double distance = 1e9;
+  for (const Return& each : world.returns)
+    distance = std::min(distance, (each.in_world - world.centre(voxel)).norm());
+  return distance;
 }
 
-// Largest extent along an axis, and distance, from a point to the nearest cube.
 bool
 isNear(const World& world, const Eigen::Vector3d& point, double distance)
 {
   const double size = world.voxels.voxel_size;
-  for (const VoxelIndex& index : world.voxels.indices) {
-    const Eigen::Vector3d lower = index.cast<double>() * size;
-    const Eigen::Vector3d upper = lower.array() + size;
-    if ((point - point.cwiseMax(lower).cwiseMin(upper)).norm() <= distance)
-      return true;
-  }
-  return false;
+  return std::any_of(world.voxels.indices.begin(), world.voxels.indices.end(),
+                     [&](const VoxelIndex& index) {
+                       const Eigen::Vector3d lower = index.cast<double>() * size;
+                       const Eigen::Vector3d upper = lower.array() + size;
+                       return (point - point.cwiseMax(lower).cwiseMin(upper)).norm() <=
+                              distance;
+                     });
 }
 
 bool
 hasVoxel(const World& world, const Eigen::Vector3d& point, int around)
 {
   const VoxelIndex at = (point / world.voxels.voxel_size).array().floor().cast<int>();
-  for (const VoxelIndex& index : world.voxels.indices)
-    if ((index - at).cwiseAbs().maxCoeff() <= around)
-      return true;
-  return false;
+  return std::any_of(world.voxels.indices.begin(), world.voxels.indices.end(),
+                     [&](const VoxelIndex& index) {
+                       return (index - at).cwiseAbs().maxCoeff() <= around;
+                     });
 }
 
 GeometrySamples
@@ -188,22 +192,20 @@ TEST(MapGeometry, SurfaceIsCountedByBand)
   GeometryParameters parameters;
   const GeometrySamples samples = measure(world, parameters);
   std::vector<SurfaceCounts> expected(3);
-  VisibilityParameters seen_parameters;
-  for (std::size_t frame = 0; frame < world.scans.size(); ++frame) {
-    const std::vector<float> seen =
-        seenDepths(world.scans[frame], smallCamera(), scannerPose(), seen_parameters);
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (seen[i] == 0.0f)
-        continue;
-      SurfaceCounts& band = expected[seen[i] < 10.0f ? 0 : seen[i] < 20.0f ? 1 : 2];
-      const Eigen::Vector3d point =
-          poseOf(int(frame)) *
-          (scannerPose() * world.scans[frame][i].getVector3fMap().cast<double>());
-      ++band.points;
-      band.at += hasVoxel(world, point, 0);
-      band.adjacent += hasVoxel(world, point, 1);
-      band.within += isNear(world, point, parameters.within);
-    }
+  std::vector<float> seen; // of all scans
+  for (const auto& scan : world.scans) {
+    const std::vector<float> depths = seenDepths(scan, smallCamera(), scannerPose());
+    seen.insert(seen.end(), depths.begin(), depths.end());
+  }
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] == 0.0f)
+      continue;
+    SurfaceCounts& band = expected[seen[i] < 10.0f ? 0 : seen[i] < 20.0f ? 1 : 2];
+    const Eigen::Vector3d& point = world.returns[i].in_world;
+    ++band.points;
+    band.at += hasVoxel(world, point, 0);
+    band.adjacent += hasVoxel(world, point, 1);
+    band.within += isNear(world, point, parameters.within);
   }
   ASSERT_EQ(samples.surface.size(), 3u);
   for (int i = 0; i < 3; ++i) {

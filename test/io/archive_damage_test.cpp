@@ -2,6 +2,7 @@
 
 // What a damaged or foreign file may do: be refused, or do no harm.
 
+#include "io/archive_database.h"
 #include "io/block_encoding.h"
 #include "support/archives.h"
 #include "support/mutate.h"
@@ -58,19 +59,7 @@ protected:
   void
   readAll() const
   {
-    const MapArchive archive(path_, ArchiveAccess::read);
-    expectHolds(archive, blocks_);
-    const ArchiveState state = archive.state();
-    EXPECT_EQ(state.cloud_origin, Eigen::Vector3d(1000, -2000, 0));
-    EXPECT_TRUE(state.finished);
-    EXPECT_EQ(archive.header().label_set[2].name, "car");
-    EXPECT_EQ(archive.header().parameters.voxel_size, 0.25);
-    EXPECT_EQ(archive.header().configuration, makeArchiveHeader().configuration);
-    std::map<int, std::vector<std::uint8_t>> frames;
-    archive.forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
-      frames[number] = bytes;
-    });
-    EXPECT_EQ(frames, (decltype(frames){{3, {1, 2, 3}}, {7, {}}}));
+    expectWritten(MapArchive(path_, ArchiveAccess::read), blocks_);
   }
 
   // Whether the damage is noticed; if not, nothing else may have been read.
@@ -199,8 +188,7 @@ TEST_F(DamagedArchive, TheMessageNamesTheBlock)
                     std::to_string(index.z()) +
                     " AND y = " + std::to_string(index.y()) +
                     " AND x = " + std::to_string(index.x()));
-  const std::string name = "block " + std::to_string(index.x()) + " " +
-                           std::to_string(index.y()) + " " + std::to_string(index.z());
+  const std::string name = nameOfBlock(index);
   EXPECT_TRUE(holds(messageOfReading(), path_ + ": " + name + ": is damaged"));
   const MapArchive archive(path_, ArchiveAccess::read);
   EXPECT_TRUE(
@@ -258,15 +246,15 @@ TEST(BlockEncoding, HostileBytesAreRefused)
   }
   EXPECT_GT(refused, 1000);
   const Bytes good = encodeBlock(index, makeRandomBlock(9, 3, 1), 3);
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { decodeBlock(good, index, 4); }),
-            "has 3 classes, expected 4"));
+  const auto messageOf = [&](const Bytes& bytes, int classes) {
+    return thrownMessage<BadInputException>(
+        [&] { decodeBlock(bytes, index, classes); });
+  };
+  EXPECT_TRUE(holds(messageOf(good, 4), "has 3 classes, expected 4"));
   Bytes infinite = good;
   const std::uint8_t minus_infinity[] = {0x00, 0x00, 0x80, 0xFF}; // the last value
   std::copy(std::begin(minus_infinity), std::end(minus_infinity), infinite.end() - 4);
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { decodeBlock(infinite, index, 3); }),
-            "not finite"));
+  EXPECT_TRUE(holds(messageOf(infinite, 3), "not finite"));
 }
 
 TEST(SealedBytes, BombsAndBareFramesAreRefused)
@@ -276,13 +264,12 @@ TEST(SealedBytes, BombsAndBareFramesAreRefused)
   const Bytes sealed = sealer.seal(content);
   EXPECT_LT(sealed.size(), 1000u);
   EXPECT_EQ(unseal(sealed.data(), sealed.size(), content.size()), content);
-  EXPECT_THROW(unseal(sealed.data(), sealed.size(), content.size() - 1),
-               BadInputException);
-  EXPECT_THROW(unseal(sealed.data(), sealed.size() - 1, content.size()),
-               BadInputException);
   Bytes longer = sealed;
   longer.push_back(0);
-  EXPECT_THROW(unseal(longer.data(), longer.size(), content.size()), BadInputException);
+  for (const auto& [size, max_size] : {std::pair(sealed.size(), content.size() - 1),
+                                       {sealed.size() - 1, content.size()},
+                                       {longer.size(), content.size()}})
+    EXPECT_THROW(unseal(longer.data(), size, max_size), BadInputException) << size;
   EXPECT_THROW(unseal(nullptr, 0, 10), BadInputException);
   for (std::size_t at = 0; at < sealed.size(); ++at)
     for (int bit = 0; bit < 8; ++bit) {

@@ -31,17 +31,6 @@ writeMap(const std::string& path, const Blocks& blocks,
   archive->commit(state);
 }
 
-Blocks
-readMap(const std::string& path)
-{
-  Blocks blocks;
-  MapArchive(path, ArchiveAccess::read)
-      .forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-        blocks[index] = block;
-      });
-  return blocks;
-}
-
 // A block as fusion leaves it: clamped, the largest label log is 0.
 VoxelBlock
 makeMapBlock(std::size_t records, unsigned seed)
@@ -110,7 +99,7 @@ TEST(ArchiveMerge, AddsWhatBothKnowAndKeepsWhatOneKnows)
   writeMap(folder.path("b"), b);
   EXPECT_EQ(mergeArchives({folder.path("a"), folder.path("b")}, folder.path("c")), 3u);
   EXPECT_EQ(folder.entries(), 3u);
-  Blocks merged = readMap(folder.path("c"));
+  Blocks merged = readBlocks(folder.path("c"));
   ASSERT_EQ(merged.size(), 3u);
   EXPECT_TRUE(areSameBlocks(merged[first], a[first], classes));
   EXPECT_TRUE(areSameBlocks(merged[second], b[second], classes));
@@ -148,7 +137,7 @@ TEST(ArchiveMerge, TheOrderDoesNotMatter)
     writeMap(paths.back(), blocks, header, {1000.0 * map, 5.0, 0.0});
   }
   mergeArchives(paths, folder.path("first"));
-  const Blocks first = readMap(folder.path("first"));
+  const Blocks first = readBlocks(folder.path("first"));
   const auto stateOf = [](const std::string& path) {
     return MapArchive(path, ArchiveAccess::read).state().cloud_origin;
   };

@@ -14,6 +14,23 @@ namespace pcl_semantic {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// What is said to a program that may not write.
+std::string
+refusalOf(const std::function<void()>& write)
+{
+  return thrownMessage<OutputException>(write);
+}
+
+std::string
+refusalOfCreating(const std::string& path)
+{
+  return refusalOf([&] { MapArchive::create(path, makeArchiveHeader()); });
+}
+
+} // namespace
+
 TEST(MapArchive, GivesBackWhatWasPut)
 {
   const TemporaryFolder folder;
@@ -22,26 +39,7 @@ TEST(MapArchive, GivesBackWhatWasPut)
   writeArchive(path, blocks);
   EXPECT_EQ(folder.entries(), 1u) << "an ended archive is one file";
 
-  const MapArchive archive(path, ArchiveAccess::read);
-  expectHolds(archive, blocks);
-  EXPECT_EQ(archive.header().configuration, makeArchiveHeader().configuration);
-  EXPECT_EQ(archive.header().parameters.voxel_size, 0.25);
-  const LabelSet& label_set = archive.header().label_set;
-  ASSERT_EQ(label_set.size(), 3);
-  EXPECT_EQ(label_set[2].name, "car");
-  EXPECT_TRUE(label_set[2].dynamic && label_set[3].sky && !label_set[1].sky);
-  EXPECT_EQ(label_set[1].colour[1], 64);
-  const ArchiveState state = archive.state();
-  EXPECT_EQ(state.cloud_origin, Eigen::Vector3d(1000, -2000, 0));
-  EXPECT_TRUE(state.finished);
-  EXPECT_EQ(state.blocks, 200u);
-  EXPECT_EQ(state.frames, 2u);
-  EXPECT_EQ(state.last_frame, 7);
-  std::map<int, std::vector<std::uint8_t>> frames;
-  archive.forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
-    frames[number] = bytes;
-  });
-  EXPECT_EQ(frames, (decltype(frames){{3, {1, 2, 3}}, {7, {}}}));
+  expectWritten(MapArchive(path, ArchiveAccess::read), blocks);
   EXPECT_TRUE(verifyArchive(path).empty());
 }
 
@@ -131,11 +129,7 @@ TEST(MapArchive, TheSameMapGivesTheSameBytesForAnyNumberOfThreads)
   Blocks blocks = makeRandomBlocks(100, 7);
   writeArchive(folder.path("a"), blocks);
   // Records in another order: by place, as an archive gives them.
-  Blocks again;
-  MapArchive(folder.path("a"), ArchiveAccess::read)
-      .forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-        again[index] = block;
-      });
+  const Blocks again = readBlocks(folder.path("a"));
   for (const int threads : {1, 2, 7}) {
     setNumberOfThreads(threads);
     const std::string path = folder.path("b" + std::to_string(threads));
@@ -155,20 +149,17 @@ TEST(MapArchive, OnlyOneWrites)
   const Blocks blocks = makeRandomBlocks(5, 1), more = makeRandomBlocks(9, 2);
   const auto writer = MapArchive::create(path, makeArchiveHeader());
   const auto refuse = [&] {
-    EXPECT_EQ(
-        thrownMessage<OutputException>([&] { MapArchive(path, ArchiveAccess::write); }),
-        path + ": another program is writing it");
+    EXPECT_EQ(refusalOf([&] { MapArchive(path, ArchiveAccess::write); }),
+              path + ": another program is writing it");
   };
   refuse();
   putAll(blocks, *writer);
   refuse();
   writer->commit({});
   refuse(); // no gap between two transactions
-  EXPECT_EQ(thrownMessage<OutputException>(
-                [&] { MapArchive::create(path, makeArchiveHeader()); }),
-            path + ": is there already");
+  EXPECT_EQ(refusalOfCreating(path), path + ": is there already");
   writer->close();
-  EXPECT_TRUE(holds(thrownMessage<OutputException>([&] {
+  EXPECT_TRUE(holds(refusalOf([&] {
                       writer->put({0, 0, 0}, VoxelBlock());
                     }),
                     "open for writing"));
@@ -244,7 +235,7 @@ TEST(MapArchive, AFullDiskLeavesTheLastCommit)
     putAll(blocks, *archive);
     archive->commit({});
     const FullDisk full(fs::file_size(path) + 400000);
-    const std::string message = thrownMessage<OutputException>([&] {
+    const std::string message = refusalOf([&] {
       for (int i = 0; i < 100000; ++i) {
         archive->put({i, 1, 1}, block);
         if (i % 20 == 0)
@@ -254,8 +245,7 @@ TEST(MapArchive, AFullDiskLeavesTheLastCommit)
     EXPECT_TRUE(holds(message, path + ": cannot be written"));
     EXPECT_TRUE(holds(message, "disk full"));
     // Half a transaction must not follow.
-    EXPECT_TRUE(holds(thrownMessage<OutputException>([&] { archive->commit({}); }),
-                      "open for writing"));
+    EXPECT_TRUE(holds(refusalOf([&] { archive->commit({}); }), "open for writing"));
   }
   EXPECT_TRUE(verifyArchive(path).empty());
   const MapArchive archive(path, ArchiveAccess::read);
@@ -266,9 +256,7 @@ TEST(MapArchive, AFullDiskLeavesTheLastCommit)
     EXPECT_TRUE(areSameBlocks(*archive.get(index), content, 3));
 
   const FullDisk full(1000);
-  EXPECT_TRUE(holds(thrownMessage<OutputException>([&] {
-                      MapArchive::create(folder.path("new"), makeArchiveHeader());
-                    }),
+  EXPECT_TRUE(holds(refusalOfCreating(folder.path("new")),
                     folder.path("new") + ": cannot be written"));
   EXPECT_FALSE(fs::exists(folder.path("new")));
 }
@@ -285,12 +273,9 @@ TEST(MapArchive, ReadOnlyFolders)
     const Unprivileged user;
     if (!user.isEffective())
       GTEST_SKIP() << "cannot give up root's rights";
-    EXPECT_TRUE(holds(
-        thrownMessage<OutputException>([&] { MapArchive(path, ArchiveAccess::write); }),
-        path + ": cannot be written"));
-    EXPECT_TRUE(holds(thrownMessage<OutputException>([&] {
-                        MapArchive::create(folder.path("new"), makeArchiveHeader());
-                      }),
+    EXPECT_TRUE(holds(refusalOf([&] { MapArchive(path, ArchiveAccess::write); }),
+                      path + ": cannot be written"));
+    EXPECT_TRUE(holds(refusalOfCreating(folder.path("new")),
                       folder.path("new") + ": cannot be written"));
     expectHolds(MapArchive(path, ArchiveAccess::read), blocks);
     EXPECT_TRUE(verifyArchive(path).empty());

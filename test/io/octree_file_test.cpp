@@ -70,32 +70,38 @@ addCubes(VoxelScene& scene)
           scene.free.emplace_back(x, y, z);
 }
 
+// The file of a scene as the library reads it; no tree if it does not.
+std::unique_ptr<octomap::OcTree>
+writtenTree(const VoxelScene& scene)
+{
+  const TemporaryFolder folder;
+  writeOctree(folder.path("a.bt"), scene);
+  auto tree = std::make_unique<octomap::OcTree>(1.0);
+  return tree->readBinary(folder.path("a.bt")) ? std::move(tree) : nullptr;
+}
+
 std::unique_ptr<octomap::ColorOcTree>
 readColourTree(const std::string& path)
 {
-  std::unique_ptr<octomap::AbstractOcTree> tree(octomap::AbstractOcTree::read(path));
-  auto* const coloured = dynamic_cast<octomap::ColorOcTree*>(tree.get());
-  if (coloured)
-    tree.release();
-  return std::unique_ptr<octomap::ColorOcTree>(coloured);
+  octomap::AbstractOcTree* const tree = octomap::AbstractOcTree::read(path);
+  return std::unique_ptr<octomap::ColorOcTree>(
+      dynamic_cast<octomap::ColorOcTree*>(tree));
 }
 
 } // namespace
 
 TEST(Octree, HoldsOccupiedAndFreeVoxels)
 {
-  const TemporaryFolder folder;
   for (const bool with_cubes : {false, true}) {
     VoxelScene scene = randomScene(1);
     if (with_cubes)
       addCubes(scene);
-    writeOctree(folder.path("a.bt"), scene);
-    octomap::OcTree tree(1.0);
-    ASSERT_TRUE(tree.readBinary(folder.path("a.bt")));
-    EXPECT_EQ(tree.getResolution(), scene.grid.size);
-    expectSameStates(tree, scene);
+    const auto tree = writtenTree(scene);
+    ASSERT_TRUE(tree);
+    EXPECT_EQ(tree->getResolution(), scene.grid.size);
+    expectSameStates(*tree, scene);
     if (with_cubes) { // as two nodes
-      EXPECT_LT(tree.getNumLeafNodes(),
+      EXPECT_LT(tree->getNumLeafNodes(),
                 scene.voxels.size() + scene.free.size() - 2 * 511 + 1);
     }
   }
@@ -103,14 +109,12 @@ TEST(Octree, HoldsOccupiedAndFreeVoxels)
 
 TEST(Octree, OfACloudHoldsNothingFree)
 {
-  const TemporaryFolder folder;
   VoxelScene scene = randomScene(2);
   scene.free.clear();
   scene.knows_free = false;
-  writeOctree(folder.path("a.bt"), scene);
-  octomap::OcTree tree(1.0);
-  ASSERT_TRUE(tree.readBinary(folder.path("a.bt")));
-  expectSameStates(tree, scene);
+  const auto tree = writtenTree(scene);
+  ASSERT_TRUE(tree);
+  expectSameStates(*tree, scene);
 }
 
 TEST(Octree, HasColours)
@@ -140,16 +144,14 @@ TEST(Octree, HasColours)
 
 TEST(Octree, KeepsAllDigitsOfTheVoxelSize)
 {
-  const TemporaryFolder folder;
   VoxelScene scene = emptyScene();
   scene.origin.setZero();
   scene.grid = {0.123456789012, Eigen::Vector3d::Zero()};
   addVoxel(scene, {30000, -30000, 5}, 1);
-  writeOctree(folder.path("a.bt"), scene);
-  octomap::OcTree tree(1.0);
-  ASSERT_TRUE(tree.readBinary(folder.path("a.bt")));
-  EXPECT_EQ(tree.getResolution(), 0.123456789012);
-  EXPECT_EQ(stateIn(tree, worldCentre(scene, {30000, -30000, 5})), State::occupied);
+  const auto tree = writtenTree(scene);
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->getResolution(), 0.123456789012);
+  EXPECT_EQ(stateIn(*tree, worldCentre(scene, {30000, -30000, 5})), State::occupied);
 }
 
 TEST(Octree, MovesWhatDoesNotBeginAtAMultiple)

@@ -40,16 +40,6 @@ looksLike(const pcl::PointXYZRGBL& point, const VoxelScene& scene,
   return ::testing::AssertionSuccess();
 }
 
-std::vector<VoxelIndex>
-neighboursOf(const VoxelIndex& voxel)
-{
-  std::vector<VoxelIndex> neighbours;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const int step : {-1, 1})
-      neighbours.push_back(voxel + step * VoxelIndex(VoxelIndex::Unit(axis)));
-  return neighbours;
-}
-
 /** \brief A mesh as PCL reads it. */
 struct ReadMesh {
   Cloud vertices;
@@ -57,10 +47,12 @@ struct ReadMesh {
 };
 
 ReadMesh
-readMesh(const std::string& path)
+writtenMesh(const VoxelScene& scene, const std::vector<cv::Vec3b>& colours)
 {
+  const TemporaryFolder folder;
+  writePlyMesh(folder.path("a.ply"), blockyMesh(scene, colours), scene, colours);
   pcl::PolygonMesh mesh;
-  EXPECT_EQ(pcl::io::loadPLYFile(path, mesh), 0);
+  EXPECT_EQ(pcl::io::loadPLYFile(folder.path("a.ply"), mesh), 0);
   ReadMesh result;
   pcl::fromPCLPointCloud2(mesh.cloud, result.vertices);
   result.faces = mesh.polygons;
@@ -89,11 +81,9 @@ TEST(PlyPoints, AreReadByPcl)
 
 TEST(PlyMesh, HasTheFacesBetweenOccupiedAndNotOccupied)
 {
-  const TemporaryFolder folder;
   const VoxelScene scene = randomScene(3);
   const std::vector<cv::Vec3b> colours = randomColours(scene, 4);
-  writePlyMesh(folder.path("a.ply"), blockyMesh(scene, colours), scene, colours);
-  const ReadMesh mesh = readMesh(folder.path("a.ply"));
+  const ReadMesh mesh = writtenMesh(scene, colours);
   const auto rows = rowsOf(scene);
   std::set<std::tuple<int, int, int, int, int, int>> found; // voxel, neighbour - voxel
   for (const pcl::Vertices& face : mesh.faces) {
@@ -120,18 +110,16 @@ TEST(PlyMesh, HasTheFacesBetweenOccupiedAndNotOccupied)
   }
   std::size_t expected = 0;
   for (const VoxelIndex& voxel : scene.voxels.indices)
-    for (const VoxelIndex& neighbour : neighboursOf(voxel))
-      expected += rows.count(neighbour) == 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int step : {-1, 1})
+        expected += rows.count(voxel + step * VoxelIndex(VoxelIndex::Unit(axis))) == 0;
   EXPECT_EQ(found.size(), expected);
 }
 
 TEST(PlyMesh, SharesItsVertices)
 {
-  const TemporaryFolder folder;
   const VoxelScene scene = randomScene(5);
-  const std::vector<cv::Vec3b> colours = randomColours(scene, 6);
-  writePlyMesh(folder.path("a.ply"), blockyMesh(scene, colours), scene, colours);
-  const ReadMesh mesh = readMesh(folder.path("a.ply"));
+  const ReadMesh mesh = writtenMesh(scene, randomColours(scene, 6));
   std::set<std::tuple<float, float, float, std::uint32_t, std::uint32_t>> different;
   for (const pcl::PointXYZRGBL& vertex : mesh.vertices)
     EXPECT_TRUE(

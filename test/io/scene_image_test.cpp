@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/label_changes.h"
+#include "support/random_scene.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
@@ -10,10 +11,12 @@
 #include <pcl_semantic/io/scene_image.h>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include <map>
 #include <random>
 #include <set>
+#include <tuple>
 
 using namespace pcl_semantic;
 
@@ -34,19 +37,12 @@ street()
   VoxelScene scene;
   scene.grid.size = scene.voxels.voxel_size = 0.2;
   scene.has_colour = scene.has_labels = true;
-  const auto add = [&](int x, int y, int z, unsigned label) {
-    pcl::PointXYZRGBL point;
-    point.label = label;
-    point.r = point.g = point.b = static_cast<std::uint8_t>(90 + x % 7);
-    scene.voxels.cloud->push_back(point);
-    scene.voxels.indices.emplace_back(x, y, z);
-  };
   for (int x = 0; x < 100; ++x)
     for (int y = 0; y < 30; ++y)
-      add(x, y, 0, 2);
+      addVoxel(scene, {x, y, 0}, 2);
   for (int x = 0; x < 100; ++x)
     for (int z = 1; z < 15; ++z)
-      add(x, 29, z, x < 50 ? 1 : 3);
+      addVoxel(scene, {x, 29, z}, x < 50 ? 1 : 3);
   return scene;
 }
 
@@ -103,14 +99,12 @@ TEST(LabelChanges, EqualAPlainLoop)
   for (std::size_t i = 0; i < before.size(); ++i)
     if (before[i] != 0 && after[i] != 0) {
       ++compared;
-      if (before[i] != after[i]) {
-        ++changed;
-        ++kinds[{before[i], after[i]}];
-        if (truth[i] != 0 && truth[i] == after[i])
-          ++right;
-        if (truth[i] != 0 && truth[i] == before[i])
-          ++wrong;
-      }
+      if (before[i] == after[i])
+        continue;
+      ++changed;
+      ++kinds[{before[i], after[i]}];
+      right += truth[i] == after[i];
+      wrong += truth[i] == before[i];
     }
   const LabelChanges changes = countLabelChanges(before, after, truth);
   EXPECT_EQ(changes.compared, compared);
@@ -141,9 +135,7 @@ TEST(VoxelScene, FindsTheGridOfItsPoints)
   const std::vector<VoxelIndex>& indices = scene.voxels.indices;
   EXPECT_EQ(indices[1] - indices[0], VoxelIndex(1, 0, 0));
   EXPECT_EQ(indices[2] - indices[0], VoxelIndex(10, 3, -2));
-  const Eigen::Vector3d centre =
-      (indices[1].cast<double>().array() + 0.5).matrix() * scene.grid.size +
-      scene.grid.corner;
+  const Eigen::Vector3d centre = centreOf(scene.grid, indices[1]);
   EXPECT_LT((centre - Eigen::Vector3d(100000.35, -7.15, 0.0)).norm(), 1e-6);
   EXPECT_EQ((*scene.voxels.cloud)[1].g, 255);
 }
@@ -236,8 +228,8 @@ TEST(SceneView, RefusesWhatCannotBe)
 {
   const Eigen::Vector3d from(1, 2, 3);
   EXPECT_THROW(lookAt(from, from, 1.0, {100, 100}), InvalidParameterException);
-  EXPECT_THROW(lookAt(from, -from, 0.0, {100, 100}), InvalidParameterException);
-  EXPECT_THROW(lookAt(from, -from, 4.0, {100, 100}), InvalidParameterException);
+  for (const double angle : {0.0, 4.0})
+    EXPECT_THROW(lookAt(from, -from, angle, {100, 100}), InvalidParameterException);
   EXPECT_THROW(lookAt(from, -from, 1.0, {0, 100}), InvalidParameterException);
   const SceneView down = lookAt(from, {1, 2, 0}, 1.0, {100, 100});
   EXPECT_TRUE(down.T_world_camera.linear().isUnitary(1e-12));
@@ -346,14 +338,28 @@ TEST(VoxelColours, CliquesDifferAndNoneIsGrey)
   const VoxelColours colours = cliqueColours(scene);
   EXPECT_EQ(colours.colours[0], colours.colours[1000]);
   EXPECT_EQ(colours.colours[10], colours.colours[11]);
-  std::set<std::uint32_t> seen;
+  std::set<std::tuple<int, int, int>> seen;
   for (std::size_t i = 2; i < 200; i += 2) {
     const cv::Vec3b& c = colours.colours[i];
-    seen.insert(std::uint32_t(c[0]) << 16 | std::uint32_t(c[1]) << 8 | c[2]);
+    seen.emplace(c[0], c[1], c[2]);
   }
   EXPECT_GT(seen.size(), 95u);
   EXPECT_EQ(colours.note.rfind("99 cliques", 0), 0u) << colours.note;
 }
+
+namespace {
+
+// With two panels of 320 pixels a row. The lower right one of images of 320 x 100
+// begins at 12 + 320 + 12 and 28 + 100 + 6 + 28.
+cv::Mat
+compare(const cv::Mat& image, const cv::Mat& before, const cv::Mat& after,
+        const cv::Mat& truth)
+{
+  return drawLabelComparison(image, {{"a", before}, {"b", after}}, truth,
+                             threeClasses(), 2 * 320 + 36);
+}
+
+} // namespace
 
 TEST(LabelSheet, MarksWhatBecameRightAndWrong)
 {
@@ -365,9 +371,7 @@ TEST(LabelSheet, MarksWhatBecameRightAndWrong)
   after.colRange(80, 320) = 2;
   truth.colRange(80, 160) = 2;
   truth.colRange(240, 320) = 0;
-  const cv::Mat figure = drawLabelComparison(image, {{"a", before}, {"b", after}},
-                                             truth, threeClasses(), 2 * 320 + 36);
-  // The lower right panel begins at 12 + 320 + 12 and 28 + 100 + 6 + 28.
+  const cv::Mat figure = compare(image, before, after, truth);
   const auto at = [&](int u) { return figure.at<cv::Vec3b>(162 + 50, 344 + u); };
   EXPECT_EQ(at(40)[0], at(40)[1]); // grey
   EXPECT_GT(at(120)[1], at(120)[2] + 80);
@@ -376,8 +380,7 @@ TEST(LabelSheet, MarksWhatBecameRightAndWrong)
   // The panels above it: the labels of before, and the truth.
   const cv::Mat expected = blendLabels(image, before, threeClasses());
   EXPECT_EQ(figure.at<cv::Vec3b>(28 + 50, 12 + 40), expected.at<cv::Vec3b>(50, 40));
-  const cv::Mat no_truth = drawLabelComparison(image, {{"a", before}, {"b", after}},
-                                               cv::Mat(), threeClasses(), 2 * 320 + 36);
+  const cv::Mat no_truth = compare(image, before, after, cv::Mat());
   EXPECT_EQ(no_truth.at<cv::Vec3b>(212, 344 + 120), cv::Vec3b(50, 40, 30));
   EXPECT_EQ(no_truth.at<cv::Vec3b>(28 + 50, 344 + 40), cv::Vec3b(100, 100, 100));
 }
@@ -389,8 +392,7 @@ TEST(LabelSheet, SparseTruthIsSeen)
   cv::Mat truth = cv::Mat::zeros(100, 320, CV_8UC1);
   truth.at<Label>(50, 100) = 2;
   truth.at<Label>(50, 200) = 1;
-  const cv::Mat figure = drawLabelComparison(image, {{"a", before}, {"b", after}},
-                                             truth, threeClasses(), 2 * 320 + 36);
+  const cv::Mat figure = compare(image, before, after, truth);
   const auto at = [&](int v, int u) { return figure.at<cv::Vec3b>(162 + v, 344 + u); };
   EXPECT_GT(at(48, 102)[1], at(48, 102)[2] + 80);
   EXPECT_GT(at(52, 198)[2], at(52, 198)[1] + 80);
@@ -401,19 +403,15 @@ TEST(LabelSheet, RefusesWhatDoesNotFit)
 {
   const cv::Mat image(20, 40, CV_8UC1, cv::Scalar(100));
   const cv::Mat labels = cv::Mat::ones(20, 40, CV_8UC1);
-  const LabelSet label_set = threeClasses();
-  EXPECT_NO_THROW(
-      drawLabelComparison(image, {{"a", labels}}, cv::Mat(), label_set, 400));
-  EXPECT_THROW(drawLabelComparison(image, {}, cv::Mat(), label_set, 400),
-               InvalidParameterException);
-  EXPECT_THROW(drawLabelComparison(image, {{"a", labels}}, cv::Mat(), label_set, 20),
-               InvalidParameterException);
-  EXPECT_THROW(
-      drawLabelComparison(image, {{"a", labels.t()}}, cv::Mat(), label_set, 400),
-      InvalidParameterException);
-  EXPECT_THROW(drawLabelComparison(image, {{"a", labels}}, labels.t(), label_set, 400),
-               InvalidParameterException);
-  EXPECT_THROW(
-      drawLabelComparison(image, {{"a", labels * 4}}, cv::Mat(), label_set, 400),
-      InvalidParameterException);
+  const cv::Mat none, turned = labels.t(), beyond = labels * 4;
+  const auto draw = [&](const std::vector<NamedLabels>& rows, const cv::Mat& truth,
+                        int width) {
+    drawLabelComparison(image, rows, truth, threeClasses(), width);
+  };
+  EXPECT_NO_THROW(draw({{"a", labels}}, none, 400));
+  EXPECT_THROW(draw({}, none, 400), InvalidParameterException);
+  EXPECT_THROW(draw({{"a", labels}}, none, 20), InvalidParameterException);
+  EXPECT_THROW(draw({{"a", turned}}, none, 400), InvalidParameterException);
+  EXPECT_THROW(draw({{"a", labels}}, turned, 400), InvalidParameterException);
+  EXPECT_THROW(draw({{"a", beyond}}, none, 400), InvalidParameterException);
 }

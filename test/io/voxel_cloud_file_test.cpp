@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
 
 namespace {
@@ -37,7 +38,7 @@ TEST(VoxelCloudFile, PclReadsWhatWasWritten)
 {
   const TemporaryFolder folder;
   const VoxelCloud voxels = makeVoxels();
-  const std::string path = (folder.path("map.pcd"));
+  const std::string path = folder.path("map.pcd");
   writeVoxelCloud(path, voxels, twoClasses(), VoxelColour::measured);
 
   pcl::PCLPointCloud2 read;
@@ -85,14 +86,12 @@ TEST(VoxelCloudFile, ClassesGiveTheirColours)
 {
   const TemporaryFolder folder;
   const VoxelCloud voxels = makeVoxels();
-  writeVoxelCloud((folder.path("map.pcd")), voxels, twoClasses(), VoxelColour::classes);
+  writeVoxelCloud(folder.path("map.pcd"), voxels, twoClasses(), VoxelColour::classes);
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile((folder.path("map.pcd")), cloud), 0);
+  ASSERT_EQ(pcl::io::loadPCDFile(folder.path("map.pcd"), cloud), 0);
   for (const pcl::PointXYZRGBL& point : cloud) {
-    const auto colour = twoClasses()[Label(point.label)].colour;
-    ASSERT_EQ(point.r, colour[0]);
-    ASSERT_EQ(point.g, colour[1]);
-    ASSERT_EQ(point.b, colour[2]);
+    const std::array<std::uint8_t, 3> colour{point.r, point.g, point.b};
+    ASSERT_EQ(colour, twoClasses()[Label(point.label)].colour);
   }
 }
 
@@ -101,9 +100,9 @@ TEST(VoxelCloudFile, AnEmptyMapIsAValidFile)
   const TemporaryFolder folder;
   VoxelCloud empty;
   empty.refined = LabelDistributions(2, 0);
-  writeVoxelCloud((folder.path("map.pcd")), empty, twoClasses(), VoxelColour::measured);
+  writeVoxelCloud(folder.path("map.pcd"), empty, twoClasses(), VoxelColour::measured);
   pcl::PCLPointCloud2 read;
-  EXPECT_EQ(pcl::io::loadPCDFile((folder.path("map.pcd")), read), 0);
+  EXPECT_EQ(pcl::io::loadPCDFile(folder.path("map.pcd"), read), 0);
   EXPECT_EQ(read.width * read.height, 0u);
 }
 
@@ -135,11 +134,9 @@ TEST(MapImages, TheTopViewShowsTheHighestClassInItsPlace)
   VoxelCloud voxels;
   voxels.voxel_size = 0.1;
   voxels.indices = {{0, 0, 0}, {0, 0, 5}, {60, 60, 0}};
-  for (const unsigned label : {1u, 2u, 1u}) {
-    pcl::PointXYZRGBL point;
-    point.label = label;
-    voxels.cloud->push_back(point);
-  }
+  voxels.cloud->resize(3);
+  for (std::size_t i = 0; i < 3; ++i)
+    (*voxels.cloud)[i].label = i == 1 ? 2 : 1;
   const cv::Mat view = drawTopView(voxels, {}, twoClasses());
   const int side = 61 * 8;
   ASSERT_GE(view.rows, side);
@@ -156,9 +153,8 @@ TEST(MapImages, TheTopViewHoldsThePathBesideTheMap)
   VoxelCloud voxels;
   voxels.voxel_size = 0.1;
   voxels.indices = {{100, 0, 0}};
-  pcl::PointXYZRGBL point;
-  point.label = 1;
-  voxels.cloud->push_back(point);
+  voxels.cloud->resize(1);
+  voxels.cloud->front().label = 1;
   // From 10 m behind the only voxel to 2 m behind it.
   const cv::Mat view = drawTopView(
       voxels, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(8, 0, 0)}, twoClasses());

@@ -94,4 +94,41 @@ writeArchive(const std::string& path, const Blocks& blocks)
   archive->close();
 }
 
+/** \brief EXPECTs all that writeArchive() wrote. */
+inline void
+expectWritten(const MapArchive& archive, const Blocks& blocks)
+{
+  expectHolds(archive, blocks);
+  EXPECT_EQ(archive.header().configuration, makeArchiveHeader().configuration);
+  EXPECT_EQ(archive.header().parameters.voxel_size, 0.25);
+  const LabelSet& label_set = archive.header().label_set;
+  ASSERT_EQ(label_set.size(), 3);
+  EXPECT_EQ(label_set[2].name, "car");
+  EXPECT_TRUE(label_set[2].dynamic && label_set[3].sky && !label_set[1].sky);
+  EXPECT_EQ(label_set[1].colour[1], 64);
+  const ArchiveState state = archive.state();
+  EXPECT_EQ(state.cloud_origin, Eigen::Vector3d(1000, -2000, 0));
+  EXPECT_TRUE(state.finished);
+  EXPECT_EQ(state.blocks, blocks.size());
+  EXPECT_EQ(state.frames, 2u);
+  EXPECT_EQ(state.last_frame, 7);
+  std::map<int, std::vector<std::uint8_t>> frames;
+  archive.forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
+    frames[number] = bytes;
+  });
+  EXPECT_EQ(frames, (decltype(frames){{3, {1, 2, 3}}, {7, {}}}));
+}
+
+/** \brief The blocks of an archive. */
+inline Blocks
+readBlocks(const std::string& path)
+{
+  Blocks blocks;
+  MapArchive(path, ArchiveAccess::read)
+      .forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+        blocks[index] = block;
+      });
+  return blocks;
+}
+
 } // namespace pcl_semantic

@@ -37,8 +37,9 @@ int textWidth(const std::string& text, double size = 1.0);
 void drawText(cv::Mat& picture, const std::string& text, cv::Point at,
               const cv::Scalar& colour, double size = 1.0);
 
-/** \brief A strip of swatches and names, as many rows as the width needs. */
-cv::Mat drawLegend(const std::vector<LegendEntry>& entries, int width,
+/** \brief A picture with a strip of swatches and names below it, as many rows as its
+ * width needs. */
+cv::Mat withLegend(const cv::Mat& picture, const std::vector<LegendEntry>& entries,
                    const DrawingTheme& theme);
 
 /** \brief An entry a class, in the order of the labels. */
