@@ -131,8 +131,7 @@ TEST_F(CalibrateTool, ItsReportAgreesWithPclSemanticEvaluate)
       for (const char* const frame : {"/000000.png", "/000001.png"})
         fs::remove(folder_.path(name + "_map/network_labels" + frame));
   }
-  const ToolResult evaluated = runTool(command);
-  ASSERT_EQ(evaluated.code, 0) << evaluated.text;
+  succeed(command);
   const auto json = readJson(folder_.path("evaluation/metrics.json"));
   const std::vector<double> network = rowOf("the network as it comes");
   ASSERT_GT(network.size(), 4u);
@@ -167,8 +166,7 @@ TEST_F(CalibrateTool, TheMapTakesIt)
          "seen:\n  usual_distance: 0.2\n  height:\n    vegetation: [1, 0, 0, 0, 0, 0, "
          "0, 0, 0, 0, 0]\n  distance: {}\n  level: {}\n";
   folder_.write("wood.yaml", text);
-  const ToolResult wood = runTool("map " + street + " --labels " + street +
-                                  "/labels --output " + folder_.path("wood") +
+  const ToolResult wood = runTool(mapOf(street) + " --output " + folder_.path("wood") +
                                   " --label-calibration " + folder_.path("wood.yaml"));
   EXPECT_EQ(wood.code, 0);
   EXPECT_TRUE(holds(wood.text, "wood.yaml: was learned from other streets than this"));
@@ -208,12 +206,9 @@ TEST_F(CalibrateTool, LearnsWhatCliquesAreWorth)
   EXPECT_EQ(
       readJson(folder_.path("calibrated/summary.json"))["inputs"]["clique_calibration"],
       folder_.path("out/calibration.yaml"));
-  const ToolResult swapped =
-      runTool("map " + street + " --labels " + street + "/labels --output " +
-              folder_.path("x") + " --label-calibration " +
-              folder_.path("out/calibration.yaml"));
-  EXPECT_EQ(swapped.code, 3);
-  EXPECT_TRUE(holds(swapped.text, "line 1: is a calibration of 'cliques'"));
+  expectFails(mapOf(street) + " --output " + folder_.path("x") +
+                  " --label-calibration " + folder_.path("out/calibration.yaml"),
+              3, "line 1: is a calibration of 'cliques'");
   // The labels of the maps that it learns from can be calibrated.
   ASSERT_EQ(calibrateStreets().code, 0);
   fs::rename(folder_.path("out"), folder_.path("pixels"));
@@ -245,9 +240,8 @@ TEST_F(CalibrateTool, TakesTheFramesOfARangeAndLeavesNothingOfAnEarlierRun)
 {
   ASSERT_EQ(calibrateStreets().code, 0);
   const std::string of_last_frame = bytesOf(folder_.path("out/without_one.yaml"));
-  const ToolResult result = runTool("calibrate " + folder_.path("one") + folders +
-                                    "--frames 2:3 --output " + folder_.path("out"));
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed("calibrate " + folder_.path("one") + folders + "--frames 2:3 --output " +
+          folder_.path("out"));
   EXPECT_EQ(bytesOf(folder_.path("out/calibration.yaml")), of_last_frame);
   EXPECT_EQ(filesIn(folder_.path("out")),
             (std::set<std::string>{"calibration.yaml", "report.md"}));
@@ -262,62 +256,59 @@ TEST(CalibrateToolUsage, BadInput)
   };
   const std::string map =
       "--labels STREET/labels --label-calibration STREET/c.yaml --archive TEMP/a.map";
-  for (const BadCase& bad : std::vector<BadCase>{
-           {"nothing", 2, "'--sequences' is required",
-            "calibrate --output OUT" + folders},
-           {"no truth option", 2, "'--truth' is required",
-            "calibrate STREET --output OUT --labels STREET/labels"},
-           {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
-           {"shrinkage", 2, "shrinkage is 2", all + "--shrinkage 2"},
-           {"penalty", 2, "bias_penalty is -1", all + "--bias-penalty -1"},
-           {"engine", 2, "stereo", all + "--stereo best"},
-           {"ground", 2, "--ground: class 'lawn' is not in the label set",
-            all + "--ground road,lawn"},
-           {"no feature", 2, "--features: 'smell' is none",
-            all + "--features height,smell"},
-           {"of cliques alone", 2, "--features: 'lowest' is not known of pixels",
-            all + "--features lowest"},
-           {"one twice", 2, "two sequences are called street",
-            "calibrate STREET STREET --output OUT" + folders},
-           {"no truth", 3, "street/none",
-            "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
-            "'{sequence}/none'"},
-           {"no labels", 3, "x/street: is no folder of stored labels",
-            "calibrate STREET --output OUT --labels 'TEMP/x/{name}' --truth "
-            "'{sequence}/gt'"},
-           {"frames", 2, "expected A:B", all + "--frames 3"},
-           {"no such frames", 3, "has no ground truth image", all + "--frames 7:9"},
-           {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
-            all + "--clique-config STREET/c.yaml", calibration("crf: dense\n")},
-           {"one class", 3, "expected ground truth of two classes or more", all,
-            [](const std::string& street) {
-              for (const char* const frame : {"000000", "000001", "000002"})
-                writePng(street + "/gt/" + frame + ".png",
-                         cv::Mat(64, 208, CV_8UC1, cv::Scalar(3)));
-            }},
-           {"no output", 5, "poses.txt",
-            "calibrate STREET --output STREET/poses.txt" + folders},
-           {"no calibration", 3, "c.yaml", map},
-           {"labels of no maps", 2, "is for maps, with --clique-config",
-            all + "--label-calibration STREET/c.yaml"},
-           {"no such parameter", 3, "c.yaml line 1",
-            all + "--clique-config STREET/c.yaml", calibration("clique_size: 1\n")},
-           {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
-            "--labels STREET/labels --clique-calibration STREET/c.yaml",
-            calibration("of: pixels\nsharpness: 1\nground: []\n")},
-           {"cliques of another model", 2, "is for the model hierarchical, not dense",
-            "--labels STREET/labels --clique-calibration STREET/c.yaml",
-            calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
-           {"cliques leave out", 2, "class 'lawn' is not in the label set",
-            "--labels STREET/labels --clique-exclude lawn"},
-           {"no likelihood", 2, "clique_exclude_threshold is 2, expected 0 to 1",
-            "--labels STREET/labels --clique-exclude-threshold 2"},
-           {"unknown class", 3, "c.yaml line 4: class 'lawn' is not in the label set",
-            map,
-            calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {lawn: {}}\n")},
-           {"falling knots", 3, "c.yaml line 3: expected two or more rising knots", map,
-            calibration("sharpness: 1\nground: []\nknots: {height: [1, 0]}\n")}})
-    expectFails(bad);
+  expectAllFail(
+      {{"nothing", 2, "'--sequences' is required", "calibrate --output OUT" + folders},
+       {"no truth option", 2, "'--truth' is required",
+        "calibrate STREET --output OUT --labels STREET/labels"},
+       {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
+       {"shrinkage", 2, "shrinkage is 2", all + "--shrinkage 2"},
+       {"penalty", 2, "bias_penalty is -1", all + "--bias-penalty -1"},
+       {"engine", 2, "stereo", all + "--stereo best"},
+       {"ground", 2, "--ground: class 'lawn' is not in the label set",
+        all + "--ground road,lawn"},
+       {"no feature", 2, "--features: 'smell' is none",
+        all + "--features height,smell"},
+       {"of cliques alone", 2, "--features: 'lowest' is not known of pixels",
+        all + "--features lowest"},
+       {"one twice", 2, "two sequences are called street",
+        "calibrate STREET STREET --output OUT" + folders},
+       {"no truth", 3, "street/none",
+        "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
+        "'{sequence}/none'"},
+       {"no labels", 3, "x/street: is no folder of stored labels",
+        "calibrate STREET --output OUT --labels 'TEMP/x/{name}' --truth "
+        "'{sequence}/gt'"},
+       {"frames", 2, "expected A:B", all + "--frames 3"},
+       {"no such frames", 3, "has no ground truth image", all + "--frames 7:9"},
+       {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
+        all + "--clique-config STREET/c.yaml", calibration("crf: dense\n")},
+       {"one class", 3, "expected ground truth of two classes or more", all,
+        [](const std::string& street) {
+          for (const char* const frame : {"000000", "000001", "000002"})
+            writePng(street + "/gt/" + frame + ".png",
+                     cv::Mat(64, 208, CV_8UC1, cv::Scalar(3)));
+        }},
+       {"no output", 5, "poses.txt",
+        "calibrate STREET --output STREET/poses.txt" + folders},
+       {"no calibration", 3, "c.yaml", map},
+       {"labels of no maps", 2, "is for maps, with --clique-config",
+        all + "--label-calibration STREET/c.yaml"},
+       {"no such parameter", 3, "c.yaml line 1", all + "--clique-config STREET/c.yaml",
+        calibration("clique_size: 1\n")},
+       {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
+        "--labels STREET/labels --clique-calibration STREET/c.yaml",
+        calibration("of: pixels\nsharpness: 1\nground: []\n")},
+       {"cliques of another model", 2, "is for the model hierarchical, not dense",
+        "--labels STREET/labels --clique-calibration STREET/c.yaml",
+        calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
+       {"cliques leave out", 2, "class 'lawn' is not in the label set",
+        "--labels STREET/labels --clique-exclude lawn"},
+       {"no likelihood", 2, "clique_exclude_threshold is 2, expected 0 to 1",
+        "--labels STREET/labels --clique-exclude-threshold 2"},
+       {"unknown class", 3, "c.yaml line 4: class 'lawn' is not in the label set", map,
+        calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {lawn: {}}\n")},
+       {"falling knots", 3, "c.yaml line 3: expected two or more rising knots", map,
+        calibration("sharpness: 1\nground: []\nknots: {height: [1, 0]}\n")}});
 }
 
 } // namespace pcl_semantic
