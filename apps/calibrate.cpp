@@ -8,7 +8,6 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>
-#include <pcl_semantic/pipeline/listed_labels.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <nlohmann/json.hpp>
