@@ -25,17 +25,16 @@ using namespace pcl_semantic::tool;
 
 namespace fs = std::filesystem;
 
+// Folders hold files that bear the same names: label images (`.png`), or labels of the
+// points of scans (`.label`).
 struct Options {
-  std::vector<std::string> predictions;
-  std::vector<std::string> truths;
-  std::vector<std::string> covered_by;
-  std::vector<std::string> truth_depths;
+  std::vector<std::string> predictions, truths;
+  std::vector<std::string> covered_by;   ///< empty = all pixels count
+  std::vector<std::string> truth_depths; ///< `.png` or `.bin`, see readDepths()
   std::vector<std::string> ranges;
-  std::string label_set;
-  std::string label_mapping;
+  std::string label_set, label_mapping;
   std::optional<std::string> ignore;
-  std::string output;
-  std::string row;
+  std::string output, row;
   bool header = false;
 };
 
@@ -85,14 +84,6 @@ parse(int argc, char** argv)
     options.ignore = ignore;
   return options;
 }
-
-// Folders of files that bear the same names: label images (`.png`), or labels of the
-// points of scans (`.label`).
-struct EvaluatedFolders {
-  std::string prediction, truth;
-  std::string covered_by;  ///< empty = all pixels count
-  std::string truth_depth; ///< `.png` or `.bin`, see readDepths(); empty = unknown
-};
 
 // Depths from <= z < to [m].
 struct DepthRange {
@@ -188,44 +179,42 @@ parseDepthRange(const std::string& text)
   return range;
 }
 
-// A matrix for each range of the ground truth's depth, or one.
-std::vector<ConfusionMatrix>
-compareFolders(const EvaluatedFolders& folders, const std::vector<DepthRange>& ranges,
-               const LabelSet& label_set, const LabelMapping* mapping)
+// Compares the files of the folders of one --truth.
+// \param[in] mapping of the classes of `.label` ground truth to ours; null = ours
+// \param[in,out] total a matrix for each range of the ground truth's depth, or one
+void
+compareFolders(const Options& options, std::size_t number,
+               const std::vector<DepthRange>& ranges, const LabelSet& label_set,
+               const LabelMapping* mapping, std::vector<ConfusionMatrix>& total)
 {
-  const std::vector<FrameFile> files =
-      listFrameFiles(folders.truth, {".png", ".label"});
+  const std::string& folder = options.truths[number];
+  const std::vector<FrameFile> files = listFrameFiles(folder, {".png", ".label"});
   if (files.empty())
     fail<BadInputException>(
-        folders.truth,
-        ": holds no ground truth, expected 000000.png or 000000.label ...");
-  std::vector<ConfusionMatrix> result(std::max<std::size_t>(ranges.size(), 1),
-                                      ConfusionMatrix(label_set.size()));
+        folder, ": holds no ground truth, expected 000000.png or 000000.label ...");
   for (const FrameFile& file : files) {
     const std::string name = fs::path(file.path).filename().string();
-    const std::string path = existing(folders.prediction, name, file.path);
+    const std::string path = existing(options.predictions[number], name, file.path);
     const cv::Mat prediction = readLabelFile(path, label_set.size());
     const cv::Mat truth = readTruth(file.path, prediction, label_set.size(), mapping);
-    const cv::Mat covered = folders.covered_by.empty()
-                                ? cv::Mat()
-                                : readLabelFile(folders.covered_by + "/" + name, 255);
-    const cv::Mat depth = ranges.empty()
-                              ? cv::Mat()
-                              : readTruthDepth(folders.truth_depth, file.path, truth);
+    cv::Mat covered, depth;
+    if (!options.covered_by.empty())
+      covered = readLabelFile(options.covered_by[number] + "/" + name, 255);
+    if (!ranges.empty())
+      depth = readTruthDepth(options.truth_depths[number], file.path, truth);
     try {
-      for (std::size_t i = 0; i < result.size(); ++i)
-        result[i].add(ranges.empty() ? truth : truthIn(ranges[i], truth, depth),
-                      prediction, covered);
+      for (std::size_t i = 0; i < total.size(); ++i)
+        total[i].add(ranges.empty() ? truth : truthIn(ranges[i], truth, depth),
+                     prediction, covered);
     }
     catch (const BadInputException& error) {
       fail<BadInputException>(path, " against ", file.path, ": ", error.what());
     }
   }
-  return result;
 }
 
-std::vector<EvaluatedFolders>
-foldersOf(const Options& options)
+void
+requireFittingOptions(const Options& options)
 {
   const std::size_t count = options.truths.size();
   for (const auto& [name, folders] :
@@ -241,12 +230,6 @@ foldersOf(const Options& options)
   if (options.ranges.size() > 1 && !options.output.empty())
     fail<InvalidParameterException>(
         "--output takes the figures of one --range, not of ", options.ranges.size());
-  std::vector<EvaluatedFolders> all(count);
-  for (std::size_t i = 0; i < count; ++i)
-    all[i] = {options.predictions[i], options.truths[i],
-              options.covered_by.empty() ? "" : options.covered_by[i],
-              options.truth_depths.empty() ? "" : options.truth_depths[i]};
-  return all;
 }
 
 void
@@ -272,7 +255,7 @@ report(const Options& options, const ConfusionMatrix& confusion,
 int
 evaluate(const Options& options)
 {
-  const std::vector<EvaluatedFolders> folders = foldersOf(options);
+  requireFittingOptions(options);
   std::vector<DepthRange> ranges;
   for (const std::string& range : options.ranges)
     ranges.push_back(parseDepthRange(range));
@@ -285,12 +268,8 @@ evaluate(const Options& options)
     makeOutputFolder(options.output);
   std::vector<ConfusionMatrix> total(std::max<std::size_t>(ranges.size(), 1),
                                      ConfusionMatrix(label_set.size()));
-  for (const EvaluatedFolders& each : folders) {
-    const auto confusions =
-        compareFolders(each, ranges, label_set, mapping ? &*mapping : nullptr);
-    for (std::size_t i = 0; i < total.size(); ++i)
-      total[i] += confusions[i];
-  }
+  for (std::size_t i = 0; i < options.truths.size(); ++i)
+    compareFolders(options, i, ranges, label_set, mapping ? &*mapping : nullptr, total);
   if (options.header)
     std::cout << scoresMarkdownHeader(computeScores(total[0], evaluated), label_set);
   for (std::size_t i = 0; i < total.size(); ++i)

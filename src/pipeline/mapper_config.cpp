@@ -431,14 +431,16 @@ namespace {
 const std::vector<std::string> crf_models = {"none", "dense", "pn-potts",
                                              "hierarchical"};
 
-void
-requireChoice(const std::string& value, const std::vector<std::string>& choices,
-              const char* name)
+// The number of a word among those that a value may be.
+int
+requireChoice(const char* name, const std::string& value,
+              const std::vector<std::string>& words)
 {
-  if (std::count(choices.begin(), choices.end(), value))
-    return;
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      name << " is '" << value << "', expected " << joinWords(choices));
+  const auto word = std::find(words.begin(), words.end(), value);
+  if (word == words.end())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        name << " is '" << value << "', expected " << joinWords(words));
+  return int(word - words.begin());
 }
 
 } // namespace
@@ -446,9 +448,11 @@ requireChoice(const std::string& value, const std::vector<std::string>& choices,
 void
 MapperConfig::validate()
 {
-  requireChoice(pixel_fusion, {"mean", "product"}, "pixel_fusion");
-  requireChoice(clearing, {"none", "full", "careful"}, "clearing");
-  requireChoice(crf, crf_models, "crf");
+  map.fusion.pixel_fusion =
+      PixelFusion(requireChoice("pixel_fusion", pixel_fusion, {"mean", "product"}));
+  map.fusion.clearing =
+      Clearing(requireChoice("clearing", clearing, {"none", "full", "careful"}));
+  requireChoice("crf", crf, crf_models);
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // is for organized clouds
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -456,11 +460,6 @@ MapperConfig::validate()
                             << cliques
                             << "', expected cubes:SIZE, superpixel or supervoxel");
   makeCliqueGenerator(cliques, clique_parameters);
-  map.fusion.pixel_fusion =
-      pixel_fusion == "mean" ? PixelFusion::mean : PixelFusion::product;
-  map.fusion.clearing = clearing == "none"   ? Clearing::none
-                        : clearing == "full" ? Clearing::full
-                                             : Clearing::careful;
   if (!(map.max_range > 0.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "max_depth is " << map.max_range << " m, expected more than 0");
@@ -583,8 +582,7 @@ readMapperConfig(const std::string& path, MapperConfig& config)
 CRFModelType
 MapperConfig::crfModel() const
 {
-  const auto model = std::find(crf_models.begin(), crf_models.end(), crf);
-  return static_cast<CRFModelType>(model - crf_models.begin());
+  return CRFModelType(requireChoice("crf", crf, crf_models));
 }
 
 std::string

@@ -30,10 +30,10 @@ protected:
     fs::remove(folder_.path("two/gt/000001.png"));
   }
 
-  ToolResult
+  std::string
   calibrateStreets(const std::string& options = "")
   {
-    return runTool("calibrate " + folder_.path("one ") + folder_.path("two") + folders +
+    return succeed("calibrate " + folder_.path("one ") + folder_.path("two") + folders +
                    "--output " + folder_.path("out") + " " + options);
   }
 
@@ -58,12 +58,11 @@ protected:
 
 TEST_F(CalibrateTool, WritesWhatItLearned)
 {
-  const ToolResult result = calibrateStreets();
-  ASSERT_EQ(result.code, 0) << result.text;
+  const std::string text = calibrateStreets();
   EXPECT_EQ(filesIn(folder_.path("out")),
             (std::set<std::string>{"calibration.yaml", "report.md", "without_one.yaml",
                                    "without_two.yaml"}));
-  EXPECT_TRUE(holds(result.text, bytesOf(folder_.path("out/report.md"))));
+  EXPECT_TRUE(holds(text, bytesOf(folder_.path("out/report.md"))));
   const LabelSet label_set = readLabelSet(label_set_path);
   std::array<bool, 256> is_there{};
   for (const char* const frame : {"000000", "000001", "000002"}) {
@@ -80,9 +79,8 @@ TEST_F(CalibrateTool, WritesWhatItLearned)
     EXPECT_EQ(all.fitted[std::size_t(l)], is_there[std::size_t(l) + 1]) << l;
   EXPECT_GT(all.sharpness, 0.0f);
   // What was learned without a street is what the other street teaches alone.
-  const ToolResult alone = runTool("calibrate " + folder_.path("one") + folders +
-                                   "--output " + folder_.path("alone"));
-  ASSERT_EQ(alone.code, 0) << alone.text;
+  succeed("calibrate " + folder_.path("one") + folders + "--output " +
+          folder_.path("alone"));
   EXPECT_EQ(filesIn(folder_.path("alone")),
             (std::set<std::string>{"calibration.yaml", "report.md"}));
   EXPECT_EQ(bytesOf(folder_.path("alone/calibration.yaml")),
@@ -95,7 +93,7 @@ TEST_F(CalibrateTool, TakesFeatures)
 {
   const LabelSet label_set = readLabelSet(label_set_path);
   const auto features = [&](const std::string& options) {
-    EXPECT_EQ(calibrateStreets(options).code, 0);
+    calibrateStreets(options);
     std::vector<Feature> all;
     const std::string path = folder_.path("out/calibration.yaml");
     const bool of_cliques = options.find("--clique-config") != std::string::npos;
@@ -120,7 +118,7 @@ TEST_F(CalibrateTool, TakesFeatures)
 
 TEST_F(CalibrateTool, ItsReportAgreesWithPclSemanticEvaluate)
 {
-  ASSERT_EQ(calibrateStreets("--threads 1").code, 0);
+  calibrateStreets("--threads 1");
   std::string command = "evaluate --label-set " + label_set_path + " --output " +
                         folder_.path("evaluation");
   for (const std::string name : {"one", "two"}) {
@@ -147,7 +145,7 @@ TEST_F(CalibrateTool, ItsReportAgreesWithPclSemanticEvaluate)
 
 TEST_F(CalibrateTool, TheMapTakesIt)
 {
-  ASSERT_EQ(calibrateStreets().code, 0);
+  calibrateStreets();
   const std::string street = folder_.path("one");
   mapStreet(street, folder_.path("plain"), "--crf none");
   mapStreet(street, folder_.path("calibrated"),
@@ -166,10 +164,9 @@ TEST_F(CalibrateTool, TheMapTakesIt)
          "seen:\n  usual_distance: 0.2\n  height:\n    vegetation: [1, 0, 0, 0, 0, 0, "
          "0, 0, 0, 0, 0]\n  distance: {}\n  level: {}\n";
   folder_.write("wood.yaml", text);
-  const ToolResult wood = runTool(mapOf(street) + " --output " + folder_.path("wood") +
-                                  " --label-calibration " + folder_.path("wood.yaml"));
-  EXPECT_EQ(wood.code, 0);
-  EXPECT_TRUE(holds(wood.text, "wood.yaml: was learned from other streets than this"));
+  const std::string wood = succeed(mapOf(street) + " --output " + folder_.path("wood") +
+                                   " --label-calibration " + folder_.path("wood.yaml"));
+  EXPECT_TRUE(holds(wood, "wood.yaml: was learned from other streets than this"));
   EXPECT_GT(readJson(folder_.path("wood/summary.json"))["domain_shift"], 1.0);
   // It is the identity that changes nothing.
   folder_.write("same.yaml", "sharpness: 1\nground: []\nknots: {}\nclasses: {}\n");
@@ -185,8 +182,7 @@ TEST_F(CalibrateTool, LearnsWhatCliquesAreWorth)
                 "crf: hierarchical\ncliques: \"superpixel:50\"\n"
                 "clique_update_from_members: false\nclique_exclude: pole\n");
   const std::string config = " --clique-config " + folder_.path("map.yaml");
-  const ToolResult result = calibrateStreets(config);
-  ASSERT_EQ(result.code, 0) << result.text;
+  calibrateStreets(config);
   EXPECT_EQ(filesIn(folder_.path("out")),
             (std::set<std::string>{"calibration.yaml", "report.md", "without_one.yaml",
                                    "without_two.yaml"}));
@@ -210,12 +206,10 @@ TEST_F(CalibrateTool, LearnsWhatCliquesAreWorth)
                   " --label-calibration " + folder_.path("out/calibration.yaml"),
               3, "line 1: is a calibration of 'cliques'");
   // The labels of the maps that it learns from can be calibrated.
-  ASSERT_EQ(calibrateStreets().code, 0);
+  calibrateStreets();
   fs::rename(folder_.path("out"), folder_.path("pixels"));
-  ASSERT_EQ(calibrateStreets(config + " --label-calibration " +
-                             folder_.path("pixels/without_'{name}'.yaml"))
-                .code,
-            0);
+  calibrateStreets(config + " --label-calibration " +
+                   folder_.path("pixels/without_'{name}'.yaml"));
   EXPECT_NE(bytesOf(folder_.path("out/calibration.yaml")), of_cliques);
 }
 
@@ -225,9 +219,7 @@ TEST_F(CalibrateTool, OptionsOverrideTheConfigurationOfTheMaps)
   for (const std::string engine : {"sgm", "sgbm"}) {
     folder_.write("map.yaml", "crf: hierarchical\nstereo: " + engine + "\n");
     for (const char* const option : {"", " --stereo sgbm"}) {
-      ASSERT_EQ(
-          calibrateStreets("--clique-config " + folder_.path("map.yaml") + option).code,
-          0);
+      calibrateStreets("--clique-config " + folder_.path("map.yaml") + option);
       learned.push_back(bytesOf(folder_.path("out/calibration.yaml")));
     }
   }
@@ -238,7 +230,7 @@ TEST_F(CalibrateTool, OptionsOverrideTheConfigurationOfTheMaps)
 
 TEST_F(CalibrateTool, TakesTheFramesOfARangeAndLeavesNothingOfAnEarlierRun)
 {
-  ASSERT_EQ(calibrateStreets().code, 0);
+  calibrateStreets();
   const std::string of_last_frame = bytesOf(folder_.path("out/without_one.yaml"));
   succeed("calibrate " + folder_.path("one") + folders + "--frames 2:3 --output " +
           folder_.path("out"));

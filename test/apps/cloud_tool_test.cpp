@@ -100,14 +100,12 @@ TEST_F(CloudTool, TurnsAScanOfKittiIntoAMap)
   EXPECT_EQ(intensitiesAndLabels(cloud), (Points{{0.5, 3}, {0.25, 6}}));
 
   writeKittiTrajectory(folder.path("poses.txt"), {Eigen::Isometry3d::Identity()});
-  const ToolResult map = runTool("map --clouds " + folder.path("scans") + " --poses " +
-                                 folder.path("poses.txt") + " --crf none --output " +
-                                 folder.path("map") + " " + mapping);
-  EXPECT_EQ(map.code, 0) << map.text;
+  succeed("map --clouds " + folder.path("scans") + " --poses " +
+          folder.path("poses.txt") + " --crf none --output " + folder.path("map") +
+          " " + mapping);
   EXPECT_EQ(readLabelledCloud(folder.path("map/map.pcd")).cloud->size(), 2u);
-  const ToolResult crf = runTool("crf " + folder.path("scans/000000.bin") + " " +
-                                 folder.path("crf.pcd") + " " + mapping);
-  EXPECT_EQ(crf.code, 0) << crf.text;
+  succeed("crf " + folder.path("scans/000000.bin") + " " + folder.path("crf.pcd") +
+          " " + mapping);
   expectFails("crf " + folder.path("scans/000000.bin") + " " + folder.path("none.pcd") +
                   " --label-set " + label_set,
               3,

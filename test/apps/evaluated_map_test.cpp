@@ -253,18 +253,15 @@ TEST_F(EvaluatedMap, GeometryIsExactWhereTheLaserSawTheVoxelsThemselves)
 
 TEST_F(EvaluatedMap, GeometryOfTwoMapsIsPooled)
 {
-  const ToolResult once = runTool("evaluate_map --within 0.4 " + folder_->path("map ") +
-                                  street() + " -o " + folder_->path("once.json"));
-  EXPECT_EQ(once.code, 0) << once.text;
+  succeed("evaluate_map --within 0.4 " + folder_->path("map ") + street() + " -o " +
+          folder_->path("once.json"));
   const auto json = readJson(folder_->path("once.json"));
   EXPECT_GT(json["within"]["0.5"], json["within"]["0.1"]);
   EXPECT_LE(json["surface"][0]["in_voxel"], json["surface"][0]["next_to_voxel"]);
   // Two maps that are the same are no other than one of them.
-  const ToolResult twice =
-      runTool("evaluate_map --within 0.4 --map " + folder_->path("map --map ") +
-              folder_->path("map") + " --sequence " + street() + " --sequence " +
-              street() + " -o " + folder_->path("twice.json"));
-  EXPECT_EQ(twice.code, 0) << twice.text;
+  succeed("evaluate_map --within 0.4 --map " + folder_->path("map --map ") +
+          folder_->path("map") + " --sequence " + street() + " --sequence " + street() +
+          " -o " + folder_->path("twice.json"));
   EXPECT_EQ(readJson(folder_->path("twice.json"))["within"], json["within"]);
 }
 

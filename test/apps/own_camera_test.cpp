@@ -98,8 +98,7 @@ TEST(OwnCamera, FindsItsPosesInTheImages)
   const TemporaryFolder folder;
   const std::string camera = folder.path("camera"), poses = folder.path("found.txt");
   writeOwnCamera(camera);
-  ToolResult result = runTool("odometry" + ownCamera(camera) + poses);
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed("odometry" + ownCamera(camera) + poses);
   const Trajectory truth = readKittiTrajectory(camera + "/poses.txt");
   const Trajectory found = readKittiTrajectory(poses);
   ASSERT_EQ(found.size(), 3u);
@@ -108,14 +107,12 @@ TEST(OwnCamera, FindsItsPosesInTheImages)
     EXPECT_LT(error.translation().norm(), 0.15) << i; // of 1.7 m, by images of 64 rows
     EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.005) << i;
   }
-  result = runTool(mapCommand(camera, folder.path("own")) + "--poses odometry");
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed(mapCommand(camera, folder.path("own")) + "--poses odometry");
   EXPECT_GT(readLabelledCloud(folder.path("own/map.pcd")).cloud->size(), 500u);
 
   const std::string times = folder.write("times.txt", "5\n6\n7.5\n");
-  result = runTool("odometry" + ownCamera(camera) + "--format tum --times " + times +
-                   " " + folder.path("tum.txt"));
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed("odometry" + ownCamera(camera) + "--format tum --times " + times + " " +
+          folder.path("tum.txt"));
   EXPECT_NEAR(readTumTrajectory(folder.path("tum.txt")).at(2).time, 7.5, 1e-9);
 }
 

@@ -125,14 +125,11 @@ TEST(StereoTool, BracketsInPathsAreMeantAsTheyAre)
     return "'" + street + "/" + path + "' ";
   };
   const std::string rest = quoted("image_3/000000.png") + quoted("calib.txt");
-  ToolResult result =
-      runTool("stereo " + quoted("q[1].png") + rest + folder.path("one.pcd"));
-  EXPECT_EQ(result.code, 0) << result.text;
+  succeed("stereo " + quoted("q[1].png") + rest + folder.path("one.pcd"));
   succeed("stereo " + quoted("image_2/000000.png") + rest + folder.path("same.pcd"));
   EXPECT_TRUE(bytesOf(folder.path("one.pcd")) == bytesOf(folder.path("same.pcd")));
-  result = runTool("stereo " + quoted("image_2") + quoted("image_3") +
-                   quoted("calib.txt") + folder.path("all"));
-  EXPECT_EQ(result.code, 0) << result.text;
+  succeed("stereo " + quoted("image_2") + quoted("image_3") + quoted("calib.txt") +
+          folder.path("all"));
 }
 
 TEST(MapTool, ARunThatCannotBeTrackedIsNoMap)
