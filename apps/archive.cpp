@@ -16,73 +16,36 @@
 #include <string>
 #include <vector>
 
-namespace pcl_semantic::tool {
+namespace {
 
-/** \brief What pcl_semantic_archive is asked to do. */
-struct ArchiveArguments {
+using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
+
+const Usage usage{"pcl_semantic_archive",
+                  "info FILE | verify FILE | export FILE OUT.pcd [--box ...] [--class "
+                  "NAME]... | merge FILE FILE... OUT",
+                  R"(Looks into the map archives of pcl_semantic_map --archive.
+  info    what is in it
+  verify  reads all of it and compares every checksum: prints 'ok' or what is wrong
+  export  its occupied voxels, as map.pcd holds them; x y z are relative to the
+          origin that info prints
+  merge   joins maps of the same frame of reference into a new archive OUT)",
+                  R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \
+    --archive /tmp/street.map && \
+  pcl_semantic_archive export /tmp/street.map /tmp/road.pcd --class road)"};
+
+struct Arguments {
   std::string command;
   std::vector<std::string> files;
   std::string box;                  ///< six numbers; empty = everything
   std::vector<std::string> classes; ///< empty = any
 };
 
-extern const Usage archive_usage;
-
-/** \return false if only the help or the version was wanted
- * \throws InvalidParameterException */
-bool parseArchiveArguments(int argc, char** argv, ArchiveArguments& arguments);
-
-const Usage archive_usage{
-    "pcl_semantic_archive",
-    "info FILE | verify FILE | export FILE OUT.pcd [--box ...] [--class NAME]... | "
-    "merge FILE FILE... OUT",
-    "Looks into the map archives of pcl_semantic_map --archive.\n"
-    "  info    what is in it\n"
-    "  verify  reads all of it and compares every checksum: prints 'ok' or what is "
-    "wrong\n"
-    "  export  its occupied voxels, as map.pcd holds them; x y z are relative to the\n"
-    "          origin that info prints\n"
-    "  merge   joins maps of the same frame of reference into a new archive OUT",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \\\n"
-    "    --archive /tmp/street.map && \\\n"
-    "  pcl_semantic_archive export /tmp/street.map /tmp/road.pcd --class road"};
-
-bool
-parseArchiveArguments(int argc, char** argv, ArchiveArguments& arguments)
-{
-  po::options_description options("Options");
-  options.add_options()("command", po::value(&arguments.command),
-                        "info, verify, export or merge")(
-      "files", po::value(&arguments.files), "archives, and what is written last")(
-      "box", po::value(&arguments.box),
-      "of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]")(
-      "class", po::value(&arguments.classes),
-      "of export: only voxels of this class; may be given several times");
-  po::positional_options_description positional;
-  positional.add("command", 1).add("files", -1);
-  po::variables_map values;
-  return parseCommandLine(argc, argv, archive_usage, options, positional, values);
-}
-
-} // namespace pcl_semantic::tool
-
-namespace {
-
-using namespace pcl_semantic;
-
-using Arguments = tool::ArchiveArguments;
-
-[[noreturn]] void
-failUsage(const std::string& message)
-{
-  tool::failUsage(tool::archive_usage, message);
-}
-
 BlockProgress
 showProgress(const std::string& what)
 {
-  const auto bar = std::make_shared<std::optional<tool::ProgressBar>>();
+  const auto bar = std::make_shared<std::optional<ProgressBar>>();
   return [what, bar](std::size_t, std::size_t blocks) {
     if (!*bar)
       bar->emplace(what, blocks, "blocks");
@@ -93,8 +56,7 @@ showProgress(const std::string& what)
 const std::string&
 onlyFile(const Arguments& arguments)
 {
-  if (arguments.files.size() != 1)
-    failUsage("'" + arguments.command + "' needs one FILE");
+  refuseIf(arguments.files.size() != 1, "'" + arguments.command + "' needs one FILE");
   return arguments.files[0];
 }
 
@@ -116,11 +78,10 @@ info(const Arguments& arguments)
   std::string classes;
   for (int label = 1; label <= header.label_set.size(); ++label)
     classes += (label > 1 ? " " : "") + header.label_set[Label(label)].name;
-  tool::Results results = {
-      {"file", archive.path()},
-      {"bytes", std::size_t(std::filesystem::file_size(archive.path()))},
-      {"run", std::string(state.finished ? "finished" : "interrupted")},
-      {"frames", std::size_t(state.frames)}};
+  Results results = {{"file", archive.path()},
+                     {"bytes", std::size_t(std::filesystem::file_size(archive.path()))},
+                     {"run", std::string(state.finished ? "finished" : "interrupted")},
+                     {"frames", std::size_t(state.frames)}};
   if (state.frames > 0)
     results.push_back({"last_frame", std::size_t(state.last_frame)});
   results.push_back({"voxel_size", header.parameters.voxel_size});
@@ -133,8 +94,8 @@ info(const Arguments& arguments)
     results.push_back({"to", textOf(extent.box.max())});
   }
   results.push_back({"made_from", header.configuration});
-  tool::printFigures(results);
-  return tool::exit_done;
+  printFigures(results);
+  return exit_done;
 }
 
 int
@@ -145,10 +106,9 @@ verify(const Arguments& arguments)
   for (const std::string& fault : faults)
     std::cout << fault << "\n";
   if (!faults.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.files[0] << ": " << faults.size() << " faults");
-  tool::printFigures("ok\n", "{\"faults\": 0}\n");
-  return tool::exit_done;
+    fail<BadInputException>(arguments.files[0], ": ", faults.size(), " faults");
+  printFigures("ok\n", "{\"faults\": 0}\n");
+  return exit_done;
 }
 
 VoxelSelection
@@ -161,14 +121,13 @@ selectionOf(const Arguments& arguments, const LabelSet& label_set)
     std::istringstream numbers(text);
     for (Eigen::Vector3d* const corner : {&selection.box.min(), &selection.box.max()})
       numbers >> corner->x() >> corner->y() >> corner->z();
-    if (!numbers || !(numbers >> std::ws).eof() || selection.box.isEmpty())
-      failUsage("--box '" + arguments.box + "': expected two corners, six numbers");
+    refuseIf(!numbers || !(numbers >> std::ws).eof() || selection.box.isEmpty(),
+             "--box '" + arguments.box + "': expected two corners, six numbers");
   }
   for (const std::string& name : arguments.classes) {
     selection.labels.push_back(label_set.find(name));
     if (selection.labels.back() == kUnlabelled && name != "unlabelled")
-      PCL_THROW_EXCEPTION(BadInputException,
-                          arguments.files[0] << ": has no class '" << name << "'");
+      fail<BadInputException>(arguments.files[0], ": has no class '", name, "'");
   }
   return selection;
 }
@@ -176,32 +135,45 @@ selectionOf(const Arguments& arguments, const LabelSet& label_set)
 int
 exportCloud(const Arguments& arguments)
 {
-  if (arguments.files.size() != 2)
-    failUsage("'export' needs FILE and OUT.pcd");
-  tool::refuseSameFiles({arguments.files[0]}, {arguments.files[1]});
+  refuseIf(arguments.files.size() != 2, "'export' needs FILE and OUT.pcd");
+  refuseSameFiles({arguments.files[0]}, {arguments.files[1]});
   const MapArchive archive(arguments.files[0], ArchiveAccess::read);
   const VoxelSelection selection = selectionOf(arguments, archive.header().label_set);
   const std::size_t voxels =
       exportVoxels(archive, selection, arguments.files[1], VoxelColour::measured,
                    showProgress("exporting"));
-  tool::printResults({{"voxels", voxels}, {"cloud", arguments.files[1]}});
-  return tool::exit_done;
+  printResults({{"voxels", voxels}, {"cloud", arguments.files[1]}});
+  return exit_done;
 }
 
 int
 merge(const Arguments& arguments)
 {
-  if (arguments.files.size() < 3)
-    failUsage("'merge' needs two FILEs or more, and OUT");
+  refuseIf(arguments.files.size() < 3, "'merge' needs two FILEs or more, and OUT");
   const std::vector<std::string> inputs(arguments.files.begin(),
                                         arguments.files.end() - 1);
   // A map that is given twice would be believed twice.
-  tool::refuseSameFiles({}, arguments.files);
+  refuseSameFiles({}, arguments.files);
   const std::uint64_t blocks =
       mergeArchives(inputs, arguments.files.back(), showProgress("merging"));
-  tool::printResults(
-      {{"blocks", std::size_t(blocks)}, {"archive", arguments.files.back()}});
-  return tool::exit_done;
+  printResults({{"blocks", std::size_t(blocks)}, {"archive", arguments.files.back()}});
+  return exit_done;
+}
+
+Arguments
+parse(int argc, char** argv)
+{
+  Arguments arguments;
+  parseCommandLine(
+      argc, argv, usage,
+      {{"command", arguments.command, "info, verify, export or merge"},
+       {"files", arguments.files, "archives, and what is written last"},
+       {"box", arguments.box,
+        "of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]"},
+       {"class", arguments.classes,
+        "of export: only voxels of this class; may be given several times"}},
+      {"command", "files..."});
+  return arguments;
 }
 
 int
@@ -210,11 +182,11 @@ runCommand(const Arguments& arguments)
   static const std::map<std::string, int (*)(const Arguments&)> commands = {
       {"info", info}, {"verify", verify}, {"export", exportCloud}, {"merge", merge}};
   const auto command = commands.find(arguments.command);
-  if (command == commands.end())
-    failUsage("'" + arguments.command + "': expected info, verify, export or merge");
-  if (command->second != exportCloud &&
-      !(arguments.box.empty() && arguments.classes.empty()))
-    failUsage("--box and --class are for 'export'");
+  refuseIf(command == commands.end(),
+           "'" + arguments.command + "': expected info, verify, export or merge");
+  refuseIf(command->second != exportCloud &&
+               !(arguments.box.empty() && arguments.classes.empty()),
+           "--box and --class are for 'export'");
   return command->second(arguments);
 }
 
@@ -223,9 +195,5 @@ runCommand(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run(tool::archive_usage.name, [&] {
-    Arguments arguments;
-    return tool::parseArchiveArguments(argc, argv, arguments) ? runCommand(arguments)
-                                                              : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return runCommand(parse(argc, argv)); });
 }

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "default_label_set.h"
-#include "evaluated_classes.h"
 #include "messages.h"
-#include "parameter_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -11,22 +8,42 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>
-#include <pcl_semantic/pipeline/listed_labels.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
-#include <sstream>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic::tool {
+namespace {
 
-/** \brief A path that is given once for many sequences: {sequence} stands for the path
- * of the sequence, {name} for the last part of it. */
-std::string filledIn(const std::string& pattern, const std::string& sequence);
+using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
 
+const Usage usage{
+    "pcl_semantic_calibrate",
+    "SEQUENCE... --labels DIR --truth DIR --output DIR [options]",
+    R"(Learns from sequences with ground truth what a network's probabilities are
+worth, given where a point is and how it looks. Writes calibration.yaml for
+pcl_semantic_map --label-calibration; for each sequence without_NAME.yaml,
+learned from the others alone; and report.md.)",
+    R"(pcl_semantic_synthesize /tmp/one && pcl_semantic_synthesize /tmp/two --seed 2 && \
+  pcl_semantic_calibrate /tmp/one /tmp/two --labels '{sequence}/labels' \
+    --truth '{sequence}/gt' --output /tmp/calibrated)"};
+
+struct Arguments {
+  std::vector<std::string> sequences;
+  std::string labels, truth, label_set, output;
+  std::string ground = "road,sidewalk";
+  std::string clique_config, label_calibration, features;
+  MapperConfig config;
+  std::string frames = ":";
+  CalibrationOptions fit;
+};
+
+// A path that is given once for many sequences: {sequence} stands for the path of the
+// sequence, {name} for the last part of it.
 std::string
 filledIn(const std::string& pattern, const std::string& sequence)
 {
@@ -42,37 +59,6 @@ filledIn(const std::string& pattern, const std::string& sequence)
   return filled;
 }
 
-/** \brief What pcl_semantic_calibrate is asked for. */
-struct CalibrateArguments {
-  std::vector<std::string> sequences;
-  std::string labels, truth, label_set, output;
-  std::string ground = "road,sidewalk";
-  std::string clique_config, label_calibration, features;
-  MapperConfig config;
-  std::string frames = ":";
-  CalibrationOptions fit;
-};
-
-extern const Usage calibrate_usage;
-
-/** \brief Reads the command line; usage errors end the program.
- * \return false if only help was asked for */
-bool parseArguments(int argc, char** argv, CalibrateArguments& arguments);
-
-const Usage calibrate_usage{
-    "pcl_semantic_calibrate",
-    "SEQUENCE... --labels DIR --truth DIR --output DIR [options]",
-    "Learns from sequences with ground truth what a network's probabilities are\n"
-    "worth, given where a point is and how it looks. Writes calibration.yaml for\n"
-    "pcl_semantic_map --label-calibration; for each sequence without_NAME.yaml,\n"
-    "learned from the others alone; and report.md.",
-    "pcl_semantic_synthesize /tmp/one && pcl_semantic_synthesize /tmp/two --seed 2 && "
-    "\\\n"
-    "  pcl_semantic_calibrate /tmp/one /tmp/two --labels '{sequence}/labels' \\\n"
-    "    --truth '{sequence}/gt' --output /tmp/calibrated"};
-
-namespace {
-
 std::string
 namesOf(const std::vector<Feature>& features)
 {
@@ -86,13 +72,11 @@ std::vector<Feature>
 featuresOf(const std::string& names, bool of_cliques)
 {
   std::vector<Feature> features;
-  std::istringstream stream(names == "none" ? "" : names);
-  for (std::string name; std::getline(stream, name, ',');) {
+  for (const std::string& name : splitAtCommas(names == "none" ? "" : names)) {
     const std::optional<Feature> feature = findFeature(name);
-    if (!feature)
-      failUsage(calibrate_usage, "--features: '" + name + "' is none");
-    if (!of_cliques && (feature == Feature::lowest || feature == Feature::extent))
-      failUsage(calibrate_usage, "--features: '" + name + "' is not known of pixels");
+    refuseIf(!feature, "--features: '" + name + "' is none");
+    refuseIf(!of_cliques && (feature == Feature::lowest || feature == Feature::extent),
+             "--features: '" + name + "' is not known of pixels");
     features.push_back(*feature);
   }
   return features;
@@ -113,20 +97,19 @@ parametersWithoutMap(MapperConfig& config)
 
 // The parameters of the maps: options override the file.
 void
-readCliqueConfig(const po::variables_map& values, CalibrateArguments& options)
+readCliqueConfig(const po::variables_map& values, Arguments& options)
 {
   readMapperConfig(options.clique_config, options.config);
   if (!options.clique_config.empty() && options.config.crf != "hierarchical")
-    PCL_THROW_EXCEPTION(BadInputException, options.clique_config
-                                               << ": crf is " << options.config.crf
-                                               << ", expected hierarchical");
-  if (options.clique_config.empty() && !options.label_calibration.empty())
-    failUsage(calibrate_usage, "--label-calibration is for maps, with --clique-config");
+    fail<BadInputException>(options.clique_config, ": crf is ", options.config.crf,
+                            ", expected hierarchical");
+  refuseIf(options.clique_config.empty() && !options.label_calibration.empty(),
+           "--label-calibration is for maps, with --clique-config");
   setParameters(values, parametersWithoutMap(options.config));
 }
 
 void
-setFeatures(CalibrateArguments& options)
+setFeatures(Arguments& options)
 {
   const bool of_cliques = !options.clique_config.empty();
   if (options.features.empty())
@@ -134,77 +117,58 @@ setFeatures(CalibrateArguments& options)
   options.fit.curves = streetKnots(featuresOf(options.features, of_cliques));
 }
 
-void
-addOptions(CalibrateArguments& options, po::options_description& description)
+Arguments
+parse(int argc, char** argv)
 {
-  description.add_options()("sequences", po::value(&options.sequences)->required(),
-                            "folders in KITTI's odometry layout, with poses.txt")(
-      "labels", po::value(&options.labels)->required(),
-      "folder of each sequence's label distributions; {sequence} stands for its path, "
-      "{name} for the last part of it")(
-      "truth", po::value(&options.truth)->required(),
-      "folder of each sequence's ground truth images, likewise")(
-      "output,o", po::value(&options.output)->required(),
-      "folder to write to")("label-set", po::value(&options.label_set),
-                            "classes (default: label_sets/kitti11.yaml)");
-  description.add_options()(
-      "clique-config", po::value(&options.clique_config),
-      "learns what cliques are worth instead, of maps with this configuration of "
-      "pcl_semantic_map (.yaml, options override it): for its --clique-calibration")(
-      "label-calibration", po::value(&options.label_calibration),
-      "of the labels in these maps; {sequence} and {name} as above");
-  description.add_options()(
-      "features", po::value(&options.features),
-      ("what curves are over: none, or some of height,distance,level,side,brightness,"
-       "red,green, of cliques also lowest,extent (default: " +
-       namesOf(pixelFeatures()) + "; of cliques " + namesOf(cliqueFeatures()) + ")")
-          .c_str());
-  addOption(description, "ground", options.ground,
-            "classes that the ground is made of, or none");
-  addOption(description, "frames", options.frames,
-            "A:B, frames numbered A <= n < B, of each sequence");
-  addOption(description, "balance", options.fit.balance,
-            "in a sequence, 0 = every pixel counts alike, 1 = every class");
-  addOption(description, "shrinkage", options.fit.shrinkage,
-            "what is taken off biases and curves afterwards, 0 to 1, as another street "
-            "is only in part like these");
-  addOption(description, "bias-penalty", options.fit.bias_penalty,
-            "on the square of a class's bias");
-  addOption(description, "curve-penalty", options.fit.curve_penalty,
-            "on the squares of the curves' values");
-  addParameters(parametersWithoutMap(options.config), description);
-}
-
-} // namespace
-
-bool
-parseArguments(int argc, char** argv, CalibrateArguments& options)
-{
-  po::options_description description("Options");
-  addOptions(options, description);
-  po::positional_options_description positional;
-  positional.add("sequences", -1);
-  po::variables_map values;
-  if (!parseCommandLine(argc, argv, calibrate_usage, description, positional, values))
-    return false;
+  Arguments options;
+  const po::variables_map values = parseCommandLine(
+      argc, argv, usage,
+      {{"sequences", required(options.sequences),
+        "folders in KITTI's odometry layout, with poses.txt"},
+       {"labels", required(options.labels),
+        "folder of each sequence's label distributions; {sequence} stands for its "
+        "path, {name} for the last part of it"},
+       {"truth", required(options.truth),
+        "folder of each sequence's ground truth images, likewise"},
+       {"output,o", required(options.output), "folder to write to"},
+       {"label-set", options.label_set, "classes (default: label_sets/kitti11.yaml)"},
+       {"clique-config", options.clique_config,
+        "learns what cliques are worth instead, of maps with this configuration of "
+        "pcl_semantic_map (.yaml, options override it): for its --clique-calibration"},
+       {"label-calibration", options.label_calibration,
+        "of the labels in these maps; {sequence} and {name} as above"},
+       {"features", options.features,
+        "what curves are over: none, or some of "
+        "height,distance,level,side,brightness,red,green, of cliques also "
+        "lowest,extent (default: " +
+            namesOf(pixelFeatures()) + "; of cliques " + namesOf(cliqueFeatures()) +
+            ")"},
+       {"ground", withDefault(options.ground),
+        "classes that the ground is made of, or none"},
+       {"frames", withDefault(options.frames),
+        "A:B, frames numbered A <= n < B, of each sequence"},
+       {"balance", withDefault(options.fit.balance),
+        "in a sequence, 0 = every pixel counts alike, 1 = every class"},
+       {"shrinkage", withDefault(options.fit.shrinkage),
+        "what is taken off biases and curves afterwards, 0 to 1, as another street is "
+        "only in part like these"},
+       {"bias-penalty", withDefault(options.fit.bias_penalty),
+        "on the square of a class's bias"},
+       {"curve-penalty", withDefault(options.fit.curve_penalty),
+        "on the squares of the curves' values"}},
+      {"sequences..."}, parametersWithoutMap(options.config));
   readCliqueConfig(values, options);
   setFeatures(options);
   options.config.validate();
   options.fit.validate();
-  return true;
+  return options;
 }
 
-} // namespace pcl_semantic::tool
-
-namespace {
-
-using namespace pcl_semantic;
-
 std::string
-report(const CalibrationTrial& trial, const tool::CalibrateArguments& options,
+report(const CalibrationTrial& trial, const Arguments& options,
        const LabelSet& label_set)
 {
-  const std::vector<Label> classes = tool::evaluatedClasses(std::nullopt, label_set);
+  const std::vector<Label> classes = evaluatedClasses(std::nullopt, label_set);
   const Scores network = computeScores(trial.network, classes);
   std::string text =
       (options.clique_config.empty()
@@ -226,7 +190,7 @@ report(const CalibrationTrial& trial, const tool::CalibrateArguments& options,
 std::string
 jsonOf(const CalibrationTrial& trial, const LabelSet& label_set)
 {
-  const std::vector<Label> classes = tool::evaluatedClasses(std::nullopt, label_set);
+  const std::vector<Label> classes = evaluatedClasses(std::nullopt, label_set);
   const auto scores = [&](const ConfusionMatrix& confusion) {
     return nlohmann::ordered_json::parse(
         scoresJson(computeScores(confusion, classes), label_set));
@@ -249,25 +213,23 @@ removeEarlier(const std::string& output)
 }
 
 int
-calibrateSequences(const tool::CalibrateArguments& options)
+calibrateSequences(const Arguments& options)
 {
   setNumberOfThreads(options.config.threads);
-  const LabelSet label_set = tool::readLabelSetOrDefault(options.label_set);
+  const LabelSet label_set = readLabelSetOrDefault(options.label_set);
   const std::vector<Label> ground = listedLabels(options.ground, label_set, "--ground");
   std::vector<CalibrationSamples> samples;
   std::vector<std::string> names;
   {
-    tool::ProgressBar progress("reading", options.sequences.size(), "sequences");
+    ProgressBar progress("reading", options.sequences.size(), "sequences");
     for (const std::string& folder : options.sequences) {
-      const CalibrationSequence sequence(
-          {folder, tool::filledIn(options.labels, folder),
-           tool::filledIn(options.truth, folder),
-           tool::filledIn(options.label_calibration, folder),
-           parseFrameRange(options.frames)},
-          label_set.size());
-      if (std::count(names.begin(), names.end(), sequence.name()))
-        tool::failUsage(tool::calibrate_usage,
-                        "two sequences are called " + sequence.name());
+      const CalibrationSequence sequence({folder, filledIn(options.labels, folder),
+                                          filledIn(options.truth, folder),
+                                          filledIn(options.label_calibration, folder),
+                                          parseFrameRange(options.frames)},
+                                         label_set.size());
+      refuseIf(std::count(names.begin(), names.end(), sequence.name()),
+               "two sequences are called " + sequence.name());
       names.push_back(sequence.name());
       samples.push_back(
           options.clique_config.empty()
@@ -286,9 +248,9 @@ calibrateSequences(const tool::CalibrateArguments& options)
                   printCalibration(trial.without[s], label_set));
   const std::string text = report(trial, options, label_set);
   writeTextFile(path + "report.md", text);
-  tool::printFigures(text + "\ncalibration: " + path + "calibration.yaml\n",
-                     jsonOf(trial, label_set));
-  return tool::exit_done;
+  printFigures(text + "\ncalibration: " + path + "calibration.yaml\n",
+               jsonOf(trial, label_set));
+  return exit_done;
 }
 
 } // namespace
@@ -296,9 +258,5 @@ calibrateSequences(const tool::CalibrateArguments& options)
 int
 main(int argc, char** argv)
 {
-  return tool::run(tool::calibrate_usage.name, [&] {
-    tool::CalibrateArguments options;
-    return tool::parseArguments(argc, argv, options) ? calibrateSequences(options)
-                                                     : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return calibrateSequences(parse(argc, argv)); });
 }

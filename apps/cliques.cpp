@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
-#include "parameter_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
@@ -21,9 +20,29 @@
 
 #include <string>
 
-namespace pcl_semantic::tool {
+namespace {
 
-/** \brief The frame whose superpixels a map gets. */
+using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
+
+const Usage usage{
+    "pcl_semantic_cliques", "IN.pcd OUT.pcd --method METHOD [options]",
+    R"(Groups the points of a cloud that are likely to have one label. OUT.pcd is IN.pcd
+with the field clique (0 = none), which pcl_semantic_crf --cliques field takes.
+Methods: cubes[:SIZE], supervoxel[:SEEDS' DISTANCE], superpixel[:NUMBER] (of a
+frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \
+    --output /tmp/raw_map && \
+  pcl_semantic_stereo /tmp/street/image_2/000000.png /tmp/street/image_3/000000.png \
+    /tmp/street/calib.txt /tmp/frame.pcd && \
+  pcl_semantic_cliques /tmp/raw_map/map.pcd /tmp/cliques.pcd --method superpixel \
+    --frame /tmp/frame.pcd --pose /tmp/raw_map/trajectory.txt:0 \
+    --coloured /tmp/coloured.pcd && \
+  pcl_semantic_crf /tmp/cliques.pcd /tmp/grouped.pcd --crf hierarchical \
+    --cliques field)"};
+
+// The frame whose superpixels a map gets.
 struct CliqueFrame {
   std::string path;        ///< organized cloud, camera frame
   std::string pose;        ///< see poseOf(); empty = the VIEWPOINT of the cloud
@@ -32,21 +51,65 @@ struct CliqueFrame {
   double voxel_size = 0.1;                              ///< of the map [m]
 };
 
-/** \brief A pose from text: "x y z qx qy qz qw", the camera in the world, or FILE:N,
- * row N of a KITTI trajectory (camera 0), as a map's trajectory.txt is one. \param[in]
- * calibration KITTI's calib.txt: then the camera is its left colour (or grey) one;
- * empty: camera 0 \throws InvalidParameterException or, of FILE, BadInputException if
- * it is none of these */
-Eigen::Isometry3d poseOf(const std::string& text, const std::string& calibration);
+struct Arguments {
+  std::string input, output, method, coloured;
+  CliqueFrame frame;
+  CliqueParameters parameters;
+  int threads = 0;
+};
 
-/** \brief Tells a generator of the frame and the voxels of a map.
- * \param[in] name of the map, for messages
- * \param[in] points of the map [m], one in the middle of each voxel, or any
- * \throws BadInputException at a frame or a point that cannot be */
-void setFrame(const CliqueFrame& frame, const std::string& name,
-              const CliqueGenerator::Cloud& points, SuperpixelCliques& generator);
+void
+requireFittingOptions(const Arguments& arguments)
+{
+  const CliqueFrame& frame = arguments.frame;
+  refuseIf(arguments.output.empty(), "expected IN.pcd OUT.pcd");
+  refuseIf(arguments.method.empty(), "--method is missing");
+  const bool superpixels = arguments.method.rfind("superpixel", 0) == 0;
+  refuseIf(superpixels && frame.path.empty(), "--method superpixel needs --frame");
+  refuseIf(!superpixels && (!frame.path.empty() || !frame.pose.empty()),
+           "--frame and --pose are for --method superpixel");
+  refuseIf(!frame.calibration.empty() && frame.pose.find(':') == std::string::npos,
+           "--calibration is for --pose FILE:N");
+  requireOutput(arguments.output, ".pcd");
+  requireOutput(arguments.coloured, ".pcd");
+  refuseSameFiles({arguments.input, frame.path, frame.calibration,
+                   frame.pose.substr(0, frame.pose.rfind(':'))},
+                  {arguments.output, arguments.coloured});
+}
 
-namespace {
+Arguments
+parse(int argc, char** argv)
+{
+  Arguments arguments;
+  CliqueFrame& frame = arguments.frame;
+  ConfigParameters parameters = {
+      {"voxel_size", "voxel size of the map, for superpixels [m]", &frame.voxel_size},
+      {"map_origin", "map_origin of the map's summary.json: X,Y,Z [m]",
+       &frame.map_origin}};
+  for (ConfigParameter& parameter : parametersOf(arguments.parameters))
+    if (parameter.name != "superpixel_keep") // needs several frames
+      parameters.push_back(std::move(parameter));
+  parameters.push_back({"threads", "0 = all processors", &arguments.threads});
+  const po::variables_map values = parseCommandLine(
+      argc, argv, usage,
+      {{"input", arguments.input, "the cloud"},
+       {"output", arguments.output, "output cloud (.pcd)"},
+       {"method", arguments.method, "see above"},
+       {"frame", frame.path,
+        "organized cloud in the camera frame (.pcd), see pcl_semantic_stereo"},
+       {"pose", frame.pose,
+        "pose of the frame: 'x y z qx qy qz qw' in the world, or FILE:N = row N of a "
+        "KITTI trajectory (default: VIEWPOINT of --frame)"},
+       {"calibration", frame.calibration,
+        "KITTI's calib.txt, if the pose is of camera 0 and the frame of camera 2"},
+       {"coloured", arguments.coloured,
+        "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
+      {"input", "output"}, parameters);
+  setParameters(values, parameters);
+  arguments.parameters.validate();
+  requireFittingOptions(arguments);
+  return arguments;
+}
 
 Eigen::Isometry3d
 poseOfRow(const std::string& text, const std::string& calibration)
@@ -56,9 +119,8 @@ poseOfRow(const std::string& text, const std::string& calibration)
   const double row = parseNumber(text.substr(colon + 1), "--pose '" + text + "'");
   const Trajectory trajectory = readKittiTrajectory(path);
   if (!(row >= 0.0 && row < double(trajectory.size())) || row != std::floor(row))
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has no pose " << row
-                                                << ", but rows 0 to "
-                                                << double(trajectory.size()) - 1.0);
+    fail<BadInputException>(path, ": has no pose ", row, ", but rows 0 to ",
+                            double(trajectory.size()) - 1.0);
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
   if (!calibration.empty())
     T_camera0_camera =
@@ -66,38 +128,26 @@ poseOfRow(const std::string& text, const std::string& calibration)
   return worldFromFirstCamera() * trajectory[std::size_t(row)] * T_camera0_camera;
 }
 
-std::vector<double>
-numbersOfPose(const std::string& text)
-{
-  try {
-    return parseNumbers(text, "--pose");
-  }
-  catch (const BadInputException& error) { // no file has them
-    PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
-  }
-}
-
-} // namespace
-
+// A pose from text: "x y z qx qy qz qw", the camera in the world, or FILE:N, row N of a
+// KITTI trajectory (camera 0; with calib.txt that of the left colour camera).
 Eigen::Isometry3d
 poseOf(const std::string& text, const std::string& calibration)
 {
   if (text.find(':') != std::string::npos)
     return poseOfRow(text, calibration);
-  const std::vector<double> numbers = numbersOfPose(text);
+  const std::vector<double> numbers = parseNumbersOf("--pose", text);
   if (numbers.size() != 7)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--pose has " << numbers.size()
-                                      << " numbers, expected x y z qx qy qz qw, or a "
-                                         "trajectory and its row: FILE:N");
+    fail<InvalidParameterException>(
+        "--pose has ", numbers.size(),
+        " numbers, expected x y z qx qy qz qw, or a trajectory and its row: FILE:N");
   const Eigen::Quaterniond turn(numbers[6], numbers[3], numbers[4], numbers[5]);
   if (!(std::abs(turn.norm() - 1.0) <= 1e-2))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "--pose has a quaternion of length "
-                                                       << turn.norm()
-                                                       << ", expected 1");
+    fail<InvalidParameterException>("--pose has a quaternion of length ", turn.norm(),
+                                    ", expected 1");
   return Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) * turn.normalized();
 }
 
+// Tells a generator of the frame and the voxels of a map, one for each of its points.
 void
 setFrame(const CliqueFrame& frame, const std::string& name,
          const CliqueGenerator::Cloud& points, SuperpixelCliques& generator)
@@ -105,11 +155,9 @@ setFrame(const CliqueFrame& frame, const std::string& name,
   generator.setVoxels({}, frame.voxel_size); // checks the size
   const LabelledCloud read = readLabelledCloud(frame.path);
   if (!read.has_colour)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        frame.path << ": superpixels need points with rgb or rgba");
+    fail<BadInputException>(frame.path, ": superpixels need points with rgb or rgba");
   if (!read.cloud->isOrganized())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        frame.path << ": superpixels need an organized cloud");
+    fail<BadInputException>(frame.path, ": superpixels need an organized cloud");
   const auto cloud = std::make_shared<CliqueGenerator::Cloud>();
   pcl::copyPointCloud(*read.cloud, *cloud);
   Eigen::Isometry3d T_map_camera;
@@ -125,117 +173,13 @@ setFrame(const CliqueFrame& frame, const std::string& name,
     const bool is_near =
         (position.array().abs() < kMaxVoxelIndex * frame.voxel_size).all(); // not NaN
     if (pcl::isXYZFinite(point) && !is_near)
-      PCL_THROW_EXCEPTION(BadInputException, name << ": point " << voxels.size()
-                                                  << " lies at " << position.transpose()
-                                                  << " m, in no voxel");
+      fail<BadInputException>(name, ": point ", voxels.size(), " lies at ",
+                              position.transpose(), " m, in no voxel");
     voxels.push_back(is_near ? voxelOf(quantize(position, frame.voxel_size))
                              : VoxelIndex::Constant(kMaxVoxelIndex));
   }
   generator.setVoxels(voxels, frame.voxel_size);
   generator.setFrame(cloud, T_map_camera);
-}
-
-} // namespace pcl_semantic::tool
-
-namespace {
-
-using namespace pcl_semantic;
-namespace po = tool::po;
-
-struct Arguments {
-  std::string input, output, method, coloured;
-  tool::CliqueFrame frame;
-  CliqueParameters parameters;
-  int threads = 0;
-};
-
-const tool::Usage usage{
-    "pcl_semantic_cliques", "IN.pcd OUT.pcd --method METHOD [options]",
-    "Groups the points of a cloud that are likely to have one label. OUT.pcd is "
-    "IN.pcd\n"
-    "with the field clique (0 = none), which pcl_semantic_crf --cliques field takes.\n"
-    "Methods: cubes[:SIZE], supervoxel[:SEEDS' DISTANCE], superpixel[:NUMBER] (of a\n"
-    "frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \\\n"
-    "    --output /tmp/raw_map && \\\n"
-    "  pcl_semantic_stereo /tmp/street/image_2/000000.png "
-    "/tmp/street/image_3/000000.png \\\n"
-    "    /tmp/street/calib.txt /tmp/frame.pcd && \\\n"
-    "  pcl_semantic_cliques /tmp/raw_map/map.pcd /tmp/cliques.pcd --method superpixel "
-    "\\\n"
-    "    --frame /tmp/frame.pcd --pose /tmp/raw_map/trajectory.txt:0 \\\n"
-    "    --coloured /tmp/coloured.pcd && \\\n"
-    "  pcl_semantic_crf /tmp/cliques.pcd /tmp/grouped.pcd --crf hierarchical \\\n"
-    "    --cliques field"};
-
-// All but those that need several frames.
-ConfigParameters
-parametersOf(Arguments& arguments)
-{
-  ConfigParameters parameters;
-  for (ConfigParameter& parameter : parametersOf(arguments.parameters))
-    if (parameter.name != "superpixel_keep")
-      parameters.push_back(std::move(parameter));
-  return parameters;
-}
-
-void
-requireFittingOptions(const Arguments& arguments)
-{
-  const tool::CliqueFrame& frame = arguments.frame;
-  if (arguments.output.empty())
-    tool::failUsage(usage, "expected IN.pcd OUT.pcd");
-  if (arguments.method.empty())
-    tool::failUsage(usage, "--method is missing");
-  const bool superpixels = arguments.method.rfind("superpixel", 0) == 0;
-  if (superpixels && frame.path.empty())
-    tool::failUsage(usage, "--method superpixel needs --frame");
-  if (!superpixels && (!frame.path.empty() || !frame.pose.empty()))
-    tool::failUsage(usage, "--frame and --pose are for --method superpixel");
-  if (!frame.calibration.empty() && frame.pose.find(':') == std::string::npos)
-    tool::failUsage(usage, "--calibration is for --pose FILE:N");
-  tool::requireOutput(arguments.output, ".pcd");
-  tool::requireOutput(arguments.coloured, ".pcd");
-  tool::refuseSameFiles({arguments.input, frame.path, frame.calibration,
-                         frame.pose.substr(0, frame.pose.rfind(':'))},
-                        {arguments.output, arguments.coloured});
-}
-
-bool
-parse(int argc, char** argv, Arguments& arguments)
-{
-  tool::CliqueFrame& frame = arguments.frame;
-  po::options_description options("Options");
-  options.add_options()("input", po::value(&arguments.input), "the cloud")(
-      "output", po::value(&arguments.output),
-      "output cloud (.pcd)")("method", po::value(&arguments.method), "see above")(
-      "frame", po::value(&frame.path),
-      "organized cloud in the camera frame (.pcd), see pcl_semantic_stereo")(
-      "pose", po::value(&frame.pose),
-      "pose of the frame: 'x y z qx qy qz qw' in the world, or FILE:N = row N of a "
-      "KITTI trajectory (default: VIEWPOINT of --frame)")(
-      "calibration", po::value(&frame.calibration),
-      "KITTI's calib.txt, if the pose is of camera 0 and the frame of camera 2")(
-      "coloured", po::value(&arguments.coloured),
-      "output cloud with one colour per clique, for pcl_viewer (.pcd)");
-  ConfigParameters parameters = {
-      {"voxel_size", "voxel size of the map, for superpixels [m]", &frame.voxel_size},
-      {"map_origin", "map_origin of the map's summary.json: X,Y,Z [m]",
-       &frame.map_origin}};
-  for (ConfigParameter& parameter : parametersOf(arguments))
-    parameters.push_back(std::move(parameter));
-  parameters.push_back({"threads", "0 = all processors", &arguments.threads});
-  tool::addParameters(parameters, options);
-  po::positional_options_description positional;
-  positional.add("input", 1).add("output", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
-    return false;
-  tool::setParameters(values, parameters);
-  arguments.parameters.validate();
-  requireFittingOptions(arguments);
-  return true;
 }
 
 // Neighbouring numbers get colours that differ; points in no clique are dark.
@@ -270,36 +214,34 @@ group(const Arguments& arguments)
   setNumberOfThreads(arguments.threads);
   LabelledCloud read = readLabelledCloud(arguments.input);
   if (generator->usesColour() && !read.has_colour)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.input << ": this method needs rgb or rgba");
+    fail<BadInputException>(arguments.input, ": this method needs rgb or rgba");
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*read.cloud, cloud);
   if (auto* const superpixels = dynamic_cast<SuperpixelCliques*>(generator.get()))
-    tool::setFrame(arguments.frame, arguments.input, cloud, *superpixels);
+    setFrame(arguments.frame, arguments.input, cloud, *superpixels);
   try {
     read.cliques = generator->generate(cloud);
   }
   catch (const BadInputException& error) { // a generator knows nothing of files
-    PCL_THROW_EXCEPTION(BadInputException, arguments.input << ": " << error.what());
+    fail<BadInputException>(arguments.input, ": ", error.what());
   }
   std::size_t members = 0;
   for (const pcl::PointIndices& clique : read.cliques)
     members += clique.indices.size();
   if (members == 0 && !arguments.frame.path.empty() && !cloud.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.frame.path
-                            << ": sees no voxel of " << arguments.input
-                            << ": are --pose, --map-origin and --voxel-size its own?");
+    fail<BadInputException>(arguments.frame.path, ": sees no voxel of ",
+                            arguments.input,
+                            ": are --pose, --map-origin and --voxel-size its own?");
   if (!arguments.coloured.empty()) {
     colourCliques(read.cliques, cloud);
     writeColourCloud(arguments.coloured, cloud);
   }
   writeCliques(arguments.output, read);
-  tool::printResults({{"cliques", read.cliques.size()},
-                      {"members", members},
-                      {"points", cloud.size()},
-                      {"cloud", arguments.output}});
-  return tool::exit_done;
+  printResults({{"cliques", read.cliques.size()},
+                {"members", members},
+                {"points", cloud.size()},
+                {"cloud", arguments.output}});
+  return exit_done;
 }
 
 } // namespace
@@ -307,8 +249,5 @@ group(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Arguments arguments;
-    return parse(argc, argv, arguments) ? group(arguments) : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return group(parse(argc, argv)); });
 }

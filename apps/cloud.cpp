@@ -12,16 +12,15 @@
 
 #include <pcl/filters/extract_indices.h>
 
-#include <algorithm>
 #include <charconv>
+#include <numeric>
 #include <optional>
 #include <set>
-#include <sstream>
 
 namespace {
 
 using namespace pcl_semantic;
-namespace po = tool::po;
+using namespace pcl_semantic::tool;
 
 struct Arguments {
   std::string input, output, label_set, label_mapping, crop, keep, drop, relabel;
@@ -29,54 +28,46 @@ struct Arguments {
   bool colour = false;
 };
 
-const tool::Usage usage{
+const Usage usage{
     "pcl_semantic_cloud", "IN OUT.pcd [options]",
-    "Prepares a labelled cloud for other programs: maps its labels, crops it, keeps\n"
-    "or drops classes, renames labels, thins it, colours it by class, in this order.\n"
-    "IN is a .pcd, a .ply, or a scan of KITTI (.bin with .label). All other fields\n"
-    "are kept.",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && "
-    "\\\n"
-    "  pcl_semantic_cloud /tmp/map/map.pcd /tmp/thin.pcd --thin 0.3 --drop car \\\n"
-    "    --label-set data/label_sets/kitti11.yaml --colour"};
+    R"(Prepares a labelled cloud for other programs: maps its labels, crops it, keeps
+or drops classes, renames labels, thins it, colours it by class, in this order.
+IN is a .pcd, a .ply, or a scan of KITTI (.bin with .label). All other fields
+are kept.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && \
+  pcl_semantic_cloud /tmp/map/map.pcd /tmp/thin.pcd --thin 0.3 --drop car \
+    --label-set data/label_sets/kitti11.yaml --colour)"};
 
-bool
-parse(int argc, char** argv, Arguments& arguments)
+Arguments
+parse(int argc, char** argv)
 {
-  po::options_description options("Options");
-  options.add_options()("input", po::value(&arguments.input), "labelled cloud")(
-      "output", po::value(&arguments.output),
-      "output cloud (.pcd)")("label-set", po::value(&arguments.label_set),
-                             "classes (YAML), for names of classes and for colours")(
-      "label-mapping", po::value(&arguments.label_mapping),
-      tool::label_mapping_help)("crop", po::value(&arguments.crop),
-                                "keep the points in a box x0,y0,z0,x1,y1,z1 [m]")(
-      "keep", po::value(&arguments.keep),
-      "keep the points of these classes: names (also unlabelled) or numbers with "
-      "commas "
-      "between")("drop", po::value(&arguments.drop),
-                 "drop the points of these classes")(
-      "relabel", po::value(&arguments.relabel),
-      "other labels for classes: fence=pole,7=0")(
-      "thin", po::value(&arguments.thin),
-      "keep one point a voxel of this size [m], with the mean of its points' "
-      "probabilities or their most frequent label")(
-      "colour", po::bool_switch(&arguments.colour),
-      "write the colours of the classes as rgba");
-  po::positional_options_description positional;
-  positional.add("input", 1).add("output", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
-    return false;
-  if (arguments.output.empty())
-    tool::failUsage(usage, "expected IN OUT.pcd");
-  if (arguments.label_set.empty() &&
-      (arguments.colour || !arguments.label_mapping.empty()))
-    tool::failUsage(usage, "--colour and --label-mapping need --label-set");
-  if (values.count("thin") > 0 && !(arguments.thin > 0.0))
-    tool::failUsage(usage, "--thin is not more than 0");
-  return true;
+  Arguments arguments;
+  const po::variables_map values = parseCommandLine(
+      argc, argv, usage,
+      {{"input", arguments.input, "labelled cloud"},
+       {"output", arguments.output, "output cloud (.pcd)"},
+       {"label-set", arguments.label_set,
+        "classes (YAML), for names of classes and for colours"},
+       {"label-mapping", arguments.label_mapping, label_mapping_help},
+       {"crop", arguments.crop, "keep the points in a box x0,y0,z0,x1,y1,z1 [m]"},
+       {"keep", arguments.keep,
+        "keep the points of these classes: names (also unlabelled) or numbers with "
+        "commas between"},
+       {"drop", arguments.drop, "drop the points of these classes"},
+       {"relabel", arguments.relabel, "other labels for classes: fence=pole,7=0"},
+       {"thin", arguments.thin,
+        "keep one point a voxel of this size [m], with the mean of its points' "
+        "probabilities or their most frequent label"},
+       {"colour", arguments.colour, "write the colours of the classes as rgba"}},
+      {"input", "output"});
+  refuseIf(arguments.output.empty(), "expected IN OUT.pcd");
+  refuseIf(arguments.label_set.empty() &&
+               (arguments.colour || !arguments.label_mapping.empty()),
+           "--colour and --label-mapping need --label-set");
+  refuseIf(values.count("thin") > 0 && !(arguments.thin > 0.0),
+           "--thin is not more than 0");
+  return arguments;
 }
 
 class Editor {
@@ -127,10 +118,9 @@ private:
       return Label(number);
     const Label label = label_set_ ? label_set_->find(word) : kUnlabelled;
     if (label == kUnlabelled && word != "unlabelled")
-      PCL_THROW_EXCEPTION(
-          InvalidParameterException,
-          option << ": " << inQuotes(word) << " is no class"
-                 << (label_set_ ? " of the label set" : "; names need --label-set"));
+      fail<InvalidParameterException>(
+          option, ": ", inQuotes(word), " is no class",
+          (label_set_ ? " of the label set" : "; names need --label-set"));
     return label;
   }
 
@@ -138,8 +128,7 @@ private:
   labelsOf(const std::string& option, const std::string& text) const
   {
     std::set<std::uint32_t> labels;
-    std::istringstream words(text);
-    for (std::string word; std::getline(words, word, ',');)
+    for (const std::string& word : splitAtCommas(text))
       labels.insert(labelOf(option, word));
     return labels;
   }
@@ -147,45 +136,35 @@ private:
   void
   readRelabelling()
   {
-    for (std::size_t label = 0; label < relabelled_.size(); ++label)
-      relabelled_[label] = std::uint32_t(label);
-    std::istringstream words(arguments_.relabel);
-    for (std::string word; std::getline(words, word, ',');) {
+    std::iota(relabelled_.begin(), relabelled_.end(), 0u);
+    for (const std::string& word : splitAtCommas(arguments_.relabel)) {
       const std::size_t middle = word.find('=');
       if (middle == std::string::npos)
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "--relabel: " << inQuotes(word) << ", expected OLD=NEW");
+        fail<InvalidParameterException>("--relabel: ", inQuotes(word),
+                                        ", expected OLD=NEW");
       relabelled_[labelOf("--relabel", word.substr(0, middle))] =
           labelOf("--relabel", word.substr(middle + 1));
     }
   }
 
   static Eigen::AlignedBox3d
-  boxOf(std::string text)
+  boxOf(const std::string& text)
   {
-    std::replace(text.begin(), text.end(), ',', ' ');
-    std::vector<double> numbers;
-    try {
-      numbers = parseNumbers(text, "--crop");
-    }
-    catch (const BadInputException& error) {
-      PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
-    }
+    const std::vector<double> numbers = parseNumbersOf("--crop", text);
     if (numbers.size() == 6 && numbers[0] < numbers[3] && numbers[1] < numbers[4] &&
         numbers[2] < numbers[5])
       return {Eigen::Vector3d(numbers[0], numbers[1], numbers[2]),
               Eigen::Vector3d(numbers[3], numbers[4], numbers[5])};
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--crop: expected x0,y0,z0,x1,y1,z1, the smaller ones first");
+    fail<InvalidParameterException>(
+        "--crop: expected x0,y0,z0,x1,y1,z1, the smaller ones first");
   }
 
   pcl::Indices
   keptPoints(const LabelledCloud& cloud) const
   {
     if (!cloud.has_labels && !(keep_.empty() && drop_.empty()))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          arguments_.input
-                              << ": has no field 'label' or 'probability'");
+      fail<BadInputException>(arguments_.input,
+                              ": has no field 'label' or 'probability'");
     pcl::Indices kept;
     for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {
       const pcl::PointXYZRGBL& point = (*cloud.cloud)[i];
@@ -203,8 +182,8 @@ private:
   {
     if (!arguments_.relabel.empty()) {
       if (cloud.distributions.classes() > 0) {
-        tool::warn(arguments_.input + ": probabilities do not fit other labels: the "
-                                      "output has none");
+        warn(arguments_.input + ": probabilities do not fit other labels: the "
+                                "output has none");
         cloud.table.removeColumns("probability");
       }
       cloud.distributions = LabelDistributions();
@@ -245,10 +224,8 @@ private:
     for (std::size_t i = 0; i < table.points; ++i) {
       const double label = labels(i);
       if (label > label_set_->size())
-        PCL_THROW_EXCEPTION(BadInputException,
-                            arguments_.input << ": label " << label << " is beyond the "
-                                             << label_set_->size()
-                                             << " classes of --label-set");
+        fail<BadInputException>(arguments_.input, ": label ", label, " is beyond the ",
+                                label_set_->size(), " classes of --label-set");
       const auto& colour = (*label_set_)[Label(label)].colour;
       bytes.insert(bytes.end(), {colour[2], colour[1], colour[0], 255});
     }
@@ -267,20 +244,20 @@ private:
 int
 prepare(const Arguments& arguments)
 {
-  tool::refuseSameFiles({arguments.input, arguments.label_set, arguments.label_mapping},
-                        {arguments.output});
-  tool::requireOutput(arguments.output, ".pcd");
+  refuseSameFiles({arguments.input, arguments.label_set, arguments.label_mapping},
+                  {arguments.output});
+  requireOutput(arguments.output, ".pcd");
   Editor editor(arguments);
   PcdTable table = readCloudTable(arguments.input);
   const std::size_t before = table.points;
   table = editor.edit(std::move(table));
   if (table.points == 0)
-    tool::warn("no point is left");
+    warn("no point is left");
   writeCloudTable(arguments.output, table);
-  tool::printResults({{"points_before", before},
-                      {"points", table.points},
-                      {"cloud", arguments.output}});
-  return tool::exit_done;
+  printResults({{"points_before", before},
+                {"points", table.points},
+                {"cloud", arguments.output}});
+  return exit_done;
 }
 
 } // namespace
@@ -288,8 +265,5 @@ prepare(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Arguments arguments;
-    return parse(argc, argv, arguments) ? prepare(arguments) : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return prepare(parse(argc, argv)); });
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "default_label_set.h"
 #include "messages.h"
 #include "tool.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
-#include "parameter_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -22,7 +21,7 @@
 namespace {
 
 using namespace pcl_semantic;
-namespace po = tool::po;
+using namespace pcl_semantic::tool;
 
 struct Arguments {
   std::string input, output, label_set, label_mapping, config;
@@ -36,44 +35,42 @@ struct Arguments {
   }
 };
 
-const tool::Usage usage{
+const Usage usage{
     "pcl_semantic_crf", "IN OUT.pcd [options]",
-    "Makes the labels of a cloud consistent with a CRF. IN (.pcd, .ply, or a scan of\n"
-    "KITTI, .bin with .label) has the fields x y z,\n"
-    "probability (one a class) or label (0 = unlabelled), and, for kernels of colour,\n"
-    "rgb or rgba. OUT.pcd is the same with label and probability rewritten.",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \\\n"
-    "    --output /tmp/raw_map && \\\n"
-    "  pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --crf hierarchical \\\n"
-    "    --cliques cubes:1"};
+    R"(Makes the labels of a cloud consistent with a CRF. IN (.pcd, .ply, or a scan of
+KITTI, .bin with .label) has the fields x y z,
+probability (one a class) or label (0 = unlabelled), and, for kernels of colour,
+rgb or rgba. OUT.pcd is the same with label and probability rewritten.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \
+    --output /tmp/raw_map && \
+  pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --crf hierarchical \
+    --cliques cubes:1)"};
 
-bool
-parse(int argc, char** argv, Arguments& arguments)
+Arguments
+parse(int argc, char** argv)
 {
+  Arguments arguments;
   bool print_config = false;
-  po::options_description options("Options");
-  options.add_options()("input", po::value(&arguments.input), "labelled input cloud")(
-      "output", po::value(&arguments.output), "output cloud")(
-      "label-set", po::value(&arguments.label_set),
-      "label set (YAML), if the labels do not show the number of classes")(
-      "label-mapping", po::value(&arguments.label_mapping),
-      tool::label_mapping_help)("config", po::value(&arguments.config),
-                                "parameter file (.yaml); options override it")(
-      "print-config", po::bool_switch(&print_config),
-      "print the effective parameters as YAML and exit");
-  tool::addParameters(parametersOf(arguments.parameters), options);
-  po::positional_options_description positional;
-  positional.add("input", 1).add("output", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
-    return false;
+  const po::variables_map values = parseCommandLine(
+      argc, argv, usage,
+      {{"input", arguments.input, "labelled input cloud"},
+       {"output", arguments.output, "output cloud"},
+       {"label-set", arguments.label_set,
+        "label set (YAML), if the labels do not show the number of classes"},
+       {"label-mapping", arguments.label_mapping, label_mapping_help},
+       {"config", arguments.config, "parameter file (.yaml); options override it"},
+       {"print-config", print_config,
+        "print the effective parameters as YAML and exit"}},
+      {"input", "output"}, parametersOf(arguments.parameters));
   readCRFConfig(arguments.config, arguments.parameters);
-  tool::setParameters(values, parametersOf(arguments.parameters));
+  setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();
-  if (print_config)
+  if (print_config) {
     std::cout << printParameters(parametersOf(arguments.parameters));
-  return !print_config;
+    throw Exit{exit_done};
+  }
+  return arguments;
 }
 
 using Filter = SemanticCRF<pcl::PointXYZRGBL>;
@@ -87,13 +84,11 @@ setCliques(const std::string& cliques, const Arguments& arguments,
   const bool is_file = cliques != "field" && !namesCloudCliques(cliques);
   if (is_file && cliques.find_first_of("./") == std::string::npos &&
       !std::filesystem::exists(cliques))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques are '" << cliques
-                                        << "', expected none, field, cubes[:SIZE], "
-                                           "slic, supervoxel[:DISTANCE] or a file");
+    fail<InvalidParameterException>(
+        "cliques are '", cliques,
+        "', expected none, field, cubes[:SIZE], slic, supervoxel[:DISTANCE] or a file");
   if (cliques == "field" && input.table.find("clique") < 0)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.input << ": has no field 'clique'");
+    fail<BadInputException>(arguments.input, ": has no field 'clique'");
   if (cliques == "field")
     crf.setCliques(input.cliques);
   else if (namesCloudCliques(cliques))
@@ -109,12 +104,10 @@ sizeOfLabelSet(const Arguments& arguments, const LabelledCloud& input)
   const int classes = readLabelSet(arguments.label_set).size();
   for (std::size_t i = 0; i < input.cloud->size(); ++i)
     if ((*input.cloud)[i].label > std::uint32_t(classes))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          arguments.input << ": label " << (*input.cloud)[i].label
-                                          << " of point " << i << " is beyond the "
-                                          << classes
-                                          << " classes of --label-set; other numbers "
-                                             "need --label-mapping");
+      fail<BadInputException>(
+          arguments.input, ": label ", (*input.cloud)[i].label, " of point ", i,
+          " is beyond the ", classes,
+          " classes of --label-set; other numbers need --label-mapping");
   return classes;
 }
 
@@ -129,12 +122,10 @@ setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& 
     for (const pcl::PointXYZRGBL& point : *input.cloud)
       classes = std::max({classes, 1, int(point.label)});
   if (found == 0 && !input.has_labels)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.input << ": has no field 'label' or 'probability'");
+    fail<BadInputException>(arguments.input, ": has no field 'label' or 'probability'");
   if (found > 0 && found != classes)
-    PCL_THROW_EXCEPTION(BadInputException, arguments.input
-                                               << ": has probabilities of " << found
-                                               << " classes, expected " << classes);
+    fail<BadInputException>(arguments.input, ": has probabilities of ", found,
+                            " classes, expected ", classes);
   if (found > 0)
     crf.setLabelDistributions(input.distributions);
   else
@@ -170,56 +161,37 @@ countWithoutPreference(const LabelledCloud& input)
   return count;
 }
 
-// How many labels the CRF changed: of each class, if these are few.
-class Changes {
-public:
-  explicit Changes(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
-  {
-    for (const pcl::PointXYZRGBL& point : cloud)
-      before_.push_back(point.label);
-  }
+using Labels = std::vector<std::uint32_t>;
 
-  void
-  count(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
-  {
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-      if (cloud[i].label != before_[i]) {
-        ++changed_;
-        ++from_[before_[i]];
-      }
-  }
+Labels
+labelsOf(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+{
+  Labels labels;
+  for (const pcl::PointXYZRGBL& point : cloud)
+    labels.push_back(point.label);
+  return labels;
+}
 
-  std::size_t
-  total() const
-  {
-    return changed_;
-  }
-
-  // "12 of building, 3 of road", or the numbers of the labels without names.
-  std::string
-  text(const Arguments& arguments) const
-  {
-    std::optional<LabelSet> names;
-    if (!arguments.label_set.empty())
-      names = readLabelSet(arguments.label_set);
-    std::ostringstream text;
-    for (const auto& [label, number] : from_)
-      text << (text.tellp() > 0 ? ", " : "") << number << " of "
-           << (names ? (*names)[Label(label)].name : std::to_string(label));
-    return text.str();
-  }
-
-  bool
-  areOfFewClasses() const
-  {
-    return !from_.empty() && from_.size() <= 30;
-  }
-
-private:
-  std::vector<std::uint32_t> before_;
-  std::map<std::uint32_t, std::size_t> from_;
-  std::size_t changed_ = 0;
-};
+// "12 of building, 3 of road", or the numbers of the labels without names: how many of
+// the labels before are others now. Empty if they are of many classes.
+std::string
+textOfChanges(const Labels& before, const Labels& now, const std::string& label_set)
+{
+  std::map<std::uint32_t, std::size_t> changed;
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (now[i] != before[i])
+      ++changed[before[i]];
+  if (changed.size() > 30)
+    return {};
+  std::optional<LabelSet> names;
+  if (!label_set.empty())
+    names = readLabelSet(label_set);
+  std::ostringstream text;
+  for (const auto& [label, number] : changed)
+    text << (text.tellp() > 0 ? ", " : "") << number << " of "
+         << (names ? (*names)[Label(label)].name : std::to_string(label));
+  return text.str();
+}
 
 // Says why a result may not be what was wished.
 void
@@ -232,12 +204,12 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
   if (points == 0)
     return;
   if (without_preference == points)
-    tool::warn(arguments.input +
-               ": no point has a label, or all classes are equally likely; there is "
-               "nothing to make consistent");
+    warn(arguments.input +
+         ": no point has a label, or all classes are equally likely; there is "
+         "nothing to make consistent");
   else if (changed == 0)
-    tool::warn("no label changed; larger --smoothness-weight and --appearance-weight "
-               "change more");
+    warn("no label changed; larger --smoothness-weight and --appearance-weight "
+         "change more");
   if (!(report.spacing > 0.0))
     return;
   for (const double deviation : {crf.smoothness_deviation, crf.appearance_deviation})
@@ -251,12 +223,12 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
            << "; is the cloud in metres? Without --smoothness-deviation and "
               "--appearance-deviation they would be "
            << SemanticCRFParameters::automaticDeviation(report.spacing);
-      return tool::warn(text.str());
+      return warn(text.str());
     }
 }
 
 // Runs the filter over the cloud, and says what became of it.
-tool::Results
+Results
 filter(const Arguments& arguments, LabelledCloud& input)
 {
   Filter crf;
@@ -266,27 +238,31 @@ filter(const Arguments& arguments, LabelledCloud& input)
   setMeasurements(arguments, input, crf);
   crf.setUseColour(input.has_colour);
   crf.setInputCloud(input.cloud);
-  Changes changes(*input.cloud);
+  const Labels before = labelsOf(*input.cloud);
   try {
     crf.filter(*input.cloud);
   }
   catch (const BadInputException& error) { // a cloud knows nothing of its file
-    PCL_THROW_EXCEPTION(BadInputException, arguments.input << ": " << error.what());
+    fail<BadInputException>(arguments.input, ": ", error.what());
   }
-  changes.count(*input.cloud);
+  const Labels now = labelsOf(*input.cloud);
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < now.size(); ++i)
+    changed += now[i] != before[i];
   const std::size_t without_preference = countWithoutPreference(input);
   input.distributions = crf.getLabelDistributions();
   const CRFReport& report = crf.getReport();
-  warnOfResult(arguments, input, without_preference, report, changes.total());
-  tool::Results results{{"points", input.cloud->size()}, {"changed", changes.total()}};
-  if (changes.areOfFewClasses())
-    results.push_back({"changed_of_classes", changes.text(arguments)});
-  const tool::Results rest{{"without_place", crf.getSkippedPoints()},
-                           {"without_measurement", report.unlabelled},
-                           {"cliques", report.cliques},
-                           {"cliques_without_points", report.skipped_cliques},
-                           {"updates", std::size_t(report.updates)},
-                           {"cloud", arguments.output}};
+  warnOfResult(arguments, input, without_preference, report, changed);
+  Results results{{"points", input.cloud->size()}, {"changed", changed}};
+  const std::string changes = textOfChanges(before, now, arguments.label_set);
+  if (!changes.empty())
+    results.push_back({"changed_of_classes", changes});
+  const Results rest{{"without_place", crf.getSkippedPoints()},
+                     {"without_measurement", report.unlabelled},
+                     {"cliques", report.cliques},
+                     {"cliques_without_points", report.skipped_cliques},
+                     {"updates", std::size_t(report.updates)},
+                     {"cloud", arguments.output}};
   results.insert(results.end(), rest.begin(), rest.end());
   return results;
 }
@@ -294,16 +270,15 @@ filter(const Arguments& arguments, LabelledCloud& input)
 int
 refine(const Arguments& arguments)
 {
-  if (arguments.output.empty())
-    tool::failUsage(usage, "expected IN OUT.pcd");
+  refuseIf(arguments.output.empty(), "expected IN OUT.pcd");
   const CRFConfig& config = arguments.parameters;
-  tool::refuseSameFiles(
+  refuseSameFiles(
       {arguments.input, arguments.config, arguments.label_set, config.cliques},
       {arguments.output});
-  if (!arguments.label_mapping.empty() && arguments.label_set.empty())
-    tool::failUsage(usage, "--label-mapping needs --label-set");
+  refuseIf(!arguments.label_mapping.empty() && arguments.label_set.empty(),
+           "--label-mapping needs --label-set");
   config.requireFittingCliques();
-  tool::requireOutput(arguments.output, ".pcd");
+  requireOutput(arguments.output, ".pcd");
   setNumberOfThreads(config.threads);
   std::optional<LabelMapping> mapping;
   if (!arguments.label_mapping.empty())
@@ -311,11 +286,11 @@ refine(const Arguments& arguments)
         readLabelMapping(arguments.label_mapping, readLabelSet(arguments.label_set));
   LabelledCloud cloud =
       readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr);
-  const tool::Results report = filter(arguments, cloud);
+  const Results report = filter(arguments, cloud);
   setEntropies(cloud);
   writeLabelledCloud(arguments.output, cloud);
-  tool::printResults(report);
-  return tool::exit_done;
+  printResults(report);
+  return exit_done;
 }
 
 } // namespace
@@ -323,8 +298,5 @@ refine(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Arguments arguments;
-    return parse(argc, argv, arguments) ? refine(arguments) : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return refine(parse(argc, argv)); });
 }

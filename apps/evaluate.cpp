@@ -1,85 +1,220 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluated_classes.h"
-#include "evaluated_folders.h"
 #include "messages.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
+#include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 
+#include <opencv2/core.hpp>
+
+#include <filesystem>
 #include <iostream>
+#include <limits>
 #include <optional>
 
 namespace {
 
 using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
 
+namespace fs = std::filesystem;
+
+// Folders hold files that bear the same names: label images (`.png`), or labels of the
+// points of scans (`.label`).
 struct Options {
-  std::vector<std::string> predictions;
-  std::vector<std::string> truths;
-  std::vector<std::string> covered_by;
-  std::vector<std::string> truth_depths;
+  std::vector<std::string> predictions, truths;
+  std::vector<std::string> covered_by;   ///< empty = all pixels count
+  std::vector<std::string> truth_depths; ///< `.png` or `.bin`, see readDepths()
   std::vector<std::string> ranges;
-  std::string label_set;
-  std::string label_mapping;
+  std::string label_set, label_mapping;
   std::optional<std::string> ignore;
-  std::string output;
-  std::string row;
+  std::string output, row;
   bool header = false;
 };
 
-const tool::Usage usage{
+const Usage usage{
     "pcl_semantic_evaluate", "--prediction DIR --truth DIR --label-set FILE [options]",
-    "Compares label images, or labels of scans (.label), with ground truth of the\n"
-    "same names and prints IoU, recall and precision in percent. Exclusive figures\n"
-    "count the pixels that the prediction covers (is not 0); inclusive ones take\n"
-    "uncovered pixels for misses. Folders may be given several times, in the same\n"
-    "order: they are evaluated as one.",
-    "pcl_semantic_evaluate --prediction /tmp/map/labels --truth /tmp/street/gt \\\n"
-    "    --label-set data/label_sets/kitti11.yaml --output /tmp/evaluation"};
+    R"(Compares label images, or labels of scans (.label), with ground truth of the
+same names and prints IoU, recall and precision in percent. Exclusive figures
+count the pixels that the prediction covers (is not 0); inclusive ones take
+uncovered pixels for misses. Folders may be given several times, in the same
+order: they are evaluated as one.)",
+    R"(pcl_semantic_evaluate --prediction /tmp/map/labels --truth /tmp/street/gt \
+    --label-set data/label_sets/kitti11.yaml --output /tmp/evaluation)"};
 
-bool
-parse(int argc, char** argv, Options& options)
+Options
+parse(int argc, char** argv)
 {
-  namespace po = tool::po;
-  po::options_description description("Options");
-  description.add_options()("prediction", po::value(&options.predictions)->required(),
-                            "folder of predicted label images, or of scan labels")(
-      "truth", po::value(&options.truths)->required(),
-      "folder of ground truth, 0 = none; each file needs a prediction")(
-      "covered-by", po::value(&options.covered_by),
-      "folder of label images: count only pixels that are not 0 there")(
-      "truth-depth", po::value(&options.truth_depths),
-      "folder of the ground truth's depth, see pcl_semantic_lidar_truth")(
-      "range", po::value(&options.ranges),
-      "A:B = count only ground truth with depth A <= z < B [m]; repeat for several "
-      "ranges")("label-set", po::value(&options.label_set)->required(),
-                "classes (YAML)")("label-mapping", po::value(&options.label_mapping),
-                                  "mapping from the ids of .label ground truth to "
-                                  "classes (YAML), for SemanticKITTI")(
-      "ignore", po::value<std::string>()->notifier([&](const std::string& words) {
-        options.ignore = words;
-      }),
-      "classes not evaluated, as numbers or names separated by commas, or none "
-      "(default: sky,pedestrian,cyclist, if in the label set)")(
-      "output,o", po::value(&options.output),
-      "output folder for metrics.json and confusion.csv")(
-      "row", po::value(&options.row), "print a row of a Markdown table with this name")(
-      "header", po::bool_switch(&options.header), "print the header of that table");
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, description, {}, values))
-    return false;
-  if (tool::manner().json && (options.header || !options.row.empty()))
-    tool::failUsage(usage, "--json and a table in Markdown exclude each other");
-  if (tool::manner().json && options.ranges.size() > 1)
-    tool::failUsage(usage, "--json takes the figures of one --range");
-  return true;
+  Options options;
+  std::string ignore;
+  const po::variables_map values = parseCommandLine(
+      argc, argv, usage,
+      {{"prediction", required(options.predictions),
+        "folder of predicted label images, or of scan labels"},
+       {"truth", required(options.truths),
+        "folder of ground truth, 0 = none; each file needs a prediction"},
+       {"covered-by", options.covered_by,
+        "folder of label images: count only pixels that are not 0 there"},
+       {"truth-depth", options.truth_depths,
+        "folder of the ground truth's depth, see pcl_semantic_lidar_truth"},
+       {"range", options.ranges,
+        "A:B = count only ground truth with depth A <= z < B [m]; repeat for several "
+        "ranges"},
+       {"label-set", required(options.label_set), "classes (YAML)"},
+       {"label-mapping", options.label_mapping,
+        "mapping from the ids of .label ground truth to classes (YAML), for "
+        "SemanticKITTI"},
+       {"ignore", ignore,
+        "classes not evaluated, as numbers or names separated by commas, or none "
+        "(default: sky,pedestrian,cyclist, if in the label set)"},
+       {"output,o", options.output, "output folder for metrics.json and confusion.csv"},
+       {"row", options.row, "print a row of a Markdown table with this name"},
+       {"header", options.header, "print the header of that table"}});
+  refuseIf(manner().json && (options.header || !options.row.empty()),
+           "--json and a table in Markdown exclude each other");
+  refuseIf(manner().json && options.ranges.size() > 1,
+           "--json takes the figures of one --range");
+  if (values.count("ignore"))
+    options.ignore = ignore;
+  return options;
 }
 
-std::vector<tool::EvaluatedFolders>
-foldersOf(const Options& options)
+// Depths from <= z < to [m].
+struct DepthRange {
+  double from = 0.0;
+  double to = std::numeric_limits<double>::infinity();
+  std::string text; ///< "10-20 m"
+};
+
+// Labels of a scan as an image of one row.
+cv::Mat
+asImage(const std::vector<Label>& labels)
+{
+  return cv::Mat(1, static_cast<int>(labels.size()), CV_8UC1,
+                 const_cast<Label*>(labels.data()))
+      .clone();
+}
+
+cv::Mat
+readLabelFile(const std::string& path, int classes)
+{
+  return fs::path(path).extension() == ".label" ? asImage(readScanLabels(path, classes))
+                                                : readPng(path, ImageKind::labels);
+}
+
+cv::Mat
+readTruth(const std::string& path, const cv::Mat& prediction, int classes,
+          const LabelMapping* mapping)
+{
+  if (!mapping || fs::path(path).extension() != ".label")
+    return readLabelFile(path, classes);
+  return asImage(readSemanticKittiLabels(path, *mapping, prediction.total()));
+}
+
+cv::Mat
+readTruthDepth(const std::string& folder, const std::string& truth_path,
+               const cv::Mat& truth)
+{
+  const fs::path name = fs::path(truth_path).filename();
+  const std::string path =
+      (fs::path(folder) / name)
+          .replace_extension(name.extension() == ".label" ? ".bin" : ".png")
+          .string();
+  cv::Mat depth = readDepths(path);
+  if (depth.size() != truth.size())
+    fail<BadInputException>(path, ": has ", depth.cols, " x ", depth.rows,
+                            " depths, the ground truth ", truth.cols, " x ",
+                            truth.rows);
+  return depth;
+}
+
+// The ground truth whose depth lies in the range; 0 elsewhere.
+cv::Mat
+truthIn(const DepthRange& range, const cv::Mat& truth, const cv::Mat& depth)
+{
+  cv::Mat inside = cv::Mat::zeros(truth.size(), CV_8UC1);
+  truth.copyTo(inside, (depth > 0.0) & (depth >= range.from) & (depth < range.to));
+  return inside;
+}
+
+std::string
+existing(const std::string& folder, const std::string& name, const std::string& truth)
+{
+  const std::string path = folder + "/" + name;
+  if (!fs::exists(path))
+    fail<BadInputException>(path, ": is missing, expected as the prediction for ",
+                            truth);
+  return path;
+}
+
+// "A:B" in metres; what is left out is 0 or infinite.
+DepthRange
+parseDepthRange(const std::string& text)
+{
+  DepthRange range;
+  const std::size_t colon = text.find(':');
+  const std::string from = text.substr(0, colon);
+  const std::string to = colon == std::string::npos ? "" : text.substr(colon + 1);
+  bool valid = colon != std::string::npos;
+  try {
+    if (!from.empty())
+      range.from = parseNumber(from, "");
+    if (!to.empty())
+      range.to = parseNumber(to, "");
+  }
+  catch (const BadInputException&) {
+    valid = false;
+  }
+  if (!valid || !(range.from >= 0.0 && range.from < range.to))
+    fail<InvalidParameterException>("--range is '", text,
+                                    "', expected A:B with 0 <= A < B");
+  range.text = to.empty() ? "from " + from + " m"
+                          : (from.empty() ? "0" : from) + "-" + to + " m";
+  return range;
+}
+
+// Compares the files of the folders of one --truth.
+// \param[in] mapping of the classes of `.label` ground truth to ours; null = ours
+// \param[in,out] total a matrix for each range of the ground truth's depth, or one
+void
+compareFolders(const Options& options, std::size_t number,
+               const std::vector<DepthRange>& ranges, const LabelSet& label_set,
+               const LabelMapping* mapping, std::vector<ConfusionMatrix>& total)
+{
+  const std::string& folder = options.truths[number];
+  const std::vector<FrameFile> files = listFrameFiles(folder, {".png", ".label"});
+  if (files.empty())
+    fail<BadInputException>(
+        folder, ": holds no ground truth, expected 000000.png or 000000.label ...");
+  for (const FrameFile& file : files) {
+    const std::string name = fs::path(file.path).filename().string();
+    const std::string path = existing(options.predictions[number], name, file.path);
+    const cv::Mat prediction = readLabelFile(path, label_set.size());
+    const cv::Mat truth = readTruth(file.path, prediction, label_set.size(), mapping);
+    cv::Mat covered, depth;
+    if (!options.covered_by.empty())
+      covered = readLabelFile(options.covered_by[number] + "/" + name, 255);
+    if (!ranges.empty())
+      depth = readTruthDepth(options.truth_depths[number], file.path, truth);
+    try {
+      for (std::size_t i = 0; i < total.size(); ++i)
+        total[i].add(ranges.empty() ? truth : truthIn(ranges[i], truth, depth),
+                     prediction, covered);
+    }
+    catch (const BadInputException& error) {
+      fail<BadInputException>(path, " against ", file.path, ": ", error.what());
+    }
+  }
+}
+
+void
+requireFittingOptions(const Options& options)
 {
   const std::size_t count = options.truths.size();
   for (const auto& [name, folders] :
@@ -87,23 +222,14 @@ foldersOf(const Options& options)
         std::pair("--covered-by", &options.covered_by),
         std::pair("--truth-depth", &options.truth_depths)})
     if (folders->size() != count && !folders->empty())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--truth and " << name << " are given " << count << " and "
-                                         << folders->size()
-                                         << " times, expected as many of each");
+      fail<InvalidParameterException>("--truth and ", name, " are given ", count,
+                                      " and ", folders->size(),
+                                      " times, expected as many of each");
   if (options.ranges.empty() != options.truth_depths.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--range and --truth-depth belong together");
+    fail<InvalidParameterException>("--range and --truth-depth belong together");
   if (options.ranges.size() > 1 && !options.output.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--output takes the figures of one --range, not of "
-                            << options.ranges.size());
-  std::vector<tool::EvaluatedFolders> all(count);
-  for (std::size_t i = 0; i < count; ++i)
-    all[i] = {options.predictions[i], options.truths[i],
-              options.covered_by.empty() ? "" : options.covered_by[i],
-              options.truth_depths.empty() ? "" : options.truth_depths[i]};
-  return all;
+    fail<InvalidParameterException>(
+        "--output takes the figures of one --range, not of ", options.ranges.size());
 }
 
 void
@@ -121,40 +247,35 @@ report(const Options& options, const ConfusionMatrix& confusion,
     std::cout << scoresMarkdownRow(scores, range.empty() ? options.row
                                                          : options.row + ", " + range);
   if (!options.header && options.row.empty())
-    tool::printFigures((range.empty() ? "" : "\n" + range + "\n") +
-                           scoresTable(scores, label_set),
-                       scoresJson(scores, label_set));
+    printFigures((range.empty() ? "" : "\n" + range + "\n") +
+                     scoresTable(scores, label_set),
+                 scoresJson(scores, label_set));
 }
 
 int
 evaluate(const Options& options)
 {
-  const std::vector<tool::EvaluatedFolders> folders = foldersOf(options);
-  std::vector<tool::DepthRange> ranges;
+  requireFittingOptions(options);
+  std::vector<DepthRange> ranges;
   for (const std::string& range : options.ranges)
-    ranges.push_back(tool::parseDepthRange(range));
+    ranges.push_back(parseDepthRange(range));
   const LabelSet label_set = readLabelSet(options.label_set);
   std::optional<LabelMapping> mapping;
   if (!options.label_mapping.empty())
     mapping = readLabelMapping(options.label_mapping, label_set);
-  const std::vector<Label> evaluated =
-      tool::evaluatedClasses(options.ignore, label_set);
+  const std::vector<Label> evaluated = evaluatedClasses(options.ignore, label_set);
   if (!options.output.empty())
     makeOutputFolder(options.output);
   std::vector<ConfusionMatrix> total(std::max<std::size_t>(ranges.size(), 1),
                                      ConfusionMatrix(label_set.size()));
-  for (const tool::EvaluatedFolders& each : folders) {
-    const auto confusions =
-        compareFolders(each, ranges, label_set, mapping ? &*mapping : nullptr);
-    for (std::size_t i = 0; i < total.size(); ++i)
-      total[i] += confusions[i];
-  }
+  for (std::size_t i = 0; i < options.truths.size(); ++i)
+    compareFolders(options, i, ranges, label_set, mapping ? &*mapping : nullptr, total);
   if (options.header)
     std::cout << scoresMarkdownHeader(computeScores(total[0], evaluated), label_set);
   for (std::size_t i = 0; i < total.size(); ++i)
     report(options, total[i], label_set, evaluated,
            ranges.empty() ? "" : ranges[i].text);
-  return tool::exit_done;
+  return exit_done;
 }
 
 } // namespace
@@ -162,8 +283,5 @@ evaluate(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Options options;
-    return parse(argc, argv, options) ? evaluate(options) : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return evaluate(parse(argc, argv)); });
 }

@@ -11,19 +11,19 @@
 #include <pcl_semantic/pipeline/map_folder.h>
 
 #include <iostream>
-#include <sstream>
 
 using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
 
 namespace {
 
-const tool::Usage usage{
+const Usage usage{
     "pcl_semantic_evaluate_map", "MAP SEQUENCE [options]",
-    "Compares the geometry of a finished map (folder of pcl_semantic_map) with the "
-    "laser scans\nof its frames (velodyne/*.bin of the SEQUENCE): how far voxels lie "
-    "off the surface, and how\nmuch of the surface is mapped.",
-    "pcl_semantic_map sequences/05 --frames 0:1 --labels labels_05 \\\n"
-    "    --output /tmp/map_05 && pcl_semantic_evaluate_map /tmp/map_05 sequences/05"};
+    R"(Compares the geometry of a finished map (folder of pcl_semantic_map) with the laser scans
+of its frames (velodyne/*.bin of the SEQUENCE): how far voxels lie off the surface, and how
+much of the surface is mapped.)",
+    R"(pcl_semantic_map sequences/05 --frames 0:1 --labels labels_05 \
+    --output /tmp/map_05 && pcl_semantic_evaluate_map /tmp/map_05 sequences/05)"};
 
 struct Options {
   std::vector<std::string> maps, sequences;
@@ -38,56 +38,49 @@ std::vector<double>
 parseBands(const std::string& text)
 {
   std::vector<double> borders;
-  std::istringstream words(text);
   try {
-    for (std::string word; std::getline(words, word, ',');)
+    for (const std::string& word : splitAtCommas(text))
       borders.push_back(parseNumber(word, "--bands"));
   }
   catch (const BadInputException& error) {
-    tool::failUsage(usage, error.what());
+    failUsage(error.what());
   }
   return borders;
 }
 
-bool
-parseOptions(int argc, char** argv, Options& options)
+Options
+parse(int argc, char** argv)
 {
-  namespace po = tool::po;
-  po::options_description visible("Options");
-  visible.add_options()("map", po::value(&options.maps),
-                        "MAP; may be given several times, with as many sequences: they "
-                        "are evaluated as one")(
-      "sequence", po::value(&options.sequences), "SEQUENCE of the map")(
-      "output,o", po::value(&options.output), "output file for the figures (.json)")(
-      "row", po::value(&options.row), "print one row of a Markdown table of this name")(
-      "header", po::bool_switch(&options.header), "print the header of such a table");
-  tool::addOption(
-      visible, "bands", options.bands,
-      "limits of the depth bands, separated by commas; points beyond the last "
-      "do not count [m]");
-  tool::addOption(visible, "within", options.parameters.within,
-                  "distance of the widest of the shares of the surface [m]");
-  tool::addOption(visible, "behind", options.parameters.behind,
-                  "voxels farther behind the surface are hidden from the laser: not "
-                  "judged [m]");
-  po::positional_options_description positional;
-  positional.add("map", 1).add("sequence", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, visible, positional, values))
-    return false;
-  if (options.maps.empty() || options.maps.size() != options.sequences.size())
-    tool::failUsage(usage, "expected MAP SEQUENCE, as many of both");
-  if (!(options.parameters.within >= 0.0 && options.parameters.within <= 2.0))
-    tool::failUsage(usage, "--within is " + tool::shown(options.parameters.within) +
-                               ", expected 0 to 2");
-  if (!(options.parameters.behind >= 0.0))
-    tool::failUsage(usage, "--behind is " + tool::shown(options.parameters.behind) +
-                               ", expected 0 or more");
-  if (tool::manner().json && (options.header || !options.row.empty()))
-    tool::failUsage(usage, "--json and a table in Markdown exclude each other");
-  options.parameters.bands = parseBands(options.bands);
-  tool::requireOutput(options.output, ".json");
-  return true;
+  Options options;
+  parseCommandLine(
+      argc, argv, usage,
+      {{"map", options.maps,
+        "MAP; may be given several times, with as many sequences: they are evaluated "
+        "as one"},
+       {"sequence", options.sequences, "SEQUENCE of the map"},
+       {"output,o", options.output, "output file for the figures (.json)"},
+       {"row", options.row, "print one row of a Markdown table of this name"},
+       {"header", options.header, "print the header of such a table"},
+       {"bands", withDefault(options.bands),
+        "limits of the depth bands, separated by commas; points beyond the last do not "
+        "count [m]"},
+       {"within", withDefault(options.parameters.within),
+        "distance of the widest of the shares of the surface [m]"},
+       {"behind", withDefault(options.parameters.behind),
+        "voxels farther behind the surface are hidden from the laser: not judged [m]"}},
+      {"map", "sequence"});
+  refuseIf(options.maps.empty() || options.maps.size() != options.sequences.size(),
+           "expected MAP SEQUENCE, as many of both");
+  GeometryParameters& parameters = options.parameters;
+  refuseIf(!(parameters.within >= 0.0 && parameters.within <= 2.0),
+           "--within is " + shown(parameters.within) + ", expected 0 to 2");
+  refuseIf(!(parameters.behind >= 0.0),
+           "--behind is " + shown(parameters.behind) + ", expected 0 or more");
+  refuseIf(manner().json && (options.header || !options.row.empty()),
+           "--json and a table in Markdown exclude each other");
+  parameters.bands = parseBands(options.bands);
+  requireOutput(options.output, ".json");
+  return options;
 }
 
 GeometrySamples
@@ -99,7 +92,7 @@ measure(const std::string& map_folder, const std::string& sequence_folder,
   const Eigen::Isometry3d T_camera_velodyne =
       sequence.T_camera0_camera().inverse() * sequence.T_camera0_velodyne();
   MapGeometry geometry(map.voxels, parameters);
-  tool::ProgressBar progress("measuring", map.frames.size());
+  ProgressBar progress("measuring", map.frames.size());
   for (const int frame : map.frames) {
     const auto scan =
         readVelodyneScan(sequence_folder + "/velodyne/" + frameFileName(frame, ".bin"));
@@ -127,8 +120,8 @@ evaluate(const Options& options)
   if (!options.row.empty())
     std::cout << geometryMarkdownRow(samples, options.parameters, options.row);
   if (!options.header && options.row.empty())
-    tool::printFigures(geometryTable(samples, options.parameters), json);
-  return tool::exit_done;
+    printFigures(geometryTable(samples, options.parameters), json);
+  return exit_done;
 }
 
 } // namespace
@@ -136,8 +129,5 @@ evaluate(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Options options;
-    return parseOptions(argc, argv, options) ? evaluate(options) : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return evaluate(parse(argc, argv)); });
 }

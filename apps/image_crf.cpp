@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "default_label_set.h"
 #include "messages.h"
-#include "parameter_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/cliques/slic.h>
@@ -19,7 +17,7 @@
 namespace {
 
 using namespace pcl_semantic;
-namespace po = tool::po;
+using namespace pcl_semantic::tool;
 
 struct Arguments {
   std::string image, distributions, output, label_set, overlay, refined, config;
@@ -33,47 +31,41 @@ struct Arguments {
   }
 };
 
-const tool::Usage usage{
+const Usage usage{
     "pcl_semantic_image_crf", "IMAGE DISTRIBUTIONS OUT.png [options]",
-    "Makes the classes of an image's pixels consistent with a CRF, and writes class "
-    "ids\n"
-    "(0 = unlabelled). DISTRIBUTIONS: .bin, .npy, or class ids as .png.",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_image_crf /tmp/street/image_2/000000.png "
-    "/tmp/street/labels/000000.bin \\\n"
-    "    /tmp/refined.png --overlay /tmp/refined_overlay.png"};
+    R"(Makes the classes of an image's pixels consistent with a CRF, and writes class ids
+(0 = unlabelled). DISTRIBUTIONS: .bin, .npy, or class ids as .png.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_image_crf /tmp/street/image_2/000000.png /tmp/street/labels/000000.bin \
+    /tmp/refined.png --overlay /tmp/refined_overlay.png)"};
 
-bool
-parse(int argc, char** argv, Arguments& arguments)
+Arguments
+parse(int argc, char** argv)
 {
+  Arguments arguments;
   bool print_config = false;
-  po::options_description options("Options");
-  options.add_options()("image", po::value(&arguments.image), "the image (.png, .jpg)")(
-      "distributions", po::value(&arguments.distributions),
-      "class distributions of its pixels")("output", po::value(&arguments.output),
-                                           "the class ids to write (.png)")(
-      "label-set", po::value(&arguments.label_set),
-      "classes of the distributions (default: label_sets/kitti11.yaml)")(
-      "overlay", po::value(&arguments.overlay),
-      "also writes the image with the classes laid over it (.png)")(
-      "refined", po::value(&arguments.refined),
-      "also writes the refined distributions (.bin)")(
-      "config", po::value(&arguments.config),
-      "parameters as YAML; options override it")(
-      "print-config", po::bool_switch(&print_config),
-      "print the effective parameters as YAML and end");
-  tool::addParameters(parametersOf(arguments.parameters), options);
-  po::positional_options_description positional;
-  positional.add("image", 1).add("distributions", 1).add("output", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
-    return false;
+  const po::variables_map values = parseCommandLine(
+      argc, argv, usage,
+      {{"image", arguments.image, "the image (.png, .jpg)"},
+       {"distributions", arguments.distributions, "class distributions of its pixels"},
+       {"output", arguments.output, "the class ids to write (.png)"},
+       {"label-set", arguments.label_set,
+        "classes of the distributions (default: label_sets/kitti11.yaml)"},
+       {"overlay", arguments.overlay,
+        "also writes the image with the classes laid over it (.png)"},
+       {"refined", arguments.refined, "also writes the refined distributions (.bin)"},
+       {"config", arguments.config, "parameters as YAML; options override it"},
+       {"print-config", print_config,
+        "print the effective parameters as YAML and end"}},
+      {"image", "distributions", "output"}, parametersOf(arguments.parameters));
   readCRFConfig(arguments.config, arguments.parameters);
-  tool::setParameters(values, parametersOf(arguments.parameters));
+  setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();
-  if (print_config)
+  if (print_config) {
     std::cout << printParameters(parametersOf(arguments.parameters));
-  return !print_config;
+    throw Exit{exit_done};
+  }
+  return arguments;
 }
 
 void
@@ -85,10 +77,8 @@ setCliques(const std::string& cliques, const cv::Mat& image, ImageCRF& crf)
   if (!parseSlic(cliques, slic)) {
     const cv::Mat segments = readPng(cliques, ImageKind::segments);
     if (segments.size() != image.size())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          cliques << ": has " << segments.cols << " x " << segments.rows
-                                  << " pixels, expected " << image.cols << " x "
-                                  << image.rows);
+      fail<BadInputException>(cliques, ": has ", segments.cols, " x ", segments.rows,
+                              " pixels, expected ", image.cols, " x ", image.rows);
     return crf.setSegments(segments);
   }
   crf.setCliques(cliquesOfSegments(slicSuperpixels(image, slic)));
@@ -97,17 +87,16 @@ setCliques(const std::string& cliques, const cv::Mat& image, ImageCRF& crf)
 int
 refine(const Arguments& arguments)
 {
-  if (arguments.output.empty())
-    tool::failUsage(usage, "expected IMAGE DISTRIBUTIONS OUT.png");
-  tool::refuseSameFiles({arguments.image, arguments.distributions, arguments.config,
-                         arguments.label_set, arguments.parameters.cliques},
-                        {arguments.output, arguments.overlay, arguments.refined});
-  tool::requireOutput(arguments.output, ".png");
-  tool::requireOutput(arguments.overlay, ".png");
-  tool::requireOutput(arguments.refined, ".bin");
+  refuseIf(arguments.output.empty(), "expected IMAGE DISTRIBUTIONS OUT.png");
+  refuseSameFiles({arguments.image, arguments.distributions, arguments.config,
+                   arguments.label_set, arguments.parameters.cliques},
+                  {arguments.output, arguments.overlay, arguments.refined});
+  requireOutput(arguments.output, ".png");
+  requireOutput(arguments.overlay, ".png");
+  requireOutput(arguments.refined, ".bin");
   arguments.parameters.requireFittingCliques();
   setNumberOfThreads(arguments.parameters.threads);
-  const LabelSet label_set = tool::readLabelSetOrDefault(arguments.label_set);
+  const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   const cv::Mat image = readImage(arguments.image);
   const LabelDistributions measured =
       readDistributions(arguments.distributions, image.cols, image.rows,
@@ -125,9 +114,9 @@ refine(const Arguments& arguments)
   if (!arguments.overlay.empty())
     writePng(arguments.overlay, drawOverlay(image, labels, label_set));
   writePng(arguments.output, labels);
-  tool::printResults({{"updates", std::size_t(crf.getReport().updates)},
-                      {"classes", arguments.output}});
-  return tool::exit_done;
+  printResults({{"updates", std::size_t(crf.getReport().updates)},
+                {"classes", arguments.output}});
+  return exit_done;
 }
 
 } // namespace
@@ -135,8 +124,5 @@ refine(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Arguments arguments;
-    return parse(argc, argv, arguments) ? refine(arguments) : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return refine(parse(argc, argv)); });
 }

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "default_label_set.h"
-#include "label_carrier.h"
 #include "messages.h"
-#include "pair_watch.h"
 #include "sequence_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/core/visible_points.h>
+#include <pcl_semantic/dataset/camera_images.h>
+#include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/labelling/carried_labels.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -21,13 +23,35 @@
 
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 
-namespace pcl_semantic::tool {
+namespace {
 
-/** \brief The command line of pcl_semantic_label. */
-struct LabelArguments {
+namespace fs = std::filesystem;
+using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
+
+const Usage usage{
+    "pcl_semantic_label",
+    R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)
+  --network FILE.yaml --output DIR [options]
+or --clouds (DIR | CLOUD.pcd) (--network FILE.yaml | --labels (DIR | FILE))
+  --output (DIR | OUT.pcd) [options]
+or --clouds DIR (SEQUENCE | --left 'I*.png' --calibration CAMERA.yaml
+  --sensor-pose FILE) (--network FILE.yaml | --labels DIR) --output DIR [options])",
+    R"(Runs a segmentation network over the left images and stores the class distributions
+of their pixels, once for many runs of pcl_semantic_map --labels; or gives clouds
+labels: organized ones those of their pixels, those of a laser scanner those of the
+images in which a camera saw the points.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_stereo /tmp/street/image_2 /tmp/street/image_3 /tmp/street/calib.txt \
+    /tmp/street_clouds && \
+  pcl_semantic_label --clouds /tmp/street_clouds --labels /tmp/street/labels \
+    --output /tmp/street_labelled)"};
+
+struct Arguments {
   SequenceOptions sequence;
   std::string clouds; ///< to label: organized ones, or what the sequence's camera saw
   std::string sensor_pose; ///< of the clouds' sensor in the camera; empty = KITTI's Tr
@@ -48,157 +72,162 @@ struct LabelArguments {
   }
 };
 
-extern const Usage label_usage;
-
-/** \brief Reads it.
- * \return false if nothing is left to do, see parseCommandLine()
- * \throws InvalidParameterException */
-bool parseLabelArguments(int argc, char** argv, LabelArguments& arguments);
-
-/** \brief Labels clouds, by their own pixels or a camera's images: writes a labelled
- * cloud for each. \return exit code
- * \throws BadInputException, BadModelException, OutputException */
-int labelClouds(const LabelArguments& arguments);
-
-const Usage label_usage{
-    "pcl_semantic_label",
-    "(SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)\n"
-    "  --network FILE.yaml --output DIR [options]\n"
-    "or --clouds (DIR | CLOUD.pcd) (--network FILE.yaml | --labels (DIR | FILE))\n"
-    "  --output (DIR | OUT.pcd) [options]\n"
-    "or --clouds DIR (SEQUENCE | --left 'I*.png' --calibration CAMERA.yaml\n"
-    "  --sensor-pose FILE) (--network FILE.yaml | --labels DIR) --output DIR [options]",
-    "Runs a segmentation network over the left images and stores the class "
-    "distributions\nof their pixels, once for many runs of pcl_semantic_map --labels; "
-    "or "
-    "gives clouds\nlabels: organized ones those of their pixels, those of a laser "
-    "scanner "
-    "those of the\nimages in which a camera saw the points.",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_stereo /tmp/street/image_2 /tmp/street/image_3 "
-    "/tmp/street/calib.txt \\\n"
-    "    /tmp/street_clouds && \\\n"
-    "  pcl_semantic_label --clouds /tmp/street_clouds --labels /tmp/street/labels \\\n"
-    "    --output /tmp/street_labelled"};
-
-namespace {
-
-po::options_description
-describeOptions(LabelArguments& arguments)
+void
+requireSequenceAndNetwork(const Arguments& arguments)
 {
-  po::options_description visible("Options");
-  addSequenceOptions(arguments.sequence, visible);
-  visible.add_options()(
-      "clouds", po::value(&arguments.clouds),
-      "clouds to label, one per frame, a .pcd, a folder or a pattern "
-      "in quotes: organized ones, of pcl_semantic_stereo, or those of "
-      "a scanner beside SEQUENCE or --left")(
-      "sensor-pose", po::value(&arguments.sensor_pose),
-      "pose of the scanner in the camera (x right, y down, z forward): a file with one "
-      "line, the upper 3 x 4 of its matrix (default: Tr of SEQUENCE's calib.txt)")(
-      "output,o", po::value(&arguments.output),
-      "output folder; for one cloud the output cloud (.pcd)")(
-      "network", po::value(&arguments.network), "network description (.yaml)")(
-      "model", po::value(&arguments.model),
-      "network (.onnx; default: as its description says)")(
-      "labels", po::value(&arguments.labels),
-      "stored label distributions for --clouds: folder with one .bin, .npy or .png per "
-      "frame, or one file")("label-set", po::value(&arguments.label_set),
-                            "label set of --labels (default: "
-                            "label_sets/kitti11.yaml)")(
-      "label-mapping", po::value(&arguments.label_mapping), pixel_mapping_help)(
-      "frames", po::value(&arguments.frames), "A:B = frames with numbers A <= n < B");
-  addOption(visible, "format", arguments.format,
-            "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
-            "(.png, most probable class)");
-  addOption(visible, "max-depth", arguments.max_depth,
-            "farthest points that get labels of images [m]; 0 = all");
-  addOption(
-      visible, "occlusion-window", arguments.occlusion_window,
-      "nearer points hide a point within so many columns, rows [px]: as far as the "
-      "beams are apart in the image");
-  addOption(visible, "label-confidence", arguments.label_confidence,
-            "probability of the class that a .png of --labels gives");
-  addOption(visible, "threads", arguments.threads,
-            "number of threads; 0 = all processors");
-  return visible;
+  requireSequence(arguments.sequence);
+  refuseIf(!arguments.labels.empty() || !arguments.label_set.empty() ||
+               !arguments.label_mapping.empty(),
+           "--labels, --label-set and --label-mapping are for --clouds");
+  refuseIf(arguments.output.empty(), "--output is missing");
+  refuseIf(arguments.network.empty(), "--network is missing");
+  refuseIf(arguments.format != "float32" && arguments.format != "float16" &&
+               arguments.format != "ids",
+           "--format is '" + arguments.format + "', expected float32, float16 or ids");
 }
 
 void
-requireSequenceAndNetwork(const LabelArguments& arguments)
-{
-  requireSequence(arguments.sequence, label_usage.name);
-  if (!arguments.labels.empty() || !arguments.label_set.empty() ||
-      !arguments.label_mapping.empty())
-    failUsage(label_usage,
-              "--labels, --label-set and --label-mapping are for --clouds");
-  if (arguments.output.empty())
-    failUsage(label_usage, "--output is missing");
-  if (arguments.network.empty())
-    failUsage(label_usage, "--network is missing");
-  if (arguments.format != "float32" && arguments.format != "float16" &&
-      arguments.format != "ids")
-    failUsage(label_usage, "--format is '" + arguments.format +
-                               "', expected float32, float16 or ids");
-}
-
-void
-requireClouds(const LabelArguments& arguments, bool has_format)
+requireClouds(const Arguments& arguments, bool has_format)
 {
   const ImagePairFiles& files = arguments.sequence.files;
-  if (!arguments.carries() &&
-      (arguments.sequence.hasFiles() || arguments.sequence.strict))
-    failUsage(label_usage,
-              "--clouds without SEQUENCE or --left take no options of them");
-  if (arguments.carries() && !arguments.sequence.folder.empty() &&
-      arguments.sequence.hasFiles())
-    failUsage(label_usage, "both a SEQUENCE and --left, --calibration or --times");
-  if (!files.left.empty() && files.calibration.empty())
-    failUsage(label_usage, "--left needs --calibration, its intrinsics");
-  if (!files.left.empty() && arguments.sensor_pose.empty())
-    failUsage(label_usage, "--left needs --sensor-pose, where the scanner is");
-  if (!files.right.empty() || !files.extrinsics.empty())
-    failUsage(label_usage, "--clouds need one camera, not --right or --extrinsics");
-  if (!arguments.carries() && !arguments.sensor_pose.empty())
-    failUsage(label_usage, "--sensor-pose is for the images of SEQUENCE or --left");
-  if (arguments.output.empty())
-    failUsage(label_usage, "--output is missing");
-  if (arguments.labels.empty() == arguments.network.empty())
-    failUsage(label_usage, "expected either --labels or --network");
-  if (!arguments.model.empty() && arguments.network.empty())
-    failUsage(label_usage, "--model needs --network");
-  if (!arguments.label_mapping.empty() && arguments.labels.empty())
-    failUsage(label_usage, "--label-mapping is for --labels");
-  if (!arguments.label_set.empty() && arguments.labels.empty())
-    failUsage(label_usage, "--label-set is for --labels; the description of a network "
-                           "names its own");
-  if (has_format)
-    failUsage(label_usage, "--format is for a SEQUENCE: clouds are written as .pcd");
-  if (!(arguments.max_depth >= 0.0))
-    failUsage(label_usage, "--max-depth is less than 0");
+  refuseIf(!arguments.carries() &&
+               (arguments.sequence.hasFiles() || arguments.sequence.strict),
+           "--clouds without SEQUENCE or --left take no options of them");
+  refuseIf(arguments.carries() && !arguments.sequence.folder.empty() &&
+               arguments.sequence.hasFiles(),
+           "both a SEQUENCE and --left, --calibration or --times");
+  refuseIf(!files.left.empty() && files.calibration.empty(),
+           "--left needs --calibration, its intrinsics");
+  refuseIf(!files.left.empty() && arguments.sensor_pose.empty(),
+           "--left needs --sensor-pose, where the scanner is");
+  refuseIf(!files.right.empty() || !files.extrinsics.empty(),
+           "--clouds need one camera, not --right or --extrinsics");
+  refuseIf(!arguments.carries() && !arguments.sensor_pose.empty(),
+           "--sensor-pose is for the images of SEQUENCE or --left");
+  refuseIf(arguments.output.empty(), "--output is missing");
+  refuseIf(arguments.labels.empty() == arguments.network.empty(),
+           "expected either --labels or --network");
+  refuseIf(!arguments.model.empty() && arguments.network.empty(),
+           "--model needs --network");
+  refuseIf(!arguments.label_mapping.empty() && arguments.labels.empty(),
+           "--label-mapping is for --labels");
+  refuseIf(!arguments.label_set.empty() && arguments.labels.empty(),
+           "--label-set is for --labels; the description of a network names its own");
+  refuseIf(has_format, "--format is for a SEQUENCE: clouds are written as .pcd");
+  refuseIf(!(arguments.max_depth >= 0.0), "--max-depth is less than 0");
 }
 
-} // namespace
-
-bool
-parseLabelArguments(int argc, char** argv, LabelArguments& arguments)
+Arguments
+parse(int argc, char** argv)
 {
-  const po::options_description visible = describeOptions(arguments);
-  po::positional_options_description positional;
-  positional.add("sequence", 1);
-  po::variables_map values;
-  if (!parseCommandLine(argc, argv, label_usage, visible, positional, values))
-    return false;
+  Arguments arguments;
+  const po::variables_map values = parseCommandLine(
+      argc, argv, usage,
+      withSequence(
+          arguments.sequence,
+          {{"clouds", arguments.clouds,
+            "clouds to label, one per frame, a .pcd, a folder or a pattern in quotes: "
+            "organized ones, of pcl_semantic_stereo, or those of a scanner beside "
+            "SEQUENCE or --left"},
+           {"sensor-pose", arguments.sensor_pose,
+            "pose of the scanner in the camera (x right, y down, z forward): a file "
+            "with one line, the upper 3 x 4 of its matrix (default: Tr of SEQUENCE's "
+            "calib.txt)"},
+           {"output,o", arguments.output,
+            "output folder; for one cloud the output cloud (.pcd)"},
+           {"network", arguments.network, "network description (.yaml)"},
+           {"model", arguments.model,
+            "network (.onnx; default: as its description says)"},
+           {"labels", arguments.labels,
+            "stored label distributions for --clouds: folder with one .bin, .npy or "
+            ".png per frame, or one file"},
+           {"label-set", arguments.label_set,
+            "label set of --labels (default: label_sets/kitti11.yaml)"},
+           {"label-mapping", arguments.label_mapping, pixel_mapping_help},
+           {"frames", arguments.frames, "A:B = frames with numbers A <= n < B"},
+           {"format", withDefault(arguments.format),
+            "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
+            "(.png, most probable class)"},
+           {"max-depth", withDefault(arguments.max_depth),
+            "farthest points that get labels of images [m]; 0 = all"},
+           {"occlusion-window", withDefault(arguments.occlusion_window),
+            "nearer points hide a point within so many columns, rows [px]: as far as "
+            "the beams are apart in the image"},
+           {"label-confidence", withDefault(arguments.label_confidence),
+            "probability of the class that a .png of --labels gives"},
+           {"threads", withDefault(arguments.threads),
+            "number of threads; 0 = all processors"}}),
+      {"sequence"});
   if (arguments.clouds.empty())
     requireSequenceAndNetwork(arguments);
   else
     requireClouds(arguments, !values["format"].defaulted());
-  return true;
+  return arguments;
 }
 
-namespace {
+Eigen::Isometry3d
+readSensorPose(const std::string& path)
+{
+  const Trajectory poses = readKittiTrajectory(path);
+  if (poses.size() != 1)
+    fail<BadInputException>(path, ": holds ", poses.size(), " poses, expected one");
+  return poses.front();
+}
 
-namespace fs = std::filesystem;
+// Gives a scanner's clouds the labels of a camera's images.
+class LabelCarrier {
+public:
+  // Of the images of a folder in KITTI's layout, or those of one camera: `left` and its
+  // intrinsics as `calibration`. Without a file the pose of the scanner in the camera
+  // is that of the sequence.
+  LabelCarrier(const SequenceOptions& images, const std::string& sensor_pose,
+               const VisibilityParameters& visibility)
+      : visibility_(visibility)
+  {
+    visibility.validate();
+    if (!images.files.left.empty())
+      images_.emplace(images.files.left, readPinholeCamera(images.files.calibration));
+    else {
+      const KittiSequence kitti(images.folder);
+      std::map<int, std::string> paths;
+      for (std::size_t i = 0; i < kitti.size(); ++i)
+        paths[kitti.frameNumber(i)] = kitti.leftPath(i);
+      images_.emplace(std::move(paths), kitti.camera(), images.folder);
+      if (sensor_pose.empty())
+        T_camera_sensor_ =
+            kitti.T_camera0_camera().inverse() * kitti.T_camera0_velodyne();
+    }
+    if (!sensor_pose.empty())
+      T_camera_sensor_ = readSensorPose(sensor_pose);
+  }
+
+  // cloud is that of the frame, for the message.
+  void
+  requireImage(const std::string& cloud, int frame) const
+  {
+    if (!images_->has(frame))
+      fail<BadInputException>(cloud, ": the camera has no image of frame ", frame);
+  }
+
+  // Class distributions of a frame's points; what the camera does not see is
+  // unlabelled.
+  LabelDistributions
+  label(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud, int frame,
+        LabelPredictor& predictor) const
+  {
+    StereoFrame seen;
+    seen.number = frame;
+    seen.left = images_->image(frame);
+    return carryLabels(predictor.predict(seen), images_->camera(),
+                       seenPoints(pointsInCamera(cloud, T_camera_sensor_),
+                                  images_->camera(), visibility_));
+  }
+
+private:
+  VisibilityParameters visibility_;
+  Eigen::Isometry3d T_camera_sensor_ = Eigen::Isometry3d::Identity();
+  std::optional<CameraImages> images_; // in which the camera saw the points
+};
 
 // The one file of labels that belongs to the one cloud.
 class FilePredictor : public LabelPredictor {
@@ -230,7 +259,7 @@ isFolder(const std::string& path)
 }
 
 std::unique_ptr<LabelPredictor>
-makePredictor(const LabelArguments& arguments)
+makePredictor(const Arguments& arguments)
 {
   if (!arguments.network.empty()) {
     const NetworkDescription network = readNetworkDescription(arguments.network);
@@ -255,12 +284,10 @@ frameOf(const LabelledCloud& labelled, const std::string& path, int number,
         bool is_seen)
 {
   if (is_seen && !labelled.has_colour)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has no colours; a network needs rgb or rgba");
+    fail<BadInputException>(path, ": has no colours; a network needs rgb or rgba");
   if (is_seen && !labelled.cloud->isOrganized())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": is no organized cloud; a network needs the whole "
-                                "image");
+    fail<BadInputException>(path,
+                            ": is no organized cloud; a network needs the whole image");
   pcl::PointCloud<pcl::PointXYZRGB> cloud;
   pcl::copyPointCloud(*labelled.cloud, cloud);
   StereoFrame frame;
@@ -270,7 +297,7 @@ frameOf(const LabelledCloud& labelled, const std::string& path, int number,
 }
 
 VisibilityParameters
-visibilityOf(const LabelArguments& arguments)
+visibilityOf(const Arguments& arguments)
 {
   VisibilityParameters parameters;
   parameters.max_depth = arguments.max_depth > 0.0
@@ -278,10 +305,10 @@ visibilityOf(const LabelArguments& arguments)
                              : std::numeric_limits<double>::infinity();
   char comma = 0, rest = 0;
   std::istringstream stream(arguments.occlusion_window);
-  if (!(stream >> parameters.window_columns >> comma >> parameters.window_rows) ||
-      comma != ',' || stream >> rest)
-    failUsage(label_usage, "--occlusion-window is '" + arguments.occlusion_window +
-                               "', expected COLUMNS,ROWS");
+  refuseIf(!(stream >> parameters.window_columns >> comma >> parameters.window_rows) ||
+               comma != ',' || stream >> rest,
+           "--occlusion-window is '" + arguments.occlusion_window +
+               "', expected COLUMNS,ROWS");
   return parameters;
 }
 
@@ -295,7 +322,7 @@ labelCloud(const std::string& path, int number, const std::string& output,
   LabelledCloud labelled = readLabelledCloud(path);
   pcl::PointCloud<pcl::PointXYZRGBL>& cloud = *labelled.cloud;
   if (cloud.empty())
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has no points");
+    fail<BadInputException>(path, ": has no points");
   labelled.distributions =
       carrier ? carrier->label(cloud, number, predictor)
               : predictor.predict(frameOf(labelled, path, number, is_seen));
@@ -313,7 +340,7 @@ labelCloud(const std::string& path, int number, const std::string& output,
 
 // Where each cloud goes: the same name in another folder.
 std::string
-outputOf(const LabelArguments& arguments, const std::string& path)
+outputOf(const Arguments& arguments, const std::string& path)
 {
   if (fs::path(arguments.output).extension() == ".pcd")
     return arguments.output;
@@ -322,14 +349,13 @@ outputOf(const LabelArguments& arguments, const std::string& path)
 
 // The clouds to label, once it is clear that each has a place to go to.
 std::vector<std::size_t>
-prepareClouds(const LabelArguments& arguments, const CloudSequence& clouds)
+prepareClouds(const Arguments& arguments, const CloudSequence& clouds)
 {
   const std::vector<std::size_t> chosen =
       chooseClouds(arguments.clouds, clouds, arguments.frames);
   const bool is_cloud = fs::path(arguments.output).extension() == ".pcd";
-  if (is_cloud && chosen.size() > 1)
-    failUsage(label_usage, "--output is one cloud, but --clouds are " +
-                               std::to_string(chosen.size()));
+  refuseIf(is_cloud && chosen.size() > 1,
+           "--output is one cloud, but --clouds are " + std::to_string(chosen.size()));
   std::vector<std::string> written;
   for (const std::size_t i : chosen) {
     written.push_back(outputOf(arguments, clouds.path(i)));
@@ -342,10 +368,9 @@ prepareClouds(const LabelArguments& arguments, const CloudSequence& clouds)
   return chosen;
 }
 
-} // namespace
-
+// Labels clouds, by their own pixels or a camera's images: a labelled cloud for each.
 int
-labelClouds(const LabelArguments& arguments)
+labelClouds(const Arguments& arguments)
 {
   setNumberOfThreads(arguments.threads);
   const CloudSequence clouds(arguments.clouds);
@@ -361,39 +386,23 @@ labelClouds(const LabelArguments& arguments)
       carrier->requireImage(clouds.path(i), frames.back());
   }
   predictor->requireFrames(frames);
-  catchInterrupts();
   double fraction = 0.0;
-  {
-    ProgressBar progress("labelling", chosen.size(), "clouds");
-    for (const std::size_t i : chosen) {
-      const std::string& path = clouds.path(i);
-      fraction += labelCloud(path, clouds.frameNumber(i), outputOf(arguments, path),
-                             *predictor, carrier ? &*carrier : nullptr);
-      if (interrupted())
-        return exit_interrupted;
-      progress.step();
-    }
-  }
+  const auto label = [&](std::size_t i) {
+    const std::string& path = clouds.path(chosen[i]);
+    fraction += labelCloud(path, frames[i], outputOf(arguments, path), *predictor,
+                           carrier ? &*carrier : nullptr);
+  };
+  forEachStep("labelling", chosen.size(), label, "clouds");
   printResults({{"clouds", chosen.size()},
                 {"labelled_fraction", fraction / double(chosen.size())},
                 {"output", arguments.output}});
   return exit_done;
 }
 
-} // namespace pcl_semantic::tool
-
-using namespace pcl_semantic;
-
-namespace {
-
-namespace fs = std::filesystem;
-
-using tool::LabelArguments;
-
 // Images and scans bear the names of what is written here, and a frame must not have
 // two files of labels.
 void
-refuseOtherFiles(const LabelArguments& options, const std::string& extension)
+refuseOtherFiles(const Arguments& options, const std::string& extension)
 {
   std::error_code error;
   const ImagePairFiles& files = options.sequence.files;
@@ -402,20 +411,18 @@ refuseOtherFiles(const LabelArguments& options, const std::string& extension)
   for (const char* name : {"image_0", "image_1", "image_2", "image_3"})
     images.push_back(fs::path(options.sequence.folder) / name);
   for (const fs::path& folder : images)
-    if (fs::equivalent(folder, options.output, error))
-      tool::failUsage(tool::label_usage,
-                      "--output " + options.output + ": holds images");
+    refuseIf(fs::equivalent(folder, options.output, error),
+             "--output " + options.output + ": holds images");
   if (!fs::is_directory(options.output, error))
     return;
   for (const FrameFile& file : listFrameFiles(options.output, {".bin", ".npy", ".png"}))
-    if (fs::path(file.path).extension() != extension)
-      tool::failUsage(tool::label_usage, "--output holds " + file.path +
-                                             ", where only " + extension +
-                                             " files would be written");
+    refuseIf(fs::path(file.path).extension() != extension,
+             "--output holds " + file.path + ", where only " + extension +
+                 " files would be written");
 }
 
 void
-writeLabels(const LabelArguments& options, int frame, int width,
+writeLabels(const Arguments& options, int frame, int width,
             const LabelDistributions& distributions)
 {
   const std::string path = options.output + "/";
@@ -428,34 +435,29 @@ writeLabels(const LabelArguments& options, int frame, int width,
 }
 
 int
-labelSequence(const LabelArguments& options)
+labelSequence(const Arguments& options)
 {
   refuseOtherFiles(options, options.format == "ids" ? ".png" : ".npy");
   setNumberOfThreads(options.threads);
   const NetworkDescription network = readNetworkDescription(options.network);
   const LabelSet label_set = readLabelSet(network.label_set_path);
-  const auto sequence = tool::openSequence(options.sequence);
-  const auto frames = tool::chooseFrames(options.sequence, *sequence, options.frames);
+  const auto sequence = openSequence(options.sequence);
+  const auto frames = chooseFrames(options.sequence, *sequence, options.frames);
   NetworkPredictor predictor(network, label_set, options.model);
   makeOutputFolder(options.output);
-  tool::catchInterrupts();
   {
-    tool::PairWatch watch(options.sequence.strict, sequence->camera());
-    tool::ProgressBar progress("labelling", frames.size());
-    for (const std::size_t i : frames) {
-      const StereoFrame frame = sequence->frame(i);
+    PairWatch watch(options.sequence.strict, sequence->camera());
+    forEachStep("labelling", frames.size(), [&](std::size_t i) {
+      const StereoFrame frame = sequence->frame(frames[i]);
       watch.look(frame);
       writeLabels(options, frame.number, frame.left.cols, predictor.predict(frame));
-      if (tool::interrupted())
-        return tool::exit_interrupted;
-      progress.step();
-    }
+    });
   }
-  tool::printResults({{"frames", frames.size()},
-                      {"classes", std::size_t(label_set.size())},
-                      {"label_set", network.label_set_path},
-                      {"labels", options.output}});
-  return tool::exit_done;
+  printResults({{"frames", frames.size()},
+                {"classes", std::size_t(label_set.size())},
+                {"label_set", network.label_set_path},
+                {"labels", options.output}});
+  return exit_done;
 }
 
 } // namespace
@@ -463,11 +465,8 @@ labelSequence(const LabelArguments& options)
 int
 main(int argc, char** argv)
 {
-  return tool::run(tool::label_usage.name, [&] {
-    LabelArguments arguments;
-    if (!tool::parseLabelArguments(argc, argv, arguments))
-      return int(tool::exit_done);
-    return arguments.clouds.empty() ? labelSequence(arguments)
-                                    : tool::labelClouds(arguments);
+  return run(usage.name, [&] {
+    const Arguments arguments = parse(argc, argv);
+    return arguments.clouds.empty() ? labelSequence(arguments) : labelClouds(arguments);
   });
 }

@@ -18,6 +18,7 @@
 namespace {
 
 using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
 
 struct Options {
   std::string sequence;
@@ -29,44 +30,39 @@ struct Options {
   VisibilityParameters parameters;
 };
 
-const tool::Usage usage{
+const Usage usage{
     "pcl_semantic_lidar_truth",
     "SEQUENCE --output DIR --label-set FILE --label-mapping FILE [options]",
-    "Projects the labelled laser scans of a KITTI sequence (velodyne/*.bin,\n"
-    "labels/*.label) into its left images: sparse 8-bit ground truth, 0 = unknown.\n"
-    "Also writes its depth, and the ground truth point by point for maps in 3D.",
-    "pcl_semantic_lidar_truth sequences/05 --output /tmp/truth \\\n"
-    "    --label-set data/label_sets/kitti11.yaml \\\n"
-    "    --label-mapping data/label_mappings/semantic_kitti_to_kitti11.yaml"};
+    R"(Projects the labelled laser scans of a KITTI sequence (velodyne/*.bin,
+labels/*.label) into its left images: sparse 8-bit ground truth, 0 = unknown.
+Also writes its depth, and the ground truth point by point for maps in 3D.)",
+    R"(pcl_semantic_lidar_truth sequences/05 --output /tmp/truth \
+    --label-set data/label_sets/kitti11.yaml \
+    --label-mapping data/label_mappings/semantic_kitti_to_kitti11.yaml)"};
 
-bool
-parse(int argc, char** argv, Options& options)
+Options
+parse(int argc, char** argv)
 {
-  namespace po = tool::po;
-  po::options_description description("Options");
+  Options options;
   VisibilityParameters& parameters = options.parameters;
-  description.add_options()("sequence", po::value(&options.sequence)->required(),
-                            "folder of the sequence")(
-      "output,o", po::value(&options.output)->required(),
-      "folder of the ground truth images")(
-      "depth", po::value(&options.depth),
-      "folder for the depth of their pixels (16-bit PNG, 256 x metres)")(
-      "scan-labels", po::value(&options.scan_labels),
-      "folder for the class of each point that the camera sees, 0 of others (.label)")(
-      "scan-depth", po::value(&options.scan_depth),
-      "folder for the depth of these points (.bin, float32)")(
-      "label-set", po::value(&options.label_set)->required(),
-      "classes (YAML)")("label-mapping", po::value(&options.label_mapping)->required(),
-                        "SemanticKITTI ids to the classes (YAML)")(
-      "max-depth",
-      po::value(&parameters.max_depth)->default_value(parameters.max_depth),
-      "largest depth kept [m]")(
-      "frames", po::value(&options.frames)->default_value(options.frames),
-      "A:B, only frames numbered A <= n < B");
-  po::positional_options_description positional;
-  positional.add("sequence", 1);
-  po::variables_map values;
-  return tool::parseCommandLine(argc, argv, usage, description, positional, values);
+  parseCommandLine(
+      argc, argv, usage,
+      {{"sequence", required(options.sequence), "folder of the sequence"},
+       {"output,o", required(options.output), "folder of the ground truth images"},
+       {"depth", options.depth,
+        "folder for the depth of their pixels (16-bit PNG, 256 x metres)"},
+       {"scan-labels", options.scan_labels,
+        "folder for the class of each point that the camera sees, 0 of others "
+        "(.label)"},
+       {"scan-depth", options.scan_depth,
+        "folder for the depth of these points (.bin, float32)"},
+       {"label-set", required(options.label_set), "classes (YAML)"},
+       {"label-mapping", required(options.label_mapping),
+        "SemanticKITTI ids to the classes (YAML)"},
+       {"max-depth", withDefault(parameters.max_depth), "largest depth kept [m]"},
+       {"frames", withDefault(options.frames), "A:B, only frames numbered A <= n < B"}},
+      {"sequence"});
+  return options;
 }
 
 // Truth bears the names of images and scans: it must not replace them.
@@ -81,13 +77,12 @@ refuseInputFolders(const Options& options)
           std::pair("--scan-labels ", options.scan_labels),
           std::pair("--scan-depth ", options.scan_depth)})
       if (std::filesystem::equivalent(options.sequence + name, folder, error))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            option << folder << ": holds files of the sequence");
+        fail<InvalidParameterException>(option, folder,
+                                        ": holds files of the sequence");
   if (!options.depth.empty() &&
       std::filesystem::weakly_canonical(options.depth, error) ==
           std::filesystem::weakly_canonical(options.output, error))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--depth and --output are one folder");
+    fail<InvalidParameterException>("--depth and --output are one folder");
 }
 
 // Writes what is asked for of one scan.
@@ -120,9 +115,8 @@ project(const Options& options)
   refuseInputFolders(options);
   const FrameRange range = parseFrameRange(options.frames);
   if (!(options.parameters.max_depth > 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "--max-depth is "
-                                                       << options.parameters.max_depth
-                                                       << ", expected more than 0");
+    fail<InvalidParameterException>("--max-depth is ", options.parameters.max_depth,
+                                    ", expected more than 0");
   const LabelSet label_set = readLabelSet(options.label_set);
   const LabelMapping mapping = readLabelMapping(options.label_mapping, label_set);
   const KittiSequence sequence(options.sequence);
@@ -133,15 +127,14 @@ project(const Options& options)
     if (range.contains(scan.frame))
       scans.push_back(scan);
   if (scans.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options.sequence << "/velodyne: holds no scan of the frames "
-                                         << options.frames);
+    fail<BadInputException>(options.sequence, "/velodyne: holds no scan of the frames ",
+                            options.frames);
 
   for (const std::string& folder :
        {options.output, options.depth, options.scan_labels, options.scan_depth})
     if (!folder.empty())
       makeOutputFolder(folder);
-  tool::ProgressBar progress("projecting", scans.size());
+  ProgressBar progress("projecting", scans.size());
   for (const FrameFile& file : scans) {
     const auto scan = readVelodyneScan(file.path);
     writeTruth(options, file.frame, *scan,
@@ -151,8 +144,8 @@ project(const Options& options)
                sequence.camera(), T_camera_velodyne);
     progress.step();
   }
-  tool::printResults({{"images", scans.size()}, {"truth", options.output}});
-  return tool::exit_done;
+  printResults({{"images", scans.size()}, {"truth", options.output}});
+  return exit_done;
 }
 
 } // namespace
@@ -160,8 +153,5 @@ project(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Options options;
-    return parse(argc, argv, options) ? project(options) : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return project(parse(argc, argv)); });
 }

@@ -18,9 +18,7 @@
 namespace {
 
 using namespace pcl_semantic;
-
-using tool::MapArguments;
-using tool::MapSource;
+using namespace pcl_semantic::tool;
 
 // What the summary says beyond what the map depends on.
 MappingRun
@@ -34,10 +32,10 @@ describedRun(const MapArguments& arguments, const MapSource& source)
 }
 
 void
-printResults(const MapArguments& arguments, const MapSource& source,
+printOutputs(const MapArguments& arguments, const MapSource& source,
              const MappingArchive& archive)
 {
-  tool::Results results;
+  Results results;
   if (!archive.records().empty())
     results.push_back({"resumed_after", archive.records().size()});
   results.push_back({"map", arguments.output + "/map.pcd"});
@@ -47,7 +45,7 @@ printResults(const MapArguments& arguments, const MapSource& source,
   results.push_back({"figures", arguments.output + "/summary.json"});
   if (!arguments.archive.path.empty())
     results.push_back({"archive", arguments.archive.path});
-  tool::printResults(results);
+  printResults(results);
 }
 
 void
@@ -56,7 +54,7 @@ noteTimes(const MappedFrame& mapped)
   std::string text = "frame " + std::to_string(mapped.frame.number);
   for (const auto& [stage, seconds] : mapped.times.seconds())
     text += ", " + stage + " " + std::to_string(std::lround(1e3 * seconds)) + " ms";
-  tool::note(text + ", " + std::to_string(mapped.voxels.size()) + " voxels");
+  note(text + ", " + std::to_string(mapped.voxels.size()) + " voxels");
 }
 
 // Maps what the run has and the archive does not hold yet.
@@ -66,10 +64,10 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
 {
   const std::size_t mapped_before = archive.records().size();
   source.skip(mapped_before);
-  tool::catchInterrupts();
-  tool::ProgressBar progress("mapping", source.run().frames.size() - mapped_before);
+  catchInterrupts();
+  ProgressBar progress("mapping", source.run().frames.size() - mapped_before);
   bool is_empty = mapped_before == 0;
-  while (!tool::interrupted()) {
+  while (!interrupted()) {
     const std::optional<SensorFrame> frame = source.next();
     if (!frame)
       break;
@@ -83,8 +81,8 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
     is_empty = is_empty && mapped.voxels.size() == 0;
   }
   if (is_empty)
-    tool::warn("the map is empty: no point lies within --max-depth of the sensor "
-               "(coordinates are metres, in the sensor's frame)");
+    warn("the map is empty: no point lies within --max-depth of the sensor "
+         "(coordinates are metres, in the sensor's frame)");
 }
 
 void
@@ -93,10 +91,9 @@ judgeTracking(const MapArguments& arguments, int lost, int frames)
   if (lost == 0)
     return;
   if (lost + 1 == frames)
-    PCL_THROW_EXCEPTION(BadInputException, arguments.sequence.name()
-                                               << ": no frame could be tracked");
-  tool::warn(std::to_string(lost) +
-             " frames could not be tracked: their poses are predicted");
+    fail<BadInputException>(arguments.sequence.name(), ": no frame could be tracked");
+  warn(std::to_string(lost) +
+       " frames could not be tracked: their poses are predicted");
 }
 
 void
@@ -104,17 +101,17 @@ judgeCalibration(const MapArguments& arguments, double domain_shift)
 {
   constexpr double usual = 1.0;
   if (domain_shift > usual)
-    tool::warn(arguments.label_calibration + ": was learned from other streets than " +
-               "this one (domain shift " + tool::shown(domain_shift) +
-               ", expected at most 1): compare the map with one without it");
+    warn(arguments.label_calibration + ": was learned from other streets than " +
+         "this one (domain shift " + shown(domain_shift) +
+         ", expected at most 1): compare the map with one without it");
 }
 
 int
 mapSource(const MapArguments& arguments)
 {
-  tool::requireMapArguments(arguments);
+  requireMapArguments(arguments);
   setNumberOfThreads(arguments.parameters.threads);
-  const std::unique_ptr<MapSource> source = tool::openMapSource(arguments);
+  const std::unique_ptr<MapSource> source = openMapSource(arguments);
   const MappingRun& run = source->run();
   std::unique_ptr<PoseSource> owned_poses = source->openPoses();
   const PoseSource& poses = *owned_poses;
@@ -132,10 +129,10 @@ mapSource(const MapArguments& arguments)
   output.finish(mapper->map());
   judgeCalibration(arguments, output.domainShift());
   if (!archive.close())
-    tool::warn(arguments.archive.path + ": is being read by another program: " +
-               arguments.archive.path + "-wal still belongs to it");
-  printResults(arguments, *source, archive);
-  return tool::interrupted() ? tool::exit_interrupted : tool::exit_done;
+    warn(arguments.archive.path + ": is being read by another program: " +
+         arguments.archive.path + "-wal still belongs to it");
+  printOutputs(arguments, *source, archive);
+  return interrupted() ? exit_interrupted : exit_done;
 }
 
 } // namespace
@@ -143,14 +140,11 @@ mapSource(const MapArguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run("pcl_semantic_map", [&] {
-    MapArguments arguments;
-    if (!tool::parseMapArguments(argc, argv, arguments))
-      return int(tool::exit_done);
-    if (arguments.print_config) {
-      std::cout << printMapperConfig(arguments.parameters);
-      return int(tool::exit_done);
-    }
-    return mapSource(arguments);
+  return run("pcl_semantic_map", [&] {
+    const MapArguments arguments = parseMapArguments(argc, argv);
+    if (!arguments.print_config)
+      return mapSource(arguments);
+    std::cout << printMapperConfig(arguments.parameters);
+    return int(exit_done);
   });
 }

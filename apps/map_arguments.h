@@ -18,7 +18,8 @@ struct MapArguments {
   double depth_scale = 0.0;  ///< of its depth images; 0 = as their layout has it
   std::string sensor;        ///< of the clouds, see CloudSource
   std::string label_mapping; ///< of their labels; empty = they are labels
-  std::string output, labels, label_set, network, model, poses, config;
+  std::string output, labels, label_set, network, model, config;
+  std::string poses = "auto";
   std::string label_calibration, clique_calibration;
   std::string frames = ":";
   std::string also; ///< measured, depth, scans: see makeExtras()
@@ -30,9 +31,8 @@ struct MapArguments {
 };
 
 /** \brief Reads it.
- * \return false if nothing is left to do, see parseCommandLine()
- * \throws InvalidParameterException, BadInputException */
-bool parseMapArguments(int argc, char** argv, MapArguments& arguments);
+ * \throws InvalidParameterException, BadInputException, Exit as parseCommandLine() */
+MapArguments parseMapArguments(int argc, char** argv);
 
 /** \brief What a run cannot do without, or together.
  * \throws InvalidParameterException */

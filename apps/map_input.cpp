@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_input.h"
-
-#include "default_label_set.h"
+#include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
@@ -33,20 +32,18 @@ readSummary(const std::string& path)
   try {
     const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
     if (!json.at("finished").get<bool>())
-      PCL_THROW_EXCEPTION(BadInputException, path << ": the map is not finished");
+      fail<BadInputException>(path, ": the map is not finished");
     Summary summary;
     summary.voxel_size = json.at("voxel_size").get<double>();
     for (int axis = 0; axis < 3; ++axis)
       summary.origin[axis] = json.at("map_origin").at(std::size_t(axis)).get<double>();
     if (!(summary.voxel_size > 0.0) || !summary.origin.allFinite())
-      PCL_THROW_EXCEPTION(BadInputException, path << ": voxel_size or map_origin is no "
-                                                     "size or place");
+      fail<BadInputException>(path, ": voxel_size or map_origin is no size or place");
     return summary;
   }
   catch (const nlohmann::json::exception&) {
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": is no summary of pcl_semantic_map, expected "
-                                "finished, voxel_size and map_origin");
+    fail<BadInputException>(path, ": is no summary of pcl_semantic_map, expected "
+                                  "finished, voxel_size and map_origin");
   }
 }
 
@@ -72,11 +69,11 @@ readScene(const std::string& path, const MapHints& hints)
   if (fs::path(path).extension() == ".pcd")
     return readVoxelScene(path, {voxel_size, Eigen::Vector3d::Zero()});
   if (voxel_size > 0.0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--voxel-size is for clouds: an archive has its own");
+    fail<InvalidParameterException>(
+        "--voxel-size is for clouds: an archive has its own");
   VoxelScene scene = sceneOf(*loadMap(path), hints.free_space);
   if (scene.voxels.size() == 0)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has no voxel that is occupied");
+    fail<BadInputException>(path, ": has no voxel that is occupied");
   return scene;
 }
 
@@ -108,9 +105,8 @@ labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& sce
     label_set = readLabelSetOrDefault(hints.label_set);
   const int classes = scene.voxels.refined.classes();
   if (classes > 0 && classes != label_set.size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has " << classes << " classes, the label set "
-                             << label_set.size() << "; name its own with --label-set");
+    fail<BadInputException>(path, ": has ", classes, " classes, the label set ",
+                            label_set.size(), "; name its own with --label-set");
   return label_set;
 }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_source.h"
-
-#include "default_label_set.h"
 #include "messages.h"
-#include "pair_watch.h"
+#include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_range.h>
@@ -15,13 +13,69 @@
 #include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
+#include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <filesystem>
-#include <sstream>
 
 namespace pcl_semantic::tool {
+
+MapSource::MapSource(const MapArguments& arguments) : arguments_(arguments)
+{
+  run_.config = arguments.parameters;
+}
+
+std::vector<FrameTime>
+MapSource::times() const
+{
+  std::vector<FrameTime> times;
+  for (std::size_t i = 0; i < positions_.size(); ++i)
+    times.push_back({run_.frames[i], timestamp(positions_[i])});
+  return times;
+}
+
+std::unique_ptr<SemanticMapper>
+MapSource::makeMapper(std::unique_ptr<PoseSource> poses,
+                      std::shared_ptr<BlockStore> store)
+{
+  auto mapper = std::make_unique<SemanticMapper>(
+      run_.label_set, run_.config, std::move(poses), run_.camera, std::move(predictor_),
+      std::move(store));
+  if (label_calibration_)
+    mapper->setLabelCalibration(*label_calibration_);
+  if (clique_calibration_)
+    mapper->setCliqueCalibration(*clique_calibration_);
+  return mapper;
+}
+
+std::optional<SensorFrame>
+MapSource::next()
+{
+  if (next_ >= positions_.size())
+    return std::nullopt;
+  return read(positions_[next_++]);
+}
+
+void
+MapSource::setInputs(const Inputs& more)
+{
+  run_.inputs = inputsOf(arguments_.sequence);
+  run_.inputs.insert(run_.inputs.end(), more.begin(), more.end());
+  run_.inputs.insert(run_.inputs.end(),
+                     {{"label_calibration", arguments_.label_calibration},
+                      {"clique_calibration", arguments_.clique_calibration}});
+}
+
+void
+MapSource::readCalibrations()
+{
+  if (!arguments_.label_calibration.empty())
+    label_calibration_ = readCalibration(arguments_.label_calibration, run_.label_set);
+  if (!arguments_.clique_calibration.empty())
+    clique_calibration_ =
+        readCalibration(arguments_.clique_calibration, run_.label_set, "cliques");
+}
 
 namespace {
 
@@ -31,8 +85,8 @@ addScans(const MapArguments& arguments, const FrameSequence* sequence,
 {
   const auto* const kitti = dynamic_cast<const KittiSequence*>(sequence);
   if (!kitti)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--also scans needs a SEQUENCE with laser scans (velodyne)");
+    fail<InvalidParameterException>(
+        "--also scans needs a SEQUENCE with laser scans (velodyne)");
   extra.scans = kitti->folder() + "/velodyne";
   extra.T_camera_scanner =
       kitti->T_camera0_camera().inverse() * kitti->T_camera0_velodyne();
@@ -40,25 +94,22 @@ addScans(const MapArguments& arguments, const FrameSequence* sequence,
     const std::string scan =
         extra.scans + "/" + frameFileName(kitti->frameNumber(i), ".bin");
     if (!std::filesystem::exists(scan))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          scan << ": is missing; --also scans needs one a frame");
+      fail<BadInputException>(scan, ": is missing; --also scans needs one a frame");
   }
   extra.within = arguments.scan_within;
 }
 
-} // namespace
-
+// What --also asks for.
+// \param[in] sequence null for clouds, which have no scans beside them
 ExtraOptions
 makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
            const std::vector<std::size_t>& frames)
 {
   if (!(arguments.scan_within >= 0.0 && arguments.scan_within <= 2.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "--scan-within is "
-                                                       << arguments.scan_within
-                                                       << ", expected 0 to 2");
+    fail<InvalidParameterException>("--scan-within is ", arguments.scan_within,
+                                    ", expected 0 to 2");
   ExtraOptions extra;
-  std::istringstream words(arguments.also);
-  for (std::string word; std::getline(words, word, ',');)
+  for (const std::string& word : splitAtCommas(arguments.also))
     if (word == "measured")
       extra.measured = true;
     else if (word == "depth")
@@ -66,11 +117,16 @@ makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
     else if (word == "scans")
       addScans(arguments, sequence, frames, extra);
     else
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--also: '" << word
-                                      << "', expected measured, depth or scans");
+      fail<InvalidParameterException>("--also: '", word,
+                                      "', expected measured, depth or scans");
   return extra;
 }
+
+struct Labelling {
+  LabelSet label_set;
+  std::unique_ptr<LabelPredictor> predictor;
+  std::string model; ///< path; empty without a network
+};
 
 Labelling
 makeLabelling(const MapArguments& arguments)
@@ -91,27 +147,7 @@ makeLabelling(const MapArguments& arguments)
           ""};
 }
 
-Calibrations
-readCalibrations(const MapArguments& arguments, const LabelSet& label_set)
-{
-  Calibrations calibrations;
-  if (!arguments.label_calibration.empty())
-    calibrations.labels = readCalibration(arguments.label_calibration, label_set);
-  if (!arguments.clique_calibration.empty())
-    calibrations.cliques =
-        readCalibration(arguments.clique_calibration, label_set, "cliques");
-  return calibrations;
-}
-
-void
-setCalibrations(const Calibrations& calibrations, SemanticMapper& mapper)
-{
-  if (calibrations.labels)
-    mapper.setLabelCalibration(*calibrations.labels);
-  if (calibrations.cliques)
-    mapper.setCliqueCalibration(*calibrations.cliques);
-}
-
+// Path of a trajectory, or "odometry".
 std::string
 choosePoses(const MapArguments& arguments, const FrameSequence& sequence)
 {
@@ -121,55 +157,30 @@ choosePoses(const MapArguments& arguments, const FrameSequence& sequence)
   if (!path.empty())
     return path;
   if (arguments.poses == "sequence")
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.sequence.name()
-                            << ": has no poses.txt; give a trajectory with --poses");
+    fail<BadInputException>(arguments.sequence.name(),
+                            ": has no poses.txt; give a trajectory with --poses");
   if (!arguments.archive.path.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--archive needs poses from a file, but "
-                            << arguments.sequence.name()
-                            << " has no poses.txt; write them with "
-                               "pcl_semantic_odometry and give them with --poses");
+    fail<InvalidParameterException>("--archive needs poses from a file, but ",
+                                    arguments.sequence.name(),
+                                    " has no poses.txt; write them with "
+                                    "pcl_semantic_odometry and give them with --poses");
   return "odometry";
-}
-
-std::unique_ptr<PoseSource>
-makePoses(const std::string& chosen, const FrameSequence& sequence)
-{
-  const Eigen::Isometry3d& T_camera0_camera = sequence.T_camera0_camera();
-  if (chosen == "odometry")
-    return std::make_unique<StereoOdometry>(sequence.camera(), T_camera0_camera);
-  return readPoses(chosen, T_camera0_camera);
-}
-
-namespace {
-
-// What a source is made from whose images are labelled in the run.
-void
-addLabelledInputs(const MapArguments& arguments, const std::string& poses,
-                  const std::string& model, MappingRun& run)
-{
-  run.inputs.insert(run.inputs.end(),
-                    {{"poses", poses},
-                     {"labels", arguments.labels},
-                     {"label_mapping", arguments.label_mapping},
-                     {"network", arguments.network},
-                     {"model", model},
-                     {"label_calibration", arguments.label_calibration},
-                     {"clique_calibration", arguments.clique_calibration}});
 }
 
 class SequenceSource : public MapSource {
 public:
   explicit SequenceSource(const MapArguments& arguments)
-      : sequence_(openSequence(arguments.sequence)),
-        watch_(arguments.sequence.strict, sequence_->camera())
+      : MapSource(arguments), sequence_(openSequence(arguments.sequence)),
+        watch_(arguments.sequence.strict, sequence_->camera()),
+        poses_(choosePoses(arguments, *sequence_))
   {
-    poses_ = choosePoses(arguments, *sequence_);
     Labelling labelling = makeLabelling(arguments);
     positions_ = chooseFrames(arguments.sequence, *sequence_, arguments.frames);
-    run_.inputs = inputsOf(arguments.sequence);
-    addLabelledInputs(arguments, poses_, labelling.model, run_);
+    setInputs({{"poses", poses_},
+               {"labels", arguments.labels},
+               {"label_mapping", arguments.label_mapping},
+               {"network", arguments.network},
+               {"model", labelling.model}});
     for (const std::size_t i : positions_)
       run_.frames.push_back(sequence_->frameNumber(i));
     labelling.predictor->requireFrames(run_.frames);
@@ -177,80 +188,53 @@ public:
     run_.T_camera0_camera = sequence_->T_camera0_camera();
     run_.label_set = labelling.label_set;
     predictor_ = std::move(labelling.predictor);
-    run_.config = arguments.parameters;
     extras_ = makeExtras(arguments, sequence_.get(), positions_);
-    calibrations_ = readCalibrations(arguments, run_.label_set);
-  }
-
-  std::vector<FrameTime>
-  times() const override
-  {
-    return frameTimes(*sequence_, positions_);
+    readCalibrations();
   }
 
   std::unique_ptr<PoseSource>
   openPoses() const override
   {
-    return makePoses(poses_, *sequence_);
+    if (poses_ == "odometry")
+      return std::make_unique<StereoOdometry>(sequence_->camera(),
+                                              run_.T_camera0_camera);
+    return readPoses(poses_, run_.T_camera0_camera);
   }
 
-  std::optional<SensorFrame>
-  next() override
+private:
+  SensorFrame
+  read(std::size_t position) override
   {
-    if (next_ >= positions_.size())
-      return std::nullopt;
-    const StereoFrame pair = sequence_->frame(positions_[next_++]);
+    const StereoFrame pair = sequence_->frame(position);
     watch_.look(pair);
     return pair;
   }
 
-private:
+  double
+  timestamp(std::size_t position) const override
+  {
+    return sequence_->timestamp(position);
+  }
+
   std::unique_ptr<FrameSequence> sequence_;
   PairWatch watch_;
-  std::vector<std::size_t> positions_;
+  std::string poses_; // path of the trajectory, or "odometry"
 };
-
-} // namespace
-
-std::unique_ptr<SemanticMapper>
-MapSource::makeMapper(std::unique_ptr<PoseSource> poses,
-                      std::shared_ptr<BlockStore> store)
-{
-  auto mapper = std::make_unique<SemanticMapper>(
-      run_.label_set, run_.config, std::move(poses), run_.camera, std::move(predictor_),
-      std::move(store));
-  setCalibrations(calibrations_, *mapper);
-  return mapper;
-}
-
-std::unique_ptr<MapSource>
-openMapSource(const MapArguments& arguments)
-{
-  if (!arguments.rgbd.empty())
-    return openRgbdSource(arguments);
-  if (!arguments.clouds.empty())
-    return openCloudSource(arguments);
-  return std::make_unique<SequenceSource>(arguments);
-}
-
-namespace {
 
 class CloudSource : public MapSource {
 public:
   explicit CloudSource(const MapArguments& arguments)
-      : arguments_(arguments), clouds_(arguments.clouds, arguments.sequence.files.times)
+      : MapSource(arguments), clouds_(arguments.clouds, arguments.sequence.files.times)
   {
     std::error_code error;
     if (std::filesystem::equivalent(arguments.poses,
                                     arguments.output + "/trajectory.txt", error))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--poses is where --output puts its own trajectory");
+      fail<InvalidParameterException>(
+          "--poses is where --output puts its own trajectory");
     if (std::filesystem::equivalent(arguments.clouds, arguments.output, error))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--output holds the clouds; maps need a folder of their own");
-    poses_ = arguments.poses;
+      fail<InvalidParameterException>(
+          "--output holds the clouds; maps need a folder of their own");
     run_.label_set = readLabelSetOrDefault(arguments.label_set);
-    run_.config = arguments.parameters;
     if (!arguments.label_mapping.empty())
       mapping_ = readLabelMapping(arguments.label_mapping, run_.label_set);
     positions_ = chooseClouds(arguments.clouds, clouds_, arguments.frames);
@@ -258,54 +242,44 @@ public:
       run_.frames.push_back(clouds_.frameNumber(i));
     setSensor();
     if (!run_.camera && !arguments.also.empty())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--also is for frames of a camera");
-    run_.inputs = inputsOf(arguments.sequence);
-    run_.inputs.insert(run_.inputs.end(),
-                       {{"clouds", arguments.clouds},
-                        {"label_mapping", arguments.label_mapping},
-                        {"sensor", arguments.sensor},
-                        {"poses", poses_},
-                        {"label_calibration", arguments.label_calibration},
-                        {"clique_calibration", arguments.clique_calibration}});
-    calibrations_ = readCalibrations(arguments, run_.label_set);
+      fail<InvalidParameterException>("--also is for frames of a camera");
+    setInputs({{"clouds", arguments.clouds},
+               {"label_mapping", arguments.label_mapping},
+               {"sensor", arguments.sensor},
+               {"poses", arguments.poses}});
+    readCalibrations();
     extras_ = makeExtras(arguments, nullptr, positions_);
-  }
-
-  std::vector<FrameTime>
-  times() const override
-  {
-    std::vector<FrameTime> times;
-    for (const std::size_t i : positions_)
-      times.push_back({clouds_.frameNumber(i), clouds_.timestamp(i)});
-    return times;
   }
 
   std::unique_ptr<PoseSource>
   openPoses() const override
   {
-    return arguments_.sensor == "own" ? readSensorPoses(poses_)
-                                      : readPoses(poses_, run_.T_camera0_camera);
+    return arguments_.sensor == "own"
+               ? readSensorPoses(arguments_.poses)
+               : readPoses(arguments_.poses, run_.T_camera0_camera);
   }
 
-  std::optional<SensorFrame>
-  next() override
+private:
+  SensorFrame
+  read(std::size_t position) override
   {
-    if (next_ >= positions_.size())
-      return std::nullopt;
-    const std::size_t i = positions_[next_++];
-    const CloudFrame frame =
-        clouds_.frame(i, run_.label_set.size(), float(run_.config.label_confidence),
-                      mapping_ ? &*mapping_ : nullptr);
+    const CloudFrame frame = clouds_.frame(position, run_.label_set.size(),
+                                           float(run_.config.label_confidence),
+                                           mapping_ ? &*mapping_ : nullptr);
     if (frame.distributions.empty() && !frame.cloud->empty() && !told_of_labels_) {
-      warn(clouds_.path(i) +
+      warn(clouds_.path(position) +
            ": has no field 'label' or 'probability': it gives the map no labels");
       told_of_labels_ = true;
     }
     return frame;
   }
 
-private:
+  double
+  timestamp(std::size_t position) const override
+  {
+    return clouds_.timestamp(position);
+  }
+
   // Where the sensor is in camera 0, and its camera.
   void
   setSensor()
@@ -329,9 +303,8 @@ private:
   {
     const auto read = readKittiCalibration(calibration, KittiCameras::colour);
     if (!read.T_camera0_velodyne)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          calibration << ": has no row 'Tr', expected the pose of the "
-                                         "laser scanner");
+      fail<BadInputException>(
+          calibration, ": has no row 'Tr', expected the pose of the laser scanner");
     return *read.T_camera0_velodyne;
   }
 
@@ -342,74 +315,58 @@ private:
     const std::string& path = clouds_.path(positions_.front());
     const auto cloud = readLabelledCloud(path).cloud;
     if (!cloud->isOrganized())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          path << ": is no organized cloud, expected one as the "
-                                  "camera's images are (or --sensor laser)");
+      fail<BadInputException>(path, ": is no organized cloud, expected one as the "
+                                    "camera's images are (or --sensor laser)");
     return {{int(cloud->width), int(cloud->height)}, path};
   }
 
-  MapArguments arguments_;
   std::optional<LabelMapping> mapping_;
   CloudSequence clouds_;
-  std::vector<std::size_t> positions_;
   bool told_of_labels_ = false; // a cloud had none
 };
 
-} // namespace
-
-namespace {
-
+// An RGB-D sequence, whose images are labelled as those of pairs are.
 class RgbdSource : public MapSource {
 public:
   explicit RgbdSource(const MapArguments& arguments)
-      : sequence_(arguments.rgbd,
+      : MapSource(arguments),
+        sequence_(arguments.rgbd,
                   readPinholeCamera(arguments.sequence.files.calibration),
-                  arguments.depth_scale)
+                  arguments.depth_scale),
+        labelling_(makeLabelling(arguments))
   {
-    poses_ = arguments.poses;
-    labelling_ = makeLabelling(arguments);
     const FrameRange range = parseFrameRange(arguments.frames);
     for (std::size_t i = 0; i < sequence_.size(); ++i)
-      if (range.contains(int(i)))
+      if (range.contains(int(i))) {
         positions_.push_back(i);
+        run_.frames.push_back(int(i));
+      }
     if (positions_.empty())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          arguments.rgbd << ": has no frame in " << arguments.frames);
-    for (const std::size_t i : positions_)
-      run_.frames.push_back(int(i));
-    run_.inputs = inputsOf(arguments.sequence);
-    run_.inputs.emplace_back("rgbd", arguments.rgbd);
-    run_.inputs.emplace_back("depth_scale", shown(arguments.depth_scale));
-    addLabelledInputs(arguments, poses_, labelling_.model, run_);
+      fail<BadInputException>(arguments.rgbd, ": has no frame in ", arguments.frames);
+    setInputs({{"rgbd", arguments.rgbd},
+               {"depth_scale", shown(arguments.depth_scale)},
+               {"poses", arguments.poses},
+               {"labels", arguments.labels},
+               {"label_mapping", arguments.label_mapping},
+               {"network", arguments.network},
+               {"model", labelling_.model}});
     labelling_.predictor->requireFrames(run_.frames);
     run_.camera = sequence_.camera();
     run_.label_set = labelling_.label_set;
-    run_.config = arguments.parameters;
-    calibrations_ = readCalibrations(arguments, run_.label_set);
-  }
-
-  std::vector<FrameTime>
-  times() const override
-  {
-    std::vector<FrameTime> times;
-    for (const std::size_t i : positions_)
-      times.push_back({int(i), sequence_.timestamp(i)});
-    return times;
+    readCalibrations();
   }
 
   std::unique_ptr<PoseSource>
   openPoses() const override
   {
-    return readSensorPoses(poses_);
+    return readSensorPoses(arguments_.poses);
   }
 
-  std::optional<SensorFrame>
-  next() override
+private:
+  SensorFrame
+  read(std::size_t position) override
   {
-    if (next_ >= positions_.size())
-      return std::nullopt;
-    const std::size_t i = positions_[next_++];
-    CloudFrame frame = sequence_.frame(i);
+    CloudFrame frame = sequence_.frame(position);
     StereoFrame image;
     static_cast<FrameTime&>(image) = frame;
     image.left = imageOfCloud(*frame.cloud);
@@ -417,24 +374,26 @@ public:
     return frame;
   }
 
-private:
+  double
+  timestamp(std::size_t position) const override
+  {
+    return sequence_.timestamp(position);
+  }
+
   RgbdSequence sequence_;
   Labelling labelling_;
-  std::vector<std::size_t> positions_;
 };
 
 } // namespace
 
 std::unique_ptr<MapSource>
-openRgbdSource(const MapArguments& arguments)
+openMapSource(const MapArguments& arguments)
 {
-  return std::make_unique<RgbdSource>(arguments);
-}
-
-std::unique_ptr<MapSource>
-openCloudSource(const MapArguments& arguments)
-{
-  return std::make_unique<CloudSource>(arguments);
+  if (!arguments.rgbd.empty())
+    return std::make_unique<RgbdSource>(arguments);
+  if (!arguments.clouds.empty())
+    return std::make_unique<CloudSource>(arguments);
+  return std::make_unique<SequenceSource>(arguments);
 }
 
 } // namespace pcl_semantic::tool

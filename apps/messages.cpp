@@ -124,18 +124,6 @@ note(const std::string& message)
   printLine(manner().name + ": " + seconds + ": " + message);
 }
 
-void
-setBarIsDrawn(bool is_drawn)
-{
-  bar_is_drawn = is_drawn;
-}
-
-bool
-barIsDrawn()
-{
-  return bar_is_drawn;
-}
-
 ProgressBar::ProgressBar(std::string what, std::size_t total, std::string unit)
     : what_(std::move(what)), total_(total), unit_(std::move(unit)),
       terminal_(isatty(STDERR_FILENO) == 1 && !manner().quiet && !manner().verbose)
@@ -143,9 +131,9 @@ ProgressBar::ProgressBar(std::string what, std::size_t total, std::string unit)
 
 ProgressBar::~ProgressBar()
 {
-  if (barIsDrawn())
+  if (bar_is_drawn)
     std::fprintf(stderr, "\n");
-  setBarIsDrawn(false);
+  bar_is_drawn = false;
 }
 
 void
@@ -167,7 +155,7 @@ ProgressBar::step()
                std::string(width - filled, '.').c_str(), done_, total_, rate,
                unit_.c_str(), double(total_ - done_) / rate);
   std::fflush(stderr);
-  setBarIsDrawn(true);
+  bar_is_drawn = true;
 }
 
 } // namespace pcl_semantic::tool

@@ -50,10 +50,6 @@ void note(const std::string& message);
  * \param[in] keeps_lines line breaks stay */
 std::string printable(const std::string& text, bool keeps_lines = false);
 
-/** \brief Makes room for a line where a progress bar may be drawn. */
-void setBarIsDrawn(bool is_drawn);
-bool barIsDrawn();
-
 /** \brief A progress bar on standard error: only on a terminal, not with --quiet, and
  * only for work that takes longer than a second. With --verbose a note a step. */
 class ProgressBar {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sequence_options.h"
+#include "messages.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_range.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
+
+#include <cmath>
+#include <sstream>
 
 namespace pcl_semantic::tool {
 
@@ -21,52 +25,47 @@ SequenceOptions::name() const
   return hasFiles() ? files.left : folder;
 }
 
-void
-addSequenceOptions(SequenceOptions& options, po::options_description& description)
+std::vector<Option>
+withSequence(SequenceOptions& options, const std::vector<Option>& more)
 {
   ImagePairFiles& files = options.files;
-  description.add_options()("sequence", po::value(&options.folder),
-                            "folder in KITTI's odometry layout")(
-      "left", po::value(&files.left),
-      "left images of any stereo camera, instead of SEQUENCE: a pattern in quotes "
-      "('left/*.png'), or a video (.mp4, .avi, .mkv, .mov)")(
-      "right", po::value(&files.right), "right images, one for each left image")(
-      "calibration", po::value(&files.calibration),
-      "calibration of --left and --right: of OpenCV's stereoCalibrate, Kalibr's "
-      "camchain, "
-      "the left camera_info of ROS (.yaml, .yml) or KITTI (.txt)")(
-      "extrinsics", po::value(&files.extrinsics),
-      "file with R and T, if they are not in --calibration; of ROS the right "
-      "camera_info "
-      "(.yaml)")("times", po::value(&files.times),
-                 "time stamps of the images, one per line [s] (default: 10 Hz)")(
-      "strict", po::bool_switch(&options.strict),
-      "reject pairs that look blank, identical, swapped or unrelated instead of "
-      "warning");
+  std::vector<Option> all = {
+      {"sequence", options.folder, "folder in KITTI's odometry layout"},
+      {"left", files.left,
+       "left images of any stereo camera, instead of SEQUENCE: a pattern in quotes "
+       "('left/*.png'), or a video (.mp4, .avi, .mkv, .mov)"},
+      {"right", files.right, "right images, one for each left image"},
+      {"calibration", files.calibration,
+       "calibration of --left and --right: of OpenCV's stereoCalibrate, Kalibr's "
+       "camchain, the left camera_info of ROS (.yaml, .yml) or KITTI (.txt)"},
+      {"extrinsics", files.extrinsics,
+       "file with R and T, if they are not in --calibration; of ROS the right "
+       "camera_info (.yaml)"},
+      {"times", files.times,
+       "time stamps of the images, one per line [s] (default: 10 Hz)"},
+      {"strict", options.strict,
+       "reject pairs that look blank, identical, swapped or unrelated instead of "
+       "warning"}};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
 }
 
 void
-requireSequence(const SequenceOptions& options, const std::string& program)
+requireSequence(const SequenceOptions& options)
 {
-  const auto fail = [&program](const std::string& message) {
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        message << " (see " << program << " --help)");
-  };
-  if (!options.hasFiles()) {
-    if (options.folder.empty())
-      fail("the SEQUENCE is missing, or --left, --right and --calibration");
-    return;
-  }
-  if (!options.folder.empty())
-    fail("both a SEQUENCE ('" + options.folder +
-         "') and --left, --right, --calibration or --times; patterns need quotes");
+  if (!options.hasFiles())
+    return refuseIf(options.folder.empty(),
+                    "the SEQUENCE is missing, or --left, --right and --calibration");
+  refuseIf(
+      !options.folder.empty(),
+      "both a SEQUENCE ('" + options.folder +
+          "') and --left, --right, --calibration or --times; patterns need quotes");
   const ImagePairFiles& files = options.files;
   for (const auto& [name, value] :
        {std::pair("--left", &files.left), std::pair("--right", &files.right),
         std::pair("--calibration", &files.calibration)})
-    if (value->empty())
-      fail(std::string(name) +
-           " is missing; --left, --right and --calibration belong together");
+    refuseIf(value->empty(), std::string(name) + " is missing; --left, --right and "
+                                                 "--calibration belong together");
 }
 
 std::unique_ptr<FrameSequence>
@@ -85,8 +84,7 @@ chooseFrames(const SequenceOptions& options, const FrameSequence& sequence,
 {
   std::vector<std::size_t> frames = selectFrames(sequence, parseFrameRange(range));
   if (frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException, options.name()
-                                               << ": has no frame in " << range);
+    fail<BadInputException>(options.name(), ": has no frame in ", range);
   return frames;
 }
 
@@ -100,7 +98,7 @@ chooseClouds(const std::string& name, const CloudSequence& clouds,
     if (chosen.contains(clouds.frameNumber(i)))
       positions.push_back(i);
   if (positions.empty())
-    PCL_THROW_EXCEPTION(BadInputException, name << ": has no frame in " << range);
+    fail<BadInputException>(name, ": has no frame in ", range);
   return positions;
 }
 
@@ -125,6 +123,44 @@ inputsOf(const SequenceOptions& options)
     if (!value->empty())
       inputs.emplace_back(name, *value);
   return inputs;
+}
+
+PairWatch::PairWatch(bool strict, const StereoCamera& camera) : strict_(strict)
+{
+  // Of images of half or double the size it is far off.
+  const double x = camera.cx / camera.width, y = camera.cy / camera.height;
+  if (std::abs(x - 0.5) < 0.2 && std::abs(y - 0.5) < 0.3)
+    return;
+  std::ostringstream text;
+  text << "the principal point (" << camera.cx << ", " << camera.cy
+       << ") is far from the middle of the images, " << camera.width << " x "
+       << camera.height << ": is the calibration of images of another size?";
+  if (strict_)
+    throw BadInputException(text.str());
+  warn(text.str());
+}
+
+PairWatch::~PairWatch()
+{
+  for (const auto& [fault, pairs] : warned_)
+    if (pairs > 1)
+      warn(std::to_string(pairs) + " pairs looked " +
+           (fault == PairFault::blank       ? "blank"
+            : fault == PairFault::identical ? "identical"
+            : fault == PairFault::swapped   ? "swapped"
+                                            : "unrelated"));
+}
+
+void
+PairWatch::look(const StereoFrame& frame, const std::string& name)
+{
+  const PairFault fault = check_.add(frame.left, frame.right);
+  if (fault == PairFault::none)
+    return;
+  if (strict_)
+    throw BadInputException(name + ": " + check_.reason());
+  if (++warned_[fault] == 1)
+    warn(name + ": " + check_.reason());
 }
 
 } // namespace pcl_semantic::tool

@@ -3,9 +3,13 @@
 
 #include "tool.h"
 
+#include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
 #include <pcl_semantic/io/cloud_sequence.h>
+#include <pcl_semantic/stereo/pair_check.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -27,13 +31,14 @@ struct SequenceOptions {
   const std::string& name() const;
 };
 
-/** \brief Adds --sequence, --left, --right, --calibration, --extrinsics, --times and
- * --strict. */
-void addSequenceOptions(SequenceOptions& options, po::options_description& description);
+/** \brief The options --sequence, --left, --right, --calibration, --extrinsics, --times
+ * and --strict, and after them \a more. */
+std::vector<Option> withSequence(SequenceOptions& options,
+                                 const std::vector<Option>& more);
 
 /** \brief What a sequence cannot do without, or together.
- * \throws InvalidParameterException that points to the help of \a program */
-void requireSequence(const SequenceOptions& options, const std::string& program);
+ * \throws InvalidParameterException */
+void requireSequence(const SequenceOptions& options);
 
 /** \brief Opens it. \throws BadInputException */
 std::unique_ptr<FrameSequence> openSequence(const SequenceOptions& options);
@@ -56,5 +61,34 @@ std::vector<std::string> textFilesOf(const SequenceOptions& options,
 /** \brief Names and values of what was given: ("sequence", "kitti/05"). */
 std::vector<std::pair<std::string, std::string>>
 inputsOf(const SequenceOptions& options);
+
+/** \brief Looks at the pairs of a run: warns of what is wrong with them, once a fault,
+ * and at the end how often; or refuses them. */
+class PairWatch {
+public:
+  /** \param[in] strict refuse instead of warning
+   * \param[in] camera of the images: its principal point has to be near their middle
+   * \throws BadInputException if it is strict and that is elsewhere */
+  PairWatch(bool strict, const StereoCamera& camera);
+  ~PairWatch();
+  PairWatch(const PairWatch&) = delete;
+  PairWatch& operator=(const PairWatch&) = delete;
+
+  /** \param[in] name of the pair: "frame 12"
+   * \throws BadInputException if it is strict and the pair looks wrong */
+  void look(const StereoFrame& frame, const std::string& name);
+
+  /** \brief Calls it by its number. */
+  void
+  look(const StereoFrame& frame)
+  {
+    look(frame, "frame " + std::to_string(frame.number));
+  }
+
+private:
+  bool strict_;
+  PairCheck check_;
+  std::map<PairFault, int> warned_; ///< pairs with a fault
+};
 
 } // namespace pcl_semantic::tool

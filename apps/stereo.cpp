@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
-#include "pair_watch.h"
+#include "sequence_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -18,21 +18,19 @@
 #include <filesystem>
 
 using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
 
 namespace {
 
 namespace fs = std::filesystem;
 
-const tool::Usage usage{
+const Usage usage{
     "pcl_semantic_stereo", "LEFT RIGHT CALIBRATION OUT [options]",
-    "Depth of a stereo pair (.png) as an organized coloured cloud (.pcd), in the left "
-    "camera's\n"
-    "frame. With folders as LEFT, RIGHT and OUT: of all images in them, paired in "
-    "their order.",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_stereo /tmp/street/image_2/000000.png "
-    "/tmp/street/image_3/000000.png \\\n"
-    "    /tmp/street/calib.txt /tmp/pair.pcd --disparity /tmp/disparity.png"};
+    R"(Depth of a stereo pair (.png) as an organized coloured cloud (.pcd), in the left camera's
+frame. With folders as LEFT, RIGHT and OUT: of all images in them, paired in their order.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_stereo /tmp/street/image_2/000000.png /tmp/street/image_3/000000.png \
+    /tmp/street/calib.txt /tmp/pair.pcd --disparity /tmp/disparity.png)"};
 
 struct Options {
   std::string left, right, calibration, extrinsics, output, disparity;
@@ -42,49 +40,40 @@ struct Options {
   bool strict = false;
 };
 
-bool
-parseOptions(int argc, char** argv, Options& options)
+Options
+parse(int argc, char** argv)
 {
-  namespace po = tool::po;
-  po::options_description visible("Options");
-  visible.add_options()("left", po::value(&options.left),
-                        "left image, or folder of images")(
-      "right", po::value(&options.right), "right image, or folder of images")(
-      "calibration", po::value(&options.calibration),
-      "KITTI's calib.txt, or a stereo calibration of OpenCV (.yaml, .yml); the cloud "
-      "is in the frame of the rectified left camera")(
-      "extrinsics", po::value(&options.extrinsics),
-      "file with R and T, if they are not in --calibration (.yaml)")(
-      "output", po::value(&options.output), "output cloud (.pcd), or output folder")(
-      "disparity", po::value(&options.disparity),
-      "output image of the disparities, or folder (blue = far, red = near)")(
-      "strict", po::bool_switch(&options.strict),
-      "reject pairs that look wrong instead of warning");
-  tool::addOption(visible, "stereo", options.engine, "engine: sgm, elas or sgbm");
-  tool::addOption(
-      visible, "disparities", options.disparities,
-      "range of the disparity search, a multiple of 64 (elas, sgbm: 16) [px]");
-  tool::addOption(visible, "max-depth", options.max_depth,
-                  "maximum depth [m]; 0 = unlimited");
-  tool::addOption(visible, "max-deviation", options.max_deviation,
-                  "discard disparities whose standard deviation exceeds this [px]; the "
-                  "default keeps matched pixels, 0 keeps interpolated ones too");
-  tool::addOption(visible, "threads", options.threads,
-                  "number of threads; 0 = all processors");
-  po::positional_options_description positional;
-  positional.add("left", 1).add("right", 1).add("calibration", 1).add("output", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, visible, positional, values))
-    return false;
-  if (options.output.empty())
-    tool::failUsage(usage, "expected LEFT RIGHT CALIBRATION OUT");
+  Options options;
+  parseCommandLine(
+      argc, argv, usage,
+      {{"left", options.left, "left image, or folder of images"},
+       {"right", options.right, "right image, or folder of images"},
+       {"calibration", options.calibration,
+        "KITTI's calib.txt, or a stereo calibration of OpenCV (.yaml, .yml); the cloud "
+        "is in the frame of the rectified left camera"},
+       {"extrinsics", options.extrinsics,
+        "file with R and T, if they are not in --calibration (.yaml)"},
+       {"output", options.output, "output cloud (.pcd), or output folder"},
+       {"disparity", options.disparity,
+        "output image of the disparities, or folder (blue = far, red = near)"},
+       {"strict", options.strict, "reject pairs that look wrong instead of warning"},
+       {"stereo", withDefault(options.engine), "engine: sgm, elas or sgbm"},
+       {"disparities", withDefault(options.disparities),
+        "range of the disparity search, a multiple of 64 (elas, sgbm: 16) [px]"},
+       {"max-depth", withDefault(options.max_depth),
+        "maximum depth [m]; 0 = unlimited"},
+       {"max-deviation", withDefault(options.max_deviation),
+        "discard disparities whose standard deviation exceeds this [px]; the default "
+        "keeps matched pixels, 0 keeps interpolated ones too"},
+       {"threads", withDefault(options.threads),
+        "number of threads; 0 = all processors"}},
+      {"left", "right", "calibration", "output"});
+  refuseIf(options.output.empty(), "expected LEFT RIGHT CALIBRATION OUT");
   for (const auto& [name, value] :
        {std::pair("--max-depth", options.max_depth),
         std::pair("--max-deviation", options.max_deviation)})
-    if (!(value >= 0.0))
-      tool::failUsage(usage,
-                      name + (" is " + tool::shown(value)) + ", expected 0 or more");
-  return true;
+    refuseIf(!(value >= 0.0), name + (" is " + shown(value)) + ", expected 0 or more");
+  return options;
 }
 
 // What to write for each pair: a cloud and, if wanted, a picture.
@@ -108,7 +97,7 @@ nameOutputs(const Options& options, const ImagePairSequence& pairs)
   std::vector<std::string> clouds;
   for (const Outputs& each : outputs)
     clouds.push_back(each.cloud);
-  tool::warnOfOtherFiles(options.output, clouds);
+  warnOfOtherFiles(options.output, clouds);
   if (!options.disparity.empty())
     makeOutputFolder(options.disparity);
   return outputs;
@@ -118,16 +107,16 @@ void
 requireKindsOfFiles(const Options& options)
 {
   const bool folders = fs::is_directory(options.left);
-  if (folders != fs::is_directory(options.right))
-    tool::failUsage(usage, "LEFT and RIGHT have to be two images, or two folders");
+  refuseIf(folders != fs::is_directory(options.right),
+           "LEFT and RIGHT have to be two images, or two folders");
   for (const std::string& path : {options.left, options.right})
     if (!fs::exists(path))
-      PCL_THROW_EXCEPTION(BadInputException, path << ": is not there");
+      fail<BadInputException>(path, ": is not there");
   if (!folders) {
-    tool::requireOutput(options.output, ".pcd");
-    tool::requireOutput(options.disparity, ".png");
+    requireOutput(options.output, ".pcd");
+    requireOutput(options.disparity, ".png");
   }
-  tool::refuseSameFiles(
+  refuseSameFiles(
       {options.left, options.right, options.calibration, options.extrinsics},
       {options.output, options.disparity});
 }
@@ -159,30 +148,25 @@ processPairs(const Options& options)
   const ImagePairSequence pairs(
       {options.left, options.right, options.calibration, options.extrinsics, ""});
   const std::vector<Outputs> outputs = nameOutputs(options, pairs);
-  tool::catchInterrupts();
   double fraction = 0.0;
   {
-    tool::PairWatch watch(options.strict, pairs.camera());
-    tool::ProgressBar progress("stereo", pairs.size(), "pairs");
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
+    PairWatch watch(options.strict, pairs.camera());
+    const auto process = [&](std::size_t i) {
       const StereoFrame frame = pairs.frame(i);
       watch.look(frame, pairs.leftPath(i));
       fraction += processPair(options, frame, pairs.camera(), *estimator, outputs[i]);
-      if (tool::interrupted())
-        return tool::exit_interrupted;
-      progress.step();
-    }
+    };
+    forEachStep("stereo", pairs.size(), process, "pairs");
   }
   if (!(fraction > 0.0))
-    tool::warn(
-        "no pixel has a depth: are the images rectified, and of this calibration "
-        "(metres, the size of these images)?");
-  tool::printResults({{"clouds", pairs.size()},
-                      {"width", std::size_t(pairs.camera().width)},
-                      {"height", std::size_t(pairs.camera().height)},
-                      {"valid_fraction", fraction / double(pairs.size())},
-                      {"output", options.output}});
-  return tool::exit_done;
+    warn("no pixel has a depth: are the images rectified, and of this calibration "
+         "(metres, the size of these images)?");
+  printResults({{"clouds", pairs.size()},
+                {"width", std::size_t(pairs.camera().width)},
+                {"height", std::size_t(pairs.camera().height)},
+                {"valid_fraction", fraction / double(pairs.size())},
+                {"output", options.output}});
+  return exit_done;
 }
 
 } // namespace
@@ -190,9 +174,5 @@ processPairs(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Options options;
-    return parseOptions(argc, argv, options) ? processPairs(options)
-                                             : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return processPairs(parse(argc, argv)); });
 }

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tool.h"
-#include "manual_page.h"
 #include "messages.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/version.h>
+#include <pcl_semantic/files/data_folder.h>
+#include <pcl_semantic/files/label_set_file.h>
 
 #include <opencv2/core.hpp>
 
+#include <algorithm>
+#include <charconv>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <new>
 #include <set>
+
+#include <unistd.h>
 
 namespace pcl_semantic::tool {
 
@@ -29,80 +32,47 @@ onInterrupt(int)
     _exit(exit_interrupted);
 }
 
+// The class that a number or a name of --ignore means.
+Label
+ignoredLabel(const std::string& word, const LabelSet& label_set)
+{
+  int number = 0;
+  const auto [rest, error] =
+      std::from_chars(word.data(), word.data() + word.size(), number);
+  if (error == std::errc() && rest == word.data() + word.size()) {
+    if (number >= 1 && number <= label_set.size())
+      return static_cast<Label>(number);
+  }
+  else if (const Label label = label_set.find(word))
+    return label;
+  fail<InvalidParameterException>("--ignore: '", word,
+                                  "' is no class of the label set");
+}
+
 int
-fail(const std::string& name, const std::string& message, ExitCode code)
+report(const std::string& name, const std::string& message, ExitCode code)
 {
   std::cerr << name << ": " << printable(message) << std::endl;
   return code;
 }
 
-} // namespace
-
-bool
-parseCommandLine(int argc, char** argv, const Usage& usage,
-                 const po::options_description& options,
-                 const po::positional_options_description& positional,
-                 po::variables_map& values)
+int
+codeOf(const std::function<int()>& body)
 {
-  po::options_description general("General");
-  Manner& how = manner();
-  how.name = usage.name;
-  general.add_options()("help,h", "print this help")("version", "print the version")(
-      "quiet,q", po::bool_switch(&how.quiet),
-      "print only errors, warnings and results")(
-      "verbose,v", po::bool_switch(&how.verbose),
-      "print each step with the time since the start")(
-      "json", po::bool_switch(&how.json),
-      "print results as JSON")("man", "print this help as a manual page");
-  po::options_description all;
-  all.add(options).add(general);
   try {
-    // No guessing: an abbreviated option would change its meaning when one is added.
-    using namespace po::command_line_style;
-    po::store(po::command_line_parser(argc, argv)
-                  .options(all)
-                  .positional(positional)
-                  .style(unix_style & ~allow_guessing)
-                  .run(),
-              values);
-    if (values.count("help")) {
-      std::cout << "Usage: " << usage.name << " " << usage.synopsis << "\n\n"
-                << usage.description << "\n\nExample:\n  " << usage.example << "\n"
-                << all;
-      return false;
-    }
-    if (values.count("man")) {
-      std::cout << manualPage(usage, all);
-      return false;
-    }
-    if (values.count("version")) {
-      std::cout << usage.name << " " << PCL_SEMANTIC_VERSION << "\n";
-      return false;
-    }
-    po::notify(values);
-    if (how.quiet && how.verbose)
-      failUsage(usage, "--quiet and --verbose exclude each other");
+    return body();
   }
-  catch (const po::too_many_positional_options_error&) {
-    failUsage(usage, "too many positional arguments; a pattern of file names has to be "
-                     "in quotes: --left 'left/*.png'");
+  catch (const Exit& exit) {
+    return exit.code;
   }
-  catch (const po::error& error) {
-    failUsage(usage, error.what());
-  }
-  return true;
 }
 
-void
-failUsage(const Usage& usage, const std::string& message)
-{
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      message << " (see " << usage.name << " --help)");
-}
+} // namespace
 
 int
 run(const std::string& name, const std::function<int()>& body)
 {
+  manner().name = name;
   // OpenCV and PCL would otherwise print their own lines beside ours.
   cv::redirectError(
       [](int, const char*, const char*, const char*, int, void*) { return 0; });
@@ -110,30 +80,44 @@ run(const std::string& name, const std::function<int()>& body)
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   try {
-    const int code = body();
+    const int code = codeOf(body);
     if (!std::cout.flush())
-      return fail(name, "standard output cannot be written", exit_output_failed);
+      return report(name, "standard output cannot be written", exit_output_failed);
     return code;
   }
   catch (const InvalidParameterException& error) {
-    return fail(name, error.what(), exit_usage);
+    return report(name, error.what(), exit_usage);
   }
   catch (const BadModelException& error) {
-    return fail(name, error.what(), exit_bad_model);
+    return report(name, error.what(), exit_bad_model);
   }
   catch (const OutputException& error) {
-    return fail(name, error.what(), exit_output_failed);
+    return report(name, error.what(), exit_output_failed);
   }
   catch (const std::bad_alloc&) {
-    return fail(name, "out of memory", exit_out_of_memory);
+    return report(name, "out of memory", exit_out_of_memory);
   }
   catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem)
-      return fail(name, "out of memory", exit_out_of_memory);
-    return fail(name, error.err, exit_bad_input);
+      return report(name, "out of memory", exit_out_of_memory);
+    return report(name, error.err, exit_bad_input);
   }
   catch (const std::exception& error) {
-    return fail(name, error.what(), exit_bad_input);
+    return report(name, error.what(), exit_bad_input);
+  }
+}
+
+void
+forEachStep(const std::string& what, std::size_t steps,
+            const std::function<void(std::size_t)>& step, const std::string& unit)
+{
+  catchInterrupts();
+  ProgressBar progress(what, steps, unit);
+  for (std::size_t i = 0; i < steps; ++i) {
+    step(i);
+    if (interrupted())
+      throw Exit{exit_interrupted};
+    progress.step();
   }
 }
 
@@ -143,13 +127,11 @@ requireOutput(const std::string& path, const std::string& extension)
   if (path.empty())
     return;
   if (std::filesystem::path(path).extension() != extension)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        path << ": expected a name that ends in " << extension);
+    fail<InvalidParameterException>(path, ": expected a name that ends in ", extension);
   const auto folder = std::filesystem::path(path).parent_path();
   std::error_code error;
   if (!folder.empty() && !std::filesystem::is_directory(folder, error))
-    PCL_THROW_EXCEPTION(OutputException,
-                        path << ": cannot be written: there is no folder " << folder);
+    fail<OutputException>(path, ": cannot be written: there is no folder ", folder);
 }
 
 void
@@ -189,9 +171,35 @@ refuseSameFiles(const std::vector<std::string>& inputs,
     others.insert(others.end(), outputs.begin() + long(i) + 1, outputs.end());
     for (const std::string& other : others)
       if (isSame(outputs[i], other))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            outputs[i] << ": is named as an output and once more");
+        fail<InvalidParameterException>(outputs[i],
+                                        ": is named as an output and once more");
   }
+}
+
+LabelSet
+readLabelSetOrDefault(const std::string& path)
+{
+  return readLabelSet(path.empty() ? findDataFile("label_sets/kitti11.yaml") : path);
+}
+
+std::vector<Label>
+evaluatedClasses(const std::optional<std::string>& ignored, const LabelSet& label_set)
+{
+  std::vector<Label> left_out;
+  if (!ignored)
+    left_out = {label_set.find("sky"), label_set.find("pedestrian"),
+                label_set.find("cyclist")};
+  else if (*ignored != "none") {
+    for (const std::string& word : splitAtCommas(*ignored))
+      left_out.push_back(ignoredLabel(word, label_set));
+  }
+  std::vector<Label> evaluated;
+  for (int label = 1; label <= label_set.size(); ++label)
+    if (std::find(left_out.begin(), left_out.end(), label) == left_out.end())
+      evaluated.push_back(static_cast<Label>(label));
+  if (evaluated.empty())
+    fail<InvalidParameterException>("--ignore leaves no class");
+  return evaluated;
 }
 
 void

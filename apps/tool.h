@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <boost/program_options.hpp>
+#include "command_line.h"
+
+#include <pcl_semantic/core/label_set.h>
 
 #include <functional>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
 /** \brief What all pcl_semantic_* programs share: options and exit codes. */
 namespace pcl_semantic::tool {
-
-namespace po = boost::program_options;
 
 /** \brief Exit codes of every tool. */
 enum ExitCode {
@@ -24,61 +25,31 @@ enum ExitCode {
   exit_interrupted = 130
 };
 
-/** \brief The parts of a tool's `--help`. */
-struct Usage {
-  std::string name;        ///< "pcl_semantic_map"
-  std::string synopsis;    ///< "SEQUENCE --output DIR [options]"
-  std::string description; ///< what it does, one or two sentences
-  std::string example;     ///< a command that works when pasted
+/** \brief Thrown to end a tool before its end, with nothing to say. */
+struct Exit {
+  ExitCode code;
 };
 
-/** \brief Parses the command line; adds `--help`, `--version`, and `--quiet`,
- * `--verbose` and `--json`, which set manner(). \return false if the help or the
- * version was printed and nothing is left to do \throws InvalidParameterException at
- * unknown options, missing or unreadable values */
-bool parseCommandLine(int argc, char** argv, const Usage& usage,
-                      const po::options_description& options,
-                      const po::positional_options_description& positional,
-                      po::variables_map& values);
-
-/** \brief Of --label-mapping, the numbers in a file to the classes of the label set. */
-constexpr const char* label_mapping_help =
-    "numbers of the input to classes of the label set: a file (YAML), the name of one "
-    "that is installed (semantic_kitti_to_kitti11), or zero_based (default: they are "
-    "labels, 0 = unlabelled)";
-
-/** \brief The same where the input may be images. */
-constexpr const char* pixel_mapping_help =
-    "numbers of the input to classes of the label set: a file (YAML), the name of one "
-    "that is installed (semantic_kitti_to_kitti11), zero_based, or of .png colours, "
-    "those of the classes (default: they are labels, 0 = unlabelled)";
-
-/** \brief A value as help shows it: 0.7, not 0.69999999999999996. */
-template <typename T>
-std::string
-shown(const T& value)
+/** \brief Throws an \a Error whose message is made of \a parts. */
+template <typename Error, typename... Parts>
+[[noreturn]] void
+fail(const Parts&... parts)
 {
-  std::ostringstream text;
-  text << value;
-  return text.str();
+  std::ostringstream message;
+  (message << ... << parts);
+  throw Error(message.str());
 }
-
-/** \brief Adds an option whose value is its default. */
-template <typename T>
-void
-addOption(po::options_description& options, const char* name, T& value,
-          const char* text)
-{
-  options.add_options()(name, po::value<T>(&value)->default_value(value, shown(value)),
-                        text);
-}
-
-/** \brief Throws InvalidParameterException, with a word on where help is. */
-[[noreturn]] void failUsage(const Usage& usage, const std::string& message);
 
 /** \brief Runs the body of a tool and turns what it throws into one line on standard
  * error and the exit code that belongs to it. */
 int run(const std::string& name, const std::function<int()>& body);
+
+/** \brief Runs the steps of a tool's work, with a progress bar, until one interrupts.
+ * \param[in] what, unit as ProgressBar takes them
+ * \throws Exit after the step that was interrupted */
+void forEachStep(const std::string& what, std::size_t steps,
+                 const std::function<void(std::size_t)>& step,
+                 const std::string& unit = "frames");
 
 /** \brief Refuses a file to write before the work for it begins: by a name that
  * promises another kind of file, or because its folder is not there; an empty path is
@@ -97,6 +68,17 @@ void warnOfOtherFiles(const std::string& folder,
  * files. \throws InvalidParameterException */
 void refuseSameFiles(const std::vector<std::string>& inputs,
                      const std::vector<std::string>& outputs);
+
+/** \brief The classes that --label-set names; empty = the eleven of KITTI.
+ * \throws BadInputException as readLabelSet() */
+LabelSet readLabelSetOrDefault(const std::string& path);
+
+/** \brief The classes whose ground truth counts.
+ * \param[in] ignored numbers or names of the others with commas between them, or
+ * "none"; not given: sky, pedestrian and cyclist, as far as there are such classes
+ * \throws InvalidParameterException at a word that is no class, or if none is left */
+std::vector<Label> evaluatedClasses(const std::optional<std::string>& ignored,
+                                    const LabelSet& label_set);
 
 /** \brief From now on SIGINT, SIGTERM and SIGHUP (a terminal that is gone) only set a
  * flag; a second one ends at once. */

@@ -8,18 +8,18 @@
 #include <pcl_semantic/files/trajectory_file.h>
 
 using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
 
 namespace {
 
-const tool::Usage usage{
+const Usage usage{
     "pcl_semantic_trajectory", "compare TRUTH ESTIMATE [options]",
-    "Compares two trajectories, KITTI (matched by row) or TUM (matched by time): "
-    "errors\n"
-    "by KITTI's definition, and distances of the positions.",
-    "pcl_semantic_synthesize /tmp/street && \\\n"
-    "  pcl_semantic_odometry /tmp/street /tmp/poses.txt && \\\n"
-    "  pcl_semantic_trajectory compare /tmp/street/poses.txt /tmp/poses.txt \\\n"
-    "    --lengths 10,20"};
+    R"(Compares two trajectories, KITTI (matched by row) or TUM (matched by time): errors
+by KITTI's definition, and distances of the positions.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_odometry /tmp/street /tmp/poses.txt && \
+  pcl_semantic_trajectory compare /tmp/street/poses.txt /tmp/poses.txt \
+    --lengths 10,20)"};
 
 struct Options {
   std::string command, truth, estimate, times;
@@ -28,54 +28,38 @@ struct Options {
   double tolerance = 0.01; ///< [s]
 };
 
-bool
-parseOptions(int argc, char** argv, Options& options)
+Options
+parse(int argc, char** argv)
 {
-  namespace po = tool::po;
-  po::options_description visible("Options");
-  visible.add_options()("command", po::value(&options.command), "compare")(
-      "truth", po::value(&options.truth), "trajectory that is right")(
-      "estimate", po::value(&options.estimate),
-      "trajectory to judge")("times", po::value(&options.times),
-                             "times.txt of a KITTI trajectory that meets a TUM one");
-  tool::addOption(visible, "lengths", options.lengths,
-                  "of the pieces that are compared [m]");
-  tool::addOption(visible, "step", options.step,
-                  "every which pose begins a piece (KITTI's own: 10)");
-  tool::addOption(visible, "tolerance", options.tolerance,
-                  "how far times that match may differ [s]");
-  po::positional_options_description positional;
-  positional.add("command", 1).add("truth", 1).add("estimate", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, visible, positional, values))
-    return false;
-  if (options.command != "compare")
-    tool::failUsage(usage, options.command.empty()
-                               ? "the command is missing"
-                               : "unknown command '" + options.command + "'");
-  if (options.truth.empty() || options.estimate.empty())
-    tool::failUsage(usage, "compare needs two trajectories");
-  if (!(options.tolerance >= 0.0))
-    tool::failUsage(usage, "--tolerance is less than 0");
-  return true;
+  Options options;
+  parseCommandLine(
+      argc, argv, usage,
+      {{"command", options.command, "compare"},
+       {"truth", options.truth, "trajectory that is right"},
+       {"estimate", options.estimate, "trajectory to judge"},
+       {"times", options.times, "times.txt of a KITTI trajectory that meets a TUM one"},
+       {"lengths", withDefault(options.lengths), "of the pieces that are compared [m]"},
+       {"step", withDefault(options.step),
+        "every which pose begins a piece (KITTI's own: 10)"},
+       {"tolerance", withDefault(options.tolerance),
+        "how far times that match may differ [s]"}},
+      {"command", "truth", "estimate"});
+  refuseIf(options.command != "compare",
+           options.command.empty() ? "the command is missing"
+                                   : "unknown command '" + options.command + "'");
+  refuseIf(options.truth.empty() || options.estimate.empty(),
+           "compare needs two trajectories");
+  refuseIf(!(options.tolerance >= 0.0), "--tolerance is less than 0");
+  return options;
 }
 
 std::vector<double>
-parseLengths(std::string text)
+parseLengths(const std::string& text)
 {
-  std::vector<double> lengths;
-  std::replace(text.begin(), text.end(), ',', ' ');
-  try {
-    lengths = parseNumbers(text, "--lengths");
-  }
-  catch (const BadInputException& error) {
-    tool::failUsage(usage, error.what());
-  }
+  const std::vector<double> lengths = parseNumbersOf("--lengths", text);
   for (const double length : lengths)
-    if (!(length > 0.0))
-      tool::failUsage(usage, "--lengths: a length is not more than 0");
-  if (lengths.empty())
-    tool::failUsage(usage, "--lengths: there is none");
+    refuseIf(!(length > 0.0), "--lengths: a length is not more than 0");
+  refuseIf(lengths.empty(), "--lengths: there is none");
   return lengths;
 }
 
@@ -87,9 +71,8 @@ withTimes(const std::string& path, TrajectoryFormat format, const std::string& t
   const Trajectory poses = readKittiTrajectory(path);
   const std::vector<double> seconds = readTimes(times);
   if (seconds.size() < poses.size())
-    PCL_THROW_EXCEPTION(BadInputException, times << ": has " << seconds.size()
-                                                 << " times for the " << poses.size()
-                                                 << " poses of " << path);
+    fail<BadInputException>(times, ": has ", seconds.size(), " times for the ",
+                            poses.size(), " poses of ", path);
   TimedTrajectory trajectory;
   for (std::size_t i = 0; i < poses.size(); ++i)
     trajectory.push_back({seconds[i], poses[i]});
@@ -107,27 +90,24 @@ readMatched(const Options& options)
                readKittiTrajectory(options.estimate)};
     const std::size_t common = std::min(matched.first.size(), matched.second.size());
     if (matched.first.size() != matched.second.size())
-      tool::warn(tool::shown(matched.first.size()) + " and " +
-                 tool::shown(matched.second.size()) + " poses: the first " +
-                 tool::shown(common) + " are compared, row by row");
+      warn(shown(matched.first.size()) + " and " + shown(matched.second.size()) +
+           " poses: the first " + shown(common) + " are compared, row by row");
     matched.first.resize(common);
     matched.second.resize(common);
     return matched;
   }
-  if (first != second && options.times.empty())
-    tool::failUsage(usage, "a KITTI trajectory meets a TUM one: --times is missing");
+  refuseIf(first != second && options.times.empty(),
+           "a KITTI trajectory meets a TUM one: --times is missing");
   const TimedTrajectory truth = withTimes(options.truth, first, options.times);
   const TimedTrajectory estimate = withTimes(options.estimate, second, options.times);
   matched = matchByTime(truth, estimate, options.tolerance);
   if (matched.first.empty())
-    PCL_THROW_EXCEPTION(BadInputException, options.estimate
-                                               << ": has no pose at the times of "
-                                               << options.truth);
+    fail<BadInputException>(options.estimate, ": has no pose at the times of ",
+                            options.truth);
   const std::size_t common = matched.first.size();
   if (common < truth.size() || common < estimate.size())
-    tool::warn(tool::shown(truth.size()) + " and " + tool::shown(estimate.size()) +
-               " poses: the " + tool::shown(common) +
-               " of the same times are compared");
+    warn(shown(truth.size()) + " and " + shown(estimate.size()) + " poses: the " +
+         shown(common) + " of the same times are compared");
   return matched;
 }
 
@@ -141,8 +121,8 @@ compare(const Options& options)
       kittiErrors(matched.first, matched.second, lengths, options.step),
       errorsFromStart(matched.first, matched.second),
       errorsAligned(matched.first, matched.second)};
-  tool::printFigures(trajectoryTable(errors), trajectoryJson(errors));
-  return tool::exit_done;
+  printFigures(trajectoryTable(errors), trajectoryJson(errors));
+  return exit_done;
 }
 
 } // namespace
@@ -150,8 +130,5 @@ compare(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Options options;
-    return parseOptions(argc, argv, options) ? compare(options) : int(tool::exit_done);
-  });
+  return run(usage.name, [&] { return compare(parse(argc, argv)); });
 }

@@ -18,37 +18,34 @@ namespace pcl_semantic {
 
 namespace {
 
-// Written at each frame, and when the map is finished.
-constexpr const char* frame_folders[] = {
-    "measured_labels",  "measured_labels_at_depth", "depth",
-    "scan_labels",      "measured_scan_labels",     "network_scan_labels",
-    "near_scan_labels", "measured_near_scan_labels"};
+// Folders and what they need: those of "final_..." are written when the map is
+// finished, the others at each frame.
+struct Folder {
+  const char* name;
+  bool measured, depth, scans, near;
+};
 
-constexpr const char* final_folders[] = {
-    "final_measured_labels", "final_scan_labels", "final_measured_scan_labels",
-    "final_near_scan_labels", "final_measured_near_scan_labels"};
+constexpr Folder folders[] = {
+    {"measured_labels", true, false, false, false},
+    {"measured_labels_at_depth", true, false, false, false},
+    {"depth", false, true, false, false},
+    {"scan_labels", false, false, true, false},
+    {"measured_scan_labels", true, false, true, false},
+    {"network_scan_labels", false, false, true, false},
+    {"near_scan_labels", false, false, true, true},
+    {"measured_near_scan_labels", true, false, true, true},
+    {"final_measured_labels", true, false, false, false},
+    {"final_scan_labels", false, false, true, false},
+    {"final_measured_scan_labels", true, false, true, false},
+    {"final_near_scan_labels", false, false, true, true},
+    {"final_measured_near_scan_labels", true, false, true, true}};
 
-std::vector<std::string>
-foldersOf(const ExtraOptions& options)
+bool
+isWanted(const Folder& folder, const ExtraOptions& options)
 {
-  std::vector<std::string> folders;
-  if (options.measured)
-    folders = {"measured_labels", "measured_labels_at_depth", "final_measured_labels"};
-  if (options.depth)
-    folders.push_back("depth");
-  if (!options.scans.empty())
-    folders.insert(folders.end(),
-                   {"scan_labels", "final_scan_labels", "network_scan_labels"});
-  if (!options.scans.empty() && options.measured)
-    folders.insert(folders.end(),
-                   {"measured_scan_labels", "final_measured_scan_labels"});
-  if (!options.scans.empty() && options.within > 0.0) {
-    folders.insert(folders.end(), {"near_scan_labels", "final_near_scan_labels"});
-    if (options.measured)
-      folders.insert(folders.end(),
-                     {"measured_near_scan_labels", "final_measured_near_scan_labels"});
-  }
-  return folders;
+  return (!folder.measured || options.measured) && (!folder.depth || options.depth) &&
+         (!folder.scans || !options.scans.empty()) &&
+         (!folder.near || options.within > 0.0);
 }
 
 cv::Mat
@@ -68,16 +65,18 @@ ExtraOutput::ExtraOutput(const std::string& folder, const StereoCamera& camera,
     : folder_(folder), camera_(camera), max_depth_(max_depth),
       options_(std::move(options))
 {
-  for (const std::string& name : foldersOf(options_))
-    makeOutputFolder((std::filesystem::path(folder_) / name).string());
+  for (const Folder& each : folders)
+    if (isWanted(each, options_))
+      makeOutputFolder((std::filesystem::path(folder_) / each.name).string());
 }
 
 const std::vector<std::string>&
 ExtraOutput::names()
 {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all(std::begin(frame_folders), std::end(frame_folders));
-    all.insert(all.end(), std::begin(final_folders), std::end(final_folders));
+    std::vector<std::string> all;
+    for (const Folder& folder : folders)
+      all.push_back(folder.name);
     return all;
   }();
   return names;

@@ -5,7 +5,6 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/label_calibration.h>
-#include <pcl_semantic/pipeline/listed_labels.h>
 
 #include <Eigen/Eigenvalues>
 #include <pcl/common/io.h>

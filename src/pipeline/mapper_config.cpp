@@ -61,12 +61,6 @@ parseChoice(const std::string& text, const std::vector<std::string>& words,
   return int(word - words.begin());
 }
 
-bool
-parseBool(const std::string& text, const std::string& where)
-{
-  return parseChoice(text, {"false", "true"}, where) == 1;
-}
-
 // The text of a value in a YAML file; a triple may also be written as a list.
 std::string
 yamlText(const YamlMap& file, const std::string& key, bool is_triple)
@@ -91,6 +85,44 @@ withDashes(std::string name)
 {
   std::replace(name.begin(), name.end(), '_', '-');
   return name;
+}
+
+void
+append(ConfigParameters& to, ConfigParameters from)
+{
+  for (ConfigParameter& parameter : from)
+    to.push_back(std::move(parameter));
+}
+
+template <typename Config>
+void
+readConfig(const std::string& path, Config& config)
+{
+  if (path.empty())
+    return;
+  readParameters(path, parametersOf(config));
+  try {
+    config.validate();
+  }
+  catch (const InvalidParameterException& error) {
+    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
+  }
+}
+
+template <typename T>
+void
+require(bool is_valid, const char* name, T value, const char* expected)
+{
+  if (!is_valid)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        name << " is " << value << ", expected " << expected);
+}
+
+void
+requireConfidence(double value)
+{
+  require(value > 0.0 && value <= 1.0, "label_confidence", value,
+          "more than 0, at most 1");
 }
 
 } // namespace
@@ -126,7 +158,9 @@ ConfigParameter::text() const
 void
 ConfigParameter::set(const std::string& text, const std::string& where)
 {
-  std::visit(Overloaded{[&](bool* v) { *v = parseBool(text, where); },
+  std::visit(Overloaded{[&](bool* v) {
+                          *v = parseChoice(text, {"false", "true"}, where) == 1;
+                        },
                         [&](const ConfigChoice& v) {
                           v.set(parseChoice(text, v.words, where));
                         },
@@ -279,13 +313,6 @@ makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
 
 namespace {
 
-void
-append(ConfigParameters& to, ConfigParameters from)
-{
-  for (ConfigParameter& parameter : from)
-    to.push_back(std::move(parameter));
-}
-
 ConfigParameters
 cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
 {
@@ -346,8 +373,7 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        &crf.smoothness_deviation},
       {"appearance_weight",
        "weight of the appearance kernel (positions and colours; without colours "
-       "positions "
-       "alone)",
+       "positions alone)",
        &crf.appearance_weight},
       {"appearance_deviation",
        "its standard deviation of positions [" + unit +
@@ -363,10 +389,7 @@ void
 CRFConfig::validate() const
 {
   parameters.validate();
-  if (!(label_confidence > 0.0 && label_confidence <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label_confidence is " << label_confidence
-                                               << ", expected more than 0, at most 1");
+  requireConfidence(label_confidence);
 }
 
 void
@@ -400,15 +423,7 @@ parametersOf(CRFConfig& config)
 void
 readCRFConfig(const std::string& path, CRFConfig& config)
 {
-  if (path.empty())
-    return;
-  readParameters(path, parametersOf(config));
-  try {
-    config.validate();
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
-  }
+  readConfig(path, config);
 }
 
 namespace {
@@ -416,14 +431,16 @@ namespace {
 const std::vector<std::string> crf_models = {"none", "dense", "pn-potts",
                                              "hierarchical"};
 
-void
-requireChoice(const std::string& value, const std::vector<std::string>& choices,
-              const char* name)
+// The number of a word among those that a value may be.
+int
+requireChoice(const char* name, const std::string& value,
+              const std::vector<std::string>& words)
 {
-  if (std::count(choices.begin(), choices.end(), value))
-    return;
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      name << " is '" << value << "', expected " << joinWords(choices));
+  const auto word = std::find(words.begin(), words.end(), value);
+  if (word == words.end())
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        name << " is '" << value << "', expected " << joinWords(words));
+  return int(word - words.begin());
 }
 
 } // namespace
@@ -431,9 +448,11 @@ requireChoice(const std::string& value, const std::vector<std::string>& choices,
 void
 MapperConfig::validate()
 {
-  requireChoice(pixel_fusion, {"mean", "product"}, "pixel_fusion");
-  requireChoice(clearing, {"none", "full", "careful"}, "clearing");
-  requireChoice(crf, crf_models, "crf");
+  map.fusion.pixel_fusion =
+      PixelFusion(requireChoice("pixel_fusion", pixel_fusion, {"mean", "product"}));
+  map.fusion.clearing =
+      Clearing(requireChoice("clearing", clearing, {"none", "full", "careful"}));
+  requireChoice("crf", crf, crf_models);
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // is for organized clouds
     PCL_THROW_EXCEPTION(InvalidParameterException,
@@ -441,11 +460,6 @@ MapperConfig::validate()
                             << cliques
                             << "', expected cubes:SIZE, superpixel or supervoxel");
   makeCliqueGenerator(cliques, clique_parameters);
-  map.fusion.pixel_fusion =
-      pixel_fusion == "mean" ? PixelFusion::mean : PixelFusion::product;
-  map.fusion.clearing = clearing == "none"   ? Clearing::none
-                        : clearing == "full" ? Clearing::full
-                                             : Clearing::careful;
   if (!(map.max_range > 0.0))
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "max_depth is " << map.max_range << " m, expected more than 0");
@@ -454,23 +468,13 @@ MapperConfig::validate()
   makeDisparityEstimator(stereo, disparities); // checks both
   for (const auto& [name, value] : {std::pair("max_deviation", max_deviation),
                                     std::pair("deviation_scale", deviation_scale)})
-    if (!(value >= 0.0 && value <= 100.0))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          name << " is " << value << ", expected 0 to 100");
-  if (!(min_hit_ratio >= 0.0 && min_hit_ratio <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "min_hit_ratio is " << min_hit_ratio << ", expected 0 to 1");
-  if (crf_every < 1)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "crf_every is " << crf_every << ", expected 1 or more");
-  if (!(clique_exclude_threshold >= 0.0 && clique_exclude_threshold <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "clique_exclude_threshold is "
-                                                       << clique_exclude_threshold
-                                                       << ", expected 0 to 1");
-  if (!(label_confidence > 0.0 && label_confidence <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label_confidence is " << label_confidence
-                                               << ", expected more than 0, at most 1");
+    require(value >= 0.0 && value <= 100.0, name, value, "0 to 100");
+  for (const auto& [name, value] :
+       {std::pair("min_hit_ratio", min_hit_ratio),
+        std::pair("clique_exclude_threshold", clique_exclude_threshold)})
+    require(value >= 0.0 && value <= 1.0, name, value, "0 to 1");
+  require(crf_every >= 1, "crf_every", crf_every, "1 or more");
+  requireConfidence(label_confidence);
 }
 
 ConfigParameters
@@ -497,8 +501,7 @@ parametersOf(MapperConfig& config)
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
       {"window",
        "extent of the window around the sensor: X,Y,Z, world axes [m]; 0,0,0 = as far "
-       "as "
-       "max_depth reaches, at most 24 m high",
+       "as max_depth reaches, at most 24 m high",
        &config.map.window},
       {"max_depth", "maximum depth of a hit [m]; pixels beyond it only clear space",
        &config.map.max_range},
@@ -514,8 +517,7 @@ parametersOf(MapperConfig& config)
        &fusion.occupied_probability},
       {"clearing",
        "what of a ray clears space: none of it, full, or careful: not its end, where "
-       "it "
-       "may run along the surface that it meets",
+       "it may run along the surface that it meets",
        &config.clearing},
       {"per_ray_counting",
        "count every ray instead of one hit or miss a frame, as in the paper: true or "
@@ -539,8 +541,7 @@ parametersOf(MapperConfig& config)
        &config.crf_write_back},
       {"cliques",
        "cliques of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] (of "
-       "a "
-       "frame) or supervoxel[:SEED_DISTANCE [m]]",
+       "a frame) or supervoxel[:SEED_DISTANCE [m]]",
        &config.cliques},
       {"clique_exclude",
        "classes, separated by commas, whose voxels are in no clique, or none",
@@ -548,34 +549,40 @@ parametersOf(MapperConfig& config)
       {"clique_exclude_threshold",
        "threshold on the probability of the classes of --clique-exclude",
        &config.clique_exclude_threshold, "clique_leaves_out_above"}};
-  for (ConfigParameter& parameter : parametersOf(config.clique_parameters))
-    parameters.push_back(std::move(parameter));
-  for (ConfigParameter& parameter : parametersOf(config.crf_parameters, "m"))
-    parameters.push_back(std::move(parameter));
+  append(parameters, parametersOf(config.clique_parameters));
+  append(parameters, parametersOf(config.crf_parameters, "m"));
   parameters.push_back(
       {"threads", "number of threads; 0 = all processors", &config.threads});
   return parameters;
 }
 
+std::vector<Label>
+listedLabels(const std::string& names, const LabelSet& label_set,
+             const std::string& what)
+{
+  std::vector<Label> labels;
+  if (names == "none")
+    return labels;
+  std::istringstream stream(names);
+  for (std::string name; std::getline(stream, name, ',');) {
+    labels.push_back(label_set.find(name));
+    if (labels.back() == kUnlabelled)
+      PCL_THROW_EXCEPTION(InvalidParameterException,
+                          what << ": class '" << name << "' is not in the label set");
+  }
+  return labels;
+}
+
 void
 readMapperConfig(const std::string& path, MapperConfig& config)
 {
-  if (path.empty())
-    return;
-  readParameters(path, parametersOf(config));
-  try {
-    config.validate();
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
-  }
+  readConfig(path, config);
 }
 
 CRFModelType
 MapperConfig::crfModel() const
 {
-  const auto model = std::find(crf_models.begin(), crf_models.end(), crf);
-  return static_cast<CRFModelType>(model - crf_models.begin());
+  return CRFModelType(requireChoice("crf", crf, crf_models));
 }
 
 std::string

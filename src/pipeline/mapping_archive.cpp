@@ -10,12 +10,6 @@ namespace pcl_semantic {
 MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
     : options_(options)
 {
-  if (options_.every < 1)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "--archive-every is "
-                                                       << options_.every
-                                                       << ", expected 1 or more");
-  if (options_.path.empty() && options_.resume)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "--resume needs --archive");
   if (!options_.path.empty() && run.config.cliques.rfind("superpixel", 0) == 0 &&
       run.config.clique_parameters.superpixel.keep)
     PCL_THROW_EXCEPTION(InvalidParameterException,

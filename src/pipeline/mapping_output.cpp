@@ -52,12 +52,9 @@ toJson(const Eigen::Vector3d& vector)
   return {vector.x(), vector.y(), vector.z()};
 }
 
-// Written at each frame.
+// Written at each frame, beside final_labels at the end.
 constexpr const char* frame_folders[] = {"labels", "labels_at_depth", "network_labels",
                                          "overlay"};
-
-constexpr const char* image_folders[] = {"labels", "labels_at_depth", "network_labels",
-                                         "overlay", "final_labels"};
 
 constexpr const char* map_files[] = {"map.pcd", "map_classes.pcd", "label_set.yaml",
                                      "top_view.png", "trajectory.txt"};
@@ -96,9 +93,11 @@ MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
   refuseForeignImages();
   makeOutputFolder(folder_);
   lock_ = std::make_unique<FolderLock>(folder_);
-  if (run_.camera)
-    for (const char* name : image_folders)
-      makeOutputFolder(path(name));
+  if (!run_.camera)
+    return;
+  for (const char* name : frame_folders)
+    makeOutputFolder(path(name));
+  makeOutputFolder(path("final_labels"));
 }
 
 MappingOutput::~MappingOutput() = default;
@@ -109,7 +108,8 @@ MappingOutput::names()
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all = {"summary.json", live_folder};
     all.insert(all.end(), std::begin(map_files), std::end(map_files));
-    all.insert(all.end(), std::begin(image_folders), std::end(image_folders));
+    all.insert(all.end(), std::begin(frame_folders), std::end(frame_folders));
+    all.push_back("final_labels");
     all.insert(all.end(), ExtraOutput::names().begin(), ExtraOutput::names().end());
     return all;
   }();

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/byte_reader.h"
+#include "files/byte_writer.h"
+
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/version.h>
 
 #include <opencv2/core/version.hpp>
 
+#include <array>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -14,38 +19,18 @@
 
 namespace pcl_semantic {
 
-/** \brief FNV-1a over all bytes that were added: tells what was changed by mistake, not
- * what was forged. */
-class Digest {
-public:
-  void
-  add(const void* bytes, std::size_t size)
-  {
-    const auto* const begin = static_cast<const std::uint8_t*>(bytes);
-    for (std::size_t i = 0; i < size; ++i)
-      value_ = (value_ ^ begin[i]) * 0x100000001B3ull;
-  }
-
-  std::uint64_t
-  value() const
-  {
-    return value_;
-  }
-
-private:
-  std::uint64_t value_ = 0xCBF29CE484222325ull;
-};
-
 namespace {
 
 namespace fs = std::filesystem;
 
+// FNV-1a: tells what was changed by mistake, not what was forged.
 std::uint64_t
 digestOf(const std::vector<std::uint8_t>& bytes)
 {
-  Digest digest;
-  digest.add(bytes.data(), bytes.size());
-  return digest.value();
+  std::uint64_t digest = 0xCBF29CE484222325ull;
+  for (const std::uint8_t byte : bytes)
+    digest = (digest ^ byte) * 0x100000001B3ull;
+  return digest;
 }
 
 std::string
@@ -119,6 +104,14 @@ describeLabelSet(const LabelSet& label_set, std::ostream& text)
   }
 }
 
+template <typename Counts>
+auto
+membersOf(Counts& counts)
+{
+  return std::array{&counts.points, &counts.rays,         &counts.invalid,
+                    &counts.sky,    &counts.seen_through, &counts.hit_voxels};
+}
+
 std::map<std::string, std::string>
 valuesOf(const std::string& description)
 {
@@ -168,6 +161,53 @@ changeOfRun(const std::string& before, const std::string& now)
       return name + " was " + was + ", is " + is;
   }
   return {};
+}
+
+FrameRecord
+recordOf(const MappedFrame& mapped)
+{
+  return {mapped.frame.number, mapped.T_world_camera, mapped.counts,
+          mapped.times.seconds(), mapped.domain_shift};
+}
+
+std::vector<std::uint8_t>
+encodeFrameRecord(const FrameRecord& record)
+{
+  ByteWriter writer;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      writer.put(record.T_world_camera(row, column));
+  for (const std::size_t* const count : membersOf(record.counts))
+    writer.put(static_cast<std::uint64_t>(*count));
+  writer.put(static_cast<std::uint32_t>(record.seconds.size()));
+  for (const auto& [stage, seconds] : record.seconds) {
+    writer.putText(stage);
+    writer.put(seconds);
+  }
+  writer.put(record.domain_shift);
+  return writer.bytes();
+}
+
+FrameRecord
+decodeFrameRecord(int number, const std::vector<std::uint8_t>& bytes)
+{
+  ByteReader reader(bytes);
+  FrameRecord record;
+  record.number = number;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      record.T_world_camera(row, column) = reader.get<double>();
+  for (std::size_t* const count : membersOf(record.counts))
+    *count = reader.get<std::uint64_t>();
+  for (auto stages = reader.get<std::uint32_t>(); stages > 0; --stages) {
+    const std::string stage = reader.getText();
+    record.seconds.emplace_back(stage, reader.get<double>());
+  }
+  if (reader.left() > 0)
+    record.domain_shift = reader.get<double>();
+  if (reader.left() > 0 || !record.T_world_camera.matrix().allFinite())
+    PCL_THROW_EXCEPTION(BadInputException, "is no record of a frame");
+  return record;
 }
 
 } // namespace pcl_semantic

@@ -180,11 +180,13 @@ SemanticMapper::fuse(MappedFrame& mapped)
   refined_ = isRefinedAt(frames_);
   if (config_.crf != "none" && refined_)
     times.measure("crf", [&] {
-      refine(mapped);
+      cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
+      refineVoxels(mapped.voxels);
       map_.setRefined(mapped.voxels, mapped.voxels.refined, config_.crf_write_back);
     });
   else
-    setFrameOfCliques(mapped); // for finish()
+    // For finish().
+    cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
   ++frames_;
   if (callback_)
     callback_(mapped, map_);
@@ -234,19 +236,6 @@ SemanticMapper::integrate(const MappedFrame& mapped)
     PCL_THROW_EXCEPTION(BadInputException,
                         "frame " << mapped.frame.number << ": " << error.what());
   }
-}
-
-void
-SemanticMapper::setFrameOfCliques(const MappedFrame& mapped)
-{
-  cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
-}
-
-void
-SemanticMapper::refine(MappedFrame& mapped)
-{
-  setFrameOfCliques(mapped);
-  refineVoxels(mapped.voxels);
 }
 
 void

@@ -23,8 +23,8 @@ std::string
 mapCommand(const std::string& output, const std::string& archive,
            const std::string& more = "", const std::string& street = thereAndBack())
 {
-  return "map " + street + " --labels " + street +
-         "/labels --voxel-size 0.2 --window 16,6,6 --max-depth 8 --crf-every 3 "
+  return mapOf(street) +
+         " --voxel-size 0.2 --window 16,6,6 --max-depth 8 --crf-every 3 "
          "--output " +
          output + (archive.empty() ? "" : " --archive " + archive) +
          " --archive-every 2 " + more;
@@ -53,8 +53,7 @@ std::string
 exportOf(const std::string& archive)
 {
   const std::string path = archive + ".pcd";
-  const ToolResult result = runTool("archive export " + archive + " " + path);
-  EXPECT_EQ(result.code, 0) << result.text;
+  succeed("archive export " + archive + " " + path);
   return bytesOf(path);
 }
 
@@ -99,7 +98,7 @@ protected:
 
 TEST_F(ArchivedRun, IsTheMapOfARunWithoutArchive)
 {
-  ASSERT_EQ(runTool(mapCommand(folder_.path("plain"), "")).code, 0);
+  succeed(mapCommand(folder_.path("plain"), ""));
   EXPECT_TRUE(contentOf(folder_.path("plain")) == contentOf(whole_));
   EXPECT_TRUE(exportOf(whole_archive_) == bytesOf(whole_ + "/map.pcd"));
   // The window has lost blocks on the way, or nothing of this would be tested.
@@ -186,7 +185,7 @@ TEST_F(ArchivedRun, ADifferentNumberOfThreadsMayGoOn)
   const std::string output = folder_.path("out"), archive = folder_.path("run.map");
   runShell("timeout -s KILL " + std::to_string(0.7 * seconds_) + " " +
            shellCommand(mapCommand(output, archive, "--threads 1")) + " 2>&1");
-  ASSERT_EQ(runTool(mapCommand(output, archive, "--resume --threads 3")).code, 0);
+  succeed(mapCommand(output, archive, "--resume --threads 3"));
   EXPECT_TRUE(exportOf(archive) == exportOf(whole_archive_));
 }
 
@@ -194,16 +193,13 @@ TEST_F(ArchivedRun, WhatTheCrfWroteBackIsInTheArchive)
 {
   const std::string more = "--crf-write-back true";
   const std::string whole = folder_.path("back.map");
-  ASSERT_EQ(runTool(mapCommand(folder_.path("back"), whole, more)).code, 0);
+  succeed(mapCommand(folder_.path("back"), whole, more));
   EXPECT_FALSE(exportOf(whole) == exportOf(whole_archive_));
   const std::string output = folder_.path("out"), archive = folder_.path("run.map");
   runShell("timeout -s KILL " + std::to_string(0.7 * seconds_) + " " +
            shellCommand(mapCommand(output, archive, more)) + " 2>&1");
   // On another processor, too: all tiers give the same bits.
-  ASSERT_EQ(runTool(mapCommand(output, archive, "--resume " + more),
-                    "PCL_SEMANTIC_SIMD=plain")
-                .code,
-            0);
+  succeed(mapCommand(output, archive, "--resume " + more), "PCL_SEMANTIC_SIMD=plain");
   EXPECT_TRUE(exportOf(archive) == exportOf(whole));
 }
 
@@ -213,7 +209,7 @@ TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
   const std::string street = copies.path("street");
   fs::copy(thereAndBack(), street, fs::copy_options::recursive);
   const std::string output = copies.path("out"), archive = copies.path("run.map");
-  ASSERT_EQ(runTool(mapCommand(output, archive, "", street)).code, 0);
+  succeed(mapCommand(output, archive, "", street));
   const std::string bytes = bytesOf(archive);
   const auto refuses = [&](const std::string& more, const std::string& says) {
     SCOPED_TRACE(more);
@@ -247,10 +243,8 @@ TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
 
 TEST_F(ArchivedRun, TheImagesOfEarlierFramesHaveToBeThere)
 {
-  const ToolResult result =
-      runTool(mapCommand(folder_.path("other"), whole_archive_, "--resume"));
-  EXPECT_EQ(result.code, 3);
-  EXPECT_TRUE(holds(result.text, "labels/000000.png: is missing; a run goes on in"));
+  expectFails(mapCommand(folder_.path("other"), whole_archive_, "--resume"), 3,
+              "labels/000000.png: is missing; a run goes on in");
   EXPECT_FALSE(fs::exists(folder_.path("other")));
 }
 

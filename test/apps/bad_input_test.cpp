@@ -112,13 +112,6 @@ network(const std::string& bytes)
   return network(4, &bytes);
 }
 
-void
-expectAllFail(const std::vector<BadCase>& cases)
-{
-  for (const BadCase& bad : cases)
-    expectFails(bad);
-}
-
 } // namespace
 
 TEST(BadInput, Sequence)

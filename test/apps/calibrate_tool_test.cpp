@@ -30,10 +30,10 @@ protected:
     fs::remove(folder_.path("two/gt/000001.png"));
   }
 
-  ToolResult
+  std::string
   calibrateStreets(const std::string& options = "")
   {
-    return runTool("calibrate " + folder_.path("one ") + folder_.path("two") + folders +
+    return succeed("calibrate " + folder_.path("one ") + folder_.path("two") + folders +
                    "--output " + folder_.path("out") + " " + options);
   }
 
@@ -58,12 +58,11 @@ protected:
 
 TEST_F(CalibrateTool, WritesWhatItLearned)
 {
-  const ToolResult result = calibrateStreets();
-  ASSERT_EQ(result.code, 0) << result.text;
+  const std::string text = calibrateStreets();
   EXPECT_EQ(filesIn(folder_.path("out")),
             (std::set<std::string>{"calibration.yaml", "report.md", "without_one.yaml",
                                    "without_two.yaml"}));
-  EXPECT_TRUE(holds(result.text, bytesOf(folder_.path("out/report.md"))));
+  EXPECT_TRUE(holds(text, bytesOf(folder_.path("out/report.md"))));
   const LabelSet label_set = readLabelSet(label_set_path);
   std::array<bool, 256> is_there{};
   for (const char* const frame : {"000000", "000001", "000002"}) {
@@ -80,9 +79,8 @@ TEST_F(CalibrateTool, WritesWhatItLearned)
     EXPECT_EQ(all.fitted[std::size_t(l)], is_there[std::size_t(l) + 1]) << l;
   EXPECT_GT(all.sharpness, 0.0f);
   // What was learned without a street is what the other street teaches alone.
-  const ToolResult alone = runTool("calibrate " + folder_.path("one") + folders +
-                                   "--output " + folder_.path("alone"));
-  ASSERT_EQ(alone.code, 0) << alone.text;
+  succeed("calibrate " + folder_.path("one") + folders + "--output " +
+          folder_.path("alone"));
   EXPECT_EQ(filesIn(folder_.path("alone")),
             (std::set<std::string>{"calibration.yaml", "report.md"}));
   EXPECT_EQ(bytesOf(folder_.path("alone/calibration.yaml")),
@@ -95,7 +93,7 @@ TEST_F(CalibrateTool, TakesFeatures)
 {
   const LabelSet label_set = readLabelSet(label_set_path);
   const auto features = [&](const std::string& options) {
-    EXPECT_EQ(calibrateStreets(options).code, 0);
+    calibrateStreets(options);
     std::vector<Feature> all;
     const std::string path = folder_.path("out/calibration.yaml");
     const bool of_cliques = options.find("--clique-config") != std::string::npos;
@@ -120,7 +118,7 @@ TEST_F(CalibrateTool, TakesFeatures)
 
 TEST_F(CalibrateTool, ItsReportAgreesWithPclSemanticEvaluate)
 {
-  ASSERT_EQ(calibrateStreets("--threads 1").code, 0);
+  calibrateStreets("--threads 1");
   std::string command = "evaluate --label-set " + label_set_path + " --output " +
                         folder_.path("evaluation");
   for (const std::string name : {"one", "two"}) {
@@ -131,8 +129,7 @@ TEST_F(CalibrateTool, ItsReportAgreesWithPclSemanticEvaluate)
       for (const char* const frame : {"/000000.png", "/000001.png"})
         fs::remove(folder_.path(name + "_map/network_labels" + frame));
   }
-  const ToolResult evaluated = runTool(command);
-  ASSERT_EQ(evaluated.code, 0) << evaluated.text;
+  succeed(command);
   const auto json = readJson(folder_.path("evaluation/metrics.json"));
   const std::vector<double> network = rowOf("the network as it comes");
   ASSERT_GT(network.size(), 4u);
@@ -148,7 +145,7 @@ TEST_F(CalibrateTool, ItsReportAgreesWithPclSemanticEvaluate)
 
 TEST_F(CalibrateTool, TheMapTakesIt)
 {
-  ASSERT_EQ(calibrateStreets().code, 0);
+  calibrateStreets();
   const std::string street = folder_.path("one");
   mapStreet(street, folder_.path("plain"), "--crf none");
   mapStreet(street, folder_.path("calibrated"),
@@ -167,11 +164,9 @@ TEST_F(CalibrateTool, TheMapTakesIt)
          "seen:\n  usual_distance: 0.2\n  height:\n    vegetation: [1, 0, 0, 0, 0, 0, "
          "0, 0, 0, 0, 0]\n  distance: {}\n  level: {}\n";
   folder_.write("wood.yaml", text);
-  const ToolResult wood = runTool("map " + street + " --labels " + street +
-                                  "/labels --output " + folder_.path("wood") +
-                                  " --label-calibration " + folder_.path("wood.yaml"));
-  EXPECT_EQ(wood.code, 0);
-  EXPECT_TRUE(holds(wood.text, "wood.yaml: was learned from other streets than this"));
+  const std::string wood = succeed(mapOf(street) + " --output " + folder_.path("wood") +
+                                   " --label-calibration " + folder_.path("wood.yaml"));
+  EXPECT_TRUE(holds(wood, "wood.yaml: was learned from other streets than this"));
   EXPECT_GT(readJson(folder_.path("wood/summary.json"))["domain_shift"], 1.0);
   // It is the identity that changes nothing.
   folder_.write("same.yaml", "sharpness: 1\nground: []\nknots: {}\nclasses: {}\n");
@@ -187,8 +182,7 @@ TEST_F(CalibrateTool, LearnsWhatCliquesAreWorth)
                 "crf: hierarchical\ncliques: \"superpixel:50\"\n"
                 "clique_update_from_members: false\nclique_exclude: pole\n");
   const std::string config = " --clique-config " + folder_.path("map.yaml");
-  const ToolResult result = calibrateStreets(config);
-  ASSERT_EQ(result.code, 0) << result.text;
+  calibrateStreets(config);
   EXPECT_EQ(filesIn(folder_.path("out")),
             (std::set<std::string>{"calibration.yaml", "report.md", "without_one.yaml",
                                    "without_two.yaml"}));
@@ -208,19 +202,14 @@ TEST_F(CalibrateTool, LearnsWhatCliquesAreWorth)
   EXPECT_EQ(
       readJson(folder_.path("calibrated/summary.json"))["inputs"]["clique_calibration"],
       folder_.path("out/calibration.yaml"));
-  const ToolResult swapped =
-      runTool("map " + street + " --labels " + street + "/labels --output " +
-              folder_.path("x") + " --label-calibration " +
-              folder_.path("out/calibration.yaml"));
-  EXPECT_EQ(swapped.code, 3);
-  EXPECT_TRUE(holds(swapped.text, "line 1: is a calibration of 'cliques'"));
+  expectFails(mapOf(street) + " --output " + folder_.path("x") +
+                  " --label-calibration " + folder_.path("out/calibration.yaml"),
+              3, "line 1: is a calibration of 'cliques'");
   // The labels of the maps that it learns from can be calibrated.
-  ASSERT_EQ(calibrateStreets().code, 0);
+  calibrateStreets();
   fs::rename(folder_.path("out"), folder_.path("pixels"));
-  ASSERT_EQ(calibrateStreets(config + " --label-calibration " +
-                             folder_.path("pixels/without_'{name}'.yaml"))
-                .code,
-            0);
+  calibrateStreets(config + " --label-calibration " +
+                   folder_.path("pixels/without_'{name}'.yaml"));
   EXPECT_NE(bytesOf(folder_.path("out/calibration.yaml")), of_cliques);
 }
 
@@ -230,9 +219,7 @@ TEST_F(CalibrateTool, OptionsOverrideTheConfigurationOfTheMaps)
   for (const std::string engine : {"sgm", "sgbm"}) {
     folder_.write("map.yaml", "crf: hierarchical\nstereo: " + engine + "\n");
     for (const char* const option : {"", " --stereo sgbm"}) {
-      ASSERT_EQ(
-          calibrateStreets("--clique-config " + folder_.path("map.yaml") + option).code,
-          0);
+      calibrateStreets("--clique-config " + folder_.path("map.yaml") + option);
       learned.push_back(bytesOf(folder_.path("out/calibration.yaml")));
     }
   }
@@ -243,11 +230,10 @@ TEST_F(CalibrateTool, OptionsOverrideTheConfigurationOfTheMaps)
 
 TEST_F(CalibrateTool, TakesTheFramesOfARangeAndLeavesNothingOfAnEarlierRun)
 {
-  ASSERT_EQ(calibrateStreets().code, 0);
+  calibrateStreets();
   const std::string of_last_frame = bytesOf(folder_.path("out/without_one.yaml"));
-  const ToolResult result = runTool("calibrate " + folder_.path("one") + folders +
-                                    "--frames 2:3 --output " + folder_.path("out"));
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed("calibrate " + folder_.path("one") + folders + "--frames 2:3 --output " +
+          folder_.path("out"));
   EXPECT_EQ(bytesOf(folder_.path("out/calibration.yaml")), of_last_frame);
   EXPECT_EQ(filesIn(folder_.path("out")),
             (std::set<std::string>{"calibration.yaml", "report.md"}));
@@ -262,62 +248,59 @@ TEST(CalibrateToolUsage, BadInput)
   };
   const std::string map =
       "--labels STREET/labels --label-calibration STREET/c.yaml --archive TEMP/a.map";
-  for (const BadCase& bad : std::vector<BadCase>{
-           {"nothing", 2, "'--sequences' is required",
-            "calibrate --output OUT" + folders},
-           {"no truth option", 2, "'--truth' is required",
-            "calibrate STREET --output OUT --labels STREET/labels"},
-           {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
-           {"shrinkage", 2, "shrinkage is 2", all + "--shrinkage 2"},
-           {"penalty", 2, "bias_penalty is -1", all + "--bias-penalty -1"},
-           {"engine", 2, "stereo", all + "--stereo best"},
-           {"ground", 2, "--ground: class 'lawn' is not in the label set",
-            all + "--ground road,lawn"},
-           {"no feature", 2, "--features: 'smell' is none",
-            all + "--features height,smell"},
-           {"of cliques alone", 2, "--features: 'lowest' is not known of pixels",
-            all + "--features lowest"},
-           {"one twice", 2, "two sequences are called street",
-            "calibrate STREET STREET --output OUT" + folders},
-           {"no truth", 3, "street/none",
-            "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
-            "'{sequence}/none'"},
-           {"no labels", 3, "x/street: is no folder of stored labels",
-            "calibrate STREET --output OUT --labels 'TEMP/x/{name}' --truth "
-            "'{sequence}/gt'"},
-           {"frames", 2, "expected A:B", all + "--frames 3"},
-           {"no such frames", 3, "has no ground truth image", all + "--frames 7:9"},
-           {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
-            all + "--clique-config STREET/c.yaml", calibration("crf: dense\n")},
-           {"one class", 3, "expected ground truth of two classes or more", all,
-            [](const std::string& street) {
-              for (const char* const frame : {"000000", "000001", "000002"})
-                writePng(street + "/gt/" + frame + ".png",
-                         cv::Mat(64, 208, CV_8UC1, cv::Scalar(3)));
-            }},
-           {"no output", 5, "poses.txt",
-            "calibrate STREET --output STREET/poses.txt" + folders},
-           {"no calibration", 3, "c.yaml", map},
-           {"labels of no maps", 2, "is for maps, with --clique-config",
-            all + "--label-calibration STREET/c.yaml"},
-           {"no such parameter", 3, "c.yaml line 1",
-            all + "--clique-config STREET/c.yaml", calibration("clique_size: 1\n")},
-           {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
-            "--labels STREET/labels --clique-calibration STREET/c.yaml",
-            calibration("of: pixels\nsharpness: 1\nground: []\n")},
-           {"cliques of another model", 2, "is for the model hierarchical, not dense",
-            "--labels STREET/labels --clique-calibration STREET/c.yaml",
-            calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
-           {"cliques leave out", 2, "class 'lawn' is not in the label set",
-            "--labels STREET/labels --clique-exclude lawn"},
-           {"no likelihood", 2, "clique_exclude_threshold is 2, expected 0 to 1",
-            "--labels STREET/labels --clique-exclude-threshold 2"},
-           {"unknown class", 3, "c.yaml line 4: class 'lawn' is not in the label set",
-            map,
-            calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {lawn: {}}\n")},
-           {"falling knots", 3, "c.yaml line 3: expected two or more rising knots", map,
-            calibration("sharpness: 1\nground: []\nknots: {height: [1, 0]}\n")}})
-    expectFails(bad);
+  expectAllFail(
+      {{"nothing", 2, "'--sequences' is required", "calibrate --output OUT" + folders},
+       {"no truth option", 2, "'--truth' is required",
+        "calibrate STREET --output OUT --labels STREET/labels"},
+       {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
+       {"shrinkage", 2, "shrinkage is 2", all + "--shrinkage 2"},
+       {"penalty", 2, "bias_penalty is -1", all + "--bias-penalty -1"},
+       {"engine", 2, "stereo", all + "--stereo best"},
+       {"ground", 2, "--ground: class 'lawn' is not in the label set",
+        all + "--ground road,lawn"},
+       {"no feature", 2, "--features: 'smell' is none",
+        all + "--features height,smell"},
+       {"of cliques alone", 2, "--features: 'lowest' is not known of pixels",
+        all + "--features lowest"},
+       {"one twice", 2, "two sequences are called street",
+        "calibrate STREET STREET --output OUT" + folders},
+       {"no truth", 3, "street/none",
+        "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
+        "'{sequence}/none'"},
+       {"no labels", 3, "x/street: is no folder of stored labels",
+        "calibrate STREET --output OUT --labels 'TEMP/x/{name}' --truth "
+        "'{sequence}/gt'"},
+       {"frames", 2, "expected A:B", all + "--frames 3"},
+       {"no such frames", 3, "has no ground truth image", all + "--frames 7:9"},
+       {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
+        all + "--clique-config STREET/c.yaml", calibration("crf: dense\n")},
+       {"one class", 3, "expected ground truth of two classes or more", all,
+        [](const std::string& street) {
+          for (const char* const frame : {"000000", "000001", "000002"})
+            writePng(street + "/gt/" + frame + ".png",
+                     cv::Mat(64, 208, CV_8UC1, cv::Scalar(3)));
+        }},
+       {"no output", 5, "poses.txt",
+        "calibrate STREET --output STREET/poses.txt" + folders},
+       {"no calibration", 3, "c.yaml", map},
+       {"labels of no maps", 2, "is for maps, with --clique-config",
+        all + "--label-calibration STREET/c.yaml"},
+       {"no such parameter", 3, "c.yaml line 1", all + "--clique-config STREET/c.yaml",
+        calibration("clique_size: 1\n")},
+       {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
+        "--labels STREET/labels --clique-calibration STREET/c.yaml",
+        calibration("of: pixels\nsharpness: 1\nground: []\n")},
+       {"cliques of another model", 2, "is for the model hierarchical, not dense",
+        "--labels STREET/labels --clique-calibration STREET/c.yaml",
+        calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
+       {"cliques leave out", 2, "class 'lawn' is not in the label set",
+        "--labels STREET/labels --clique-exclude lawn"},
+       {"no likelihood", 2, "clique_exclude_threshold is 2, expected 0 to 1",
+        "--labels STREET/labels --clique-exclude-threshold 2"},
+       {"unknown class", 3, "c.yaml line 4: class 'lawn' is not in the label set", map,
+        calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {lawn: {}}\n")},
+       {"falling knots", 3, "c.yaml line 3: expected two or more rising knots", map,
+        calibration("sharpness: 1\nground: []\nknots: {height: [1, 0]}\n")}});
 }
 
 } // namespace pcl_semantic

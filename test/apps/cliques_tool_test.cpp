@@ -51,14 +51,6 @@ pointsIn(const std::string& path)
   return cloud;
 }
 
-std::string
-run(const std::string& arguments)
-{
-  const ToolResult result = runTool(arguments);
-  EXPECT_EQ(result.code, 0) << arguments << "\n" << result.text;
-  return result.text;
-}
-
 // A map of one frame of the tiny street, and the frame's cloud; made once.
 class CliquesTool : public testing::Test {
 protected:
@@ -66,10 +58,9 @@ protected:
   SetUpTestSuite()
   {
     folder_ = std::make_unique<TemporaryFolder>();
-    run("map " + tinyStreet() + " --labels " + tinyStreet() +
-        "/labels --frames 0:2 --crf none --output " + path("map"));
-    run("stereo " + tinyStreet() + "/image_2/000001.png " + tinyStreet() +
-        "/image_3/000001.png " + tinyStreet() + "/calib.txt " + path("frame.pcd"));
+    succeed(mapOf(tinyStreet()) + " --frames 0:2 --crf none --output " + path("map"));
+    succeed("stereo " + tinyStreet() + "/image_2/000001.png " + tinyStreet() +
+            "/image_3/000001.png " + tinyStreet() + "/calib.txt " + path("frame.pcd"));
   }
 
   static void
@@ -113,10 +104,8 @@ protected:
     return listsOf(generator.generate(points));
   }
 
-  static std::unique_ptr<TemporaryFolder> folder_;
+  static inline std::unique_ptr<TemporaryFolder> folder_;
 };
-
-std::unique_ptr<TemporaryFolder> CliquesTool::folder_;
 
 } // namespace
 
@@ -133,7 +122,7 @@ TEST_F(CliquesTool, WritesWhatTheGeneratorsSayAndKeepsEverythingElse)
        {std::pair<std::string, Cliques>("cubes:0.7", cubes),
         {"supervoxel:0.5 --supervoxel-normal-weight 2", supervoxels}}) {
     const std::string text =
-        run("cliques " + map() + " " + out + " --method " + method);
+        succeed("cliques " + map() + " " + out + " --method " + method);
     EXPECT_TRUE(holds(text, "cliques: " + std::to_string(expected.size()) + "\n"));
     EXPECT_TRUE(cliquesIn(out) == expected) << method;
     PcdTable table = readPcd(out);
@@ -149,14 +138,14 @@ TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
                            " --method superpixel:40 --frame " + path("frame.pcd");
   const Cliques expected = superpixels(pose());
   EXPECT_GT(expected.size(), 15u);
-  run(tool + " --pose " + path("map/trajectory.txt") + ":1");
+  succeed(tool + " --pose " + path("map/trajectory.txt") + ":1");
   EXPECT_TRUE(cliquesIn(path("out.pcd")) == expected);
 
   const Eigen::Quaterniond turn(pose().linear());
   std::ostringstream numbers;
   numbers << std::setprecision(17) << " --pose '" << pose().translation().transpose()
           << " " << turn.coeffs().transpose() << "'";
-  run(tool + numbers.str());
+  succeed(tool + numbers.str());
   EXPECT_TRUE(cliquesIn(path("out.pcd")) == expected);
 
   PcdTable frame = readPcd(path("frame.pcd")); // the pose it says it has
@@ -164,22 +153,22 @@ TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
   frame.viewpoint = {place.x(), place.y(), place.z(), turn.w(),
                      turn.x(),  turn.y(),  turn.z()};
   writePcd(path("viewed.pcd"), frame);
-  run("cliques " + map() + " " + path("out.pcd") + " --method superpixel:40 --frame " +
-      path("viewed.pcd"));
+  succeed("cliques " + map() + " " + path("out.pcd") +
+          " --method superpixel:40 --frame " + path("viewed.pcd"));
   EXPECT_FALSE(cliquesIn(path("out.pcd")).empty());
 
   const Eigen::Vector3d origin(-3.0, 1.0, 0.5); // the map's, it says
   Eigen::Isometry3d moved = pose();
   moved.pretranslate(-origin);
-  run(tool + " --pose " + path("map/trajectory.txt") + ":1 --map-origin -3,1,0.5");
+  succeed(tool + " --pose " + path("map/trajectory.txt") + ":1 --map-origin -3,1,0.5");
   EXPECT_TRUE(cliquesIn(path("out.pcd")) == superpixels(moved));
 }
 
 TEST_F(CliquesTool, ColoursTellCliquesApart)
 {
-  run("cliques " + map() + " " + path("out.pcd") + " --method superpixel:40 --frame " +
-      path("frame.pcd") + " --pose " + path("map/trajectory.txt") + ":1 --coloured " +
-      path("coloured.pcd"));
+  succeed("cliques " + map() + " " + path("out.pcd") +
+          " --method superpixel:40 --frame " + path("frame.pcd") + " --pose " +
+          path("map/trajectory.txt") + ":1 --coloured " + path("coloured.pcd"));
   const CliqueGenerator::Cloud coloured = pointsIn(path("coloured.pcd"));
   const Cliques cliques = cliquesIn(path("out.pcd"));
   std::set<std::uint32_t> colours;
@@ -201,24 +190,24 @@ TEST_F(CliquesTool, ColoursTellCliquesApart)
 
 TEST_F(CliquesTool, TheCrfReadsItsField)
 {
-  run("cliques " + map() + " " + path("cubes.pcd") + " --method cubes:0.7");
-  run("crf " + path("cubes.pcd") + " " + path("field.pcd") +
-      " --crf hierarchical --cliques field");
-  run("crf " + map() + " " + path("direct.pcd") +
-      " --crf hierarchical --cliques cubes:0.7");
+  succeed("cliques " + map() + " " + path("cubes.pcd") + " --method cubes:0.7");
+  succeed("crf " + path("cubes.pcd") + " " + path("field.pcd") +
+          " --crf hierarchical --cliques field");
+  succeed("crf " + map() + " " + path("direct.pcd") +
+          " --crf hierarchical --cliques cubes:0.7");
   PcdTable field = readPcd(path("field.pcd"));
   field.removeColumns("clique");
   const PcdTable direct = readPcd(path("direct.pcd"));
   EXPECT_EQ(field.data, direct.data);
   EXPECT_NE(direct.data, readPcd(map()).data);
-  run("crf " + map() + " " + path("supervoxels.pcd") +
-      " --crf hierarchical --cliques supervoxel:0.6");
+  succeed("crf " + map() + " " + path("supervoxels.pcd") +
+          " --crf hierarchical --cliques supervoxel:0.6");
 }
 
 TEST_F(CliquesTool, MapsTakeEveryKindOfCliques)
 {
-  const std::string tool = "map " + tinyStreet() + " --labels " + tinyStreet() +
-                           "/labels --crf hierarchical --output " + path("grouped");
+  const std::string tool =
+      mapOf(tinyStreet()) + " --crf hierarchical --output " + path("grouped");
   std::set<std::vector<std::uint8_t>> maps;
   const std::vector<std::string> kinds = {
       " --cliques cubes", " --cliques superpixel:60",
@@ -226,25 +215,25 @@ TEST_F(CliquesTool, MapsTakeEveryKindOfCliques)
       " --cliques superpixel:60 --superpixel-depth-jump 0",
       " --cliques supervoxel:0.5"};
   for (const std::string& kind : kinds) {
-    run(tool + kind);
+    succeed(tool + kind);
     maps.insert(readPcd(path("grouped/map.pcd")).data);
   }
   EXPECT_EQ(maps.size(), kinds.size()); // no two are the same
   // The last map depends on the last frame alone: finish() groups by it.
-  run(tool + " --cliques superpixel:60 --crf-every 4");
+  succeed(tool + " --cliques superpixel:60 --crf-every 4");
   EXPECT_EQ(maps.count(readPcd(path("grouped/map.pcd")).data), 1u);
 }
 
 TEST_F(CliquesTool, ARunThatWasInterruptedEndsWithTheSameCliques)
 {
   for (const std::string kind : {"superpixel:60", "supervoxel:0.5"}) {
-    const std::string tool = "map " + tinyStreet() + " --labels " + tinyStreet() +
-                             "/labels --crf hierarchical --cliques " + kind;
-    run(tool + " --output " + path("once"));
+    const std::string tool =
+        mapOf(tinyStreet()) + " --crf hierarchical --cliques " + kind;
+    succeed(tool + " --output " + path("once"));
     const std::string archive = path(kind.substr(0, 6) + ".sqlite");
     const std::string kept =
         tool + " --archive-every 1 --resume --archive " + archive + " --output ";
-    run(kept + path("again"));
+    succeed(kept + path("again"));
     EXPECT_EQ(readPcd(path("again/map.pcd")).data, readPcd(path("once/map.pcd")).data);
   }
 }
@@ -269,7 +258,7 @@ TEST(CliquesToolBadInput, IsRefused)
   const std::string tool = "cliques STREET/in.pcd OUT.pcd ";
   const std::string frame = tool + "--method superpixel --frame STREET/in.pcd ";
   const auto image = cloud("in.pcd", "x y z rgba", 2, 1);
-  const BadCase cases[] = {
+  expectAllFail({
       {"no files", 2, "expected IN.pcd OUT.pcd", "cliques a.pcd"},
       {"no method", 2, "--method is missing", "cliques a.pcd OUT.pcd"},
       {"method", 2, "'best', expected cubes", tool + "--method best"},
@@ -318,9 +307,7 @@ TEST(CliquesToolBadInput, IsRefused)
       {"kept superpixels and an archive", 2, "--archive does not go with",
        "--labels STREET/labels --crf hierarchical --cliques superpixel "
        "--superpixel-keep true --archive TEMP/map.sqlite"},
-  };
-  for (const BadCase& bad : cases)
-    expectFails(bad);
+  });
 }
 
 } // namespace pcl_semantic

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
@@ -33,9 +34,8 @@ protected:
   LabelledCloud
   edited(const std::string& options, const std::string& input = "in.pcd") const
   {
-    const ToolResult result = runTool("cloud " + folder.path(input) + " " +
-                                      folder.path("out.pcd") + " " + options);
-    EXPECT_EQ(result.code, 0) << options << "\n" << result.text;
+    succeed("cloud " + folder.path(input) + " " + folder.path("out.pcd") + " " +
+            options);
     return readLabelledCloud(folder.path("out.pcd"));
   }
 
@@ -100,22 +100,17 @@ TEST_F(CloudTool, TurnsAScanOfKittiIntoAMap)
   EXPECT_EQ(intensitiesAndLabels(cloud), (Points{{0.5, 3}, {0.25, 6}}));
 
   writeKittiTrajectory(folder.path("poses.txt"), {Eigen::Isometry3d::Identity()});
-  const ToolResult map = runTool("map --clouds " + folder.path("scans") + " --poses " +
-                                 folder.path("poses.txt") + " --crf none --output " +
-                                 folder.path("map") + " " + mapping);
-  EXPECT_EQ(map.code, 0) << map.text;
+  succeed("map --clouds " + folder.path("scans") + " --poses " +
+          folder.path("poses.txt") + " --crf none --output " + folder.path("map") +
+          " " + mapping);
   EXPECT_EQ(readLabelledCloud(folder.path("map/map.pcd")).cloud->size(), 2u);
-  const ToolResult crf = runTool("crf " + folder.path("scans/000000.bin") + " " +
-                                 folder.path("crf.pcd") + " " + mapping);
-  EXPECT_EQ(crf.code, 0) << crf.text;
-  const ToolResult unmapped =
-      runTool("crf " + folder.path("scans/000000.bin") + " " + folder.path("none.pcd") +
-              " --label-set " + label_set);
-  EXPECT_EQ(unmapped.code, 3);
-  EXPECT_NE(unmapped.text.find("label 40 of point 0 is beyond the 11 classes of "
-                               "--label-set; other numbers need --label-mapping"),
-            std::string::npos)
-      << unmapped.text;
+  succeed("crf " + folder.path("scans/000000.bin") + " " + folder.path("crf.pcd") +
+          " " + mapping);
+  expectFails("crf " + folder.path("scans/000000.bin") + " " + folder.path("none.pcd") +
+                  " --label-set " + label_set,
+              3,
+              "label 40 of point 0 is beyond the 11 classes of "
+              "--label-set; other numbers need --label-mapping");
   EXPECT_EQ(readLabelledCloud(folder.path("crf.pcd")).distributions.classes(), 11);
 }
 
@@ -126,7 +121,7 @@ TEST_F(CloudTool, RefusesWhatCannotBe)
     const ToolResult result = runTool("cloud " + folder.path(input) + " " +
                                       folder.path("out.pcd") + " " + options);
     EXPECT_EQ(result.code, code) << options;
-    EXPECT_NE(result.text.find(says), std::string::npos) << result.text;
+    EXPECT_TRUE(holds(result.text, says));
     EXPECT_FALSE(std::ifstream(folder.path("out.pcd")).good()) << options;
   };
   fails("--crop 0,0,0,1,1", 2, "--crop: expected x0,y0,z0,x1,y1,z1");

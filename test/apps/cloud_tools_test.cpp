@@ -2,6 +2,7 @@
 #include "files/pcd_file.h"
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
+#include "support/thrown_message.h"
 #include "support/virtual_display.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
@@ -21,22 +22,14 @@ namespace {
 
 const std::string label_set = PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
 
-void
-expectRuns(const std::string& arguments)
-{
-  const ToolResult result = runTool(arguments);
-  EXPECT_EQ(result.code, 0) << arguments << "\n" << result.text;
-}
-
 // Clouds of the street by pcl_semantic_stereo and pcl_semantic_label.
 void
 labelClouds(const std::string& street, const TemporaryFolder& folder)
 {
-  expectRuns("stereo " + street + "/image_2 " + street + "/image_3 " + street +
-             "/calib.txt " + folder.path("clouds") +
-             " --max-depth 0 --max-deviation 0");
-  expectRuns("label --clouds " + folder.path("clouds") + " --labels " + street +
-             "/labels --output " + folder.path("labelled"));
+  succeed("stereo " + street + "/image_2 " + street + "/image_3 " + street +
+          "/calib.txt " + folder.path("clouds") + " --max-depth 0 --max-deviation 0");
+  succeed("label --clouds " + folder.path("clouds") + " --labels " + street +
+          "/labels --output " + folder.path("labelled"));
 }
 
 std::string
@@ -132,7 +125,7 @@ TEST(CloudTools, APipelineOfToolsMakesTheSameMap)
 {
   const TemporaryFolder folder;
   labelClouds(tinyStreet(), folder);
-  expectRuns(mapOfClouds(folder) + folder.path("map"));
+  succeed(mapOfClouds(folder) + folder.path("map"));
   mapStreet(tinyStreet(), folder.path("direct"), "");
   EXPECT_EQ(filesIn(folder.path("map")), filesIn(folder.path("direct")));
   for (const std::string& file : filesIn(folder.path("direct")))
@@ -147,8 +140,8 @@ TEST(CloudTools, TheCrfAsAToolOfItsOwnMakesTheSameLabels)
 {
   const TemporaryFolder folder;
   labelClouds(tinyStreet(), folder);
-  expectRuns(mapOfClouds(folder) + folder.path("raw") + " --crf none");
-  expectRuns("crf " + folder.path("raw/map.pcd") + " " + folder.path("refined.pcd"));
+  succeed(mapOfClouds(folder) + folder.path("raw") + " --crf none");
+  succeed("crf " + folder.path("raw/map.pcd") + " " + folder.path("refined.pcd"));
   mapStreet(tinyStreet(), folder.path("direct"), "");
   const LabelledCloud tools = readLabelledCloud(folder.path("refined.pcd"));
   const LabelledCloud direct = readLabelledCloud(folder.path("direct/map.pcd"));
@@ -176,8 +169,8 @@ TEST(CloudTools, OtherFieldsOfALabelledCloudStay)
   stored[5] = stored[11] = stored[30] = stored[43] = 1.0f;
   folder.write("labels.bin",
                std::string(reinterpret_cast<const char*>(stored.data()), 44 * 4));
-  expectRuns("label --clouds " + folder.path("cloud.pcd") + " --labels " +
-             folder.path("labels.bin") + " --output " + folder.path("out.pcd"));
+  succeed("label --clouds " + folder.path("cloud.pcd") + " --labels " +
+          folder.path("labels.bin") + " --output " + folder.path("out.pcd"));
   const LabelledCloud out = readLabelledCloud(folder.path("out.pcd"));
   EXPECT_EQ(out.cloud->height, 2u);
   const std::uint32_t labels[] = {6, 1, 9, 11};
@@ -191,7 +184,7 @@ TEST(CloudTools, OtherFieldsOfALabelledCloudStay)
 
 TEST_F(Scans, OfAnySensorBecomeTheMapOfTheLibrary)
 {
-  expectRuns(map(folder.path("poses.txt")));
+  succeed(map(folder.path("poses.txt")));
   expectVoxels(folder.path("map/map.pcd"), expected());
   EXPECT_EQ(filesIn(folder.path("map")),
             (std::set<std::string>{"label_set.yaml", "map.pcd", "map_classes.pcd",
@@ -201,7 +194,7 @@ TEST_F(Scans, OfAnySensorBecomeTheMapOfTheLibrary)
   ASSERT_EQ(written.size(), 4u);
   EXPECT_TRUE((worldFromFirstCamera() * written[3])
                   .isApprox(T_world_sensor[3] * worldFromFirstCamera(), 1e-9));
-  expectRuns("render " + folder.path("map") + " " + folder.path("map.png"));
+  succeed("render " + folder.path("map") + " " + folder.path("map.png"));
 }
 
 TEST_F(Scans, TimesAndTumPosesFindEachOther)
@@ -219,7 +212,7 @@ TEST_F(Scans, TimesAndTumPosesFindEachOther)
     rows += row.str();
   }
   folder.write("tum.txt", rows);
-  expectRuns(map(folder.path("tum.txt")));
+  succeed(map(folder.path("tum.txt")));
   EXPECT_EQ(readLabelledCloud(folder.path("map/map.pcd")).cloud->size(),
             expected().size());
 }
@@ -244,8 +237,8 @@ TEST_F(Scans, OfKittisLaserHaveThePosesOfItsCamera)
     if (line.rfind("Tr", 0) != 0)
       rows += line + "\n";
   folder.write("calib.txt", rows + row.str() + "\n");
-  expectRuns(map(folder.path("camera0.txt")) + " --sensor laser --calibration " +
-             folder.path("calib.txt"));
+  succeed(map(folder.path("camera0.txt")) + " --sensor laser --calibration " +
+          folder.path("calib.txt"));
   const LabelledCloud read = readLabelledCloud(folder.path("map/map.pcd"));
   EXPECT_NEAR(double(read.cloud->size()), double(expected().size()),
               0.01 * double(expected().size()));
@@ -259,14 +252,11 @@ TEST_F(Scans, WithoutLabelsAreAMapWithoutLabels)
     table.removeColumns("label");
     writePcd(folder.path("clouds/" + std::to_string(i) + ".pcd"), table);
   }
-  const ToolResult result =
-      runTool(replaceAll(map(folder.path("poses.txt")), "--crf none", "--crf dense"));
-  EXPECT_EQ(result.code, 0) << result.text;
-  EXPECT_NE(result.text.find("0.pcd: has no field 'label' or 'probability': it gives "
-                             "the map no labels\n"),
-            std::string::npos)
-      << result.text;
-  EXPECT_EQ(result.text.find("1.pcd"), std::string::npos) << result.text; // said once
+  const std::string text =
+      succeed(replaceAll(map(folder.path("poses.txt")), "--crf none", "--crf dense"));
+  EXPECT_TRUE(holds(text, "0.pcd: has no field 'label' or 'probability': it gives "
+                          "the map no labels\n"));
+  EXPECT_FALSE(holds(text, "1.pcd")); // said once
   const LabelledCloud read = readLabelledCloud(folder.path("map/map.pcd"));
   EXPECT_EQ(read.cloud->size(), expected().size());
   for (const pcl::PointXYZRGBL& point : *read.cloud)
@@ -280,10 +270,8 @@ TEST_F(Scans, InMillimetresAreAnEmptyMapWithAWarning)
       point.getVector3fMap() *= 1000.0f;
     writeLabelledCloud(folder.path("clouds/" + std::to_string(i) + ".pcd"), scans[i]);
   }
-  const ToolResult result = runTool(map(folder.path("poses.txt")));
-  EXPECT_EQ(result.code, 0) << result.text;
-  EXPECT_NE(result.text.find("warning: the map is empty"), std::string::npos)
-      << result.text;
+  const std::string text = succeed(map(folder.path("poses.txt")));
+  EXPECT_TRUE(holds(text, "warning: the map is empty"));
 }
 
 TEST_F(Scans, OfOwnClassesKeepTheirNames)
@@ -293,13 +281,12 @@ TEST_F(Scans, OfOwnClassesKeepTheirNames)
     classes += "  - {name: thing" + std::to_string(label) + ", colour: [" +
                std::to_string(label) + ", 2, 3]}\n";
   folder.write("things.yaml", classes);
-  expectRuns(map(folder.path("poses.txt")) + " --label-set " +
-             folder.path("things.yaml"));
+  succeed(map(folder.path("poses.txt")) + " --label-set " + folder.path("things.yaml"));
   const LabelSet kept = readLabelSet(folder.path("map/label_set.yaml"));
   ASSERT_EQ(kept.size(), 11);
   EXPECT_EQ(kept[3].name, "thing3");
   EXPECT_EQ(kept[7].colour, (std::array<std::uint8_t, 3>{7, 2, 3}));
-  expectRuns("export " + folder.path("map") + " " + folder.path("map.csv"));
+  succeed("export " + folder.path("map") + " " + folder.path("map.csv"));
   EXPECT_NE(bytesOf(folder.path("map.csv")).find("thing3"), std::string::npos);
   EXPECT_EQ(bytesOf(folder.path("map.csv")).find("road"), std::string::npos);
 }
@@ -307,12 +294,11 @@ TEST_F(Scans, OfOwnClassesKeepTheirNames)
 TEST_F(Scans, GoOnWithAnArchive)
 {
   const std::string archive = " --archive " + folder.path("map.archive");
-  expectRuns(map(folder.path("poses.txt")) + archive);
+  succeed(map(folder.path("poses.txt")) + archive);
   const std::string whole = bytesOf(folder.path("map/map.pcd"));
-  const ToolResult resumed =
-      runTool(map(folder.path("poses.txt")) + archive + " --resume");
-  EXPECT_EQ(resumed.code, 0) << resumed.text;
-  EXPECT_NE(resumed.text.find("resumed_after: 4"), std::string::npos) << resumed.text;
+  const std::string resumed =
+      succeed(map(folder.path("poses.txt")) + archive + " --resume");
+  EXPECT_TRUE(holds(resumed, "resumed_after: 4"));
   EXPECT_EQ(bytesOf(folder.path("map/map.pcd")), whole);
 }
 
@@ -325,64 +311,59 @@ TEST_F(Scans, AreShownInAWindow)
       runOnDisplay(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
                    map(folder.path("poses.txt")) + " --view --verbose");
   EXPECT_EQ(result.code, 0);
-  EXPECT_NE(result.text.find("frame 3, "), std::string::npos) << result.text;
-  EXPECT_EQ(result.text.find("the window was closed"), std::string::npos);
+  EXPECT_TRUE(holds(result.text, "frame 3, "));
+  EXPECT_FALSE(holds(result.text, "the window was closed"));
 }
 
 TEST_F(Scans, BadInput)
 {
   const std::string all = "map --clouds " + folder.path("clouds") + " --output OUT ";
   const std::string poses = "--poses " + folder.path("poses.txt") + " ";
-  for (const BadCase& bad : std::vector<BadCase>{
-           {"no poses", 2, "--clouds needs a trajectory: --poses FILE", all},
-           {"odometry", 2, "--poses FILE", all + "--poses odometry"},
-           {"and a sequence", 2, "exclude each other", all + poses + "STREET"},
-           {"and labels", 2, "bring their labels",
-            all + poses + "--labels STREET/labels"},
-           {"sensor", 2, "--sensor is 'lidar'", all + poses + "--sensor lidar"},
-           {"camera", 2, "--sensor camera needs --calibration",
-            all + poses + "--sensor camera"},
-           {"calibrated", 2, "--calibration is not for --sensor own",
-            all + poses + "--sensor own --calibration STREET/calib.txt"},
-           {"sensor of a sequence", 2, "--sensor is for --clouds",
-            "--labels STREET/labels --sensor own"},
-           {"not organized", 3, "is no organized cloud",
-            all + poses + "--calibration STREET/calib.txt"},
-           {"no clouds", 3, "no file matches",
-            "map --clouds TEMP/none --output OUT " + poses},
-           {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
-           {"scans", 2, "--also is for frames of a camera",
-            all + poses + "--also scans"},
-           {"superpixels", 2, "superpixels are for clouds of a camera",
-            all + poses + "--crf hierarchical --cliques superpixel"},
-           {"deviations", 2, "max_deviation and deviation_scale are for stereo",
-            all + poses + "--max-deviation 1"},
-           {"hit ratio", 2, "min_hit_ratio is for images",
-            all + poses + "--min-hit-ratio 0.2"},
-           {"over the clouds", 2, "--output holds the clouds",
-            "map --clouds " + folder.path("clouds") + " " + poses + "--output " +
-                folder.path("clouds")},
-           {"label: no labels", 2, "expected either --labels or --network",
-            "label --clouds " + folder.path("clouds") + " --output OUT"},
-           {"label: format", 2, "--format is for a SEQUENCE",
-            "label --clouds " + folder.path("clouds") +
-                " --labels STREET/labels --output OUT --format ids"},
-           {"label: size", 3, "expected",
-            "label --clouds " + folder.path("clouds") +
-                " --labels STREET/labels --output OUT"},
-           {"label: many to one", 2, "--output is one cloud",
-            "label --clouds " + folder.path("clouds") +
-                " --labels STREET/labels --output TEMP/one.pcd"},
-           {"label: itself", 2, "",
-            "label --clouds " + folder.path("clouds") +
-                " --labels STREET/labels --output " + folder.path("clouds")},
-       })
-    expectFails(bad);
-  expectRuns(map(folder.path("poses.txt")));
-  const ToolResult again = runTool(map(folder.path("map/trajectory.txt")));
-  EXPECT_EQ(again.code, 2);
-  EXPECT_NE(again.text.find("--poses is where --output puts its own trajectory"),
-            std::string::npos);
+  expectAllFail({
+      {"no poses", 2, "--clouds needs a trajectory: --poses FILE", all},
+      {"odometry", 2, "--poses FILE", all + "--poses odometry"},
+      {"and a sequence", 2, "exclude each other", all + poses + "STREET"},
+      {"and labels", 2, "bring their labels", all + poses + "--labels STREET/labels"},
+      {"sensor", 2, "--sensor is 'lidar'", all + poses + "--sensor lidar"},
+      {"camera", 2, "--sensor camera needs --calibration",
+       all + poses + "--sensor camera"},
+      {"calibrated", 2, "--calibration is not for --sensor own",
+       all + poses + "--sensor own --calibration STREET/calib.txt"},
+      {"sensor of a sequence", 2, "--sensor is for --clouds",
+       "--labels STREET/labels --sensor own"},
+      {"not organized", 3, "is no organized cloud",
+       all + poses + "--calibration STREET/calib.txt"},
+      {"no clouds", 3, "no file matches",
+       "map --clouds TEMP/none --output OUT " + poses},
+      {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
+      {"scans", 2, "--also is for frames of a camera", all + poses + "--also scans"},
+      {"superpixels", 2, "superpixels are for clouds of a camera",
+       all + poses + "--crf hierarchical --cliques superpixel"},
+      {"deviations", 2, "max_deviation and deviation_scale are for stereo",
+       all + poses + "--max-deviation 1"},
+      {"hit ratio", 2, "min_hit_ratio is for images",
+       all + poses + "--min-hit-ratio 0.2"},
+      {"over the clouds", 2, "--output holds the clouds",
+       "map --clouds " + folder.path("clouds") + " " + poses + "--output " +
+           folder.path("clouds")},
+      {"label: no labels", 2, "expected either --labels or --network",
+       "label --clouds " + folder.path("clouds") + " --output OUT"},
+      {"label: format", 2, "--format is for a SEQUENCE",
+       "label --clouds " + folder.path("clouds") +
+           " --labels STREET/labels --output OUT --format ids"},
+      {"label: size", 3, "expected",
+       "label --clouds " + folder.path("clouds") +
+           " --labels STREET/labels --output OUT"},
+      {"label: many to one", 2, "--output is one cloud",
+       "label --clouds " + folder.path("clouds") +
+           " --labels STREET/labels --output TEMP/one.pcd"},
+      {"label: itself", 2, "",
+       "label --clouds " + folder.path("clouds") + " --labels STREET/labels --output " +
+           folder.path("clouds")},
+  });
+  succeed(map(folder.path("poses.txt")));
+  expectFails(map(folder.path("map/trajectory.txt")), 2,
+              "--poses is where --output puts its own trajectory");
   folder.write("clouds/2.pcd", "garbage");
   expectFails({"garbage", 3, "2.pcd", all + poses});
 }

@@ -4,6 +4,7 @@
 
 #include "files/pcd_file.h"
 #include "support/bad_case.h"
+#include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
@@ -123,13 +124,6 @@ write(const std::string& path, const std::string& text)
   return path;
 }
 
-void
-runCrf(const std::string& arguments)
-{
-  const ToolResult result = runTool(arguments);
-  EXPECT_EQ(result.code, 0) << result.text;
-}
-
 double
 largestDifference(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b)
 {
@@ -145,7 +139,7 @@ TEST(CrfTool, RewritesLabelsAndKeepsEverythingElse)
   const TemporaryFolder folder;
   const TextCloud input;
   const std::string in = write(folder.path("in.pcd"), input.text());
-  runCrf("crf " + in + " " + folder.path("out.pcd"));
+  succeed("crf " + in + " " + folder.path("out.pcd"));
   const PcdTable before = readPcd(in), after = readPcd(folder.path("out.pcd"));
   EXPECT_EQ(after.width, 12u);
   EXPECT_EQ(after.height, 10u);
@@ -172,9 +166,9 @@ TEST(CrfTool, ItsOwnOutputIsInputAgain)
 {
   const TemporaryFolder folder;
   const std::string in = write(folder.path("in.pcd"), TextCloud().text());
-  runCrf("crf " + in + " " + folder.path("once.pcd") + " --crf unary");
-  runCrf("crf " + folder.path("once.pcd") + " " + folder.path("twice.pcd"));
-  runCrf("crf " + in + " " + folder.path("direct.pcd"));
+  succeed("crf " + in + " " + folder.path("once.pcd") + " --crf unary");
+  succeed("crf " + folder.path("once.pcd") + " " + folder.path("twice.pcd"));
+  succeed("crf " + in + " " + folder.path("direct.pcd"));
   EXPECT_LT(largestDifference(probabilitiesIn(folder.path("twice.pcd")),
                               probabilitiesIn(folder.path("direct.pcd"))),
             1e-5);
@@ -185,7 +179,7 @@ TEST(CrfTool, WorksWithoutColour)
   const TemporaryFolder folder;
   const TextCloud input;
   const std::string in = write(folder.path("in.pcd"), input.text("x y z label"));
-  runCrf("crf " + in + " " + folder.path("out.pcd"));
+  succeed("crf " + in + " " + folder.path("out.pcd"));
   EXPECT_LT(largestDifference(probabilitiesIn(folder.path("out.pcd")),
                               input.refined<pcl::PointXYZL>(CRFModelType::dense)),
             1e-5);
@@ -215,17 +209,16 @@ TEST(CrfTool, MendsACloudWithoutColourInAnyUnit)
   for (const double step : {0.1, 0.5, 100.0}) {
     std::vector<int> truth;
     const std::string in = write(folder.path("in.pcd"), noisyFloor(step, truth));
-    const ToolResult result = runTool("crf " + in + " " + folder.path("out.pcd"));
-    EXPECT_EQ(result.code, 0) << result.text;
-    EXPECT_EQ(result.text.find("warning"), std::string::npos) << result.text;
+    const std::string text = succeed("crf " + in + " " + folder.path("out.pcd"));
+    EXPECT_FALSE(holds(text, "warning"));
     const PcdTable table = readPcd(folder.path("out.pcd"));
     const PcdColumn labels(table, table.find("label"));
     int wrong = 0;
     for (std::size_t i = 0; i < truth.size(); ++i)
       wrong += labels(i) != truth[i];
     EXPECT_LT(wrong, 16) << step; // one in a hundred; 300 before
-    EXPECT_NE(result.text.find("changed_of_classes: "), std::string::npos);
-    EXPECT_NE(result.text.find(" of 2"), std::string::npos) << result.text;
+    EXPECT_TRUE(holds(text, "changed_of_classes: "));
+    EXPECT_TRUE(holds(text, " of 2"));
   }
 }
 
@@ -235,10 +228,9 @@ TEST(CrfTool, SaysWhyNothingWasMended)
   std::vector<int> truth;
   const std::string floor = write(folder.path("floor.pcd"), noisyFloor(100.0, truth));
   const auto says = [&](const std::string& arguments, const std::string& words) {
-    const ToolResult result =
-        runTool("crf " + arguments + " " + folder.path("out.pcd") + " --quiet");
-    EXPECT_EQ(result.code, 0) << result.text;
-    EXPECT_NE(result.text.find(words), std::string::npos) << result.text;
+    const std::string text =
+        succeed("crf " + arguments + " " + folder.path("out.pcd") + " --quiet");
+    EXPECT_TRUE(holds(text, words));
   };
   says(floor + " --smoothness-deviation 0.2", "is the cloud in metres?");
   says(floor + " --smoothness-weight 0 --appearance-weight 0", "no label changed");
@@ -277,8 +269,8 @@ TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
          {std::pair<std::string, std::vector<pcl::PointIndices>>("field", cliques),
           {folder.path("list.txt"), cliques},
           {"cubes:0.35", cubes}}) {
-      runCrf("crf " + in + " " + folder.path("out.pcd") + " --crf " + name +
-             " --cliques " + words);
+      succeed("crf " + in + " " + folder.path("out.pcd") + " --crf " + name +
+              " --cliques " + words);
       EXPECT_LT(largestDifference(probabilitiesIn(folder.path("out.pcd")),
                                   input.refined<pcl::PointXYZRGBL>(model, expected)),
                 1e-5)
@@ -295,24 +287,22 @@ TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
         "--crf-kernels lattice --crf-normalization one-sided --crf-self-interaction "
         "true "
         "--clique-free-label false --crf-tolerance 0.001 --print-config";
-    const ToolResult printed = runTool(tool + options);
-    EXPECT_EQ(printed.code, 0);
-    EXPECT_NE(printed.text.find("\ncrf_normalization: one-sided "), std::string::npos);
-    const std::string path = write(folder.path("config.yaml"), printed.text);
-    EXPECT_EQ(runTool(tool + " --config " + path + " --print-config").text,
-              printed.text);
-    EXPECT_NE(runTool(tool + " --print-config").text, printed.text);
+    const std::string printed = succeed(tool + options);
+    EXPECT_TRUE(holds(printed, "\ncrf_normalization: one-sided "));
+    const std::string path = write(folder.path("config.yaml"), printed);
+    EXPECT_EQ(runTool(tool + " --config " + path + " --print-config").text, printed);
+    EXPECT_NE(runTool(tool + " --print-config").text, printed);
   }
 }
 
 TEST(CrfTool, RefinesAMapAndItsEntropy)
 {
   const TemporaryFolder folder;
-  runCrf("map " + tinyStreet() + " --labels " + tinyStreet() +
-         "/labels --frames 0:1 --crf none --output " + folder.path("map"));
+  succeed(mapOf(tinyStreet()) + " --frames 0:1 --crf none --output " +
+          folder.path("map"));
   const std::string out = folder.path("refined.pcd");
-  runCrf("crf " + folder.path("map/map.pcd") + " " + out +
-         " --crf hierarchical --cliques cubes:1 " + kitti11);
+  succeed("crf " + folder.path("map/map.pcd") + " " + out +
+          " --crf hierarchical --cliques cubes:1 " + kitti11);
   const PcdTable table = readPcd(out);
   const PcdColumn entropy(table, table.find("entropy"));
   LabelDistributions distributions;
@@ -327,9 +317,9 @@ TEST(ImageCrfTool, WritesWhatTheFilterSays)
   const TemporaryFolder folder;
   const std::string image = tinyStreet() + "/image_2/000001.png";
   const std::string labels = tinyStreet() + "/labels/000001.bin";
-  runCrf("image_crf " + image + " " + labels + " " + folder.path("out.png") +
-         " --crf hierarchical --cliques slic:60 --overlay " +
-         folder.path("overlay.png") + " --refined " + folder.path("out.bin"));
+  succeed("image_crf " + image + " " + labels + " " + folder.path("out.png") +
+          " --crf hierarchical --cliques slic:60 --overlay " +
+          folder.path("overlay.png") + " --refined " + folder.path("out.bin"));
   const cv::Mat picture = readPng(image, ImageKind::grey_or_colour);
   SlicParameters slic;
   slic.superpixels = 60;
@@ -369,7 +359,7 @@ TEST(BadInput, OfTheCrfTools)
   const std::string image =
       "image_crf STREET/image_2/000000.png STREET/labels/000000.bin OUT.png ";
   const cv::Mat small(20, 30, CV_8UC1, cv::Scalar(1));
-  const std::vector<BadCase> cases = {
+  expectAllFail({
       {"no files", 2, "expected IN OUT.pcd", "crf"},
       {"no output", 2, "expected IN OUT.pcd", "crf STREET/in.pcd"},
       {"missing", 3, "in.pcd: ", crf},
@@ -448,9 +438,7 @@ TEST(BadInput, OfTheCrfTools)
        [=](const std::string& street) { writePng(street + "/small.png", small); }},
       {"no segments", 3, "none.png",
        image + "--crf pn-potts --cliques STREET/none.png"},
-  };
-  for (const BadCase& bad : cases)
-    expectFails(bad);
+  });
 }
 
 } // namespace pcl_semantic

@@ -2,6 +2,7 @@
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
 #include "support/same_image.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
@@ -104,10 +105,8 @@ protected:
     return folder_->path("map/" + name);
   }
 
-  static std::unique_ptr<TemporaryFolder> folder_;
+  static inline std::unique_ptr<TemporaryFolder> folder_;
 };
-
-std::unique_ptr<TemporaryFolder> EvaluatedMap::folder_;
 
 // Labels of the points of a scan, voxel by voxel, as the finished map says: of the
 // voxel that is nearest and within a distance of its cube.
@@ -238,39 +237,31 @@ TEST_F(EvaluatedMap, GeometryIsExactWhereTheLaserSawTheVoxelsThemselves)
   copyStreet(exact);
   addScansOfVoxels(exact, readMapFolder(folder_->path("map")));
   const std::string command = "evaluate_map " + folder_->path("map ");
-  const ToolResult row = runTool(command + exact + " --header --row street -o " +
-                                 folder_->path("geometry.json"));
-  EXPECT_EQ(row.code, 0) << row.text;
-  EXPECT_EQ(std::count(row.text.begin(), row.text.end(), '\n'), 3) << row.text;
-  EXPECT_NE(
-      row.text.find("| street | 0.0 | 0.0 | 0.0 | 100.0 | 100.0 | 100.0 | 100.0 "),
-      std::string::npos)
-      << row.text;
+  const std::string row = succeed(command + exact + " --header --row street -o " +
+                                  folder_->path("geometry.json"));
+  EXPECT_EQ(std::count(row.begin(), row.end(), '\n'), 3) << row;
+  EXPECT_TRUE(
+      holds(row, "| street | 0.0 | 0.0 | 0.0 | 100.0 | 100.0 | 100.0 | 100.0 "));
   const auto json = readJson(folder_->path("geometry.json"));
   EXPECT_EQ(json["voxels"], readJson(map("summary.json"))["voxels"]);
   EXPECT_GT(json["judged"], 1000);
   EXPECT_LT(json["distance"]["90 %"], 1e-3);
 
-  const ToolResult table = runTool(command + street());
-  EXPECT_EQ(table.code, 0) << table.text;
-  EXPECT_NE(table.text.find("from a voxel to the nearest return\n  mean      "),
-            std::string::npos);
+  const std::string table = succeed(command + street());
+  EXPECT_TRUE(holds(table, "from a voxel to the nearest return\n  mean      "));
 }
 
 TEST_F(EvaluatedMap, GeometryOfTwoMapsIsPooled)
 {
-  const ToolResult once = runTool("evaluate_map --within 0.4 " + folder_->path("map ") +
-                                  street() + " -o " + folder_->path("once.json"));
-  EXPECT_EQ(once.code, 0) << once.text;
+  succeed("evaluate_map --within 0.4 " + folder_->path("map ") + street() + " -o " +
+          folder_->path("once.json"));
   const auto json = readJson(folder_->path("once.json"));
   EXPECT_GT(json["within"]["0.5"], json["within"]["0.1"]);
   EXPECT_LE(json["surface"][0]["in_voxel"], json["surface"][0]["next_to_voxel"]);
   // Two maps that are the same are no other than one of them.
-  const ToolResult twice =
-      runTool("evaluate_map --within 0.4 --map " + folder_->path("map --map ") +
-              folder_->path("map") + " --sequence " + street() + " --sequence " +
-              street() + " -o " + folder_->path("twice.json"));
-  EXPECT_EQ(twice.code, 0) << twice.text;
+  succeed("evaluate_map --within 0.4 --map " + folder_->path("map --map ") +
+          folder_->path("map") + " --sequence " + street() + " --sequence " + street() +
+          " -o " + folder_->path("twice.json"));
   EXPECT_EQ(readJson(folder_->path("twice.json"))["within"], json["within"]);
 }
 
@@ -286,30 +277,29 @@ TEST_F(EvaluatedMap, ALaterRunRemovesWhatItDoesNotWrite)
 TEST(EvaluateMapTool, BadInput)
 {
   const std::string map = "map STREET --output OUT --labels STREET/labels ";
-  for (const BadCase& bad : std::vector<BadCase>{
-           {"a word", 2, "--also: 'laser'", map + "--also measured,laser"},
-           {"no scans", 3, "velodyne/000000.bin: is missing", map + "--also scans"},
-           {"too wide", 2, "--scan-within is 3", map + "--scan-within 3"},
-           {"scans of two cameras", 2, "needs a SEQUENCE",
-            "map --left 'STREET/image_2/*.png' --right 'STREET/image_3/*.png' "
-            "--calibration STREET/calib.txt --poses STREET/poses.txt "
-            "--labels STREET/labels --output OUT --also scans"},
-           {"nothing", 2, "expected MAP SEQUENCE", "evaluate_map"},
-           {"no sequence", 2, "as many of both", "evaluate_map OUT"},
-           {"no map", 3, "summary.json", "evaluate_map OUT STREET"},
-           {"bands", 2, "have to grow", "evaluate_map OUT STREET --bands 0,20,10"},
-           {"no bands", 2, "--bands", "evaluate_map OUT STREET --bands 0,x"},
-           {"within", 2, "--within is nan", "evaluate_map OUT STREET --within nan"},
-           {"kind of output", 2, "ends in .json", "evaluate_map OUT STREET -o x.csv"},
-           {"unfinished", 3, "the map is not finished", "evaluate_map STREET STREET",
-            [](const std::string& street) {
-              std::ofstream(street + "/summary.json") << "{\"finished\": false}";
-            }},
-           {"another file", 3, "is no summary of a map", "evaluate_map STREET STREET",
-            [](const std::string& street) {
-              std::ofstream(street + "/summary.json") << "[1, 2]";
-            }}})
-    expectFails(bad);
+  expectAllFail(
+      {{"a word", 2, "--also: 'laser'", map + "--also measured,laser"},
+       {"no scans", 3, "velodyne/000000.bin: is missing", map + "--also scans"},
+       {"too wide", 2, "--scan-within is 3", map + "--scan-within 3"},
+       {"scans of two cameras", 2, "needs a SEQUENCE",
+        "map --left 'STREET/image_2/*.png' --right 'STREET/image_3/*.png' "
+        "--calibration STREET/calib.txt --poses STREET/poses.txt "
+        "--labels STREET/labels --output OUT --also scans"},
+       {"nothing", 2, "expected MAP SEQUENCE", "evaluate_map"},
+       {"no sequence", 2, "as many of both", "evaluate_map OUT"},
+       {"no map", 3, "summary.json", "evaluate_map OUT STREET"},
+       {"bands", 2, "have to grow", "evaluate_map OUT STREET --bands 0,20,10"},
+       {"no bands", 2, "--bands", "evaluate_map OUT STREET --bands 0,x"},
+       {"within", 2, "--within is nan", "evaluate_map OUT STREET --within nan"},
+       {"kind of output", 2, "ends in .json", "evaluate_map OUT STREET -o x.csv"},
+       {"unfinished", 3, "the map is not finished", "evaluate_map STREET STREET",
+        [](const std::string& street) {
+          std::ofstream(street + "/summary.json") << "{\"finished\": false}";
+        }},
+       {"another file", 3, "is no summary of a map", "evaluate_map STREET STREET",
+        [](const std::string& street) {
+          std::ofstream(street + "/summary.json") << "[1, 2]";
+        }}});
 }
 
 } // namespace pcl_semantic

@@ -3,6 +3,7 @@
 // Each example runs without arguments and with a user's data, and prints what is true.
 
 #include "support/mapped_street.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
@@ -151,7 +152,7 @@ TEST(Examples, TheFilterGivesTheCloudOfTheTool)
   const TemporaryFolder folder;
   mapStreet(tinyStreet(), folder.path("map"), "--crf none --voxel-size 0.2");
   const std::string in = folder.path("map/map.pcd");
-  ASSERT_EQ(runTool("crf " + in + " " + folder.path("tool.pcd")).code, 0);
+  succeed("crf " + in + " " + folder.path("tool.pcd"));
   const std::string text =
       outputOf("02_filter_a_cloud", in + " " + folder.path("a.pcd"));
   const auto measured = labelsOf(in), refined = labelsOf(folder.path("a.pcd"));
@@ -259,6 +260,6 @@ TEST(Examples, BadInputEndsInOneLine)
     EXPECT_EQ(result.code, 1) << command;
     EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1)
         << result.text;
-    EXPECT_NE(result.text.find(folder.path()), std::string::npos) << result.text;
+    EXPECT_TRUE(holds(result.text, folder.path()));
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
 #include "support/full_disk.h"
+#include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
 #include <fstream>
@@ -16,11 +17,8 @@ class ExportedMap {
 public:
   ExportedMap()
   {
-    EXPECT_EQ(runTool("map " + tinyStreet() + " --labels " + tinyStreet() +
-                      "/labels --crf none --output " + path("map") + " --archive " +
-                      path("archive"))
-                  .code,
-              0);
+    succeed(mapOf(tinyStreet()) + " --crf none --output " + path("map") +
+            " --archive " + path("archive"));
   }
 
   std::string
@@ -34,11 +32,10 @@ public:
   exported(const std::string& form, const std::string& name,
            const std::string& options = "", std::string* said = nullptr) const
   {
-    const ToolResult result =
-        runTool("export " + path(form) + " " + path(name) + " " + options);
-    EXPECT_EQ(result.code, 0) << result.text;
+    const std::string text =
+        succeed("export " + path(form) + " " + path(name) + " " + options);
     if (said)
-      *said = result.text;
+      *said = text;
     return bytesOf(path(name));
   }
 
@@ -119,7 +116,7 @@ TEST(ExportTool, KnowsFreeSpaceOfAnArchiveOnly)
     std::string of_folder, of_archive;
     const std::string folder = map.exported("map", name, "", &of_folder);
     const std::string archive = map.exported("archive", name, "", &of_archive);
-    EXPECT_NE(of_folder.find("free_space: not known"), std::string::npos) << of_folder;
+    EXPECT_TRUE(holds(of_folder, "free_space: not known"));
     EXPECT_GT(numberAfter(of_archive, "free_voxels: "), 1000);
     EXPECT_GT(archive.size(), folder.size());
     EXPECT_EQ(folder.rfind(std::string(name) == "a.bt" ? "# Octomap OcTree binary file"
@@ -152,20 +149,16 @@ TEST(ExportTool, SaysHowFarAnOctreeIsMoved)
 {
   const TemporaryFolder folder;
   cloud(" label", "0.08 0.05 0.05 1\n0.18 0.05 0.05 1\n", 2)(folder.path());
-  const ToolResult result =
-      runTool("export " + folder.path("a.pcd") + " " + folder.path("a.bt"));
-  EXPECT_EQ(result.code, 0) << result.text;
-  EXPECT_NE(
-      result.text.find("pcl_semantic_export: warning: the map is moved by -0.03 "),
-      std::string::npos)
-      << result.text;
+  const std::string text =
+      succeed("export " + folder.path("a.pcd") + " " + folder.path("a.bt"));
+  EXPECT_TRUE(holds(text, "pcl_semantic_export: warning: the map is moved by -0.03 "));
 }
 
 TEST(BadUsage, ExportTool)
 {
   const auto road = cloud(" label", "0.05 0.05 0.05 3\n0.15 0.05 0.05 3\n", 2);
   const std::string in = "export STREET/a.pcd ";
-  const std::vector<BadCase> cases = {
+  expectAllFail({
       {"nothing", 2, "MAP or OUT is missing", "export"},
       {"no output", 2, "MAP or OUT is missing", in},
       {"no such name", 2, "expected a name that ends in .bt, .ot", in + "OUT.obj"},
@@ -209,9 +202,7 @@ TEST(BadUsage, ExportTool)
          fs::create_directory(street + "/b.bt");
        }},
       {"label set", 3, "none.yaml", in + "OUT.ply --label-set none.yaml", road},
-  };
-  for (const BadCase& bad : cases)
-    expectFails(bad);
+  });
 }
 
 TEST(BadOutput, FullDiskOfExports)

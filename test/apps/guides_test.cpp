@@ -7,6 +7,7 @@
 #include "support/code_blocks.h"
 #include "support/onnx_writer.h"
 #include "support/own_camera.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/labelled_cloud_file.h>
@@ -205,10 +206,7 @@ TEST(Guides, ViewingDrawsTheDemo)
   const std::string street = folder.path("build/demo/sequence");
   fs::create_directories(folder.path("build/demo"));
   copyStreet(street);
-  ASSERT_EQ(runTool("map " + street + " --labels " + street + "/labels --output " +
-                    folder.path("build/demo/map"))
-                .code,
-            0);
+  succeed(mapOf(street) + " --output " + folder.path("build/demo/map"));
   follow("viewing.md", folder);
   for (const char* const picture : {"view.png", "observations.png"})
     EXPECT_EQ(readPng(folder.path(picture), ImageKind::grey_or_colour).cols, 1600);
@@ -235,7 +233,7 @@ TEST(Guides, LinksLeadSomewhereAndTheReadmeToThem)
 {
   const std::string readme = bytesOf(PCL_SEMANTIC_SOURCE_DIR "/README.md");
   for (const std::string guide : guides) {
-    EXPECT_NE(readme.find("](doc/" + guide + ")"), std::string::npos) << guide;
+    EXPECT_TRUE(holds(readme, "](doc/" + guide + ")")) << guide;
     EXPECT_FALSE(localLinksOf(docs + guide).empty());
     for (const std::string& link : localLinksOf(docs + guide)) {
       const std::string target = link.substr(0, link.find('#'));
@@ -257,7 +255,7 @@ TEST(Guides, TheirCommandsOfDevExist)
       if (command.rfind("./dev ", 0) != 0)
         continue;
       ++found;
-      EXPECT_NE(help.find("\n  " + command.substr(6)), std::string::npos) << command;
+      EXPECT_TRUE(holds(help, "\n  " + command.substr(6))) << command;
     }
   EXPECT_GT(found, 0);
 }

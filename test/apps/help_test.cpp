@@ -15,14 +15,13 @@ namespace {
 std::string
 exampleOf(const std::string& verb)
 {
-  const ToolResult help = runTool(verb + " --help");
-  EXPECT_EQ(help.code, 0);
-  EXPECT_EQ(help.text.rfind("Usage: pcl_semantic_" + verb + " ", 0), 0u) << help.text;
+  const std::string help = succeed(verb + " --help");
+  EXPECT_EQ(help.rfind("Usage: pcl_semantic_" + verb + " ", 0), 0u) << help;
   const std::string title = "\nExample:\n";
-  const std::size_t start = help.text.find(title) + title.size();
-  const std::size_t end = help.text.find("\nOptions", start);
-  EXPECT_NE(end, std::string::npos) << help.text;
-  return help.text.substr(start, end - start - 1); // without its last line break
+  const std::size_t start = help.find(title) + title.size();
+  const std::size_t end = help.find("\nOptions", start);
+  EXPECT_NE(end, std::string::npos) << help;
+  return help.substr(start, end - start - 1); // without its last line break
 }
 
 } // namespace
@@ -73,9 +72,8 @@ TEST(Help, ItsExamplesRunWhenPasted)
 TEST(Help, VersionOfEveryTool)
 {
   for (const std::string& verb : verbs) {
-    const ToolResult result = runTool(verb + " --version");
-    EXPECT_EQ(result.code, 0);
-    EXPECT_EQ(result.text.rfind("pcl_semantic_" + verb + " ", 0), 0u) << result.text;
+    const std::string text = succeed(verb + " --version");
+    EXPECT_EQ(text.rfind("pcl_semantic_" + verb + " ", 0), 0u) << text;
   }
 }
 

@@ -44,15 +44,12 @@ TEST(LabelTool, AMapOfStoredLabelsIsThatOfTheNetwork)
   const std::string street = folder.path("street");
   copyStreet(street);
   addNetwork(street);
-  const ToolResult labelled =
-      runTool(replaceAll(tool, "STREET", street) + "--output " + folder.path("labels"));
-  ASSERT_EQ(labelled.code, 0) << labelled.text;
+  succeed(replaceAll(tool, "STREET", street) + "--output " + folder.path("labels"));
   EXPECT_EQ(listFrameFiles(folder.path("labels"), {".npy"}).size(), 3u);
   for (const std::string& run :
        {" --labels " + folder.path("labels") + " --output " + folder.path("stored"),
         " --network " + street + "/net.yaml --output " + folder.path("direct")}) {
-    const ToolResult mapped = runTool("map " + street + " --crf none" + run);
-    ASSERT_EQ(mapped.code, 0) << mapped.text;
+    succeed("map " + street + " --crf none" + run);
   }
   for (const char* image : {"network_labels/000001.png", "labels/000002.png"})
     EXPECT_TRUE(
@@ -67,14 +64,10 @@ TEST(LabelTool, IdsAreTheClassesOfTheDistributions)
   copyStreet(street);
   addNetwork(street);
   for (const std::string format : {"float16", "ids"}) {
-    const ToolResult labelled =
-        runTool(replaceAll(tool, "STREET", street) + "--frames 1:2 --format " + format +
-                " -o " + folder.path(format));
-    ASSERT_EQ(labelled.code, 0) << labelled.text;
-    const ToolResult mapped =
-        runTool("map " + street + " --frames 1:2 --crf none --labels " +
-                folder.path(format) + " --output " + folder.path("map_" + format));
-    ASSERT_EQ(mapped.code, 0) << mapped.text;
+    succeed(replaceAll(tool, "STREET", street) + "--frames 1:2 --format " + format +
+            " -o " + folder.path(format));
+    succeed("map " + street + " --frames 1:2 --crf none --labels " +
+            folder.path(format) + " --output " + folder.path("map_" + format));
   }
   const cv::Mat ids = readPng(folder.path("ids/000001.png"), ImageKind::labels);
   EXPECT_TRUE(isSameImage(ids, readPng(folder.path("map_ids/network_labels/000001.png"),
@@ -143,10 +136,9 @@ TEST(LabelTool, AScannersPointsGetTheLabelsOfTheirPixels)
   describeCamera(street);
   for (const std::string& command :
        {carry + "STREET -o OUT", own + "--sensor-pose STREET/scanner.txt -o OWN"}) {
-    const ToolResult result = runTool(replaceAll(
+    succeed(replaceAll(
         replaceAll(replaceAll(command, "STREET", street), "OUT", folder.path("out")),
         "OWN", folder.path("own")));
-    ASSERT_EQ(result.code, 0) << result.text;
   }
   EXPECT_EQ(bytesOf(folder.path("own/000001.pcd")),
             bytesOf(folder.path("out/000001.pcd")));
@@ -169,11 +161,9 @@ TEST(LabelTool, AScannersPointsGetTheLabelsOfTheirPixels)
   EXPECT_EQ((*cloud.cloud)[i].label, 0u);     // behind the camera
   EXPECT_EQ((*cloud.cloud)[i + 1].label, 0u); // hidden
   EXPECT_GE(cloud.table.find("intensity"), 0);
-  const ToolResult mapped =
-      runTool("map --clouds " + folder.path("out") + " --poses " + street +
-              "/poses.txt --sensor laser --calibration " + street +
-              "/calib.txt --output " + folder.path("map"));
-  EXPECT_EQ(mapped.code, 0) << mapped.text;
+  succeed("map --clouds " + folder.path("out") + " --poses " + street +
+          "/poses.txt --sensor laser --calibration " + street + "/calib.txt --output " +
+          folder.path("map"));
 }
 
 TEST(LabelTool, BadCarrying)
@@ -192,44 +182,41 @@ TEST(LabelTool, BadCarrying)
         << "1 0 0 0 0 1 0 0 0 0 1 0\n";
   };
   const std::string pose = "--sensor-pose STREET/scanner.txt ";
-  for (const BadCase& bad : std::vector<BadCase>{
-           {"no pose", 2, "--left needs --sensor-pose", own + "-o OUT", damage},
-           {"right", 2, "not --right", own + pose + "--right STREET/image_3 -o OUT",
-            damage},
-           {"no intrinsics", 2, "--left needs --calibration",
-            carry + "--left STREET/image_2 " + pose + "-o OUT", damage},
-           {"both", 2, "both a SEQUENCE", own + pose + "STREET -o OUT", damage},
-           {"window", 2, "--occlusion-window is '3'",
-            carry + "STREET --occlusion-window 3 -o OUT", damage},
-           {"pose alone", 2, "--sensor-pose is for", carry + pose + "-o OUT", damage},
-           {"depth", 2, "--max-depth", carry + "STREET --max-depth -1 -o OUT", damage},
-           {"no image", 3, "the camera has no image of frame 7",
-            carry + "STREET -o OUT", andAnother},
-           {"no own image", 3, "has no image of frame 7", own + pose + "-o OUT",
-            andAnother},
-           {"poses", 3, "holds 2 poses, expected one", own + pose + "-o OUT", twoPoses},
-           {"no pose file", 3, "none.txt", own + "--sensor-pose STREET/none.txt -o OUT",
-            damage}})
-    expectFails(bad);
+  expectAllFail(
+      {{"no pose", 2, "--left needs --sensor-pose", own + "-o OUT", damage},
+       {"right", 2, "not --right", own + pose + "--right STREET/image_3 -o OUT",
+        damage},
+       {"no intrinsics", 2, "--left needs --calibration",
+        carry + "--left STREET/image_2 " + pose + "-o OUT", damage},
+       {"both", 2, "both a SEQUENCE", own + pose + "STREET -o OUT", damage},
+       {"window", 2, "--occlusion-window is '3'",
+        carry + "STREET --occlusion-window 3 -o OUT", damage},
+       {"pose alone", 2, "--sensor-pose is for", carry + pose + "-o OUT", damage},
+       {"depth", 2, "--max-depth", carry + "STREET --max-depth -1 -o OUT", damage},
+       {"no image", 3, "the camera has no image of frame 7", carry + "STREET -o OUT",
+        andAnother},
+       {"no own image", 3, "has no image of frame 7", own + pose + "-o OUT",
+        andAnother},
+       {"poses", 3, "holds 2 poses, expected one", own + pose + "-o OUT", twoPoses},
+       {"no pose file", 3, "none.txt", own + "--sensor-pose STREET/none.txt -o OUT",
+        damage}});
 }
 
 TEST(LabelTool, BadInput)
 {
-  for (const BadCase& bad : std::vector<BadCase>{
-           {"no sequence", 2, "the SEQUENCE is missing", "label"},
-           {"no output", 2, "--output is missing", tool},
-           {"no network", 2, "--network is missing", "label STREET --output OUT"},
-           {"format", 2, "--format is 'jpg'", tool + "--format jpg --output OUT"},
-           {"over the images", 2, "holds images",
-            tool + "--format ids --output STREET/image_2"},
-           {"beside others", 2, "where only .npy files",
-            tool + "--output STREET/labels"},
-           {"frames", 3, "has no frame in 7:9", tool + "--frames 7:9 --output OUT",
-            addNetwork},
-           {"no description", 3, "net.yaml", tool + "--output OUT"},
-           {"no folder", 5, "cannot be made", tool + "--output STREET/calib.txt/out",
-            addNetwork}})
-    expectFails(bad);
+  expectAllFail(
+      {{"no sequence", 2, "the SEQUENCE is missing", "label"},
+       {"no output", 2, "--output is missing", tool},
+       {"no network", 2, "--network is missing", "label STREET --output OUT"},
+       {"format", 2, "--format is 'jpg'", tool + "--format jpg --output OUT"},
+       {"over the images", 2, "holds images",
+        tool + "--format ids --output STREET/image_2"},
+       {"beside others", 2, "where only .npy files", tool + "--output STREET/labels"},
+       {"frames", 3, "has no frame in 7:9", tool + "--frames 7:9 --output OUT",
+        addNetwork},
+       {"no description", 3, "net.yaml", tool + "--output OUT"},
+       {"no folder", 5, "cannot be made", tool + "--output STREET/calib.txt/out",
+        addNetwork}});
 }
 
 } // namespace pcl_semantic

@@ -16,9 +16,8 @@ namespace fs = std::filesystem;
 
 TEST(MapToolOptions, OldNamesAreUnderstoodAndNotShown)
 {
-  const ToolResult config = runTool("map --hit-share 0.2 --print-config");
-  EXPECT_EQ(config.code, 0) << config.text;
-  EXPECT_TRUE(holds(config.text, "min_hit_ratio: 0.2")) << config.text;
+  EXPECT_TRUE(
+      holds(succeed("map --hit-share 0.2 --print-config"), "min_hit_ratio: 0.2"));
   EXPECT_FALSE(holds(runTool("map --help").text, "hit-share"));
   EXPECT_EQ(runTool("map --hit-share 0.2 --min-hit-ratio 0.3 --print-config").code, 2);
 }
@@ -94,16 +93,15 @@ TEST(MapTool, ConfigurationFileAndOptions)
   const TemporaryFolder folder;
   const std::string config =
       folder.write("config.yaml", "voxel_size: 0.2\nwindow: [20, 20, 8]\ncrf: none\n");
-  const ToolResult printed =
-      runTool("map --config " + config + " --voxel-size 0.25 --print-config");
-  EXPECT_EQ(printed.code, 0);
+  const std::string printed =
+      succeed("map --config " + config + " --voxel-size 0.25 --print-config");
   for (const char* line :
        {"voxel_size: 0.25 ", "window: [20,20,8] ", "crf: none ", "max_depth: 40 "})
-    EXPECT_NE(("\n" + printed.text).find(std::string("\n") + line), std::string::npos)
+    EXPECT_NE(("\n" + printed).find(std::string("\n") + line), std::string::npos)
         << line << "\n"
-        << printed.text;
-  const std::string whole = folder.write("whole.yaml", printed.text);
-  EXPECT_EQ(runTool("map --print-config --config " + whole).text, printed.text);
+        << printed;
+  const std::string whole = folder.write("whole.yaml", printed);
+  EXPECT_EQ(runTool("map --print-config --config " + whole).text, printed);
 
   mapStreet(tinyStreet(), folder.path("out"),
             "--frames 0:1 --config " + config + " --voxel-size 0.25");
@@ -157,10 +155,8 @@ TEST(MapTool, AnEarlierRunIsReplacedAndForeignImagesAreNot)
 
   // Without a summary the images are somebody else's.
   fs::remove(output + "/summary.json");
-  const ToolResult result = runTool("map " + tinyStreet() + " --labels " +
-                                    tinyStreet() + "/labels --output " + output);
-  EXPECT_EQ(result.code, 5);
-  EXPECT_TRUE(holds(result.text, "/labels: holds images, but no summary.json"));
+  expectFails(mapOf(tinyStreet()) + " --output " + output, 5,
+              "/labels: holds images, but no summary.json");
   EXPECT_TRUE(fs::exists(output + "/labels/000001.png"));
 }
 

@@ -76,9 +76,7 @@ TEST(OwnCamera, GivesTheMapOfTheRectifiedStreet)
   writeOwnCamera(camera);
   mapStreet(tinyStreet(), folder.path("street"), options);
   const std::string output = folder.path("own");
-  const ToolResult result =
-      runTool(mapCommand(camera, output) + "--poses " + camera + "/poses.txt");
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed(mapCommand(camera, output) + "--poses " + camera + "/poses.txt");
   // Poses of a camera that is turned by 4 degrees less give 76 %.
   EXPECT_GT(shareFoundIn(folder.path("street"), output), 0.93);
   EXPECT_EQ(filesIn(output), filesOfMap({"000000", "000001", "000002"}));
@@ -100,8 +98,7 @@ TEST(OwnCamera, FindsItsPosesInTheImages)
   const TemporaryFolder folder;
   const std::string camera = folder.path("camera"), poses = folder.path("found.txt");
   writeOwnCamera(camera);
-  ToolResult result = runTool("odometry" + ownCamera(camera) + poses);
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed("odometry" + ownCamera(camera) + poses);
   const Trajectory truth = readKittiTrajectory(camera + "/poses.txt");
   const Trajectory found = readKittiTrajectory(poses);
   ASSERT_EQ(found.size(), 3u);
@@ -110,14 +107,12 @@ TEST(OwnCamera, FindsItsPosesInTheImages)
     EXPECT_LT(error.translation().norm(), 0.15) << i; // of 1.7 m, by images of 64 rows
     EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.005) << i;
   }
-  result = runTool(mapCommand(camera, folder.path("own")) + "--poses odometry");
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed(mapCommand(camera, folder.path("own")) + "--poses odometry");
   EXPECT_GT(readLabelledCloud(folder.path("own/map.pcd")).cloud->size(), 500u);
 
   const std::string times = folder.write("times.txt", "5\n6\n7.5\n");
-  result = runTool("odometry" + ownCamera(camera) + "--format tum --times " + times +
-                   " " + folder.path("tum.txt"));
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed("odometry" + ownCamera(camera) + "--format tum --times " + times + " " +
+          folder.path("tum.txt"));
   EXPECT_NEAR(readTumTrajectory(folder.path("tum.txt")).at(2).time, 7.5, 1e-9);
 }
 
@@ -129,20 +124,15 @@ TEST(OwnCamera, AnArchiveGoesOnWithTheSameFilesOnly)
   const std::string tail = "--poses " + camera + "/poses.txt --archive " +
                            folder.path("a.map") + " --resume";
   const std::string command = mapCommand(camera, folder.path("own")) + tail;
-  ASSERT_EQ(runTool(command).code, 0);
+  succeed(command);
   const std::string map = bytesOf(folder.path("own/map.pcd"));
-  const ToolResult again = runTool(command);
-  EXPECT_EQ(again.code, 0) << again.text;
+  succeed(command);
   EXPECT_TRUE(bytesOf(folder.path("own/map.pcd")) == map);
 
-  const ToolResult other =
-      runTool(replaceAll(command, "/right/*.png", "/right/shot*.png"));
-  EXPECT_EQ(other.code, 3);
-  EXPECT_TRUE(holds(other.text, "right was " + camera + "/right/*.png, is "));
+  expectFails(replaceAll(command, "/right/*.png", "/right/shot*.png"), 3,
+              "right was " + camera + "/right/*.png, is ");
   std::ofstream(camera + "/stereo.yaml", std::ios::app) << "rms: 0.3\n";
-  const ToolResult changed = runTool(command);
-  EXPECT_EQ(changed.code, 3);
-  EXPECT_TRUE(holds(changed.text, "calibration was "));
+  expectFails(command, 3, "calibration was ");
 }
 
 TEST(OwnCamera, BadInputIsNamed)
@@ -170,7 +160,7 @@ TEST(OwnCamera, BadInputIsNamed)
   };
   const std::string map = "map --output OUT --labels STREET/labels",
                     camera = ownCamera("STREET");
-  const std::vector<BadCase> cases = {
+  expectAllFail({
       {"both", 2, "both a SEQUENCE ('", map + " STREET" + camera, copy},
       {"no quotes", 2, "patterns need quotes",
        map + replaceAll(camera, "'", "") + "--frames 0:1",
@@ -229,9 +219,7 @@ TEST(OwnCamera, BadInputIsNamed)
       {"odometry: no output", 2, "OUT.txt is missing", "odometry" + camera, copy},
       {"odometry: over the calibration", 2, "stereo.yaml",
        "odometry STREET/stereo.yaml" + camera, copy},
-  };
-  for (const BadCase& bad : cases)
-    expectFails(bad);
+  });
 }
 
 } // namespace pcl_semantic

@@ -42,11 +42,9 @@ TEST(Presets, Sengupta13CountsVotes)
   const TemporaryFolder folder;
   std::vector<std::string> labels;
   for (const char* confidence : {"0.2", "0.5"}) {
-    const ToolResult result =
-        runTool("map " + tinyStreet() + " --labels " + tinyStreet() + "/gt --config " +
-                presets + "/sengupta13.yaml --label-confidence " + confidence +
-                " --output " + folder.path("out"));
-    ASSERT_EQ(result.code, 0) << result.text;
+    succeed("map " + tinyStreet() + " --labels " + tinyStreet() + "/gt --config " +
+            presets + "/sengupta13.yaml --label-confidence " + confidence +
+            " --output " + folder.path("out"));
     labels.push_back(bytesOf(folder.path("out/labels_at_depth/000002.png")));
   }
   EXPECT_TRUE(labels[0] == labels[1]);

@@ -60,10 +60,9 @@ TEST(RgbdMap, IsLabelledAsTheImagesAre)
   const std::string street = folder.path("street"), out = folder.path("out");
   copyStreet(street);
   makeRgbd(street);
-  const ToolResult result = runTool(replaceAll(
+  succeed(replaceAll(
       replaceAll(run + "--crf hierarchical --cliques superpixel", "STREET", street),
       "OUT", out));
-  ASSERT_EQ(result.code, 0) << result.text;
   const cv::Mat truth = readPng(street + "/gt/000002.png", ImageKind::labels);
   const cv::Mat labels = readPng(out + "/labels/000002.png", ImageKind::labels);
   ASSERT_EQ(labels.size(), truth.size());
@@ -75,32 +74,30 @@ TEST(RgbdMap, IsLabelledAsTheImagesAre)
 
 TEST(RgbdMap, BadInput)
 {
-  for (const BadCase& bad : std::vector<BadCase>{
-           {"sequence", 2, "exclude each other", run + "STREET"},
-           {"clouds", 2, "exclude each other", run + "--clouds STREET"},
-           {"no camera", 2, "--rgbd needs --calibration",
-            "map --rgbd STREET/rgbd --poses STREET/world.txt --output OUT --labels "
-            "STREET/labels"},
-           {"no poses", 2, "--rgbd needs a trajectory",
-            "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --output OUT "
-            "--labels STREET/labels"},
-           {"no labels", 2, "either --labels or --network",
-            "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses "
-            "STREET/world.txt --output OUT"},
-           {"sensor", 2, "--sensor is for --clouds", run + "--sensor own"},
-           {"also", 2, "--also is for stereo", run + "--also depth"},
-           {"scale", 2, "--depth-scale is less than 0", run + "--depth-scale -1"},
-           {"frames", 3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
-           {"layout", 3, "no RGB-D sequence",
-            replaceAll(run, "STREET/rgbd", "STREET/gt"), makeRgbd},
-           {"intrinsics", 3, "calib.txt", replaceAll(run, "camera.yaml", "calib.txt"),
-            makeRgbd},
-           {"a pose is missing", 3, "world.txt", run, [](const std::string& street) {
-              makeRgbd(street);
-              writeKittiTrajectory(street + "/world.txt",
-                                   {Eigen::Isometry3d::Identity()});
-            }}})
-    expectFails(bad);
+  expectAllFail(
+      {{"sequence", 2, "exclude each other", run + "STREET"},
+       {"clouds", 2, "exclude each other", run + "--clouds STREET"},
+       {"no camera", 2, "--rgbd needs --calibration",
+        "map --rgbd STREET/rgbd --poses STREET/world.txt --output OUT --labels "
+        "STREET/labels"},
+       {"no poses", 2, "--rgbd needs a trajectory",
+        "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --output OUT "
+        "--labels STREET/labels"},
+       {"no labels", 2, "either --labels or --network",
+        "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses "
+        "STREET/world.txt --output OUT"},
+       {"sensor", 2, "--sensor is for --clouds", run + "--sensor own"},
+       {"also", 2, "--also is for stereo", run + "--also depth"},
+       {"scale", 2, "--depth-scale is less than 0", run + "--depth-scale -1"},
+       {"frames", 3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
+       {"layout", 3, "no RGB-D sequence", replaceAll(run, "STREET/rgbd", "STREET/gt"),
+        makeRgbd},
+       {"intrinsics", 3, "calib.txt", replaceAll(run, "camera.yaml", "calib.txt"),
+        makeRgbd},
+       {"a pose is missing", 3, "world.txt", run, [](const std::string& street) {
+          makeRgbd(street);
+          writeKittiTrajectory(street + "/world.txt", {Eigen::Isometry3d::Identity()});
+        }}});
 }
 
 } // namespace pcl_semantic

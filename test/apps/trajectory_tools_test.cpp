@@ -24,10 +24,9 @@ TEST(OdometryTool, WritesBothFormats)
 {
   const TemporaryFolder folder;
   const std::string kitti = folder.path("kitti.txt"), tum = folder.path("tum.txt");
-  const ToolResult one = runTool("odometry " + tinyStreet() + " " + kitti +
-                                 " --report " + folder.path("report.csv"));
-  ASSERT_EQ(one.code, 0) << one.text;
-  ASSERT_EQ(runTool("odometry " + tinyStreet() + " " + tum + " --format tum").code, 0);
+  succeed("odometry " + tinyStreet() + " " + kitti + " --report " +
+          folder.path("report.csv"));
+  succeed("odometry " + tinyStreet() + " " + tum + " --format tum");
   const Trajectory rows = readKittiTrajectory(kitti);
   const TimedTrajectory timed = readTumTrajectory(tum);
   const Trajectory truth = readKittiTrajectory(tinyStreet() + "/poses.txt");
@@ -49,13 +48,9 @@ TEST(OdometryTool, SaysWhatWasLost)
   for (const char* const side : {"/image_2/", "/image_3/"})
     writePng(street + side + "000002.png",
              cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(90)));
-  const ToolResult result =
-      runTool("odometry " + street + " " + folder.path("out.txt"));
-  EXPECT_EQ(result.code, 0);
-  EXPECT_NE(
-      result.text.find("warning: 1 of 3 frames could not be tracked, the first is 2"),
-      std::string::npos)
-      << result.text;
+  const std::string text = succeed("odometry " + street + " " + folder.path("out.txt"));
+  EXPECT_TRUE(
+      holds(text, "warning: 1 of 3 frames could not be tracked, the first is 2"));
   EXPECT_EQ(readKittiTrajectory(folder.path("out.txt")).size(), 3u);
 }
 
@@ -78,20 +73,17 @@ TEST(TrajectoryTool, ComparesRowsAndTimes)
   const std::string poses = tinyStreet() + "/poses.txt", tum = folder.path("tum.txt");
   const Trajectory truth = readKittiTrajectory(poses);
   writeTumTrajectory(tum, {{0.1, truth[1]}, {0.2, truth[2]}}); // frame 0 is a gap
-  const ToolResult rows =
-      runTool("trajectory compare " + poses + " " + poses + " --lengths 0.5");
-  EXPECT_EQ(rows.code, 0);
-  EXPECT_EQ(rows.text.rfind("3 poses, 1.7 m\n", 0), 0u) << rows.text;
-  EXPECT_NE(rows.text.find("0.0000          0.00000"), std::string::npos) << rows.text;
-  const ToolResult times = runTool("trajectory compare " + poses + " " + tum +
-                                   " --times " + tinyStreet() + "/times.txt");
-  EXPECT_EQ(times.code, 0);
-  EXPECT_EQ(
-      times.text.rfind("pcl_semantic_trajectory: warning: 3 and 2 poses: the 2 of "
-                       "the same times are compared\n2 poses, 0.9 m\n",
-                       0),
-      0u)
-      << times.text;
+  const std::string rows =
+      succeed("trajectory compare " + poses + " " + poses + " --lengths 0.5");
+  EXPECT_EQ(rows.rfind("3 poses, 1.7 m\n", 0), 0u) << rows;
+  EXPECT_TRUE(holds(rows, "0.0000          0.00000"));
+  const std::string times = succeed("trajectory compare " + poses + " " + tum +
+                                    " --times " + tinyStreet() + "/times.txt");
+  EXPECT_EQ(times.rfind("pcl_semantic_trajectory: warning: 3 and 2 poses: the 2 of "
+                        "the same times are compared\n2 poses, 0.9 m\n",
+                        0),
+            0u)
+      << times;
 }
 
 TEST(MapTool, FindsItsPosesByOdometryWithoutPosesTxt)
@@ -101,9 +93,7 @@ TEST(MapTool, FindsItsPosesByOdometryWithoutPosesTxt)
   copyStreet(street);
   const Trajectory truth = readKittiTrajectory(street + "/poses.txt");
   fs::remove(street + "/poses.txt");
-  const ToolResult result = runTool("map " + street + " --labels " + street +
-                                    "/labels --crf none --output " + out);
-  ASSERT_EQ(result.code, 0) << result.text;
+  succeed(mapOf(street) + " --crf none --output " + out);
   EXPECT_NE(bytesOf(out + "/summary.json").find("\"poses\": \"odometry\""),
             std::string::npos);
   const Trajectory driven = readKittiTrajectory(out + "/trajectory.txt");
@@ -116,14 +106,11 @@ TEST(MapTool, TakesTumTrajectories)
   const TemporaryFolder folder;
   const Trajectory truth = readKittiTrajectory(tinyStreet() + "/poses.txt");
   writeTumTrajectory(folder.path("tum.txt"), {{0.0, truth[0]}, {0.1, truth[1]}});
-  const std::string command = "map " + tinyStreet() + " --labels " + tinyStreet() +
-                              "/labels --crf none --poses " + folder.path("tum.txt") +
-                              " --output " + folder.path("out");
-  const ToolResult result = runTool(command + " --frames 0:2");
-  EXPECT_EQ(result.code, 0) << result.text;
-  const ToolResult gap = runTool(command);
-  EXPECT_EQ(gap.code, 3);
-  EXPECT_NE(gap.text.find("the time of frame 2"), std::string::npos) << gap.text;
+  const std::string command = mapOf(tinyStreet()) + " --crf none --poses " +
+                              folder.path("tum.txt") + " --output " +
+                              folder.path("out");
+  succeed(command + " --frames 0:2");
+  expectFails(command, 3, "the time of frame 2");
 }
 
 // What is wrong with the poses is said before anything is made.
@@ -156,9 +143,9 @@ TEST(BadInput, Trajectories)
   const std::string out = folder.path("out"), archive = folder.path("a.db");
   for (const auto& [text, says] : cases) {
     SCOPED_TRACE(text);
-    const ToolResult result = runTool(
-        "map " + tinyStreet() + " --labels " + tinyStreet() + "/labels --poses " +
-        folder.write("a.txt", text) + " --output " + out + " --archive " + archive);
+    const ToolResult result =
+        runTool(mapOf(tinyStreet()) + " --poses " + folder.write("a.txt", text) +
+                " --output " + out + " --archive " + archive);
     EXPECT_EQ(result.code, 3);
     EXPECT_EQ(result.text.rfind("pcl_semantic_map: " + folder.path("a.txt"), 0), 0u);
     EXPECT_TRUE(holds(result.text, says));
@@ -174,17 +161,15 @@ TEST(MapTool, MakesPosesRigidWithOneWarning)
   std::string text = "# by hand\r\n";
   for (const char* const z : {"0", "0.85", "1.7"})
     text += std::string("0.998 0 0 0 0 1 0 0 0 0 1 ") + z + "\r\n";
-  const ToolResult result =
-      runTool("map " + tinyStreet() + " --labels " + tinyStreet() +
-              "/labels --crf none --poses " + folder.write("a.txt", text) +
-              " --output " + folder.path("out"));
-  EXPECT_EQ(result.code, 0);
-  EXPECT_EQ(result.text.rfind(folder.path("a.txt") +
-                                  ": warning: 3 of 3 poses were not quite rigid and "
-                                  "made so, the first in line 2\nmap: ",
-                              0),
+  const std::string said =
+      succeed(mapOf(tinyStreet()) + " --crf none --poses " +
+              folder.write("a.txt", text) + " --output " + folder.path("out"));
+  EXPECT_EQ(said.rfind(folder.path("a.txt") +
+                           ": warning: 3 of 3 poses were not quite rigid and "
+                           "made so, the first in line 2\nmap: ",
+                       0),
             0u)
-      << result.text;
+      << said;
   for (const Eigen::Isometry3d& pose :
        readKittiTrajectory(folder.path("out/trajectory.txt")))
     EXPECT_TRUE(pose.linear().isIdentity(1e-12));
@@ -193,7 +178,7 @@ TEST(MapTool, MakesPosesRigidWithOneWarning)
 TEST(BadUsage, TrajectoryTools)
 {
   const std::string poses = " STREET/poses.txt ";
-  const std::vector<BadCase> cases = {
+  expectAllFail({
       {"no sequence", 2, "SEQUENCE is missing", "odometry"},
       {"no output", 2, "OUT.txt is missing", "odometry STREET"},
       {"format", 2, "--format is 'csv'", "odometry STREET OUT --format csv"},
@@ -232,9 +217,7 @@ TEST(BadUsage, TrajectoryTools)
       {"no poses and archive", 2, "--archive needs poses from a file",
        "--labels STREET/labels --archive TEMP/a.db",
        [](const std::string& street) { fs::remove(street + "/poses.txt"); }},
-  };
-  for (const BadCase& bad : cases)
-    expectFails(bad);
+  });
 }
 
 } // namespace pcl_semantic

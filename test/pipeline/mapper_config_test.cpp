@@ -102,33 +102,26 @@ TEST(MapperConfig, NamesAreUniqueAndExplained)
 
 TEST(MapperConfig, MistakesAreNamedWithTheirLine)
 {
-  EXPECT_TRUE(holds(complaintAbout("voxel_size: 0.1\nvoxel_sise: 0.2\n"),
-                    "line 2: key 'voxel_sise' is not known"));
-  EXPECT_TRUE(holds(complaintAbout("crf: dense\ncrf: none\n"), "line 2"));
-  EXPECT_TRUE(
-      holds(complaintAbout("crf_every: often\n"), "line 1: 'often' is not a number"));
-  EXPECT_TRUE(holds(complaintAbout("crf_every: 1.5\n"), "line 1: '1.5' is no integer"));
-  EXPECT_TRUE(holds(complaintAbout("window: [1, 2]\n"), "line 1"));
-  EXPECT_TRUE(holds(complaintAbout("window: 1,5\n"), "line 1"));
-}
-
-TEST(MapperConfig, ValuesOutOfRangeAreRefused)
-{
-  EXPECT_TRUE(holds(complaintAbout("voxel_size: 0\n"), "voxel_size is 0 m"));
-  EXPECT_TRUE(holds(complaintAbout("voxel_size: .nan\n"), "'.nan' is not a number"));
-  EXPECT_TRUE(
-      holds(complaintAbout("crf: densest\n"),
-            "crf is 'densest', expected none, dense, pn-potts or hierarchical"));
-  EXPECT_TRUE(holds(complaintAbout("crf_kernels: fast\n"),
-                    "line 1: 'fast', expected automatic, truncated or lattice"));
-  EXPECT_TRUE(
-      holds(complaintAbout("clique_truncation: 0\n"), "clique_truncation is 0"));
-  EXPECT_TRUE(holds(complaintAbout("cliques: slic\n"), "expected cubes:SIZE"));
-  EXPECT_TRUE(holds(complaintAbout("crf_every: 0\n"), "crf_every is 0"));
-  EXPECT_TRUE(
-      holds(complaintAbout("label_confidence: 1.5\n"), "label_confidence is 1.5"));
-  EXPECT_TRUE(
-      holds(complaintAbout("hit_probability: 0.4\n"), "hit_probability is 0.4"));
+  for (const auto& [text, complaint] : std::vector<std::pair<const char*, const char*>>{
+           {"voxel_size: 0.1\nvoxel_sise: 0.2\n",
+            "line 2: key 'voxel_sise' is not known"},
+           {"crf: dense\ncrf: none\n", "line 2"},
+           {"crf_every: often\n", "line 1: 'often' is not a number"},
+           {"crf_every: 1.5\n", "line 1: '1.5' is no integer"},
+           {"window: [1, 2]\n", "line 1"},
+           {"window: 1,5\n", "line 1"},
+           {"voxel_size: 0\n", "voxel_size is 0 m"},
+           {"voxel_size: .nan\n", "'.nan' is not a number"},
+           {"crf: densest\n",
+            "crf is 'densest', expected none, dense, pn-potts or hierarchical"},
+           {"crf_kernels: fast\n",
+            "line 1: 'fast', expected automatic, truncated or lattice"},
+           {"clique_truncation: 0\n", "clique_truncation is 0"},
+           {"cliques: slic\n", "expected cubes:SIZE"},
+           {"crf_every: 0\n", "crf_every is 0"},
+           {"label_confidence: 1.5\n", "label_confidence is 1.5"},
+           {"hit_probability: 0.4\n", "hit_probability is 0.4"}})
+    EXPECT_TRUE(holds(complaintAbout(text), complaint)) << text;
 }
 
 TEST(MapperConfig, TheWindowHoldsWhatTheSensorReaches)

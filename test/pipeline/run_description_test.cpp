@@ -3,7 +3,6 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/pipeline/frame_record.h>
 #include <pcl_semantic/pipeline/run_description.h>
 
 #include <gtest/gtest.h>

@@ -26,6 +26,12 @@ namespace fs = std::filesystem;
 
 constexpr int frames = 5;
 
+LabelSet
+kitti11()
+{
+  return readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+}
+
 // The street itself says where the camera is and what it sees.
 class StreetPoses : public PoseSource {
 public:
@@ -76,10 +82,8 @@ protected:
   static SemanticMapper
   makeMapper(const MapperConfig& config)
   {
-    return SemanticMapper(
-        readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"), config,
-        std::make_unique<StreetPoses>(*renderer_), renderer_->camera(),
-        std::make_unique<StreetLabels>(views_));
+    return SemanticMapper(kitti11(), config, std::make_unique<StreetPoses>(*renderer_),
+                          renderer_->camera(), std::make_unique<StreetLabels>(views_));
   }
 
   static StereoFrame
@@ -88,12 +92,9 @@ protected:
     return {{i, 0.1 * i}, views_[std::size_t(i)].left, views_[std::size_t(i)].right};
   }
 
-  static std::unique_ptr<SyntheticRenderer> renderer_;
-  static std::vector<SyntheticView> views_;
+  static inline std::unique_ptr<SyntheticRenderer> renderer_;
+  static inline std::vector<SyntheticView> views_;
 };
-
-std::unique_ptr<SyntheticRenderer> Street::renderer_;
-std::vector<SyntheticView> Street::views_;
 
 double
 meanIoU(const cv::Mat& prediction, const cv::Mat& truth, const cv::Mat& covered_by)
@@ -107,14 +108,13 @@ meanIoU(const cv::Mat& prediction, const cv::Mat& truth, const cv::Mat& covered_
 
 TEST_F(Street, PairsNeedTheirCamera)
 {
-  EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([] {
-              SemanticMapper(
-                  readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"),
-                  MapperConfig(), std::make_unique<StreetPoses>(*renderer_),
-                  std::nullopt, std::make_unique<StreetLabels>(views_));
-            }),
-            "need their camera"));
+  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([] {
+                      SemanticMapper(kitti11(), MapperConfig(),
+                                     std::make_unique<StreetPoses>(*renderer_),
+                                     std::nullopt,
+                                     std::make_unique<StreetLabels>(views_));
+                    }),
+                    "need their camera"));
 }
 
 TEST_F(Street, TheMapLabelsBetterThanTheNetwork)
@@ -144,7 +144,7 @@ TEST_F(Street, TheMapLabelsBetterThanTheNetwork)
 TEST_F(Street, WhoLooksOnSeesEachFrameUntilTheMapIsFinished)
 {
   MappingRun run;
-  run.label_set = readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  run.label_set = kitti11();
   run.frames = {0, 2};
   run.config.crf = "none";
   SemanticMapper mapper = makeMapper(run.config);
@@ -241,9 +241,7 @@ TEST_F(Street, RimsThatAreLookedPastAreNotMapped)
   auto rest = *all.cloud;
   const std::size_t erased = eraseSeenThrough(
       rest, renderer_->camera(), all.T_world_camera, config.map.voxel_size, 0.33);
-  SemanticVoxelMap expected(
-      readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml"),
-      config.map);
+  SemanticVoxelMap expected(kitti11(), config.map);
   expected.integrate(rest, all.T_world_camera, all.network);
   EXPECT_LT(fewer.voxels.size(), all.voxels.size());
   EXPECT_EQ(all.counts.seen_through, 0u);

@@ -93,4 +93,12 @@ expectFails(const BadCase& bad)
   EXPECT_FALSE(bad.code == 2 && !output_was_there && std::filesystem::exists(output));
 }
 
+/** \brief expectFails() of each. */
+inline void
+expectAllFail(const std::vector<BadCase>& cases)
+{
+  for (const BadCase& bad : cases)
+    expectFails(bad);
+}
+
 } // namespace pcl_semantic

@@ -17,8 +17,8 @@ inline void
 mapStreet(const std::string& street, const std::string& output,
           const std::string& options)
 {
-  const ToolResult result = runTool("map " + street + " --labels " + street +
-                                    "/labels --output " + output + " " + options);
+  const ToolResult result =
+      runTool(mapOf(street) + " --output " + output + " " + options);
   EXPECT_EQ(result.code, 0) << result.text;
   EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 4) << result.text;
 }

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "support/thrown_message.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -37,6 +42,35 @@ runTool(const std::string& arguments, const std::string& before = "")
 {
   return runShell(before + " exec " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" +
                   arguments + " 2>&1");
+}
+
+/** \brief The same; it has to succeed. \return what it printed */
+inline std::string
+succeed(const std::string& arguments, const std::string& before = "")
+{
+  const ToolResult result = runTool(arguments, before);
+  EXPECT_EQ(result.code, 0) << arguments << "\n" << result.text;
+  return result.text;
+}
+
+/** \brief Runs a program and EXPECTs its exit code and one line that names it and says
+ * what is wrong. */
+inline void
+expectFails(const std::string& arguments, int code, const std::string& says)
+{
+  SCOPED_TRACE(arguments);
+  const ToolResult result = runTool(arguments);
+  EXPECT_EQ(result.code, code) << result.text;
+  EXPECT_TRUE(holds(result.text, says));
+  EXPECT_EQ(result.text.rfind("pcl_semantic_", 0), 0u) << result.text;
+  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1) << result.text;
+}
+
+/** \brief The command that maps a street with its stored labels; to be continued. */
+inline std::string
+mapOf(const std::string& street)
+{
+  return "map " + street + " --labels " + street + "/labels";
 }
 
 } // namespace pcl_semantic

@@ -5,6 +5,7 @@
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
 #include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/filters/crf_parameters.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
@@ -165,6 +166,12 @@ struct MapperConfig {
 
 /** \brief The parameters of a config, in the order of the data flow. */
 ConfigParameters parametersOf(MapperConfig& config);
+
+/** \brief The labels of class names with commas between them; of "none" there are none.
+ * \param[in] what has the list, for messages: "--ground"
+ * \throws InvalidParameterException at a name that is not in the label set */
+std::vector<Label> listedLabels(const std::string& names, const LabelSet& label_set,
+                                const std::string& what);
 
 /** \brief Sets the parameters a YAML file names; the others keep their values.
  * \param[in] path empty = no file

@@ -3,7 +3,6 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/map_archive.h>
-#include <pcl_semantic/pipeline/frame_record.h>
 #include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 

@@ -3,7 +3,6 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/files/trajectory_file.h>
-#include <pcl_semantic/pipeline/frame_record.h>
 #include <pcl_semantic/pipeline/run_description.h>
 
 #include <memory>

@@ -5,10 +5,13 @@
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -41,5 +44,23 @@ std::string describeRun(const MappingRun& run);
 /** \brief The first difference of two such texts, for a message: "voxel_size was 0.1,
  * is 0.2"; empty if there is none. */
 std::string changeOfRun(const std::string& before, const std::string& now);
+
+/** \brief What is kept of a frame that went into a map. */
+struct FrameRecord {
+  int number = 0;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  ScanCounts counts;
+  std::vector<std::pair<std::string, double>> seconds;            ///< by stage
+  double domain_shift = std::numeric_limits<double>::quiet_NaN(); ///< see MappedFrame
+};
+
+FrameRecord recordOf(const MappedFrame& mapped);
+
+/** \brief A record as bytes, without loss; older ones end before \a domain_shift. */
+std::vector<std::uint8_t> encodeFrameRecord(const FrameRecord& record);
+
+/** \param[in] number of the frame
+ * \throws BadInputException if the bytes are not those of a record */
+FrameRecord decodeFrameRecord(int number, const std::vector<std::uint8_t>& bytes);
 
 } // namespace pcl_semantic

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "command_line.h"
+#include "messages.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/version.h>
+
+#include <algorithm>
+#include <iostream>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+// Text that no macro of man(7) is made of: hyphens are those of options, to be copied.
+std::string
+escaped(const std::string& text)
+{
+  std::string result;
+  bool begins_line = true;
+  for (const char letter : text) {
+    if (begins_line && (letter == '.' || letter == '\''))
+      result += "\\&";
+    if (letter == '\\')
+      result += "\\e";
+    else if (letter == '-')
+      result += "\\-";
+    else
+      result += letter;
+    begins_line = letter == '\n';
+  }
+  return result;
+}
+
+// "does this" of "Does this. And that.", with its lines made one.
+std::string
+firstSentence(const std::string& description)
+{
+  std::string sentence = description.substr(0, description.find(". "));
+  std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+  if (!sentence.empty() && sentence.back() == '.')
+    sentence.pop_back();
+  return sentence;
+}
+
+// Boost writes "-o [ --output ]".
+std::string
+optionLine(const po::option_description& option)
+{
+  std::string line;
+  const std::string name = option.format_name();
+  if (name.size() > 1 && name[1] != '-')
+    line = name.substr(0, 2) + ", ";
+  line = "\\fB" + escaped(line + "--" + option.long_name()) + "\\fR";
+  const std::string value = option.format_parameter();
+  return value.empty() ? line : line + " " + escaped(value);
+}
+
+// What `--help` says as a manual page, in the macros of man(7).
+std::string
+manualPage(const Usage& usage, const po::options_description& options)
+{
+  std::string page = ".TH " + usage.name + " 1 \"\" \"pcl_semantic " +
+                     PCL_SEMANTIC_VERSION + "\" \"User Commands\"\n";
+  page += ".SH NAME\n" + usage.name + " \\- " +
+          escaped(firstSentence(usage.description)) + "\n";
+  page += ".SH SYNOPSIS\n.B " + usage.name + "\n" + escaped(usage.synopsis) + "\n";
+  page += ".SH DESCRIPTION\n" + escaped(usage.description) + "\n";
+  page += ".SH OPTIONS\n";
+  for (const auto& option : options.options())
+    page +=
+        ".TP\n" + optionLine(*option) + "\n" + escaped(option->description()) + "\n";
+  page += ".SH EXAMPLE\n.nf\n" + escaped(usage.example) + "\n.fi\n";
+  page += ".SH EXIT STATUS\n"
+          "0: done; 2: the command line is wrong; 3: an input is; 4: a network is; "
+          "5: an output could not be written; 6: out of memory; 130: interrupted.\n";
+  return page;
+}
+
+// Further names of a parameter are understood, but not shown.
+std::string
+namesOf(const ConfigParameter& parameter)
+{
+  return parameter.option() + (parameter.old_name.empty() ? "" : ",") +
+         parameter.oldOption();
+}
+
+} // namespace
+
+bool
+parseCommandLine(int argc, char** argv, const Usage& usage,
+                 const po::options_description& options,
+                 const po::positional_options_description& positional,
+                 po::variables_map& values)
+{
+  po::options_description general("General");
+  Manner& how = manner();
+  how.name = usage.name;
+  general.add_options()("help,h", "print this help")("version", "print the version")(
+      "quiet,q", po::bool_switch(&how.quiet),
+      "print only errors, warnings and results")(
+      "verbose,v", po::bool_switch(&how.verbose),
+      "print each step with the time since the start")(
+      "json", po::bool_switch(&how.json),
+      "print results as JSON")("man", "print this help as a manual page");
+  po::options_description all;
+  all.add(options).add(general);
+  try {
+    // No guessing: an abbreviated option would change its meaning when one is added.
+    using namespace po::command_line_style;
+    po::store(po::command_line_parser(argc, argv)
+                  .options(all)
+                  .positional(positional)
+                  .style(unix_style & ~allow_guessing)
+                  .run(),
+              values);
+    if (values.count("help")) {
+      std::cout << "Usage: " << usage.name << " " << usage.synopsis << "\n\n"
+                << usage.description << "\n\nExample:\n  " << usage.example << "\n"
+                << all;
+      return false;
+    }
+    if (values.count("man")) {
+      std::cout << manualPage(usage, all);
+      return false;
+    }
+    if (values.count("version")) {
+      std::cout << usage.name << " " << PCL_SEMANTIC_VERSION << "\n";
+      return false;
+    }
+    po::notify(values);
+    refuseIf(how.quiet && how.verbose, "--quiet and --verbose exclude each other");
+  }
+  catch (const po::too_many_positional_options_error&) {
+    failUsage("too many positional arguments; a pattern of file names has to be in "
+              "quotes: --left 'left/*.png'");
+  }
+  catch (const po::error& error) {
+    failUsage(error.what());
+  }
+  return true;
+}
+
+po::variables_map
+parseCommandLine(int argc, char** argv, const Usage& usage,
+                 const std::vector<Option>& options,
+                 const std::vector<std::string>& positional,
+                 const ConfigParameters& parameters)
+{
+  po::options_description description("Options");
+  for (const Option& option : options)
+    description.add_options()(option.names, option.target, option.text.c_str());
+  po::options_description group("Parameters (with their defaults)");
+  for (const ConfigParameter& parameter : parameters)
+    group.add_options()(namesOf(parameter).c_str(),
+                        po::value<std::string>()->value_name(parameter.text()),
+                        parameter.help.c_str());
+  if (!parameters.empty())
+    description.add(group);
+  po::positional_options_description order;
+  for (const std::string& name : positional) {
+    const std::size_t dots = name.find("...");
+    order.add(name.substr(0, dots).c_str(), dots == std::string::npos ? 1 : -1);
+  }
+  po::variables_map values;
+  if (!parseCommandLine(argc, argv, usage, description, order, values))
+    throw Exit{exit_done};
+  return values;
+}
+
+void
+setParameters(const po::variables_map& values, ConfigParameters parameters)
+{
+  for (ConfigParameter& parameter : parameters)
+    if (values.count(parameter.option()))
+      try {
+        parameter.set(values[parameter.option()].as<std::string>(),
+                      "--" + parameter.option());
+      }
+      catch (const BadInputException& error) {
+        throw InvalidParameterException(error.what());
+      }
+}
+
+void
+failUsage(const Usage& usage, const std::string& message)
+{
+  throw InvalidParameterException(message + " (see " + usage.name + " --help)");
+}
+
+void
+failUsage(const std::string& message)
+{
+  failUsage({manner().name, {}, {}, {}}, message);
+}
+
+void
+refuseIf(bool condition, const std::string& message)
+{
+  if (condition)
+    failUsage(message);
+}
+
+std::vector<std::string>
+splitAtCommas(const std::string& text)
+{
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');)
+    words.push_back(word);
+  return words;
+}
+
+std::vector<double>
+parseNumbersOf(const std::string& option, std::string text)
+{
+  std::replace(text.begin(), text.end(), ',', ' ');
+  try {
+    return parseNumbers(text, option);
+  }
+  catch (const BadInputException& error) {
+    failUsage(error.what());
+  }
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/pipeline/mapper_config.h>
+
+#include <boost/program_options.hpp>
+
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pcl_semantic::tool {
+
+namespace po = boost::program_options;
+
+/** \brief The parts of a tool's `--help`. */
+struct Usage {
+  std::string name;        ///< "pcl_semantic_map"
+  std::string synopsis;    ///< "SEQUENCE --output DIR [options]"
+  std::string description; ///< what it does, one or two sentences
+  std::string example;     ///< a command that works when pasted
+};
+
+/** \brief An option of a tool: its name ("output,o"), where its value goes, its help.
+ */
+struct Option {
+  /** \brief Any value, or several of a std::vector; without a default to show. */
+  template <typename T>
+  Option(const char* name, T& value, std::string help)
+      : Option(name, po::value(&value), std::move(help))
+  {}
+
+  /** \brief A switch. */
+  Option(const char* name, bool& value, std::string help)
+      : Option(name, po::bool_switch(&value), std::move(help))
+  {}
+
+  /** \brief Another kind: required(...), withDefault(...). */
+  Option(const char* name, const po::value_semantic* value, std::string help)
+      : names(name), target(value), text(std::move(help))
+  {}
+
+  const char* names;
+  const po::value_semantic* target;
+  std::string text;
+};
+
+/** \brief The value of an option that has to be given. */
+template <typename T>
+po::typed_value<T>*
+required(T& value)
+{
+  return po::value(&value)->required();
+}
+
+/** \brief A value as help shows it: 0.7, not 0.69999999999999996. */
+template <typename T>
+std::string
+shown(const T& value)
+{
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/** \brief The value of an option, which is its default and shown as such. */
+template <typename T>
+po::typed_value<T>*
+withDefault(T& value)
+{
+  return po::value<T>(&value)->default_value(value, shown(value));
+}
+
+/** \brief Adds an option whose value is its default. */
+template <typename T>
+void
+addOption(po::options_description& options, const char* name, T& value,
+          const char* text)
+{
+  options.add_options()(name, withDefault(value), text);
+}
+
+/** \brief Parses the command line; adds `--help`, `--version`, and `--quiet`,
+ * `--verbose` and `--json`, which set manner(). \return false if the help or the
+ * version was printed and nothing is left to do \throws InvalidParameterException at
+ * unknown options, missing or unreadable values */
+bool parseCommandLine(int argc, char** argv, const Usage& usage,
+                      const po::options_description& options,
+                      const po::positional_options_description& positional,
+                      po::variables_map& values);
+
+/** \brief The same from tables; ends the tool where nothing is left to do.
+ * \param[in] options in the order of the help
+ * \param[in] positional options that need no name; a last one "files..." takes all that
+ * is left
+ * \param[in] parameters each an option, too, see setParameters()
+ * \throws Exit, InvalidParameterException */
+po::variables_map parseCommandLine(int argc, char** argv, const Usage& usage,
+                                   const std::vector<Option>& options,
+                                   const std::vector<std::string>& positional = {},
+                                   const ConfigParameters& parameters = {});
+
+/** \brief Sets the parameters whose options were given.
+ * \throws InvalidParameterException if a value cannot be read */
+void setParameters(const po::variables_map& values, ConfigParameters parameters);
+
+/** \brief Throws InvalidParameterException, with a word on where help is. */
+[[noreturn]] void failUsage(const Usage& usage, const std::string& message);
+
+/** \brief The same of the tool that runs. */
+[[noreturn]] void failUsage(const std::string& message);
+
+/** \brief failUsage() if a condition holds. */
+void refuseIf(bool condition, const std::string& message);
+
+/** \brief "a,b,c" without the commas. */
+std::vector<std::string> splitAtCommas(const std::string& text);
+
+/** \brief The numbers of an option, with commas or spaces between them; those that
+ * cannot be read end in failUsage(). */
+std::vector<double> parseNumbersOf(const std::string& option, std::string text);
+
+/** \brief Of --label-mapping, the numbers in a file to the classes of the label set. */
+constexpr const char* label_mapping_help =
+    "numbers of the input to classes of the label set: a file (YAML), the name of one "
+    "that is installed (semantic_kitti_to_kitti11), or zero_based (default: they are "
+    "labels, 0 = unlabelled)";
+
+/** \brief The same where the input may be images. */
+constexpr const char* pixel_mapping_help =
+    "numbers of the input to classes of the label set: a file (YAML), the name of one "
+    "that is installed (semantic_kitti_to_kitti11), zero_based, or of .png colours, "
+    "those of the classes (default: they are labels, 0 = unlabelled)";
+
+} // namespace pcl_semantic::tool
