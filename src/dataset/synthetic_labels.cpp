@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "synthetic_noise.h"
 
 #include <pcl_semantic/dataset/synthetic_labels.h>
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <opencv2/core.hpp>
 
@@ -229,8 +228,7 @@ syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
                        double label_noise)
 {
   if (!(label_noise >= 0.0 && label_noise <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label noise " << label_noise << ", expected 0 to 1");
+    fail<InvalidParameterException>("label noise ", label_noise, ", expected 0 to 1");
   const cv::Mat labels = NoisyLabels(view, seed, label_noise).draw();
   const int width = labels.cols;
   LabelDistributions result = softened(labels, label_noise > 0.0);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
+
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 
 #include "synthetic_materials.h"
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <opencv2/core.hpp>
 
@@ -157,9 +157,8 @@ SyntheticRenderer::SyntheticRenderer(const SyntheticScene& scene, int width, int
     : scene_(scene)
 {
   if (width < 64 || height < 32 || width > 4096 || height > 4096)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "image size " << width << "x" << height
-                                      << ", expected 64x32 to 4096x4096");
+    fail<InvalidParameterException>("image size ", width, "x", height,
+                                    ", expected 64x32 to 4096x4096");
   camera_.fx = camera_.fy = 718.0 * width / 1241.0;
   camera_.cx = 607.0 * width / 1241.0;
   camera_.cy = 185.0 * height / 376.0;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "synthetic_street.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <limits>
 
@@ -45,9 +44,8 @@ SyntheticScene::SyntheticScene(std::uint32_t seed, int frames)
     : seed_(seed), frames_(frames)
 {
   if (frames < 1 || frames > 100000)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "frames of a synthetic scene: " << frames
-                                                        << ", expected 1 to 100000");
+    fail<InvalidParameterException>("frames of a synthetic scene: ", frames,
+                                    ", expected 1 to 100000");
   street_ = std::make_shared<synthetic::Street>(seed, frames * metres_per_frame);
 }
 
@@ -55,9 +53,8 @@ Eigen::Isometry3d
 SyntheticScene::pose(int frame) const
 {
   if (frame < 0 || frame >= frames_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "frame " << frame << " of a synthetic scene with " << frames_
-                                 << " frames");
+    fail<InvalidParameterException>("frame ", frame, " of a synthetic scene with ",
+                                    frames_, " frames");
   // A car does not run on rails: it weaves, nods and bobs, smoothly and not in frame 0.
   double weave = 0.0;
   double nod = 0.0;

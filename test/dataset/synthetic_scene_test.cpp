@@ -56,10 +56,10 @@ TEST(SyntheticScene, RefusesWhatItCannotRender)
   const SyntheticScene scene(1, 2);
   EXPECT_THROW(scene.pose(-1), InvalidParameterException);
   EXPECT_THROW(scene.pose(2), InvalidParameterException);
-  EXPECT_THROW(SyntheticRenderer(scene, 63, 32), InvalidParameterException);
-  EXPECT_THROW(SyntheticRenderer(scene, 64, 31), InvalidParameterException);
-  EXPECT_THROW(SyntheticRenderer(scene, 4097, 32), InvalidParameterException);
-  EXPECT_THROW(SyntheticRenderer(scene, 64, 4097), InvalidParameterException);
+  for (const cv::Size size :
+       {cv::Size(63, 32), cv::Size(64, 31), cv::Size(4097, 32), cv::Size(64, 4097)})
+    EXPECT_THROW(SyntheticRenderer(scene, size.width, size.height),
+                 InvalidParameterException);
   EXPECT_EQ(SyntheticRenderer(scene, 64, 32).render(1).left.size(), cv::Size(64, 32));
 }
 
@@ -90,9 +90,7 @@ TEST(SyntheticRenderer, DisparityAgreesWithTheRightCamera)
 {
   const SyntheticScene scene(1);
   const SyntheticRenderer renderer(scene, kWidth, kHeight);
-  int points = 0;
-  int met = 0;
-  int behind = 0;
+  int points = 0, met = 0, behind = 0;
   for (const int frame : {0, 17, 39}) {
     const SyntheticView view = renderer.render(frame);
     const Eigen::Vector3d right =
@@ -146,9 +144,7 @@ TEST(SyntheticRenderer, ConsecutiveFramesSeeTheSameSurfaces)
   for (const int frame : {0, 20}) {
     const SyntheticView view = renderer.render(frame);
     const SyntheticView next = renderer.render(frame + 1);
-    int points = 0;
-    int same = 0;
-    int behind = 0;
+    int points = 0, same = 0, behind = 0;
     for (int v = 0; v < kHeight; ++v)
       for (int u = 0; u < kWidth; ++u) {
         if (depthAt(view, u, v) == 0.0)
@@ -211,14 +207,12 @@ TEST(SyntheticRenderer, IntensitiesVaryWhereStereoNeedsThem)
 {
   const SyntheticScene scene(1);
   const SyntheticView view = SyntheticRenderer(scene, kWidth, kHeight).render(0);
-  int windows = 0;
-  int textured = 0;
+  int windows = 0, textured = 0;
   for (int v = 2; v + 2 < kHeight; v += 2)
     for (int u = 2; u + 2 < kWidth; u += 2) {
       if (view.labels.at<Label>(v, u) == synthetic_sky)
         continue;
-      cv::Scalar mean;
-      cv::Scalar deviation;
+      cv::Scalar mean, deviation;
       cv::meanStdDev(view.left(cv::Rect(u - 2, v - 2, 5, 5)), mean, deviation);
       ++windows;
       textured += deviation[1] > 2.0; // the sensor's noise alone is 0.9

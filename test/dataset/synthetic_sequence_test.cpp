@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/same_image.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/synthetic_labels.h>
 #include <pcl_semantic/dataset/synthetic_sequence.h>
@@ -9,12 +11,6 @@
 using namespace pcl_semantic;
 
 namespace {
-
-bool
-areSame(const cv::Mat& a, const cv::Mat& b)
-{
-  return cv::norm(a, b, cv::NORM_INF) == 0.0;
-}
 
 // A camera that looks to the left, half a metre behind the front one.
 Eigen::Isometry3d
@@ -41,8 +37,8 @@ TEST(SyntheticSequence, IsWhatTheRendererSees)
     const StereoFrame frame = street.frame(std::size_t(i));
     EXPECT_EQ(frame.number, i);
     EXPECT_DOUBLE_EQ(frame.timestamp, 0.1 * i);
-    EXPECT_TRUE(areSame(frame.left, view.left));
-    EXPECT_TRUE(areSame(frame.right, view.right));
+    EXPECT_TRUE(isSameImage(frame.left, view.left));
+    EXPECT_TRUE(isSameImage(frame.right, view.right));
     EXPECT_TRUE(street.pose(std::size_t(i)).isApprox(renderer.pose(i)));
     EXPECT_TRUE(street.pose(std::size_t(i))
                     .isApprox(scene.pose(i) * street.T_camera0_camera()));

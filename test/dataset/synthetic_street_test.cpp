@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/dataset/synthetic_objects.h"
-#include "../src/dataset/synthetic_street.h"
+#include "dataset/synthetic_objects.h"
 
 #include <gtest/gtest.h>
 
@@ -27,8 +26,7 @@ randomDirection(Random& random)
 TEST(SyntheticNoise, IsSmoothBoundedAndUncorrelated)
 {
   Random random(1, 2);
-  double sum = 0.0;
-  double square = 0.0;
+  double sum = 0.0, square = 0.0;
   constexpr int count = 20000;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d p = 100.0 * randomDirection(random);
@@ -45,8 +43,7 @@ TEST(SyntheticNoise, IsSmoothBoundedAndUncorrelated)
 TEST(SyntheticNoise, SineAndCosineAreTheLibrarys)
 {
   for (double angle = -4.0; angle <= 4.0; angle += 0.01) {
-    double sine = 0.0;
-    double cosine = 0.0;
+    double sine = 0.0, cosine = 0.0;
     sinCos(angle, sine, cosine);
     EXPECT_NEAR(sine, std::sin(angle), 1e-13);
     EXPECT_NEAR(cosine, std::cos(angle), 1e-13);
