@@ -41,15 +41,11 @@ struct Rectification {
 };
 
 bool
-isZero(const std::vector<double>& distortion)
-{
-  return std::all_of(distortion.begin(), distortion.end(),
-                     [](double d) { return d == 0.0; });
-}
-
-bool
 isRectified(const StereoRig& rig)
 {
+  const auto isZero = [](const std::vector<double>& D) {
+    return std::all_of(D.begin(), D.end(), [](double d) { return d == 0.0; });
+  };
   return isZero(rig.D1) && isZero(rig.D2) && rig.K1 == rig.K2 &&
          rig.R.isIdentity(1e-9) && rig.T.y() == 0.0 && rig.T.z() == 0.0;
 }
@@ -57,14 +53,10 @@ isRectified(const StereoRig& rig)
 StereoCamera
 cameraOf(const StereoRig& rig, const Rectification& result)
 {
-  StereoCamera camera;
-  camera.width = rig.width;
-  camera.height = rig.height;
-  camera.fx = result.P1.at<double>(0, 0);
-  camera.fy = result.P1.at<double>(1, 1);
-  camera.cx = result.P1.at<double>(0, 2);
-  camera.cy = result.P1.at<double>(1, 2);
-  camera.baseline = -result.P2.at<double>(0, 3) / camera.fx;
+  const cv::Mat1d P1 = result.P1, P2 = result.P2;
+  const StereoCamera camera{
+      P1(0, 0),  P1(1, 1),  P1(0, 2), P1(1, 2), -P2(0, 3) / P1(0, 0),
+      rig.width, rig.height};
   const double scale = camera.fx / rig.K1(0, 0);
   if (!(scale < kScale && scale > 1.0 / kScale))
     fail<InvalidParameterException>(

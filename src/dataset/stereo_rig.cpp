@@ -86,13 +86,12 @@ validateTranslation(const Eigen::Vector3d& T)
            "T); are left and right swapped?");
 }
 
-// A calibration file, or the mapping of one camera in it. A value has one of several
-// keys.
+// A calibration file, or the mapping of one camera in it.
 struct Source {
   std::string path;
   YamlMap map;
 
-  // The one of the keys that is there; empty if none is.
+  // The one of a value's keys that is there; empty if none is.
   std::string
   find(const Keys& keys) const
   {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 namespace pcl_semantic::synthetic {
 
@@ -79,7 +80,7 @@ public:
     ground_.z() =
         Street::road_height +
         (std::abs(point.t) < RoadLine::half_width ? 0.0 : RoadLine::kerb_height);
-    sinCos(road.heading(point.s) + turned, sine_, cosine_);
+    std::tie(sine_, cosine_) = sinCos(road.heading(point.s) + turned);
     object_ = hash(seed, static_cast<std::uint32_t>(std::lround(point.s * 1000.0)),
                    static_cast<std::uint32_t>(std::lround(point.t * 1000.0)));
     parts_ = 0;

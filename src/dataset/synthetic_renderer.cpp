@@ -159,12 +159,10 @@ SyntheticRenderer::SyntheticRenderer(const SyntheticScene& scene, int width, int
   if (width < 64 || height < 32 || width > 4096 || height > 4096)
     fail<InvalidParameterException>("image size ", width, "x", height,
                                     ", expected 64x32 to 4096x4096");
-  camera_.fx = camera_.fy = 718.0 * width / 1241.0;
-  camera_.cx = 607.0 * width / 1241.0;
-  camera_.cy = 185.0 * height / 376.0;
-  camera_.baseline = 0.54;
-  camera_.width = width;
-  camera_.height = height;
+  const double focal_length = 718.0 * width / 1241.0;
+  camera_ = {
+      focal_length, focal_length, 607.0 * width / 1241.0, 185.0 * height / 376.0, 0.54,
+      width,        height};
 }
 
 Eigen::Isometry3d

@@ -25,12 +25,8 @@ worldFromCamera()
 Eigen::Matrix3d
 turn(double heading, double pitch)
 {
-  double s = 0.0;
-  double c = 0.0;
-  sinCos(heading, s, c);
-  double sp = 0.0;
-  double cp = 0.0;
-  sinCos(pitch, sp, cp);
+  const auto [s, c] = sinCos(heading);
+  const auto [sp, cp] = sinCos(pitch);
   Eigen::Matrix3d yaw;
   yaw << c, -s, 0, s, c, 0, 0, 0, 1;
   Eigen::Matrix3d nod;
@@ -56,11 +52,8 @@ SyntheticScene::pose(int frame) const
     fail<InvalidParameterException>("frame ", frame, " of a synthetic scene with ",
                                     frames_, " frames");
   // A car does not run on rails: it weaves, nods and bobs, smoothly and not in frame 0.
-  double weave = 0.0;
-  double nod = 0.0;
-  double unused = 0.0;
-  sinCos(2.0 * (frame % 31) * M_PI / 31.0 - M_PI, unused, weave);
-  sinCos(2.0 * (frame % 9) * M_PI / 9.0 - M_PI, nod, unused);
+  const double weave = sinCos(2.0 * (frame % 31) * M_PI / 31.0 - M_PI).second;
+  const double nod = sinCos(2.0 * (frame % 9) * M_PI / 9.0 - M_PI).first;
   const synthetic::RoadLine& road = street_->road();
   const synthetic::RoadPoint position{frame * metres_per_frame,
                                       synthetic::Street::lane + 0.1 * (1.0 + weave)};

@@ -18,9 +18,8 @@ constexpr double kLengthAhead = 110.0; // street beyond the last camera [m]
 Eigen::Vector2d
 unit(double angle)
 {
-  Eigen::Vector2d direction;
-  sinCos(angle, direction.y(), direction.x());
-  return direction;
+  const auto [sine, cosine] = sinCos(angle);
+  return {cosine, sine};
 }
 
 Eigen::Vector2d
@@ -216,9 +215,7 @@ Street::hitKerb(const Ray& ray, double above, double below, Surface& surface) co
   surface.road = road_.locate(surface.point.head<2>());
   surface.label = synthetic_sidewalk;
   surface.material = Material::kerb;
-  double sine = 0.0;
-  double cosine = 0.0;
-  sinCos(road_.heading(surface.road.s), sine, cosine);
+  const auto [sine, cosine] = sinCos(road_.heading(surface.road.s));
   const double side = surface.road.t > 0.0 ? -1.0 : 1.0;
   surface.normal = surface.local_normal = side * Eigen::Vector3d(-sine, cosine, 0.0);
 }

@@ -170,31 +170,6 @@ balancedWeights(const CalibrationSamples& samples,
   return weights;
 }
 
-// The classes of the samples that count.
-std::vector<Label>
-classesOf(const CalibrationSamples& samples)
-{
-  std::array<bool, 256> is_there{};
-  for (std::size_t i = 0; i < samples.truth.size(); ++i)
-    if (counts(samples, i))
-      is_there[samples.truth[i]] = true;
-  std::vector<Label> labels;
-  for (int label = 1; label < 256; ++label)
-    if (is_there[std::size_t(label)])
-      labels.push_back(Label(label));
-  return labels;
-}
-
-// Columns: the constant, then a knot each.
-int
-columnsOf(const CalibrationOptions& options)
-{
-  int columns = 1;
-  for (const FeatureKnots& each : options.curves)
-    columns += int(each.knots.size());
-  return columns;
-}
-
 SparseRow
 rowOf(const CalibrationOptions& options, const PointFeatures& features)
 {
@@ -217,16 +192,21 @@ rowOf(const CalibrationOptions& options, const PointFeatures& features)
 class Likelihood {
 public:
   Likelihood(const CalibrationSamples& samples, const CalibrationOptions& options)
-      : labels_(classesOf(samples)), columns_(columnsOf(options)),
-        bias_penalty_(options.bias_penalty), curve_penalty_(options.curve_penalty)
+      : bias_penalty_(options.bias_penalty), curve_penalty_(options.curve_penalty)
   {
+    std::vector<std::size_t> chosen;
+    std::set<Label> labels;
+    for (std::size_t i = 0; i < samples.truth.size(); ++i)
+      if (counts(samples, i)) {
+        chosen.push_back(i);
+        labels.insert(samples.truth[i]);
+      }
+    labels_.assign(labels.begin(), labels.end());
+    for (const FeatureKnots& each : options.curves)
+      columns_ += int(each.knots.size());
     std::array<int, 256> number{};
     for (std::size_t k = 0; k < labels_.size(); ++k)
       number[labels_[k]] = int(k);
-    std::vector<std::size_t> chosen;
-    for (std::size_t i = 0; i < samples.truth.size(); ++i)
-      if (counts(samples, i))
-        chosen.push_back(i);
     weights_ = balancedWeights(samples, chosen, options.balance);
     logs_.resize(classes(), Eigen::Index(chosen.size()));
     std::vector<float> logs(std::size_t(samples.network.classes()));
@@ -239,6 +219,12 @@ public:
       truth_.push_back(number[samples.truth[i]]);
       rows_.push_back(rowOf(options, samples.features[i]));
     }
+  }
+
+  int
+  classes() const
+  {
+    return int(labels_.size());
   }
 
   int
@@ -296,12 +282,6 @@ private:
   // added in order.
   static constexpr std::size_t chunk = 4096;
 
-  int
-  classes() const
-  {
-    return int(labels_.size());
-  }
-
   double
   chunkOf(std::size_t begin, std::size_t end, const double* x, double* gradient) const
   {
@@ -346,7 +326,7 @@ private:
   std::vector<SparseRow> rows_;
   std::vector<int> truth_; // 0..K-1
   std::vector<double> weights_;
-  int columns_;
+  int columns_ = 1; // the constant, then a knot each
   double bias_penalty_, curve_penalty_;
 };
 
@@ -357,10 +337,10 @@ fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& opti
 {
   options.validate();
   samples.validate();
-  if (classesOf(samples).size() < 2)
+  const Likelihood likelihood(samples, options);
+  if (likelihood.classes() < 2)
     fail<BadInputException>(
         "calibration: expected ground truth of two classes or more");
-  const Likelihood likelihood(samples, options);
   Eigen::VectorXd start = Eigen::VectorXd::Zero(likelihood.size());
   start[0] = 1.0;
   constexpr double tolerance = 1e-6;

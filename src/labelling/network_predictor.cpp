@@ -134,14 +134,15 @@ requireNames(const OnnxInterface& network, const NetworkDescription& description
   std::vector<std::string> inputs;
   for (const OnnxInterface::Input& input : network.inputs)
     inputs.push_back(input.name);
-  if (!std::count(inputs.begin(), inputs.end(), description.input_name))
-    fail<BadModelException>(path, ": has no input ", inQuotes(description.input_name),
-                            ", which its description names; its inputs are ",
-                            joined(inputs));
-  if (!std::count(network.inner.begin(), network.inner.end(), description.output_name))
-    fail<BadModelException>(path, ": has no output ", inQuotes(description.output_name),
-                            ", which its description names; its outputs are ",
-                            joined(network.outputs));
+  const auto require = [&](const std::string& name, const char* kind, const auto& all,
+                           const auto& shown) {
+    if (!std::count(all.begin(), all.end(), name))
+      fail<BadModelException>(path, ": has no ", kind, " ", inQuotes(name),
+                              ", which its description names; its ", kind, "s are ",
+                              joined(shown));
+  };
+  require(description.input_name, "input", inputs, inputs);
+  require(description.output_name, "output", network.inner, network.outputs);
 }
 
 // Many a network takes images of another size than it was exported with; of one that
