@@ -10,7 +10,6 @@
 
 #include <array>
 #include <functional>
-#include <iomanip>
 #include <limits>
 #include <sstream>
 #include <tuple>
@@ -210,11 +209,9 @@ std::string
 listOf(const Matrix& matrix)
 {
   std::ostringstream text;
-  text << std::setprecision(17);
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j)
-      text << (i + j ? ", " : "[") << matrix(i, j);
-  return text.str() + "]";
+  text << matrix.format(
+      Eigen::IOFormat(17, Eigen::DontAlignCols, ", ", ", ", "", "", "[", "]"));
+  return text.str();
 }
 
 std::string

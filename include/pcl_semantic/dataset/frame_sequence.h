@@ -22,8 +22,13 @@ public:
   /** \brief Number of frames that are present. */
   virtual std::size_t size() const = 0;
 
-  /** \brief Number of the i-th frame in the whole sequence; may have gaps. */
-  virtual int frameNumber(std::size_t i) const = 0;
+  /** \brief Number of the i-th frame in the whole sequence; may have gaps, if not it
+   * is i. */
+  virtual int
+  frameNumber(std::size_t i) const
+  {
+    return static_cast<int>(i);
+  }
 
   /** \brief Time of the i-th frame [s], without reading its images. */
   virtual double timestamp(std::size_t i) const = 0;
