@@ -4,7 +4,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/frame_range.h>
+#include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/rectifier.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>

@@ -4,7 +4,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/dataset/frame_range.h>
+#include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>

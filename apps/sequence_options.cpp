@@ -3,7 +3,7 @@
 #include "messages.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/frame_range.h>
+#include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/file_pattern.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/camera_images.h>
 #include <pcl_semantic/files/image_file.h>
 
@@ -29,15 +29,12 @@ CameraImages::image(int frame) const
 {
   const auto found = paths_.find(frame);
   if (found == paths_.end())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        name_ << ": has no image of frame " << frame);
+    fail<BadInputException>(name_, ": has no image of frame ", frame);
   cv::Mat image = readImage(found->second);
   if (image.cols != camera_.width || image.rows != camera_.height)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        found->second << ": has " << image.cols << " x " << image.rows
-                                      << " pixels, expected those of "
-                                      << paths_.begin()->second << ", " << camera_.width
-                                      << " x " << camera_.height);
+    fail<BadInputException>(found->second, ": has ", image.cols, " x ", image.rows,
+                            " pixels, expected those of ", paths_.begin()->second, ", ",
+                            camera_.width, " x ", camera_.height);
   return image;
 }
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/file_pattern.h"
 #include "stereo_pair_reader.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/files/trajectory_file.h>
 
 #include <algorithm>
 
@@ -28,13 +27,11 @@ countingNumbers(const Paths& paths)
   for (const Numbers& numbers : all)
     if (numbers.size() != all[0].size())
       return {};
-  for (std::size_t k = 0; k < all[0].size(); ++k) {
-    const bool same = std::all_of(all.begin(), all.end(), [&](const Numbers& numbers) {
-      return numbers[k] == all[0][k];
-    });
-    for (std::size_t i = 0; !same && i < all.size(); ++i)
-      counting[i].push_back(all[i][k]);
-  }
+  for (std::size_t k = 0; k < all[0].size(); ++k)
+    if (std::any_of(all.begin(), all.end(),
+                    [&](const Numbers& numbers) { return numbers[k] != all[0][k]; }))
+      for (std::size_t i = 0; i < all.size(); ++i)
+        counting[i].push_back(all[i][k]);
   return counting;
 }
 
@@ -46,19 +43,16 @@ requirePairs(const Paths& left, const Paths& right, const ImagePairFiles& files)
   const std::size_t both = std::min(left.size(), right.size());
   for (std::size_t i = 0; i < both; ++i) {
     if (left[i] == right[i])
-      PCL_THROW_EXCEPTION(BadInputException,
-                          left[i] << ": is both the left and the right image of frame "
-                                  << i);
+      fail<BadInputException>(left[i],
+                              ": is both the left and the right image of frame ", i);
     if (!a.empty() && !b.empty() && a[i].size() == b[i].size() && a[i] != b[i])
-      PCL_THROW_EXCEPTION(BadInputException,
-                          left[i] << " and " << right[i]
-                                  << ": have different numbers, but would be frame "
-                                  << i << " (pairs are made by position)");
+      fail<BadInputException>(left[i], " and ", right[i],
+                              ": have different numbers, but would be frame ", i,
+                              " (pairs are made by position)");
   }
   if (left.size() != right.size())
-    PCL_THROW_EXCEPTION(BadInputException, files.left << ": matches " << left.size()
-                                                      << " files, but " << files.right
-                                                      << " matches " << right.size());
+    fail<BadInputException>(files.left, ": matches ", left.size(), " files, but ",
+                            files.right, " matches ", right.size());
 }
 
 } // namespace
@@ -72,21 +66,15 @@ ImagePairSequence::ImagePairSequence(const ImagePairFiles& files)
   pair_ = readRectifiedPair(
       {files.calibration, files.extrinsics}, {first.size(), left_.front()},
       first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
-  if (files.times.empty())
-    return;
-  times_ = readTimes(files.times);
-  if (times_.size() < left_.size())
-    PCL_THROW_EXCEPTION(BadInputException, files.times << ": has " << times_.size()
-                                                       << " times for " << left_.size()
-                                                       << " pairs (row = pair)");
+  if (!files.times.empty())
+    times_ = readTimesOf(files.times, left_.size(), "pairs (row = pair)");
 }
 
 StereoFrame
 ImagePairSequence::frame(std::size_t i) const
 {
-  StereoFrame frame =
-      readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
-                     {camera().width, camera().height}, "the first image");
+  StereoFrame frame = readStereoPair({left_.at(i), right_.at(i), frameNumber(i)},
+                                     {camera().width, camera().height});
   frame.timestamp = timestamp(i);
   pair_.rectify(frame);
   return frame;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/byte_writer.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
@@ -18,10 +18,8 @@ readVelodyneScan(const std::string& path)
   using Record = std::array<float, 4>;
   const std::vector<std::uint8_t> bytes = readBytes(path);
   if (bytes.empty() || bytes.size() % sizeof(Record) != 0)
-    PCL_THROW_EXCEPTION(
-        BadInputException,
-        path << ": has " << bytes.size()
-             << " bytes, expected a multiple of 16 (4 float32 a point)");
+    fail<BadInputException>(path, ": has ", bytes.size(),
+                            " bytes, expected a multiple of 16 (4 float32 a point)");
   pcl::PointCloud<pcl::PointXYZI>::Ptr scan(new pcl::PointCloud<pcl::PointXYZI>);
   scan->resize(bytes.size() / sizeof(Record));
   for (std::size_t i = 0; i < scan->size(); ++i) {
@@ -29,9 +27,8 @@ readVelodyneScan(const std::string& path)
     std::memcpy(record.data(), bytes.data() + i * sizeof(Record), sizeof(Record));
     for (const float value : record)
       if (!std::isfinite(value))
-        PCL_THROW_EXCEPTION(BadInputException,
-                            path << ": point " << i
-                                 << " has a number that is not finite");
+        fail<BadInputException>(path, ": point ", i,
+                                " has a number that is not finite");
     pcl::PointXYZI& point = (*scan)[i];
     point.x = record[0];
     point.y = record[1];
@@ -60,10 +57,9 @@ readSemanticKittiLabels(const std::string& path, const LabelMapping& mapping,
 {
   const std::vector<std::uint8_t> bytes = readBytes(path);
   if (bytes.size() != count * sizeof(std::uint32_t))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has " << bytes.size() << " bytes, expected "
-                             << count * sizeof(std::uint32_t) << " (uint32 for each of "
-                             << count << " points of the scan)");
+    fail<BadInputException>(path, ": has ", bytes.size(), " bytes, expected ",
+                            count * sizeof(std::uint32_t), " (uint32 for each of ",
+                            count, " points of the scan)");
   std::vector<Label> labels(count);
   for (std::size_t i = 0; i < count; ++i)
     labels[i] = mapping(classOf(bytes, i));
@@ -75,16 +71,14 @@ readScanLabels(const std::string& path, int classes)
 {
   const std::vector<std::uint8_t> bytes = readBytes(path);
   if (bytes.size() % sizeof(std::uint32_t) != 0)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has " << bytes.size()
-                             << " bytes, expected uint32 for each point of a scan");
+    fail<BadInputException>(path, ": has ", bytes.size(),
+                            " bytes, expected uint32 for each point of a scan");
   std::vector<Label> labels(bytes.size() / sizeof(std::uint32_t));
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const std::uint32_t value = classOf(bytes, i);
     if (value > std::uint32_t(classes))
-      PCL_THROW_EXCEPTION(BadInputException, path << ": point " << i << " has class "
-                                                  << value << ", expected 0 to "
-                                                  << classes);
+      fail<BadInputException>(path, ": point ", i, " has class ", value,
+                              ", expected 0 to ", classes);
     labels[i] = static_cast<Label>(value);
   }
   return labels;

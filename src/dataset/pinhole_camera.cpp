@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/yaml_config.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/pinhole_camera.h>
 
 #include <cmath>
@@ -21,18 +21,16 @@ refuseDistortion(const YamlMap& map, const std::string& key)
     map.get(key, values);
   for (const double value : values)
     if (value != 0.0)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          map.where(key) << ": images have to be undistorted, with "
-                                            "coefficients of 0");
+      fail<BadInputException>(
+          map.where(key), ": images have to be undistorted, with coefficients of 0");
 }
 
 PinholeCamera
 cameraOfMatrix(const std::vector<double>& K, const std::string& where)
 {
   if (K.size() != 9 || K[1] != 0.0 || K[8] != 1.0)
-    PCL_THROW_EXCEPTION(
-        BadInputException,
-        where << ": is no camera matrix, expected fx 0 cx 0 fy cy 0 0 1");
+    fail<BadInputException>(where,
+                            ": is no camera matrix, expected fx 0 cx 0 fy cy 0 0 1");
   return {K[0], K[4], K[2], K[5]};
 }
 
@@ -43,9 +41,9 @@ PinholeCamera::validate() const
 {
   if (!(fx > 0.0 && fy > 0.0 && std::isfinite(fx) && std::isfinite(fy) &&
         std::isfinite(cx) && std::isfinite(cy)))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "camera: fx " << fx << ", fy " << fy << ", cx " << cx << ", cy "
-                                      << cy << " px, expected positive focal lengths");
+    fail<InvalidParameterException>("camera: fx ", fx, ", fy ", fy, ", cx ", cx,
+                                    ", cy ", cy,
+                                    " px, expected positive focal lengths");
 }
 
 PinholeCamera
@@ -57,8 +55,7 @@ readPinholeCamera(const std::string& path)
     const YamlMap first = file.requireMap("cam0");
     const auto values = first.require<std::vector<double>>("intrinsics");
     if (values.size() != 4)
-      PCL_THROW_EXCEPTION(BadInputException, first.where("intrinsics")
-                                                 << ": expected fx, fy, cx, cy");
+      fail<BadInputException>(first.where("intrinsics"), ": expected fx, fy, cx, cy");
     refuseDistortion(first, "distortion_coeffs");
     camera = {values[0], values[1], values[2], values[3]};
   }
@@ -66,9 +63,8 @@ readPinholeCamera(const std::string& path)
     const bool is_matrix = file.isMap("camera_matrix");
     const std::string key = is_matrix ? "camera_matrix" : file.has("K") ? "K" : "k";
     if (!file.has(key))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          path << ": has neither camera_matrix or K (camera_info) nor "
-                                  "cam0 (Kalibr)");
+      fail<BadInputException>(
+          path, ": has neither camera_matrix or K (camera_info) nor cam0 (Kalibr)");
     const auto K = is_matrix ? file.requireMap(key).require<std::vector<double>>("data")
                              : file.require<std::vector<double>>(key);
     for (const char* const name : {"distortion_coefficients", "D", "d"})
@@ -76,12 +72,7 @@ readPinholeCamera(const std::string& path)
         refuseDistortion(file, name);
     camera = cameraOfMatrix(K, file.where(key));
   }
-  try {
-    camera.validate();
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
-  }
+  readFrom(path, [&] { camera.validate(); });
   return camera;
 }
 

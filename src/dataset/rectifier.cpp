@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "stereo_pair_reader.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/rectifier.h>
 
 #include <opencv2/calib3d.hpp>
@@ -41,15 +41,11 @@ struct Rectification {
 };
 
 bool
-isZero(const std::vector<double>& distortion)
-{
-  return std::all_of(distortion.begin(), distortion.end(),
-                     [](double d) { return d == 0.0; });
-}
-
-bool
 isRectified(const StereoRig& rig)
 {
+  const auto isZero = [](const std::vector<double>& D) {
+    return std::all_of(D.begin(), D.end(), [](double d) { return d == 0.0; });
+  };
   return isZero(rig.D1) && isZero(rig.D2) && rig.K1 == rig.K2 &&
          rig.R.isIdentity(1e-9) && rig.T.y() == 0.0 && rig.T.z() == 0.0;
 }
@@ -57,20 +53,15 @@ isRectified(const StereoRig& rig)
 StereoCamera
 cameraOf(const StereoRig& rig, const Rectification& result)
 {
-  StereoCamera camera;
-  camera.width = rig.width;
-  camera.height = rig.height;
-  camera.fx = result.P1.at<double>(0, 0);
-  camera.fy = result.P1.at<double>(1, 1);
-  camera.cx = result.P1.at<double>(0, 2);
-  camera.cy = result.P1.at<double>(1, 2);
-  camera.baseline = -result.P2.at<double>(0, 3) / camera.fx;
+  const cv::Mat1d P1 = result.P1, P2 = result.P2;
+  const StereoCamera camera{
+      P1(0, 0),  P1(1, 1),  P1(0, 2), P1(1, 2), -P2(0, 3) / P1(0, 0),
+      rig.width, rig.height};
   const double scale = camera.fx / rig.K1(0, 0);
   if (!(scale < kScale && scale > 1.0 / kScale))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "rectified images would be those of a focal length of "
-                            << camera.fx << " px instead of " << rig.K1(0, 0)
-                            << " px: K, D, R or T cannot be right");
+    fail<InvalidParameterException>(
+        "rectified images would be those of a focal length of ", camera.fx,
+        " px instead of ", rig.K1(0, 0), " px: K, D, R or T cannot be right");
   camera.validate();
   return camera;
 }
@@ -91,11 +82,9 @@ requireUsable(const cv::Mat2s& whole, const char* name)
       ++all;
     }
   if (usable < kUsable * all)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "only " << 100 * usable / std::max(all, 1) << " % of the "
-                                << name
-                                << " image can be rectified: K, D, R or T cannot be "
-                                   "right");
+    fail<InvalidParameterException>(
+        "only ", 100 * usable / std::max(all, 1), " % of the ", name,
+        " image can be rectified: K, D, R or T cannot be right");
 }
 
 } // namespace
@@ -104,8 +93,8 @@ Rectifier::Rectifier(const StereoRig& rig)
 {
   rig.validate();
   if (rig.width == 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "image size: is not known, expected that of the rig's images");
+    fail<InvalidParameterException>(
+        "image size: is not known, expected that of the rig's images");
   if (isRectified(rig)) {
     camera_ = {rig.K1(0, 0), rig.K1(1, 1), rig.K1(0, 2), rig.K1(1, 2),
                -rig.T.x(),   rig.width,    rig.height};
@@ -126,8 +115,7 @@ Rectifier::Rectifier(const StereoRig& rig)
     requireUsable(maps_[1].whole, "right");
   }
   catch (const cv::Exception& error) { // its message has several lines
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the rig cannot be rectified: " << error.err);
+    fail<InvalidParameterException>("the rig cannot be rectified: ", error.err);
   }
 }
 
@@ -135,10 +123,9 @@ cv::Mat
 Rectifier::rectify(const cv::Mat& image, StereoSide side) const
 {
   if (image.cols != camera_.width || image.rows != camera_.height)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "image has " << image.cols << " x " << image.rows
-                                     << " pixels, expected " << camera_.width << " x "
-                                     << camera_.height << " as the rig");
+    fail<InvalidParameterException>("image has ", image.cols, " x ", image.rows,
+                                    " pixels, expected ", camera_.width, " x ",
+                                    camera_.height, " as the rig");
   const Maps& maps = maps_[std::size_t(side)];
   if (maps.whole.empty())
     return image.clone();
@@ -147,26 +134,6 @@ Rectifier::rectify(const cv::Mat& image, StereoSide side) const
             cv::BORDER_CONSTANT);
   return rectified;
 }
-
-namespace {
-
-// The rig with the size of the first image, which has to be its own if it has one.
-StereoRig
-readRigOf(const SizedFile& first, const CalibrationFiles& files)
-{
-  StereoRig rig = readStereoRig(files.calibration, files.extrinsics);
-  if (rig.width > 0 && first.size != cv::Size(rig.width, rig.height))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        first.path << ": has " << first.size.width << " x "
-                                   << first.size.height << " pixels, but "
-                                   << files.calibration << " is the calibration of "
-                                   << rig.width << " x " << rig.height);
-  rig.width = first.size.width;
-  rig.height = first.size.height;
-  return rig;
-}
-
-} // namespace
 
 void
 RectifiedPair::rectify(StereoFrame& frame) const
@@ -186,14 +153,16 @@ readRectifiedPair(const CalibrationFiles& files, const SizedFile& first,
         readCalibrationOf(first.size, files.calibration, cameras);
     return {calibration.camera, calibration.T_camera0_camera, std::nullopt};
   }
-  const StereoRig rig = readRigOf(first, files);
-  try {
-    Rectifier rectifier(rig);
-    return {rectifier.camera(), rectifier.T_left_rectified(), rectifier};
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, files.calibration << ": " << error.what());
-  }
+  StereoRig rig = readStereoRig(files.calibration, files.extrinsics);
+  if (rig.width > 0 && first.size != cv::Size(rig.width, rig.height))
+    fail<BadInputException>(first.path, ": has ", first.size.width, " x ",
+                            first.size.height, " pixels, but ", files.calibration,
+                            " is the calibration of ", rig.width, " x ", rig.height);
+  rig.width = first.size.width;
+  rig.height = first.size.height;
+  const Rectifier rectifier =
+      readFrom(files.calibration, [&] { return Rectifier(rig); });
+  return {rectifier.camera(), rectifier.T_left_rectified(), rectifier};
 }
 
 } // namespace pcl_semantic

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/file_pattern.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
@@ -38,17 +38,16 @@ readList(const std::string& folder, const std::string& name)
     std::string image, rest;
     words >> file.word >> image;
     if (image.empty() || words >> rest)
-      PCL_THROW_EXCEPTION(BadInputException, atLine(path, line.number)
-                                                 << ": expected a time and a file");
+      fail<BadInputException>(atLine(path, line.number),
+                              ": expected a time and a file");
     file.time = parseNumber(file.word, atLine(path, line.number));
     if (!std::isfinite(file.time) || (!files.empty() && file.time <= files.back().time))
-      PCL_THROW_EXCEPTION(BadInputException, atLine(path, line.number)
-                                                 << ": times have to rise");
+      fail<BadInputException>(atLine(path, line.number), ": times have to rise");
     file.path = folder + "/" + image;
     files.push_back(file);
   }
   if (files.empty())
-    PCL_THROW_EXCEPTION(BadInputException, path << ": names no image");
+    fail<BadInputException>(path, ": names no image");
   return files;
 }
 
@@ -60,8 +59,8 @@ RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camer
 {
   camera_.validate();
   if (!(depth_scale >= 0.0 && std::isfinite(depth_scale)))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "depth scale is " << depth_scale << ", expected 0 or more");
+    fail<InvalidParameterException>("depth scale is ", depth_scale,
+                                    ", expected 0 or more");
   const bool is_tum = fs::exists(folder + "/rgb.txt");
   if (is_tum)
     readTumLists(folder);
@@ -84,9 +83,8 @@ RgbdSequence::readTumLists(const std::string& folder)
       frames_.push_back({colour.word, colour.path, nearest->path, colour.time});
   }
   if (frames_.empty())
-    PCL_THROW_EXCEPTION(BadInputException, folder << "/depth.txt: no time is within "
-                                                  << kMaxDifference
-                                                  << " s of one in rgb.txt");
+    fail<BadInputException>(folder, "/depth.txt: no time is within ", kMaxDifference,
+                            " s of one in rgb.txt");
 }
 
 void
@@ -94,15 +92,13 @@ RgbdSequence::findFolders(const std::string& folder)
 {
   for (const char* const name : {"rgb", "depth"})
     if (!fs::is_directory(folder + "/" + name))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          folder << ": has neither rgb.txt nor a folder '" << name
-                                 << "': no RGB-D sequence");
+      fail<BadInputException>(folder, ": has neither rgb.txt nor a folder '", name,
+                              "': no RGB-D sequence");
   for (const std::string& colour : findFiles(folder + "/rgb", imageExtensions())) {
     const std::string name = fs::path(colour).stem().string();
     const std::string depth = folder + "/depth/" + name + ".png";
     if (!fs::exists(depth))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          depth << ": is missing, the depth image of " << colour);
+      fail<BadInputException>(depth, ": is missing, the depth image of ", colour);
     frames_.push_back({name, colour, depth, 0.1 * double(frames_.size())});
   }
 }
@@ -121,10 +117,9 @@ RgbdSequence::frame(std::size_t i, double max_depth) const
   const cv::Mat image = readImage(files.colour);
   const cv::Mat depths = readPng(files.depth, ImageKind::disparity);
   if (image.size() != depths.size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        files.depth << ": has " << depths.cols << " x " << depths.rows
-                                    << " pixels, expected those of " << files.colour
-                                    << ", " << image.cols << " x " << image.rows);
+    fail<BadInputException>(files.depth, ": has ", depths.cols, " x ", depths.rows,
+                            " pixels, expected those of ", files.colour, ", ",
+                            image.cols, " x ", image.rows);
   CloudFrame frame{{int(i), files.time}, {}, {}, true};
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(
       std::uint32_t(image.cols), std::uint32_t(image.rows));

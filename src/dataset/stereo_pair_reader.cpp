@@ -1,32 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stereo_pair_reader.h"
+#include "core/fail.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
 
 namespace pcl_semantic {
-
-namespace {
-
-// A principal point outside the image is the calibration of images of another size.
-void
-checkCamera(const StereoCamera& camera, const std::string& path)
-{
-  try {
-    camera.validate();
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
-  }
-  if (!(camera.cx > 0.0 && camera.cx < camera.width && camera.cy > 0.0 &&
-        camera.cy < camera.height))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": the principal point (" << camera.cx << ", "
-                             << camera.cy << ") is outside the images of "
-                             << camera.width << " x " << camera.height << " pixels");
-}
-
-} // namespace
 
 cv::Mat
 readFrameImage(const std::string& path, int frame)
@@ -35,12 +14,12 @@ readFrameImage(const std::string& path, int frame)
     return readImage(path);
   }
   catch (const BadInputException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, error.what() << " (frame " << frame << ")");
+    fail<BadInputException>(error.what(), " (frame ", frame, ")");
   }
 }
 
 StereoFrame
-readStereoPair(const StereoPairFiles& files, cv::Size size, const std::string& as)
+readStereoPair(const StereoPairFiles& files, cv::Size size)
 {
   StereoFrame frame;
   frame.number = files.frame;
@@ -49,16 +28,13 @@ readStereoPair(const StereoPairFiles& files, cv::Size size, const std::string& a
   for (const auto& [image, path] :
        {std::pair(&frame.left, &files.left), std::pair(&frame.right, &files.right)}) {
     if (image->size() != size)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          *path << ": has " << image->cols << " x " << image->rows
-                                << " pixels, expected " << size.width << " x "
-                                << size.height << " as " << as << " (frame "
-                                << files.frame << ")");
+      fail<BadInputException>(*path, ": has ", image->cols, " x ", image->rows,
+                              " pixels, expected ", size.width, " x ", size.height,
+                              " as the first image (frame ", files.frame, ")");
     if (image->type() != frame.left.type())
-      PCL_THROW_EXCEPTION(BadInputException, *path << ": has " << image->channels()
-                                                   << " channel(s), the left image has "
-                                                   << frame.left.channels()
-                                                   << " (frame " << files.frame << ")");
+      fail<BadInputException>(*path, ": has ", image->channels(),
+                              " channel(s), the left image has ", frame.left.channels(),
+                              " (frame ", files.frame, ")");
   }
   return frame;
 }
@@ -67,10 +43,27 @@ KittiCalibration
 readCalibrationOf(cv::Size size, const std::string& path, KittiCameras cameras)
 {
   KittiCalibration calibration = readKittiCalibration(path, cameras);
-  calibration.camera.width = size.width;
-  calibration.camera.height = size.height;
-  checkCamera(calibration.camera, path);
+  StereoCamera& camera = calibration.camera;
+  camera.width = size.width;
+  camera.height = size.height;
+  readFrom(path, [&] { camera.validate(); });
+  // Outside, it is the calibration of images of another size.
+  if (!(camera.cx > 0.0 && camera.cx < camera.width && camera.cy > 0.0 &&
+        camera.cy < camera.height))
+    fail<BadInputException>(path, ": the principal point (", camera.cx, ", ", camera.cy,
+                            ") is outside the images of ", camera.width, " x ",
+                            camera.height, " pixels");
   return calibration;
+}
+
+std::vector<double>
+readTimesOf(const std::string& path, std::size_t frames, const std::string& called)
+{
+  const std::vector<double> times = readTimes(path);
+  if (times.size() < frames)
+    fail<BadInputException>(path, ": has ", times.size(), " times for ", frames, " ",
+                            called);
+  return times;
 }
 
 } // namespace pcl_semantic

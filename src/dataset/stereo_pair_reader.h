@@ -2,14 +2,14 @@
 #pragma once
 
 #include <pcl_semantic/core/stereo_frame.h>
-
 #include <pcl_semantic/dataset/kitti_calibration.h>
 
 #include <string>
+#include <vector>
 
 namespace pcl_semantic {
 
-/** \brief The PNG files of a pair and what they have to be. */
+/** \brief The images of a pair. */
 struct StereoPairFiles {
   std::string left;  ///< path
   std::string right; ///< path
@@ -20,18 +20,20 @@ struct StereoPairFiles {
 cv::Mat readFrameImage(const std::string& path, int frame);
 
 /** \brief Reads both images; they have to be of one type.
- * \param[in] files where they are
- * \param[in] size they must have [px]
- * \param[in] as what says so: "the first image"
+ * \param[in] size of the first image, which they must have [px]
  * \return without the time
  * \throws BadInputException that names the frame */
-StereoFrame readStereoPair(const StereoPairFiles& files, cv::Size size,
-                           const std::string& as);
+StereoFrame readStereoPair(const StereoPairFiles& files, cv::Size size);
 
 /** \brief KITTI's calibration with the size of the images filled in.
  * \param[in] size of one of them [px]
  * \throws BadInputException as readKittiCalibration(), or if it cannot be theirs */
 KittiCalibration readCalibrationOf(cv::Size size, const std::string& path,
                                    KittiCameras cameras);
+
+/** \brief The times of a file, at least one a frame [s].
+ * \param[in] called what the frames are, for messages */
+std::vector<double> readTimesOf(const std::string& path, std::size_t frames,
+                                const std::string& called);
 
 } // namespace pcl_semantic

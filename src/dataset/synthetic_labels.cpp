@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "synthetic_noise.h"
 
 #include <pcl_semantic/dataset/synthetic_labels.h>
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <opencv2/core.hpp>
 
@@ -159,30 +158,23 @@ private:
   double unit_; ///< hundredth of the image width [px]
 };
 
-/** \brief Blurs a plane by the binomial 1 4 6 4 1: networks answer at a lower
- * resolution than the image's. Written out so that it rounds alike on every machine.
- * \param[out] across of the same size, for intermediate results */
+/** \brief Blurs a plane by the binomial 1 4 6 4 1 along a direction: networks answer at
+ * a lower resolution than the image's. Written out so that it rounds alike on every
+ * machine. */
 void
-blur(cv::Mat& plane, cv::Mat& across)
+blurAlong(int du, int dv, const cv::Mat& plane, cv::Mat& blurred)
 {
   constexpr std::array<float, 5> weights{0.0625f, 0.25f, 0.375f, 0.25f, 0.0625f};
-  const int columns = plane.cols;
-  const int rows = plane.rows;
 #pragma omp parallel for
-  for (int v = 0; v < rows; ++v)
-    for (int u = 0; u < columns; ++u) {
+  for (int v = 0; v < plane.rows; ++v)
+    for (int u = 0; u < plane.cols; ++u) {
       float sum = 0.0f;
-      for (int k = -2; k <= 2; ++k)
-        sum += weights[k + 2] * plane.ptr<float>(v)[std::clamp(u + k, 0, columns - 1)];
-      across.ptr<float>(v)[u] = sum;
-    }
-#pragma omp parallel for
-  for (int v = 0; v < rows; ++v)
-    for (int u = 0; u < columns; ++u) {
-      float sum = 0.0f;
-      for (int k = -2; k <= 2; ++k)
-        sum += weights[k + 2] * across.ptr<float>(std::clamp(v + k, 0, rows - 1))[u];
-      plane.ptr<float>(v)[u] = sum;
+      for (int k = -2; k <= 2; ++k) {
+        const int row = std::clamp(v + k * dv, 0, plane.rows - 1);
+        const int column = std::clamp(u + k * du, 0, plane.cols - 1);
+        sum += weights[k + 2] * plane.ptr<float>(row)[column];
+      }
+      blurred.ptr<float>(v)[u] = sum;
     }
 }
 
@@ -197,8 +189,10 @@ softened(const cv::Mat& labels, bool soft)
   for (int k = 0; k < synthetic_classes; ++k) {
     for (Eigen::Index i = 0; i < count; ++i)
       plane.ptr<float>()[i] = labels.ptr<Label>()[i] == k + 1 ? 1.0f : 0.0f;
-    if (soft)
-      blur(plane, across);
+    if (soft) {
+      blurAlong(1, 0, plane, across);
+      blurAlong(0, 1, across, plane);
+    }
     for (Eigen::Index i = 0; i < count; ++i)
       result.column(i)[k] = plane.ptr<float>()[i];
   }
@@ -229,8 +223,7 @@ syntheticDistributions(const SyntheticView& view, std::uint32_t seed,
                        double label_noise)
 {
   if (!(label_noise >= 0.0 && label_noise <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label noise " << label_noise << ", expected 0 to 1");
+    fail<InvalidParameterException>("label noise ", label_noise, ", expected 0 to 1");
   const cv::Mat labels = NoisyLabels(view, seed, label_noise).draw();
   const int width = labels.cols;
   LabelDistributions result = softened(labels, label_noise > 0.0);

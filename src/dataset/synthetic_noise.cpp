@@ -51,12 +51,8 @@ double
 valueNoise(const Eigen::Vector3d& p, std::uint32_t seed)
 {
   // Called some thousand million times a sequence: scatter each coordinate only once.
-  constexpr std::uint32_t kX = 0x9E3779B1u;
-  constexpr std::uint32_t kY = 0x85EBCA77u;
-  constexpr std::uint32_t kZ = 0xC2B2AE3Du;
-  const int x = integerPart(p.x());
-  const int y = integerPart(p.y());
-  const int z = integerPart(p.z());
+  constexpr std::uint32_t kX = 0x9E3779B1u, kY = 0x85EBCA77u, kZ = 0xC2B2AE3Du;
+  const int x = integerPart(p.x()), y = integerPart(p.y()), z = integerPart(p.z());
   const double fx = smoothStep(p.x() - x);
   const double fy = smoothStep(p.y() - y);
   const double fz = smoothStep(p.z() - z);
@@ -91,20 +87,19 @@ detailNoise(const Eigen::Vector3d& p, double footprint, std::uint32_t seed)
          0.3 * valueNoise(p * (0.5 / wavelength), seed + octave + 1);
 }
 
-void
-sinCos(double angle, double& sine, double& cosine)
+std::pair<double, double>
+sinCos(double angle)
 {
   const double square = angle * angle;
-  double sine_term = angle;
-  double cosine_term = 1.0;
-  sine = angle;
-  cosine = 1.0;
+  double sine = angle, sine_term = angle;
+  double cosine = 1.0, cosine_term = 1.0;
   for (int k = 1; k <= 16; ++k) {
     cosine_term *= -square / ((2 * k - 1) * (2 * k));
     sine_term *= -square / ((2 * k) * (2 * k + 1));
     cosine += cosine_term;
     sine += sine_term;
   }
+  return {sine, cosine};
 }
 
 } // namespace pcl_semantic::synthetic

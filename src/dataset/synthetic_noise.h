@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <utility>
 
 namespace pcl_semantic::synthetic {
 
@@ -34,7 +35,7 @@ double detailNoise(const Eigen::Vector3d& p, double footprint, std::uint32_t see
 
 /** \brief Sine and cosine of an angle in [-4, 4] by power series: the C library's
  * differ in the last bit between machines. */
-void sinCos(double angle, double& sine, double& cosine);
+std::pair<double, double> sinCos(double angle);
 
 /** \brief A sequence of random numbers with its own name, so that adding an object of
  * one kind leaves all others where they are. */

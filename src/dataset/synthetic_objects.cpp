@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "synthetic_objects.h"
 
-#include "synthetic_street.h"
-
 #include <pcl_semantic/dataset/synthetic_scene.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 namespace pcl_semantic::synthetic {
 
@@ -42,172 +41,200 @@ const std::array<Vector3f, 4> kCloth{
     Vector3f(0.30f, 0.08f, 0.07f), Vector3f(0.08f, 0.12f, 0.28f),
     Vector3f(0.35f, 0.32f, 0.20f), Vector3f(0.12f, 0.25f, 0.15f)};
 
-} // namespace
+// What a solid is, but for its size and colour.
+struct Solid {
+  Shape shape;
+  Material material;
+  Label label;
+};
 
-void
-ObjectBuilder::place(const RoadLine& road, const RoadPoint& point, double turned)
-{
-  ground_.head<2>() = road.position(point);
-  ground_.z() =
-      Street::road_height +
-      (std::abs(point.t) < RoadLine::half_width ? 0.0 : RoadLine::kerb_height);
-  sinCos(road.heading(point.s) + turned, sine_, cosine_);
-  object_ = hash(seed_, static_cast<std::uint32_t>(std::lround(point.s * 1000.0)),
-                 static_cast<std::uint32_t>(std::lround(point.t * 1000.0)));
-  parts_ = 0;
-}
+constexpr Solid kWall{Shape::box, Material::wall, synthetic_building};
+constexpr Solid kRoof{Shape::box, Material::roof, synthetic_building};
+constexpr Solid kTrunk{Shape::cylinder, Material::bark, synthetic_vegetation};
+constexpr Solid kLeaves{Shape::bush, Material::leaves, synthetic_vegetation};
+constexpr Solid kBoards{Shape::box, Material::boards, synthetic_fence};
+constexpr Solid kCarBody{Shape::box, Material::car_body, synthetic_car};
+constexpr Solid kCarCabin{Shape::box, Material::car_cabin, synthetic_car};
+constexpr Solid kTyre{Shape::ellipsoid, Material::tyre, synthetic_car};
+constexpr Solid kPost{Shape::cylinder, Material::metal, synthetic_pole};
+constexpr Solid kBar{Shape::box, Material::metal, synthetic_pole};
+constexpr Solid kRoundSign{Shape::ellipsoid, Material::sign, synthetic_sign};
+constexpr Solid kSquareSign{Shape::box, Material::sign, synthetic_sign};
+constexpr Solid kLimb{Shape::ellipsoid, Material::cloth, synthetic_pedestrian};
 
-Primitive&
-ObjectBuilder::add(Shape shape, Material material, Label label, const Vector3d& bottom,
-                   const Vector3d& size, const Vector3f& colour)
-{
-  Primitive solid;
-  solid.shape = shape;
-  solid.material = material;
-  solid.label = label;
-  solid.id = std::max(hash(object_, ++parts_), 1u);
-  solid.cosine = cosine_;
-  solid.sine = sine_;
-  solid.half = 0.5 * size;
-  solid.centre = ground_ + solid.toWorld(bottom) + Vector3d(0.0, 0.0, solid.half.z());
-  solid.colour = colour;
-  primitives_.push_back(solid);
-  return primitives_.back();
-}
+// Adds the solids of one object after the other; an object has a position along the
+// road, a height of the ground under it and a heading.
+class ObjectBuilder {
+public:
+  ObjectBuilder(const RoadLine& line, std::uint32_t number) : road(line), seed(number)
+  {}
 
-void
-ObjectBuilder::house(double width, double depth, Random& random)
-{
-  const double height = 2.9 * (random.chance(0.35) ? 3 : 2) + 0.4;
-  const double roof_height = random.uniform(2.2, 3.4);
-  const Vector3f wall = choose(kPlaster, random);
-  const Vector3f roof = choose(kTiles, random);
-  const bool gable_to_street = random.chance(0.4);
-  add(Shape::box, Material::wall, synthetic_building, {0, 0, 0}, {width, depth, height},
-      wall);
-  add(Shape::box, Material::wall, synthetic_building, {0, 0, 0},
-      {width + 0.1, depth + 0.1, 0.5}, wall * 0.5f);
-  Primitive& cover = add(Shape::box, Material::roof, synthetic_building, {0, 0, height},
-                         {width + 0.6, depth + 0.6, roof_height}, roof);
-  if (gable_to_street)
-    cover.taper.x() = cover.half.x() - 0.1;
-  else
-    cover.taper.y() = cover.half.y() - 0.1;
-  add(Shape::box, Material::wall, synthetic_building,
-      {random.uniform(-0.3, 0.3) * width, 0, height + 0.5 * roof_height},
-      {0.7, 0.9, 0.5 * roof_height + 0.6}, Vector3f(0.36f, 0.20f, 0.16f));
-}
+  const RoadLine& road;
+  const std::uint32_t seed;
 
-void
-ObjectBuilder::tree(double height, Random& random)
-{
-  const double trunk = 0.32 * height;
-  const double reach = random.uniform(0.42, 0.55) * height;
-  const double hue = random.uniform(0.0, 1.0);
-  const Vector3f leaves(0.09f + 0.09f * float(hue), 0.20f + 0.03f * float(hue), 0.045f);
-  add(Shape::cylinder, Material::bark, synthetic_vegetation, {0, 0, 0},
-      {0.05 * height, 0.05 * height, trunk + 0.2 * height},
-      Vector3f(0.20f, 0.15f, 0.10f));
-  for (int k = 0; k < 3; ++k) {
-    const double size = reach * random.uniform(0.75, 1.15);
-    // One after the other: compilers evaluate arguments in orders of their own.
-    const double up = trunk * random.uniform(0.75, 1.0) + 0.2 * height * k;
-    const double left = 0.35 * reach * random.uniform(-1.0, 1.0);
-    const double along = 0.35 * reach * random.uniform(-1.0, 1.0);
-    const Vector3d offset(along, left, up);
-    Primitive& crown = add(Shape::bush, Material::leaves, synthetic_vegetation, offset,
-                           {1.1 * size, 1.1 * size, 0.9 * size}, leaves);
-    crown.roughness = 0.42;
+  // The next object stands here, its heading \a turned relative to the road's [rad].
+  void
+  place(const RoadPoint& point, double turned = 0.0)
+  {
+    ground_.head<2>() = road.position(point);
+    ground_.z() =
+        Street::road_height +
+        (std::abs(point.t) < RoadLine::half_width ? 0.0 : RoadLine::kerb_height);
+    std::tie(sine_, cosine_) = sinCos(road.heading(point.s) + turned);
+    object_ = hash(seed, static_cast<std::uint32_t>(std::lround(point.s * 1000.0)),
+                   static_cast<std::uint32_t>(std::lround(point.t * 1000.0)));
+    parts_ = 0;
   }
-}
 
-void
-ObjectBuilder::hedge(double length, double height)
-{
-  Primitive& bush =
-      add(Shape::bush, Material::leaves, synthetic_vegetation, {0, 0, -0.15},
-          {length, 0.8, height + 0.15}, Vector3f(0.08f, 0.17f, 0.05f));
-  bush.roughness = 0.16;
-  bush.square = true;
-}
-
-void
-ObjectBuilder::fence(double length, double height, const Vector3f& colour)
-{
-  add(Shape::box, Material::boards, synthetic_fence, {0, 0, 0.0},
-      {length, 0.05, height}, colour);
-  add(Shape::box, Material::boards, synthetic_fence, {-0.5 * length, 0, 0.0},
-      {0.12, 0.14, height + 0.12}, colour * 0.8f);
-}
-
-void
-ObjectBuilder::car(Random& random)
-{
-  const Vector3f paint = choose(kPaint, random);
-  const double length = random.uniform(3.8, 4.6);
-  const double width = random.uniform(1.68, 1.8);
-  const bool estate = random.chance(0.4);
-  const double front = random.chance(0.5) ? 1.0 : -1.0;
-  Primitive& body = add(Shape::box, Material::car_body, synthetic_car, {0, 0, 0.22},
-                        {length, width, 0.42}, paint);
-  body.taper.setConstant(-0.03);
-  Primitive& hood = add(Shape::box, Material::car_body, synthetic_car, {0, 0, 0.64},
-                        {length - 0.04, width + 0.02, 0.24}, paint);
-  hood.taper = {0.22, 0.12};
-  Primitive& cabin = add(Shape::box, Material::car_cabin, synthetic_car,
-                         {front * (estate ? -0.45 : -0.2), 0, 0.86},
-                         {(estate ? 0.68 : 0.6) * length, width - 0.14, 0.58}, paint);
-  cabin.taper = {estate ? 0.38 : 0.55, 0.16};
-  for (const double x : {-0.31, 0.31})
-    for (const double y : {-1.0, 1.0})
-      add(Shape::ellipsoid, Material::tyre, synthetic_car,
-          {x * length, y * (0.5 * width - 0.08), 0.0}, {0.62, 0.24, 0.62},
-          Vector3f(0.02f, 0.02f, 0.02f));
-}
-
-void
-ObjectBuilder::lampPost(double towards_road)
-{
-  add(Shape::cylinder, Material::metal, synthetic_pole, {0, 0, 0}, {0.16, 0.16, 6.2},
-      kSteel);
-  add(Shape::cylinder, Material::metal, synthetic_pole, {0, 0, 0}, {0.28, 0.28, 1.0},
-      kSteel);
-  add(Shape::box, Material::metal, synthetic_pole, {0, towards_road * 0.7, 6.1},
-      {0.09, 1.5, 0.09}, kSteel);
-  add(Shape::box, Material::metal, synthetic_pole, {0, towards_road * 1.5, 6.02},
-      {0.28, 0.7, 0.14}, Vector3f(0.5f, 0.5f, 0.5f));
-}
-
-void
-ObjectBuilder::trafficSign(Random& random)
-{
-  const bool round = random.chance(0.5);
-  const Vector3f colour = random.chance(0.5) ? Vector3f(0.05f, 0.14f, 0.50f)
-                                             : Vector3f(0.55f, 0.04f, 0.04f);
-  add(Shape::cylinder, Material::metal, synthetic_pole, {0, 0, 0}, {0.09, 0.09, 2.75},
-      kSteel);
-  add(round ? Shape::ellipsoid : Shape::box, Material::sign, synthetic_sign,
-      {-0.07, 0, 2.0}, {0.05, 0.72, 0.72}, colour);
-}
-
-void
-ObjectBuilder::pedestrian(Random& random)
-{
-  const Vector3f coat = choose(kCloth, random);
-  const Label label = synthetic_pedestrian;
-  const double stride = random.uniform(0.1, 0.22);
-  for (const double side : {-1.0, 1.0}) {
-    add(Shape::ellipsoid, Material::cloth, label, {side * stride, side * 0.1, 0.0},
-        {0.2, 0.2, 0.95}, Vector3f(0.06f, 0.07f, 0.12f));
-    add(Shape::ellipsoid, Material::cloth, label, {-side * stride, side * 0.27, 0.75},
-        {0.14, 0.14, 0.7}, coat * 0.9f);
+  // \a width along the street, \a depth across [m].
+  void
+  house(double width, double depth, Random& random)
+  {
+    const double height = 2.9 * (random.chance(0.35) ? 3 : 2) + 0.4;
+    const double roof_height = random.uniform(2.2, 3.4);
+    const Vector3f wall = choose(kPlaster, random);
+    const Vector3f roof = choose(kTiles, random);
+    const bool gable_to_street = random.chance(0.4);
+    add(kWall, {0, 0, 0}, {width, depth, height}, wall);
+    add(kWall, {0, 0, 0}, {width + 0.1, depth + 0.1, 0.5}, wall * 0.5f);
+    Primitive& cover =
+        add(kRoof, {0, 0, height}, {width + 0.6, depth + 0.6, roof_height}, roof);
+    if (gable_to_street)
+      cover.taper.x() = cover.half.x() - 0.1;
+    else
+      cover.taper.y() = cover.half.y() - 0.1;
+    add(kWall, {random.uniform(-0.3, 0.3) * width, 0, height + 0.5 * roof_height},
+        {0.7, 0.9, 0.5 * roof_height + 0.6}, Vector3f(0.36f, 0.20f, 0.16f));
   }
-  add(Shape::ellipsoid, Material::cloth, label, {0, 0, 0.75}, {0.34, 0.5, 0.8}, coat);
-  add(Shape::ellipsoid, Material::cloth, label, {0, 0, 1.5}, {0.22, 0.19, 0.27},
-      Vector3f(0.50f, 0.33f, 0.24f));
-}
 
-namespace {
+  void
+  tree(double height, Random& random)
+  {
+    const double trunk = 0.32 * height;
+    const double reach = random.uniform(0.42, 0.55) * height;
+    const double hue = random.uniform(0.0, 1.0);
+    const Vector3f leaves(0.09f + 0.09f * float(hue), 0.20f + 0.03f * float(hue),
+                          0.045f);
+    add(kTrunk, {0, 0, 0}, {0.05 * height, 0.05 * height, trunk + 0.2 * height},
+        Vector3f(0.20f, 0.15f, 0.10f));
+    for (int k = 0; k < 3; ++k) {
+      const double size = reach * random.uniform(0.75, 1.15);
+      // One after the other: compilers evaluate arguments in orders of their own.
+      const double up = trunk * random.uniform(0.75, 1.0) + 0.2 * height * k;
+      const double left = 0.35 * reach * random.uniform(-1.0, 1.0);
+      const double along = 0.35 * reach * random.uniform(-1.0, 1.0);
+      const Vector3d extent(1.1 * size, 1.1 * size, 0.9 * size);
+      add(kLeaves, {along, left, up}, extent, leaves).roughness = 0.42;
+    }
+  }
+
+  // A hedge along the street.
+  void
+  hedge(double length, double height)
+  {
+    Primitive& bush = add(kLeaves, {0, 0, -0.15}, {length, 0.8, height + 0.15},
+                          Vector3f(0.08f, 0.17f, 0.05f));
+    bush.roughness = 0.16;
+    bush.square = true;
+  }
+
+  // A fence of boards along the street.
+  void
+  fence(double length, double height, const Vector3f& colour)
+  {
+    add(kBoards, {0, 0, 0.0}, {length, 0.05, height}, colour);
+    add(kBoards, {-0.5 * length, 0, 0.0}, {0.12, 0.14, height + 0.12}, colour * 0.8f);
+  }
+
+  void
+  car(Random& random)
+  {
+    const Vector3f paint = choose(kPaint, random);
+    const double length = random.uniform(3.8, 4.6);
+    const double width = random.uniform(1.68, 1.8);
+    const bool estate = random.chance(0.4);
+    const double front = random.chance(0.5) ? 1.0 : -1.0;
+    add(kCarBody, {0, 0, 0.22}, {length, width, 0.42}, paint).taper.setConstant(-0.03);
+    add(kCarBody, {0, 0, 0.64}, {length - 0.04, width + 0.02, 0.24}, paint).taper = {
+        0.22, 0.12};
+    Primitive& cabin = add(kCarCabin, {front * (estate ? -0.45 : -0.2), 0, 0.86},
+                           {(estate ? 0.68 : 0.6) * length, width - 0.14, 0.58}, paint);
+    cabin.taper = {estate ? 0.38 : 0.55, 0.16};
+    for (const double x : {-0.31, 0.31})
+      for (const double y : {-1.0, 1.0})
+        add(kTyre, {x * length, y * (0.5 * width - 0.08), 0.0}, {0.62, 0.24, 0.62},
+            Vector3f(0.02f, 0.02f, 0.02f));
+  }
+
+  // \a towards_road +1 if the road lies to the object's left, else -1.
+  void
+  lampPost(double towards_road)
+  {
+    add(kPost, {0, 0, 0}, {0.16, 0.16, 6.2}, kSteel);
+    add(kPost, {0, 0, 0}, {0.28, 0.28, 1.0}, kSteel);
+    add(kBar, {0, towards_road * 0.7, 6.1}, {0.09, 1.5, 0.09}, kSteel);
+    add(kBar, {0, towards_road * 1.5, 6.02}, {0.28, 0.7, 0.14},
+        Vector3f(0.5f, 0.5f, 0.5f));
+  }
+
+  void
+  trafficSign(Random& random)
+  {
+    const bool round = random.chance(0.5);
+    const Vector3f colour = random.chance(0.5) ? Vector3f(0.05f, 0.14f, 0.50f)
+                                               : Vector3f(0.55f, 0.04f, 0.04f);
+    add(kPost, {0, 0, 0}, {0.09, 0.09, 2.75}, kSteel);
+    add(round ? kRoundSign : kSquareSign, {-0.07, 0, 2.0}, {0.05, 0.72, 0.72}, colour);
+  }
+
+  void
+  pedestrian(Random& random)
+  {
+    const Vector3f coat = choose(kCloth, random);
+    const double stride = random.uniform(0.1, 0.22);
+    for (const double side : {-1.0, 1.0}) {
+      add(kLimb, {side * stride, side * 0.1, 0.0}, {0.2, 0.2, 0.95},
+          Vector3f(0.06f, 0.07f, 0.12f));
+      add(kLimb, {-side * stride, side * 0.27, 0.75}, {0.14, 0.14, 0.7}, coat * 0.9f);
+    }
+    add(kLimb, {0, 0, 0.75}, {0.34, 0.5, 0.8}, coat);
+    add(kLimb, {0, 0, 1.5}, {0.22, 0.19, 0.27}, Vector3f(0.50f, 0.33f, 0.24f));
+  }
+
+  std::vector<Primitive>
+  take()
+  {
+    return std::move(primitives_);
+  }
+
+private:
+  // Adds a solid of the object. \a bottom is the middle of its lower side, the object's
+  // axes (x along, y left, z up from the ground) [m].
+  Primitive&
+  add(const Solid& kind, const Vector3d& bottom, const Vector3d& size,
+      const Vector3f& colour)
+  {
+    Primitive solid;
+    solid.shape = kind.shape;
+    solid.material = kind.material;
+    solid.label = kind.label;
+    solid.id = std::max(hash(object_, ++parts_), 1u);
+    solid.cosine = cosine_;
+    solid.sine = sine_;
+    solid.half = 0.5 * size;
+    solid.centre = ground_ + solid.toWorld(bottom) + Vector3d(0.0, 0.0, solid.half.z());
+    solid.colour = colour;
+    primitives_.push_back(solid);
+    return primitives_.back();
+  }
+
+  std::vector<Primitive> primitives_;
+  Vector3d ground_ = Vector3d::Zero();
+  double cosine_ = 1.0;
+  double sine_ = 0.0;
+  std::uint32_t object_ = 0; // names the object, wherever it stands in the list
+  std::uint32_t parts_ = 0;
+};
 
 // Names of the random sequences: one for each kind of object and side of the street.
 enum Kind : std::uint32_t {
@@ -221,17 +248,16 @@ enum Kind : std::uint32_t {
 
 constexpr double kBegin = -24.0; // behind the first camera [m]
 
-/** \brief Length at distance t of what is \a length long on the centre line. */
+// Length at distance t of what is \a length long on the centre line.
 double
 lengthAt(const RoadLine& road, const RoadPoint& point, double length)
 {
   return length * (1.0 - point.t * road.curvature(point.s));
 }
 
-/** \brief Hedge or fence in pieces short enough to follow the road. */
+// Hedge or fence in pieces short enough to follow the road.
 void
-buildBoundary(ObjectBuilder& builder, const RoadLine& road, RoadPoint from, double to,
-              Random& random)
+buildBoundary(ObjectBuilder& builder, RoadPoint from, double to, Random& random)
 {
   const double kind = random.uniform(0.0, 1.0);
   const double height = random.uniform(1.0, 1.7);
@@ -242,8 +268,8 @@ buildBoundary(ObjectBuilder& builder, const RoadLine& road, RoadPoint from, doub
   const double step = (to - from.s) / pieces;
   for (int k = 0; k < pieces; ++k) {
     const RoadPoint middle{from.s + (k + 0.5) * step, from.t};
-    const double length = lengthAt(road, middle, step);
-    builder.place(road, middle);
+    const double length = lengthAt(builder.road, middle, step);
+    builder.place(middle);
     if (kind < 0.38)
       builder.hedge(length + 0.25, height);
     else
@@ -251,10 +277,10 @@ buildBoundary(ObjectBuilder& builder, const RoadLine& road, RoadPoint from, doub
   }
 }
 
-/** \brief One plot: a house or a garden behind its fence. */
+// One plot: a house or a garden behind its fence.
 void
-buildPlot(ObjectBuilder& builder, const RoadLine& road, double begin, double length,
-          double side, Random& random)
+buildPlot(ObjectBuilder& builder, double begin, double length, double side,
+          Random& random)
 {
   const double front = random.uniform(10.5, 12.5);
   const double depth = 8.5;
@@ -262,95 +288,93 @@ buildPlot(ObjectBuilder& builder, const RoadLine& road, double begin, double len
   // The narrow side of the plot, in the inside of a turn, limits the house.
   const RoadPoint back{middle, side * (front + depth)};
   const RoadPoint face{middle, side * front};
-  const double room =
-      std::min(lengthAt(road, back, length), lengthAt(road, face, length)) -
-      random.uniform(1.5, 4.0);
-  buildBoundary(builder, road, {begin + 0.3, side * 8.1}, begin + length - 0.9, random);
+  const double room = std::min(lengthAt(builder.road, back, length),
+                               lengthAt(builder.road, face, length)) -
+                      random.uniform(1.5, 4.0);
+  buildBoundary(builder, {begin + 0.3, side * 8.1}, begin + length - 0.9, random);
   if (room > 5.0 && random.chance(0.86)) {
-    builder.place(road, {middle, side * (front + 0.5 * depth)});
+    builder.place({middle, side * (front + 0.5 * depth)});
     builder.house(std::min(room, 14.0), depth, random);
   }
   else {
-    builder.place(road, {middle + 1.5, side * 12.0});
+    builder.place({middle + 1.5, side * 12.0});
     builder.tree(random.uniform(6.0, 9.0), random);
   }
   if (random.chance(0.55)) {
-    builder.place(road, {begin + 0.3, side * random.uniform(9.3, 9.9)});
+    builder.place({begin + 0.3, side * random.uniform(9.3, 9.9)});
     builder.tree(random.uniform(3.8, 6.0), random);
   }
 }
 
 void
-buildPlots(ObjectBuilder& builder, const RoadLine& road, double end, std::uint32_t seed)
+buildPlots(ObjectBuilder& builder, double end)
 {
   for (const double side : {1.0, -1.0}) {
-    Random random(seed, plots + (side > 0.0 ? 1 : 0));
+    Random random(builder.seed, plots + (side > 0.0 ? 1 : 0));
     double s = kBegin;
     while (s < end) {
       const double length = random.uniform(12.0, 17.0);
-      buildPlot(builder, road, s, length, side, random);
+      buildPlot(builder, s, length, side, random);
       s += length;
     }
   }
 }
 
 void
-buildParkedCars(ObjectBuilder& builder, const RoadLine& road, double end,
-                std::uint32_t seed)
+buildParkedCars(ObjectBuilder& builder, double end)
 {
   for (const double side : {1.0, -1.0}) {
-    Random random(seed, parking + (side > 0.0 ? 1 : 0));
+    Random random(builder.seed, parking + (side > 0.0 ? 1 : 0));
     for (double s = kBegin; s < end; s += random.uniform(5.6, 7.5)) {
       if (random.chance(0.62))
         continue;
       const double turned = random.uniform(-0.03, 0.03);
-      builder.place(road, {s, side * random.uniform(4.05, 4.2)}, turned);
+      builder.place({s, side * random.uniform(4.05, 4.2)}, turned);
       builder.car(random);
     }
   }
 }
 
 void
-buildFurniture(ObjectBuilder& builder, const RoadLine& road, double end,
-               std::uint32_t seed)
+buildFurniture(ObjectBuilder& builder, double end)
 {
-  Random lamp(seed, lamps);
+  Random lamp(builder.seed, lamps);
   double side = 1.0;
   for (double s = 6.0; s < end; s += lamp.uniform(12.0, 15.0), side = -side) {
-    builder.place(road, {s, side * 5.65});
+    builder.place({s, side * 5.65});
     builder.lampPost(-side);
   }
-  Random sign(seed, signs);
+  Random sign(builder.seed, signs);
   side = -1.0;
   for (double s = 11.0; s < end; s += sign.uniform(9.0, 16.0)) {
-    builder.place(road, {s, side * 5.8}, sign.uniform(-0.15, 0.15));
+    builder.place({s, side * 5.8}, sign.uniform(-0.15, 0.15));
     builder.trafficSign(sign);
     side = sign.chance(0.6) ? -1.0 : 1.0;
   }
-  Random person(seed, people);
+  Random person(builder.seed, people);
   for (double s = 16.0; s < end; s += person.uniform(18.0, 35.0)) {
     const double t = person.uniform(6.4, 7.1);
-    builder.place(road, {s, person.chance(0.5) ? t : -t});
+    builder.place({s, person.chance(0.5) ? t : -t});
     builder.pedestrian(person);
   }
 }
 
-/** \brief Tall trees behind the houses and at the end of the street, so that one never
- * looks into an empty plain. */
+// Tall trees behind the houses and at the end of the street, so that one never
+// looks into an empty plain.
 void
-buildWoods(ObjectBuilder& builder, const RoadLine& road, double end, std::uint32_t seed)
+buildWoods(ObjectBuilder& builder, double end)
 {
-  Random random(seed, woods);
+  Random random(builder.seed, woods);
   for (double s = kBegin; s < end; s += random.uniform(6.0, 8.0))
     for (const double side : {1.0, -1.0}) {
       const double t = side * random.uniform(26.0, 31.0);
-      if (t * road.curvature(s) > 0.6)
+      if (t * builder.road.curvature(s) > 0.6)
         continue; // they would crowd in the inside of the turn
-      builder.place(road, {s, t});
+      builder.place({s, t});
       builder.tree(random.uniform(8.0, 11.0), random);
     }
   for (double t = -30.0; t <= 30.0; t += 5.0) {
-    builder.place(road, {end + random.uniform(2.0, 6.0), t});
+    builder.place({end + random.uniform(2.0, 6.0), t});
     builder.tree(random.uniform(7.0, 10.0), random);
   }
 }
@@ -360,11 +384,11 @@ buildWoods(ObjectBuilder& builder, const RoadLine& road, double end, std::uint32
 std::vector<Primitive>
 buildStreet(const RoadLine& road, double length, std::uint32_t seed)
 {
-  ObjectBuilder builder(seed);
-  buildPlots(builder, road, length, seed);
-  buildParkedCars(builder, road, length, seed);
-  buildFurniture(builder, road, length, seed);
-  buildWoods(builder, road, length, seed);
+  ObjectBuilder builder(road, seed);
+  buildPlots(builder, length);
+  buildParkedCars(builder, length);
+  buildFurniture(builder, length);
+  buildWoods(builder, length);
   return builder.take();
 }
 

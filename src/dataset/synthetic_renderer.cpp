@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
+
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 
 #include "synthetic_materials.h"
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <opencv2/core.hpp>
 
@@ -157,15 +157,12 @@ SyntheticRenderer::SyntheticRenderer(const SyntheticScene& scene, int width, int
     : scene_(scene)
 {
   if (width < 64 || height < 32 || width > 4096 || height > 4096)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "image size " << width << "x" << height
-                                      << ", expected 64x32 to 4096x4096");
-  camera_.fx = camera_.fy = 718.0 * width / 1241.0;
-  camera_.cx = 607.0 * width / 1241.0;
-  camera_.cy = 185.0 * height / 376.0;
-  camera_.baseline = 0.54;
-  camera_.width = width;
-  camera_.height = height;
+    fail<InvalidParameterException>("image size ", width, "x", height,
+                                    ", expected 64x32 to 4096x4096");
+  const double focal_length = 718.0 * width / 1241.0;
+  camera_ = {
+      focal_length, focal_length, 607.0 * width / 1241.0, 185.0 * height / 376.0, 0.54,
+      width,        height};
 }
 
 Eigen::Isometry3d

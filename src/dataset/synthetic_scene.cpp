@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "synthetic_street.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <limits>
 
@@ -26,12 +25,8 @@ worldFromCamera()
 Eigen::Matrix3d
 turn(double heading, double pitch)
 {
-  double s = 0.0;
-  double c = 0.0;
-  sinCos(heading, s, c);
-  double sp = 0.0;
-  double cp = 0.0;
-  sinCos(pitch, sp, cp);
+  const auto [s, c] = sinCos(heading);
+  const auto [sp, cp] = sinCos(pitch);
   Eigen::Matrix3d yaw;
   yaw << c, -s, 0, s, c, 0, 0, 0, 1;
   Eigen::Matrix3d nod;
@@ -45,9 +40,8 @@ SyntheticScene::SyntheticScene(std::uint32_t seed, int frames)
     : seed_(seed), frames_(frames)
 {
   if (frames < 1 || frames > 100000)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "frames of a synthetic scene: " << frames
-                                                        << ", expected 1 to 100000");
+    fail<InvalidParameterException>("frames of a synthetic scene: ", frames,
+                                    ", expected 1 to 100000");
   street_ = std::make_shared<synthetic::Street>(seed, frames * metres_per_frame);
 }
 
@@ -55,15 +49,11 @@ Eigen::Isometry3d
 SyntheticScene::pose(int frame) const
 {
   if (frame < 0 || frame >= frames_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "frame " << frame << " of a synthetic scene with " << frames_
-                                 << " frames");
+    fail<InvalidParameterException>("frame ", frame, " of a synthetic scene with ",
+                                    frames_, " frames");
   // A car does not run on rails: it weaves, nods and bobs, smoothly and not in frame 0.
-  double weave = 0.0;
-  double nod = 0.0;
-  double unused = 0.0;
-  sinCos(2.0 * (frame % 31) * M_PI / 31.0 - M_PI, unused, weave);
-  sinCos(2.0 * (frame % 9) * M_PI / 9.0 - M_PI, nod, unused);
+  const double weave = sinCos(2.0 * (frame % 31) * M_PI / 31.0 - M_PI).second;
+  const double nod = sinCos(2.0 * (frame % 9) * M_PI / 9.0 - M_PI).first;
   const synthetic::RoadLine& road = street_->road();
   const synthetic::RoadPoint position{frame * metres_per_frame,
                                       synthetic::Street::lane + 0.1 * (1.0 + weave)};

@@ -1,10 +1,63 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "synthetic_road.h"
+#include "synthetic_noise.h"
 #include "synthetic_shapes.h"
 
+#include <vector>
+
 namespace pcl_semantic::synthetic {
+
+/** \brief A position along the street: \a s along the centre line, \a t to its left
+ * [m].
+ */
+struct RoadPoint {
+  double s = 0.0;
+  double t = 0.0;
+};
+
+/** \brief The centre line of the road: straight pieces and arcs that turn left and
+ * right by turns, so that it never crosses itself. */
+class RoadLine {
+public:
+  static constexpr double half_width = 5.2;   ///< centre line to kerb [m]
+  static constexpr double sidewalk_end = 7.7; ///< centre line to the plots [m]
+  static constexpr double kerb_height = 0.14; ///< of the sidewalk over the road [m]
+
+  /** \param[in] start where s = 0, world frame; the first piece runs along +x
+   * \param[in] length smallest length of the line [m] */
+  RoadLine(const Eigen::Vector2d& start, double length, std::uint32_t seed);
+
+  /** \brief World position of a position. */
+  Eigen::Vector2d position(const RoadPoint& point) const;
+
+  /** \brief Direction of the line at \a s: angle from +x to the left [rad]. */
+  double heading(double s) const;
+
+  /** \brief Curvature at \a s, positive to the left [1/m]. */
+  double curvature(double s) const;
+
+  /** \brief The position nearest to a world position. */
+  RoadPoint locate(const Eigen::Vector2d& position) const;
+
+private:
+  struct Piece {
+    double s = 0.0;         ///< where it begins
+    double length = 0.0;    ///< [m]
+    double curvature = 0.0; ///< [1/m], left positive
+    double heading = 0.0;   ///< at its beginning [rad]
+    Eigen::Vector2d start;  ///< world position of its beginning
+    Eigen::Vector2d along;  ///< unit vector of heading
+  };
+
+  void append(double length, double curvature);
+
+  const Piece& pieceAt(double s) const;
+
+  RoadPoint locateOn(const Piece& piece, const Eigen::Vector2d& position) const;
+
+  std::vector<Piece> pieces_;
+};
 
 /** \brief What a ray sees of the street, with all that shading needs. */
 struct Surface {

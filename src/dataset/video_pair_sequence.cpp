@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/quiet_opencv.h"
+#include "stereo_pair_reader.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/trajectory_file.h>
 
 #include <opencv2/videoio.hpp>
 
@@ -14,87 +14,6 @@
 
 namespace pcl_semantic {
 
-namespace {
-
-class Video {
-public:
-  explicit Video(const std::string& path) : path_(path)
-  {
-    if (!std::ifstream(path))
-      PCL_THROW_EXCEPTION(BadInputException, path << ": cannot be read");
-    open();
-    const double frames = capture_.get(cv::CAP_PROP_FRAME_COUNT);
-    rate_ = capture_.get(cv::CAP_PROP_FPS);
-    if (!(frames >= 1.0 && frames <= kMaxFrameNumber + 1.0) ||
-        !(rate_ > 0.0 && rate_ <= 1e4))
-      PCL_THROW_EXCEPTION(BadInputException, path << ": states " << frames
-                                                  << " frames, " << rate_
-                                                  << " a second: no whole video");
-    frames_ = std::size_t(frames);
-  }
-
-  std::size_t
-  size() const
-  {
-    return frames_;
-  }
-
-  // Frames a second.
-  double
-  rate() const
-  {
-    return rate_;
-  }
-
-  const std::string&
-  path() const
-  {
-    return path_;
-  }
-
-  cv::Mat
-  frame(std::size_t i)
-  {
-    const QuietOpenCv quiet;
-    if (i < next_)
-      open();
-    for (; next_ < i; ++next_)
-      if (!capture_.grab())
-        failAt(next_);
-    cv::Mat image;
-    if (!capture_.read(image) || image.type() != CV_8UC3)
-      failAt(i);
-    ++next_;
-    return image.clone(); // it is the decoder's
-  }
-
-private:
-  void
-  open()
-  {
-    const QuietOpenCv quiet;
-    next_ = 0;
-    if (!capture_.open(path_, cv::CAP_FFMPEG) || !capture_.isOpened())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          path_ << ": is no video that OpenCV reads");
-  }
-
-  [[noreturn]] void
-  failAt(std::size_t i) const
-  {
-    PCL_THROW_EXCEPTION(BadInputException, path_ << ": frame " << i
-                                                 << " cannot be read, expected "
-                                                 << frames_ << " frames");
-  }
-
-  std::string path_;
-  cv::VideoCapture capture_;
-  double rate_ = 0.0;
-  std::size_t frames_ = 0, next_ = 0;
-};
-
-} // namespace
-
 bool
 isVideo(const std::string& path)
 {
@@ -102,6 +21,63 @@ isVideo(const std::string& path)
   return extension == ".mp4" || extension == ".avi" || extension == ".mkv" ||
          extension == ".mov";
 }
+
+namespace {
+
+struct Video {
+  explicit Video(const std::string& file) : path(file)
+  {
+    if (!std::ifstream(path))
+      fail<BadInputException>(path, ": cannot be read");
+    open();
+    const double count = capture.get(cv::CAP_PROP_FRAME_COUNT);
+    rate = capture.get(cv::CAP_PROP_FPS);
+    if (!(count >= 1.0 && count <= kMaxFrameNumber + 1.0) ||
+        !(rate > 0.0 && rate <= 1e4))
+      fail<BadInputException>(path, ": states ", count, " frames, ", rate,
+                              " a second: no whole video");
+    frames = std::size_t(count);
+  }
+
+  cv::Mat
+  frame(std::size_t i)
+  {
+    const QuietOpenCv quiet;
+    if (i < next)
+      open();
+    for (; next < i; ++next)
+      if (!capture.grab())
+        failAt(next);
+    cv::Mat image;
+    if (!capture.read(image) || image.type() != CV_8UC3)
+      failAt(i);
+    ++next;
+    return image.clone(); // it is the decoder's
+  }
+
+  void
+  open()
+  {
+    const QuietOpenCv quiet;
+    next = 0;
+    if (!capture.open(path, cv::CAP_FFMPEG) || !capture.isOpened())
+      fail<BadInputException>(path, ": is no video that OpenCV reads");
+  }
+
+  [[noreturn]] void
+  failAt(std::size_t i) const
+  {
+    fail<BadInputException>(path, ": frame ", i, " cannot be read, expected ", frames,
+                            " frames");
+  }
+
+  std::string path;
+  cv::VideoCapture capture;
+  double rate = 0.0; // frames a second
+  std::size_t frames = 0, next = 0;
+};
+
+} // namespace
 
 struct VideoPairSequence::Videos {
   Video left, right;
@@ -113,26 +89,18 @@ VideoPairSequence::VideoPairSequence(const ImagePairFiles& files)
     : videos_(new Videos{Video(files.left), Video(files.right), {}, {}})
 {
   Video &left = videos_->left, &right = videos_->right;
-  if (left.size() != right.size() || std::abs(left.rate() - right.rate()) > 0.01)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        left.path()
-                            << ": has " << left.size() << " frames, " << left.rate()
-                            << " a second, but " << right.path() << " has "
-                            << right.size() << ", " << right.rate() << " a second");
+  if (left.frames != right.frames || std::abs(left.rate - right.rate) > 0.01)
+    fail<BadInputException>(left.path, ": has ", left.frames, " frames, ", left.rate,
+                            " a second, but ", right.path, " has ", right.frames, ", ",
+                            right.rate, " a second");
   const cv::Size size = left.frame(0).size();
   if (right.frame(0).size() != size)
-    PCL_THROW_EXCEPTION(BadInputException, left.path()
-                                               << " and " << right.path()
-                                               << ": have images of different sizes");
+    fail<BadInputException>(left.path, " and ", right.path,
+                            ": have images of different sizes");
   videos_->pair = readRectifiedPair({files.calibration, files.extrinsics},
-                                    {size, left.path()}, KittiCameras::colour);
-  if (files.times.empty())
-    return;
-  videos_->times = readTimes(files.times);
-  if (videos_->times.size() < left.size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        files.times << ": has " << videos_->times.size()
-                                    << " times for " << left.size() << " frames");
+                                    {size, left.path}, KittiCameras::colour);
+  if (!files.times.empty())
+    videos_->times = readTimesOf(files.times, left.frames, "frames");
 }
 
 VideoPairSequence::~VideoPairSequence() = default;
@@ -140,24 +108,20 @@ VideoPairSequence::~VideoPairSequence() = default;
 std::size_t
 VideoPairSequence::size() const
 {
-  return videos_->left.size();
+  return videos_->left.frames;
 }
 
 double
 VideoPairSequence::timestamp(std::size_t i) const
 {
-  return videos_->times.empty() ? double(i) / videos_->left.rate()
-                                : videos_->times.at(i);
+  return videos_->times.empty() ? double(i) / videos_->left.rate : videos_->times.at(i);
 }
 
 StereoFrame
 VideoPairSequence::frame(std::size_t i) const
 {
-  StereoFrame frame;
-  frame.number = frameNumber(i);
-  frame.timestamp = timestamp(i);
-  frame.left = videos_->left.frame(i);
-  frame.right = videos_->right.frame(i);
+  StereoFrame frame{
+      {frameNumber(i), timestamp(i)}, videos_->left.frame(i), videos_->right.frame(i)};
   videos_->pair.rectify(frame);
   return frame;
 }

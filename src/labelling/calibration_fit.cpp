@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration_term.h"
+#include "core/fail.h"
 #include "lbfgs.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 
 #include <functional>
@@ -71,34 +71,26 @@ CalibrationSamples::validate() const
 {
   const std::size_t count = truth.size();
   if (features.size() != count || std::size_t(network.size()) != count)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: " << count << " labels for " << network.size()
-                                        << " distributions and " << features.size()
-                                        << " lists of features");
-  if (!weights.empty() && weights.size() != count)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: " << count << " labels for " << weights.size()
-                                        << " weights");
+    fail<InvalidParameterException>("calibration: ", count, " labels for ",
+                                    network.size(), " distributions and ",
+                                    features.size(), " lists of features");
+  for (const auto& [size, called] : {std::pair(weights.size(), " weights"),
+                                     std::pair(sequences.size(), " sequences")})
+    if (size != 0 && size != count)
+      fail<InvalidParameterException>("calibration: ", count, " labels for ", size,
+                                      called);
   for (const float weight : weights)
     if (!(weight > 0.0f && std::isfinite(weight)))
-      PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: a weight is "
-                                                         << weight
-                                                         << ", expected more than 0");
-  if (!sequences.empty() && sequences.size() != count)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: " << count << " labels for " << sequences.size()
-                                        << " sequences");
+      fail<InvalidParameterException>("calibration: a weight is ", weight,
+                                      ", expected more than 0");
   for (const int sequence : sequences)
     if (sequence < 0)
-      PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: a sequence is "
-                                                         << sequence
-                                                         << ", expected 0 or more");
+      fail<InvalidParameterException>("calibration: a sequence is ", sequence,
+                                      ", expected 0 or more");
   for (const Label label : truth)
     if (label > network.classes())
-      PCL_THROW_EXCEPTION(InvalidParameterException, "calibration: ground truth "
-                                                         << int(label) << " of "
-                                                         << network.classes()
-                                                         << " classes");
+      fail<InvalidParameterException>("calibration: ground truth ", int(label), " of ",
+                                      network.classes(), " classes");
 }
 
 void
@@ -109,19 +101,16 @@ CalibrationOptions::validate() const
         std::tuple("bias_penalty", bias_penalty, 1e6),
         std::tuple("curve_penalty", curve_penalty, 1e6)})
     if (!(value >= 0.0 && value <= most))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          name << " is " << value << ", expected 0 to " << most);
+      fail<InvalidParameterException>(name, " is ", value, ", expected 0 to ", most);
   for (const auto& [feature, knots] : curves)
     if (!areKnots(knots))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "knots of " << nameOf(feature)
-                                      << ": expected two or more that rise");
+      fail<InvalidParameterException>("knots of ", nameOf(feature),
+                                      ": expected two or more that rise");
   if (!areInOrder(curves))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "knots: a feature comes twice, or out of order");
+    fail<InvalidParameterException>("knots: a feature comes twice, or out of order");
   if (iterations < 1)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "iterations is " << iterations << ", expected 1 or more");
+    fail<InvalidParameterException>("iterations is ", iterations,
+                                    ", expected 1 or more");
 }
 
 namespace {
@@ -139,48 +128,6 @@ struct SparseRow {
     columns[std::size_t(count)] = column;
     values[std::size_t(count++)] = value;
   }
-};
-
-// The negative penalised likelihood of a parameter vector: the sharpness, then K values
-// for each column, K the number of fitted classes.
-class Likelihood {
-public:
-  Likelihood(const CalibrationSamples& samples, const CalibrationOptions& options);
-
-  int
-  size() const
-  {
-    return 1 + columns_ * classes();
-  }
-
-  double operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
-
-  LabelCalibration calibration(const double* x, int all_classes,
-                               const CalibrationOptions& options) const;
-
-private:
-  // Samples go in chunks of one size whatever the number of threads, and their sums are
-  // added in order.
-  static constexpr std::size_t chunk = 4096;
-
-  int
-  classes() const
-  {
-    return int(labels_.size());
-  }
-
-  double chunkOf(std::size_t begin, std::size_t end, const double* x,
-                 double* gradient) const;
-
-  double addPenalty(const double* x, double* gradient) const;
-
-  std::vector<Label> labels_; // the fitted classes
-  Eigen::MatrixXd logs_;      // K x N
-  std::vector<SparseRow> rows_;
-  std::vector<int> truth_; // 0..K-1
-  std::vector<double> weights_;
-  int columns_;
-  double bias_penalty_, curve_penalty_;
 };
 
 bool
@@ -223,31 +170,6 @@ balancedWeights(const CalibrationSamples& samples,
   return weights;
 }
 
-// The classes of the samples that count.
-std::vector<Label>
-classesOf(const CalibrationSamples& samples)
-{
-  std::array<bool, 256> is_there{};
-  for (std::size_t i = 0; i < samples.truth.size(); ++i)
-    if (counts(samples, i))
-      is_there[samples.truth[i]] = true;
-  std::vector<Label> labels;
-  for (int label = 1; label < 256; ++label)
-    if (is_there[std::size_t(label)])
-      labels.push_back(Label(label));
-  return labels;
-}
-
-// Columns: the constant, then a knot each.
-int
-columnsOf(const CalibrationOptions& options)
-{
-  int columns = 1;
-  for (const FeatureKnots& each : options.curves)
-    columns += int(each.knots.size());
-  return columns;
-}
-
 SparseRow
 rowOf(const CalibrationOptions& options, const PointFeatures& features)
 {
@@ -265,116 +187,148 @@ rowOf(const CalibrationOptions& options, const PointFeatures& features)
   return row;
 }
 
-Likelihood::Likelihood(const CalibrationSamples& samples,
-                       const CalibrationOptions& options)
-    : labels_(classesOf(samples)), columns_(columnsOf(options)),
-      bias_penalty_(options.bias_penalty), curve_penalty_(options.curve_penalty)
-{
-  std::array<int, 256> number{};
-  for (std::size_t k = 0; k < labels_.size(); ++k)
-    number[labels_[k]] = int(k);
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < samples.truth.size(); ++i)
-    if (counts(samples, i))
-      chosen.push_back(i);
-  weights_ = balancedWeights(samples, chosen, options.balance);
-  logs_.resize(classes(), Eigen::Index(chosen.size()));
-  std::vector<float> logs(std::size_t(samples.network.classes()));
-  for (const std::size_t i : chosen) {
-    const auto column = Eigen::Index(rows_.size());
-    clampedLog(samples.network.column(Eigen::Index(i)), samples.network.classes(),
-               logs.data());
-    for (int k = 0; k < classes(); ++k)
-      logs_(k, column) = logs[labels_[std::size_t(k)] - 1u];
-    truth_.push_back(number[samples.truth[i]]);
-    rows_.push_back(rowOf(options, samples.features[i]));
+// The negative penalised likelihood of a parameter vector: the sharpness, then K values
+// for each column, K the number of fitted classes.
+class Likelihood {
+public:
+  Likelihood(const CalibrationSamples& samples, const CalibrationOptions& options)
+      : bias_penalty_(options.bias_penalty), curve_penalty_(options.curve_penalty)
+  {
+    std::vector<std::size_t> chosen;
+    std::set<Label> labels;
+    for (std::size_t i = 0; i < samples.truth.size(); ++i)
+      if (counts(samples, i)) {
+        chosen.push_back(i);
+        labels.insert(samples.truth[i]);
+      }
+    labels_.assign(labels.begin(), labels.end());
+    for (const FeatureKnots& each : options.curves)
+      columns_ += int(each.knots.size());
+    std::array<int, 256> number{};
+    for (std::size_t k = 0; k < labels_.size(); ++k)
+      number[labels_[k]] = int(k);
+    weights_ = balancedWeights(samples, chosen, options.balance);
+    logs_.resize(classes(), Eigen::Index(chosen.size()));
+    std::vector<float> logs(std::size_t(samples.network.classes()));
+    for (const std::size_t i : chosen) {
+      const auto column = Eigen::Index(rows_.size());
+      clampedLog(samples.network.column(Eigen::Index(i)), samples.network.classes(),
+                 logs.data());
+      for (int k = 0; k < classes(); ++k)
+        logs_(k, column) = logs[labels_[std::size_t(k)] - 1u];
+      truth_.push_back(number[samples.truth[i]]);
+      rows_.push_back(rowOf(options, samples.features[i]));
+    }
   }
-}
 
-double
-Likelihood::chunkOf(std::size_t begin, std::size_t end, const double* x,
-                    double* gradient) const
-{
-  const Eigen::Map<const Eigen::MatrixXd> values(x + 1, classes(), columns_);
-  Eigen::Map<Eigen::MatrixXd> slope(gradient + 1, classes(), columns_);
-  Eigen::VectorXd scores(classes());
-  double loss = 0.0;
-  for (std::size_t i = begin; i < end; ++i) {
-    const SparseRow& row = rows_[i];
-    const auto logs = logs_.col(Eigen::Index(i));
-    scores = x[0] * logs;
-    for (int j = 0; j < row.count; ++j)
-      scores += row.values[std::size_t(j)] * values.col(row.columns[std::size_t(j)]);
-    const double largest = scores.maxCoeff();
-    const double of_truth = scores[truth_[i]] - largest;
-    scores = (scores.array() - largest).exp();
-    const double sum = scores.sum();
-    loss += weights_[i] * (std::log(sum) - of_truth);
-    scores *= weights_[i] / sum;
-    scores[truth_[i]] -= weights_[i];
-    gradient[0] += scores.dot(logs);
-    for (int j = 0; j < row.count; ++j)
-      slope.col(row.columns[std::size_t(j)]) += row.values[std::size_t(j)] * scores;
+  int
+  classes() const
+  {
+    return int(labels_.size());
   }
-  return loss;
-}
 
-double
-Likelihood::addPenalty(const double* x, double* gradient) const
-{
-  double penalty = 0.0;
-  for (int i = 1; i < size(); ++i) {
-    const double weight = i <= classes() ? bias_penalty_ : curve_penalty_;
-    penalty += weight * x[i] * x[i];
-    gradient[i] += 2.0 * weight * x[i];
+  int
+  size() const
+  {
+    return 1 + columns_ * classes();
   }
-  return penalty;
-}
 
-double
-Likelihood::operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const
-{
-  const std::size_t chunks = (rows_.size() + chunk - 1) / chunk;
-  const auto dims = static_cast<Eigen::Index>(size());
-  Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(dims, Eigen::Index(chunks));
-  std::vector<double> losses(chunks);
+  double
+  operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const
+  {
+    const std::size_t chunks = (rows_.size() + chunk - 1) / chunk;
+    const auto dims = static_cast<Eigen::Index>(size());
+    Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(dims, Eigen::Index(chunks));
+    std::vector<double> losses(chunks);
 #pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t c = 0; c < chunks; ++c)
-    losses[c] = chunkOf(c * chunk, std::min((c + 1) * chunk, rows_.size()), x.data(),
-                        slopes.col(Eigen::Index(c)).data());
-  gradient.setZero(dims);
-  double loss = 0.0;
-  for (std::size_t c = 0; c < chunks; ++c) {
-    loss += losses[c];
-    gradient += slopes.col(Eigen::Index(c));
+    for (std::size_t c = 0; c < chunks; ++c)
+      losses[c] = chunkOf(c * chunk, std::min((c + 1) * chunk, rows_.size()), x.data(),
+                          slopes.col(Eigen::Index(c)).data());
+    gradient.setZero(dims);
+    double loss = 0.0;
+    for (std::size_t c = 0; c < chunks; ++c) {
+      loss += losses[c];
+      gradient += slopes.col(Eigen::Index(c));
+    }
+    return loss + addPenalty(x.data(), gradient.data());
   }
-  return loss + addPenalty(x.data(), gradient.data());
-}
 
-LabelCalibration
-Likelihood::calibration(const double* x, int all_classes,
-                        const CalibrationOptions& options) const
-{
-  LabelCalibration result = LabelCalibration::identity(all_classes);
-  result.fitted.assign(result.fitted.size(), false);
-  result.sharpness = static_cast<float>(x[0]);
-  const Eigen::Map<const Eigen::MatrixXd> values(x + 1, classes(), columns_);
-  int first = 1;
-  for (const auto& [feature, knots] : options.curves) {
-    const auto count = static_cast<Eigen::Index>(knots.size());
-    ClassCurves curves{feature, knots, Eigen::MatrixXf::Zero(all_classes, count)};
-    for (int k = 0; k < classes(); ++k)
-      curves.values.row(labels_[std::size_t(k)] - 1) =
-          values.block(k, first, 1, count).cast<float>();
-    result.curves.push_back(std::move(curves));
-    first += int(count);
+  LabelCalibration
+  calibration(const double* x, int all_classes, const CalibrationOptions& options) const
+  {
+    LabelCalibration result = LabelCalibration::identity(all_classes);
+    result.fitted.assign(result.fitted.size(), false);
+    result.sharpness = static_cast<float>(x[0]);
+    const Eigen::Map<const Eigen::MatrixXd> values(x + 1, classes(), columns_);
+    int first = 1;
+    for (const auto& [feature, knots] : options.curves) {
+      const auto count = static_cast<Eigen::Index>(knots.size());
+      ClassCurves curves{feature, knots, Eigen::MatrixXf::Zero(all_classes, count)};
+      for (int k = 0; k < classes(); ++k)
+        curves.values.row(labels_[std::size_t(k)] - 1) =
+            values.block(k, first, 1, count).cast<float>();
+      result.curves.push_back(std::move(curves));
+      first += int(count);
+    }
+    for (int k = 0; k < classes(); ++k) {
+      result.fitted[labels_[std::size_t(k)] - 1u] = true;
+      result.bias[labels_[std::size_t(k)] - 1] = static_cast<float>(values(k, 0));
+    }
+    return result;
   }
-  for (int k = 0; k < classes(); ++k) {
-    result.fitted[labels_[std::size_t(k)] - 1u] = true;
-    result.bias[labels_[std::size_t(k)] - 1] = static_cast<float>(values(k, 0));
+
+private:
+  // Samples go in chunks of one size whatever the number of threads, and their sums are
+  // added in order.
+  static constexpr std::size_t chunk = 4096;
+
+  double
+  chunkOf(std::size_t begin, std::size_t end, const double* x, double* gradient) const
+  {
+    const Eigen::Map<const Eigen::MatrixXd> values(x + 1, classes(), columns_);
+    Eigen::Map<Eigen::MatrixXd> slope(gradient + 1, classes(), columns_);
+    Eigen::VectorXd scores(classes());
+    double loss = 0.0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const SparseRow& row = rows_[i];
+      const auto logs = logs_.col(Eigen::Index(i));
+      scores = x[0] * logs;
+      for (int j = 0; j < row.count; ++j)
+        scores += row.values[std::size_t(j)] * values.col(row.columns[std::size_t(j)]);
+      const double largest = scores.maxCoeff();
+      const double of_truth = scores[truth_[i]] - largest;
+      scores = (scores.array() - largest).exp();
+      const double sum = scores.sum();
+      loss += weights_[i] * (std::log(sum) - of_truth);
+      scores *= weights_[i] / sum;
+      scores[truth_[i]] -= weights_[i];
+      gradient[0] += scores.dot(logs);
+      for (int j = 0; j < row.count; ++j)
+        slope.col(row.columns[std::size_t(j)]) += row.values[std::size_t(j)] * scores;
+    }
+    return loss;
   }
-  return result;
-}
+
+  double
+  addPenalty(const double* x, double* gradient) const
+  {
+    double penalty = 0.0;
+    for (int i = 1; i < size(); ++i) {
+      const double weight = i <= classes() ? bias_penalty_ : curve_penalty_;
+      penalty += weight * x[i] * x[i];
+      gradient[i] += 2.0 * weight * x[i];
+    }
+    return penalty;
+  }
+
+  std::vector<Label> labels_; // the fitted classes
+  Eigen::MatrixXd logs_;      // K x N
+  std::vector<SparseRow> rows_;
+  std::vector<int> truth_; // 0..K-1
+  std::vector<double> weights_;
+  int columns_ = 1; // the constant, then a knot each
+  double bias_penalty_, curve_penalty_;
+};
 
 } // namespace
 
@@ -383,10 +337,10 @@ fitCalibration(const CalibrationSamples& samples, const CalibrationOptions& opti
 {
   options.validate();
   samples.validate();
-  if (classesOf(samples).size() < 2)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "calibration: expected ground truth of two classes or more");
   const Likelihood likelihood(samples, options);
+  if (likelihood.classes() < 2)
+    fail<BadInputException>(
+        "calibration: expected ground truth of two classes or more");
   Eigen::VectorXd start = Eigen::VectorXd::Zero(likelihood.size());
   start[0] = 1.0;
   constexpr double tolerance = 1e-6;

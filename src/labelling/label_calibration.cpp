@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration_term.h"
+#include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "files/yaml_config.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 
 #include <limits>
@@ -30,11 +30,9 @@ requireCurves(const ClassCurves& curves, int classes)
                     curves.values.cols() == Eigen::Index(knots.size()) &&
                     areSmall(curves.values);
   if (!fits || !areKnots(knots))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: the curves of "
-                            << nameOf(curves.feature)
-                            << " need two or more rising knots and " << classes
-                            << " values at each, -1e6 to 1e6");
+    fail<InvalidParameterException>(
+        "calibration: the curves of ", nameOf(curves.feature),
+        " need two or more rising knots and ", classes, " values at each, -1e6 to 1e6");
 }
 
 void
@@ -48,11 +46,9 @@ requireSeen(const LabelCalibration& calibration)
            (calibration.seen[i].array() >= 0.0f).all() && areSmall(calibration.seen[i]);
   if (!fits ||
       !(calibration.usual_distance >= 0.0f && calibration.usual_distance <= 1.0f))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: what was seen needs "
-                            << calibration.classes()
-                            << " fractions at each knot of every curve, and a usual "
-                               "distance of 0 to 1");
+    fail<InvalidParameterException>(
+        "calibration: what was seen needs ", calibration.classes(),
+        " fractions at each knot of every curve, and a usual distance of 0 to 1");
 }
 
 // Works on one column after the other, with room for L values.
@@ -121,20 +117,18 @@ LabelCalibration::validate() const
 {
   if (bias.size() != classes() || !areSmall(bias) ||
       !(sharpness >= 0.0f && sharpness <= max_value))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: expected a bias for each of "
-                            << classes()
-                            << " classes, -1e6 to 1e6, and a sharpness of 0 to 1e6");
+    fail<InvalidParameterException>(
+        "calibration: expected a bias for each of ", classes(),
+        " classes, -1e6 to 1e6, and a sharpness of 0 to 1e6");
   for (const Label label : ground)
     if (label < 1 || label > classes())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "calibration: ground label " << int(label) << " is not 1 to "
-                                                       << classes());
+      fail<InvalidParameterException>("calibration: ground label ", int(label),
+                                      " is not 1 to ", classes());
   for (const ClassCurves& each : curves)
     requireCurves(each, classes());
   if (!areInOrder(curves))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration: a feature has two curves, or comes out of order");
+    fail<InvalidParameterException>(
+        "calibration: a feature has two curves, or comes out of order");
   requireSeen(*this);
 }
 
@@ -145,12 +139,10 @@ calibrate(const LabelCalibration& calibration, const LabelDistributions& distrib
   calibration.validate();
   if (distributions.classes() != calibration.classes() ||
       (!features.empty() && Eigen::Index(features.size()) != distributions.size()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "calibration of " << calibration.classes() << " classes: got "
-                                          << distributions.classes() << " classes of "
-                                          << distributions.size()
-                                          << " points, features of "
-                                          << features.size());
+    fail<InvalidParameterException>("calibration of ", calibration.classes(),
+                                    " classes: got ", distributions.classes(),
+                                    " classes of ", distributions.size(),
+                                    " points, features of ", features.size());
   LabelDistributions result = distributions;
 #pragma omp parallel
   {
@@ -221,10 +213,23 @@ labelOf(const YamlMap& map, const std::string& key, const std::string& name,
 {
   const Label label = label_set.find(name);
   if (label == kUnlabelled)
-    PCL_THROW_EXCEPTION(BadInputException, map.where(key)
-                                               << ": class '" << name
-                                               << "' is not in the label set");
+    fail<BadInputException>(map.where(key), ": class '", name,
+                            "' is not in the label set");
   return label;
+}
+
+// A value at each knot of a curve; \a called in front of a complaint.
+Eigen::RowVectorXf
+readValues(const YamlMap& map, const std::string& key, const ClassCurves& curves,
+           const std::string& called)
+{
+  const auto values = map.require<std::vector<double>>(key);
+  if (values.size() != curves.knots.size())
+    fail<BadInputException>(map.where(key), ": ", called, values.size(), " values for ",
+                            curves.knots.size(), " knots");
+  return Eigen::Map<const Eigen::RowVectorXd>(values.data(),
+                                              Eigen::Index(values.size()))
+      .cast<float>();
 }
 
 void
@@ -235,17 +240,9 @@ readClass(const YamlMap& entry, Label label, LabelCalibration& calibration)
   calibration.bias[label - 1] = static_cast<float>(bias);
   calibration.fitted[label - 1u] = true;
   for (ClassCurves& curves : calibration.curves) {
-    const char* const name = nameOf(curves.feature);
-    std::vector<double> values;
-    if (!entry.get(name, values))
-      continue;
-    if (values.size() != curves.knots.size())
-      PCL_THROW_EXCEPTION(BadInputException, entry.where(name)
-                                                 << ": " << name << " has "
-                                                 << values.size() << " values for "
-                                                 << curves.knots.size() << " knots");
-    for (std::size_t i = 0; i < values.size(); ++i)
-      curves.values(label - 1, Eigen::Index(i)) = static_cast<float>(values[i]);
+    const std::string name = nameOf(curves.feature);
+    if (entry.has(name))
+      curves.values.row(label - 1) = readValues(entry, name, curves, name + " has ");
   }
   entry.refuseUnknownKeys();
 }
@@ -263,9 +260,8 @@ readKnots(const YamlMap& knots, int classes)
                       {values.begin(), values.end()},
                       Eigen::MatrixXf::Zero(classes, Eigen::Index(values.size()))});
     if (!areKnots(curves.back().knots))
-      PCL_THROW_EXCEPTION(BadInputException, knots.where(feature_names[f])
-                                                 << ": expected two or more rising "
-                                                    "knots");
+      fail<BadInputException>(knots.where(feature_names[f]),
+                              ": expected two or more rising knots");
   }
   knots.refuseUnknownKeys();
   return curves;
@@ -284,32 +280,16 @@ readSeen(const YamlMap& file, const LabelSet& label_set, LabelCalibration& calib
     const YamlMap classes = seen.requireMap(nameOf(curves.feature));
     Eigen::MatrixXf fractions =
         Eigen::MatrixXf::Zero(curves.values.rows(), curves.values.cols());
-    for (const std::string& name : classes.keys()) {
-      const auto values = classes.require<std::vector<double>>(name);
-      if (values.size() != curves.knots.size())
-        PCL_THROW_EXCEPTION(BadInputException, classes.where(name)
-                                                   << ": " << values.size()
-                                                   << " values for "
-                                                   << curves.knots.size() << " knots");
-      for (std::size_t i = 0; i < values.size(); ++i)
-        fractions(labelOf(classes, name, name, label_set) - 1, Eigen::Index(i)) =
-            static_cast<float>(values[i]);
-    }
+    for (const std::string& name : classes.keys())
+      fractions.row(labelOf(classes, name, name, label_set) - 1) =
+          readValues(classes, name, curves, "");
     calibration.seen.push_back(std::move(fractions));
   }
   seen.refuseUnknownKeys();
 }
 
-std::string
-listOf(const float* values, std::size_t count, std::ptrdiff_t stride)
-{
-  std::ostringstream text;
-  text.precision(std::numeric_limits<float>::max_digits10);
-  for (std::size_t i = 0; i < count; ++i)
-    text << (i ? ", " : "[") << values[std::ptrdiff_t(i) * stride];
-  text << "]";
-  return text.str();
-}
+const Eigen::IOFormat yaml_list(std::numeric_limits<float>::max_digits10,
+                                Eigen::DontAlignCols, ", ", ", ", "", "", "[", "]");
 
 } // namespace
 
@@ -321,15 +301,12 @@ readCalibration(const std::string& path, const LabelSet& label_set,
   LabelCalibration calibration = LabelCalibration::identity(label_set.size());
   calibration.fitted.assign(calibration.fitted.size(), false);
   if (file.get("of", calibration.of) && calibration.of != of)
-    PCL_THROW_EXCEPTION(BadInputException, file.where("of") << ": is a calibration of '"
-                                                            << calibration.of
-                                                            << "', expected of " << of);
+    fail<BadInputException>(file.where("of"), ": is a calibration of '", calibration.of,
+                            "', expected of ", of);
   calibration.sharpness = static_cast<float>(file.require<double>("sharpness"));
   if (!(calibration.sharpness >= 0.0f))
-    PCL_THROW_EXCEPTION(BadInputException, file.where("sharpness")
-                                               << ": sharpness is "
-                                               << calibration.sharpness
-                                               << ", expected 0 or more");
+    fail<BadInputException>(file.where("sharpness"), ": sharpness is ",
+                            calibration.sharpness, ", expected 0 or more");
   for (const std::string& name : file.require<std::vector<std::string>>("ground"))
     calibration.ground.push_back(labelOf(file, "ground", name, label_set));
   calibration.curves = readKnots(file.requireMap("knots"), label_set.size());
@@ -339,12 +316,7 @@ readCalibration(const std::string& path, const LabelSet& label_set,
               calibration);
   readSeen(file, label_set, calibration);
   file.refuseUnknownKeys();
-  try {
-    calibration.validate();
-  }
-  catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
-  }
+  readFrom(path, [&] { calibration.validate(); });
   return calibration;
 }
 
@@ -361,7 +333,10 @@ printCalibration(const LabelCalibration& calibration, const LabelSet& label_set)
   text << "]\nknots:" << (calibration.curves.empty() ? " {}\n" : "\n");
   for (const ClassCurves& curves : calibration.curves)
     text << "  " << nameOf(curves.feature) << ": "
-         << listOf(curves.knots.data(), curves.knots.size(), 1) << "\n";
+         << Eigen::Map<const Eigen::RowVectorXf>(curves.knots.data(),
+                                                 Eigen::Index(curves.knots.size()))
+                .format(yaml_list)
+         << "\n";
   text << "classes:\n";
   for (int l = 0; l < calibration.classes(); ++l) {
     if (!calibration.fitted[std::size_t(l)])
@@ -370,9 +345,7 @@ printCalibration(const LabelCalibration& calibration, const LabelSet& label_set)
          << ":\n    bias: " << calibration.bias[l] << "\n";
     for (const ClassCurves& curves : calibration.curves)
       text << "    " << nameOf(curves.feature) << ": "
-           << listOf(curves.values.data() + l, curves.knots.size(),
-                     calibration.classes())
-           << "\n";
+           << curves.values.row(l).format(yaml_list) << "\n";
   }
   if (!calibration.seen.empty())
     text << "seen:\n  usual_distance: " << calibration.usual_distance << "\n";
@@ -383,9 +356,7 @@ printCalibration(const LabelCalibration& calibration, const LabelSet& label_set)
     for (Eigen::Index l = 0; l < fractions.rows(); ++l)
       if (!fractions.row(l).isZero(0.0f))
         text << "    " << label_set[Label(l + 1)].name << ": "
-             << listOf(fractions.data() + l, std::size_t(fractions.cols()),
-                       fractions.rows())
-             << "\n";
+             << fractions.row(l).format(yaml_list) << "\n";
   }
   return text.str();
 }

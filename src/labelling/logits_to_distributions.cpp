@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/labelling/logits_to_distributions.h>
 
 #include <omp.h>
@@ -119,19 +120,17 @@ checkArguments(const cv::Mat& logits, const cv::Size& size,
                const ChannelClasses& channels)
 {
   if (logits.dims != 3 || logits.type() != CV_32FC1 || logits.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "logits: expected 32-bit floats, channels x height x width");
+    fail<InvalidParameterException>(
+        "logits: expected 32-bit floats, channels x height x width");
   if (std::size_t(logits.size[0]) != channels.labels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "logits have " << logits.size[0] << " channels, expected "
-                                       << channels.labels.size());
+    fail<InvalidParameterException>("logits have ", logits.size[0],
+                                    " channels, expected ", channels.labels.size());
   if (size.width < 1 || size.height < 1)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "logits: the image is empty");
+    fail<InvalidParameterException>("logits: the image is empty");
   for (const Label label : channels.labels)
     if (label > channels.classes)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "a channel has label " << int(label) << ", expected up to "
-                                                 << channels.classes);
+      fail<InvalidParameterException>("a channel has label ", int(label),
+                                      ", expected up to ", channels.classes);
 }
 
 } // namespace

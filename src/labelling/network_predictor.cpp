@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/quiet_opencv.h"
+#include "files/yaml_config.h"
 #include "onnx_check.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include <opencv2/dnn.hpp>
@@ -11,11 +13,99 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <new>
 #include <stdexcept>
 
 namespace pcl_semantic {
+
+namespace {
+
+constexpr int max_input_size = 8192;
+
+std::string
+pathBeside(const std::string& yaml_path, const std::string& path)
+{
+  return (std::filesystem::path(yaml_path).parent_path() / path)
+      .lexically_normal()
+      .string();
+}
+
+int
+readSize(const YamlMap& input, const char* key)
+{
+  const int size = input.require<int>(key);
+  if (size < 1 || size > max_input_size)
+    fail<BadInputException>(input.where(key), ": ", key, " is ", size,
+                            ", expected 1 to ", max_input_size);
+  return size;
+}
+
+std::array<float, 3>
+readColour(const YamlMap& file, const char* key)
+{
+  const auto values = file.require<std::vector<double>>(key);
+  if (values.size() != 3)
+    fail<BadInputException>(file.where(key), ": expected [red, green, blue]");
+  std::array<float, 3> colour{};
+  for (int i = 0; i < 3; ++i) {
+    colour[i] = static_cast<float>(values[i]);
+    if (!std::isfinite(colour[i]))
+      fail<BadInputException>(file.where(key), ": ", key, " is not finite");
+  }
+  return colour;
+}
+
+void
+checkChannels(const YamlMap& file, const NetworkDescription& description)
+{
+  const LabelSet label_set = readLabelSet(description.label_set_path);
+  if (description.channels.empty())
+    fail<BadInputException>(file.where("channels"), ": the list is empty");
+  for (std::size_t i = 0; i < description.channels.size(); ++i) {
+    const std::string& name = description.channels[i];
+    if (name != "-" && label_set.find(name) == kUnlabelled)
+      fail<BadInputException>(file.where("channels"), ": channel ", i, ": class '",
+                              name, "' is not in ", description.label_set_path);
+  }
+}
+
+} // namespace
+
+NetworkDescription
+readNetworkDescription(const std::string& yaml_path)
+{
+  const YamlMap file = YamlMap::load(yaml_path);
+  NetworkDescription description;
+  std::string model;
+  if (file.get("model", model))
+    description.model_path = pathBeside(yaml_path, model);
+  description.label_set_path =
+      pathBeside(yaml_path, file.require<std::string>("label_set"));
+
+  const YamlMap input = file.requireMap("input");
+  description.input_name = input.require<std::string>("name");
+  description.input_width = readSize(input, "width");
+  description.input_height = readSize(input, "height");
+  input.refuseUnknownKeys();
+
+  const YamlMap output = file.requireMap("output");
+  description.output_name = output.require<std::string>("name");
+  output.get("softmax", description.softmax);
+  output.refuseUnknownKeys();
+
+  description.mean = readColour(file, "mean");
+  description.deviation = readColour(file, "deviation");
+  for (const float deviation : description.deviation)
+    if (deviation <= 0.0f)
+      fail<BadInputException>(file.where("deviation"), ": expected more than 0, not ",
+                              deviation);
+  description.channels = file.require<std::vector<std::string>>("channels");
+  file.refuseUnknownKeys();
+  checkChannels(file, description);
+  return description;
+}
 
 namespace {
 
@@ -44,16 +134,15 @@ requireNames(const OnnxInterface& network, const NetworkDescription& description
   std::vector<std::string> inputs;
   for (const OnnxInterface::Input& input : network.inputs)
     inputs.push_back(input.name);
-  if (!std::count(inputs.begin(), inputs.end(), description.input_name))
-    PCL_THROW_EXCEPTION(BadModelException,
-                        path << ": has no input " << inQuotes(description.input_name)
-                             << ", which its description names; its inputs are "
-                             << joined(inputs));
-  if (!std::count(network.inner.begin(), network.inner.end(), description.output_name))
-    PCL_THROW_EXCEPTION(BadModelException,
-                        path << ": has no output " << inQuotes(description.output_name)
-                             << ", which its description names; its outputs are "
-                             << joined(network.outputs));
+  const auto require = [&](const std::string& name, const char* kind, const auto& all,
+                           const auto& shown) {
+    if (!std::count(all.begin(), all.end(), name))
+      fail<BadModelException>(path, ": has no ", kind, " ", inQuotes(name),
+                              ", which its description names; its ", kind, "s are ",
+                              joined(shown));
+  };
+  require(description.input_name, "input", inputs, inputs);
+  require(description.output_name, "output", network.inner, network.outputs);
 }
 
 // Many a network takes images of another size than it was exported with; of one that
@@ -75,30 +164,23 @@ otherSize(const OnnxInterface& network, const NetworkDescription& description)
   return "";
 }
 
-cv::dnn::Net
-loadNetwork(const std::string& path, const NetworkDescription& description,
-            std::string& other_size)
+// What \a body returns; OpenCV's exceptions as ours, \a who in front and \a hint
+// behind.
+template <typename Body>
+auto
+withOpenCv(const std::string& who, const std::string& hint, Body&& body)
 {
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  const OnnxInterface interface = checkOnnx(bytes, path);
-  requireNames(interface, description, path);
-  other_size = otherSize(interface, description);
   try {
     const QuietOpenCv quiet;
-    cv::dnn::Net network = cv::dnn::readNetFromONNX(bytes);
-    network.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-    network.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-    return network;
+    return body();
   }
   catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem)
       throw std::bad_alloc();
-    PCL_THROW_EXCEPTION(BadModelException, path << ": OpenCV cannot load the network: "
-                                                << firstLine(error));
+    fail<BadModelException>(who, firstLine(error), hint);
   }
   catch (const std::logic_error& error) { // std::length_error of a nonsensical size
-    PCL_THROW_EXCEPTION(BadModelException,
-                        path << ": OpenCV cannot load the network: " << error.what());
+    fail<BadModelException>(who, error.what());
   }
 }
 
@@ -131,21 +213,17 @@ checkOutput(const cv::Mat& output, const NetworkDescription& description, int fr
                           description.output_name + "' of the network ";
   if (output.dims != 4 || output.type() != CV_32FC1 || output.empty() ||
       output.size[0] != 1 || !output.isContinuous())
-    PCL_THROW_EXCEPTION(BadModelException,
-                        who << "has " << output.dims
-                            << " axes, expected 1 x channels x height x width");
+    fail<BadModelException>(who, "has ", output.dims,
+                            " axes, expected 1 x channels x height x width");
   if (output.size[1] != channels)
-    PCL_THROW_EXCEPTION(BadModelException, who << "has " << output.size[1]
-                                               << " channels, its description names "
-                                               << channels);
+    fail<BadModelException>(who, "has ", output.size[1],
+                            " channels, its description names ", channels);
   const float lowest = description.softmax ? -std::numeric_limits<float>::max() : 0.0f;
   const float* const values = output.ptr<float>();
   for (std::size_t i = 0; i < output.total(); ++i)
     if (!(values[i] >= lowest) || !std::isfinite(values[i]))
-      PCL_THROW_EXCEPTION(
-          BadModelException,
-          who << "holds " << values[i] << ", expected "
-              << (description.softmax ? "finite numbers" : "probabilities"));
+      fail<BadModelException>(who, "holds ", values[i], ", expected ",
+                              description.softmax ? "finite numbers" : "probabilities");
   const int shape[] = {channels, output.size[2], output.size[3]};
   return output.reshape(1, 3, shape);
 }
@@ -160,7 +238,14 @@ struct NetworkPredictor::Network {
   void
   load(const NetworkDescription& description)
   {
-    net = loadNetwork(path, description, other_size);
+    const std::vector<std::uint8_t> bytes = readBytes(path);
+    const OnnxInterface interface = checkOnnx(bytes, path);
+    requireNames(interface, description, path);
+    other_size = otherSize(interface, description);
+    net = withOpenCv(path + ": OpenCV cannot load the network: ", "",
+                     [&] { return cv::dnn::readNetFromONNX(bytes); });
+    net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+    net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
   }
 
   cv::Mat
@@ -181,14 +266,13 @@ NetworkPredictor::NetworkPredictor(const NetworkDescription& description,
   for (const std::string& name : description.channels) {
     channels_.labels.push_back(name == "-" ? kUnlabelled : label_set.find(name));
     if (name != "-" && channels_.labels.back() == kUnlabelled)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "class '" << name
-                                    << "' of the network is not in the label set");
+      fail<InvalidParameterException>("class '", name,
+                                      "' of the network is not in the label set");
   }
   network_->path = model_path.empty() ? description.model_path : model_path;
   if (network_->path.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the description of the network names no model: give one");
+    fail<InvalidParameterException>(
+        "the description of the network names no model: give one");
   network_->load(description_);
 }
 
@@ -199,18 +283,14 @@ NetworkPredictor::predict(const StereoFrame& frame)
 {
   if (frame.left.empty() ||
       (frame.left.type() != CV_8UC1 && frame.left.type() != CV_8UC3))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "frame "
-                            << frame.number
-                            << ": left image: expected 8-bit grey or 8-bit colour");
+    fail<BadInputException>("frame ", frame.number,
+                            ": left image: expected 8-bit grey or 8-bit colour");
   const std::string who = "frame " + std::to_string(frame.number) + ": " +
                           network_->path + ": the network fails: ";
-  cv::Mat output;
-  try {
-    const QuietOpenCv quiet;
+  const cv::Mat output = withOpenCv(who, network_->other_size, [&] {
     const cv::Mat input = makeInput(frame.left, description_);
     try {
-      output = network_->run(input, description_);
+      return network_->run(input, description_);
     }
     catch (const cv::Exception& error) {
       if (error.code == cv::Error::StsNoMem)
@@ -218,18 +298,9 @@ NetworkPredictor::predict(const StereoFrame& frame)
       // OpenCV 4.10 joins layers of some networks (ESPNetv2) that do not fit then.
       network_->load(description_);
       network_->net.enableFusion(false);
-      output = network_->run(input, description_);
+      return network_->run(input, description_);
     }
-  }
-  catch (const cv::Exception& error) {
-    if (error.code == cv::Error::StsNoMem)
-      throw std::bad_alloc();
-    PCL_THROW_EXCEPTION(BadModelException,
-                        who << firstLine(error) << network_->other_size);
-  }
-  catch (const std::logic_error& error) { // std::length_error of a nonsensical size
-    PCL_THROW_EXCEPTION(BadModelException, who << error.what());
-  }
+  });
   const cv::Mat logits = checkOutput(output, description_, frame.number);
   return distributionsFromLogits(logits, frame.left.size(), channels_);
 }

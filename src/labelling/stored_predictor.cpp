@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
@@ -16,15 +17,14 @@ StoredPredictor::StoredPredictor(const std::string& folder, int classes,
       mapping_(std::move(mapping))
 {
   if (classes < 1 || classes > 255)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "number of classes is " << classes << ", expected 1 to 255");
+    fail<InvalidParameterException>("number of classes is ", classes,
+                                    ", expected 1 to 255");
   if (!(png_confidence > 0.0f && png_confidence <= 1.0f))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "confidence of stored labels is "
-                            << png_confidence << ", expected more than 0, up to 1");
+    fail<InvalidParameterException>("confidence of stored labels is ", png_confidence,
+                                    ", expected more than 0, up to 1");
   std::error_code error;
   if (!fs::is_directory(folder, error))
-    PCL_THROW_EXCEPTION(BadInputException, folder << ": is no folder of stored labels");
+    fail<BadInputException>(folder, ": is no folder of stored labels");
 }
 
 std::string
@@ -38,16 +38,13 @@ StoredPredictor::findFile(int frame) const
     if (!fs::exists(path, error))
       continue;
     if (!found.empty())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          folder_ << ": frame " << frame << " has two files of labels, "
-                                  << fs::path(found).filename().string() << " and "
-                                  << name);
+      fail<BadInputException>(folder_, ": frame ", frame, " has two files of labels, ",
+                              fs::path(found).filename().string(), " and ", name);
     found = path;
   }
   if (found.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        folder_ << ": frame " << frame << " has no labels: expected "
-                                << frameFileName(frame, ".bin") << ", .npy or .png");
+    fail<BadInputException>(folder_, ": frame ", frame, " has no labels: expected ",
+                            frameFileName(frame, ".bin"), ", .npy or .png");
   return found;
 }
 

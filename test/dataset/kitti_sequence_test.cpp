@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
-#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -59,16 +59,14 @@ writeSequence(const TemporaryFolder& folder, const std::vector<int>& frames)
 {
   writeFrames(folder, "image_2", frames);
   writeFrames(folder, "image_3", frames);
-  writeTextFile(folder.path("calib.txt"), calibration());
+  folder.write("calib.txt", calibration());
 }
 
-std::string
-calibrationComplaint(const std::string& text)
+// EXPECTs that the sequence cannot be opened.
+void
+expectRefused(const std::string& says, const std::string& folder)
 {
-  const TemporaryFolder folder;
-  writeTextFile(folder.path("calib.txt"), text);
-  return thrownMessage<BadInputException>(
-      [&] { readKittiCalibration(folder.path("calib.txt"), KittiCameras::colour); });
+  expectRefusal<BadInputException>(says, [&] { KittiSequence{folder}; });
 }
 
 } // namespace
@@ -76,8 +74,7 @@ calibrationComplaint(const std::string& text)
 TEST(KittiCalibration, GeometryOfBothPairs)
 {
   const TemporaryFolder folder;
-  const std::string path = folder.path("calib.txt");
-  writeTextFile(path, calibration());
+  const std::string path = folder.write("calib.txt", calibration());
   const KittiCalibration grey = readKittiCalibration(path, KittiCameras::grey);
   EXPECT_DOUBLE_EQ(grey.camera.baseline, 0.2);
   EXPECT_TRUE(grey.T_camera0_camera.matrix().isIdentity());
@@ -110,44 +107,38 @@ TEST(KittiCalibration, GeometryOfBothPairs)
 TEST(KittiCalibration, AcceptsWindowsTextAndOtherRows)
 {
   const TemporaryFolder folder;
-  writeTextFile(folder.path("calib.txt"), "\xEF\xBB\xBF" +
-                                              calibration({{"Tr", ""}}, "  \r\n") +
-                                              "\r\nS_02: 1 2\r\n");
-  const KittiCalibration result =
-      readKittiCalibration(folder.path("calib.txt"), KittiCameras::colour);
+  const KittiCalibration result = readKittiCalibration(
+      folder.write("calib.txt", "\xEF\xBB\xBF" + calibration({{"Tr", ""}}, "  \r\n") +
+                                    "\r\nS_02: 1 2\r\n"),
+      KittiCameras::colour);
   EXPECT_DOUBLE_EQ(result.camera.fx, 500.0);
   EXPECT_FALSE(result.T_camera0_velodyne.has_value());
 }
 
 TEST(KittiCalibration, RefusesWithTheLine)
 {
-  using Rows = std::map<std::string, std::string>;
   const std::string good = "500 0 60 1 0 400 40 0 0 0 1 ";
-  EXPECT_TRUE(holds(calibrationComplaint(calibration(Rows{{"P1", good}})),
-                    "calib.txt line 2: P1: has 11 numbers, expected 12"));
-  EXPECT_TRUE(holds(calibrationComplaint(calibration(Rows{{"P2", good + "nan"}})),
-                    "calib.txt line 3: P2: 'nan'"));
-  EXPECT_TRUE(
-      holds(calibrationComplaint(calibration(Rows{{"P2", good + "1,5"}})), "'1,5'"));
-  EXPECT_TRUE(holds(
-      calibrationComplaint(calibration(Rows{{"P2", "-500 0 60 1 0 400 40 0 0 0 1 0"}})),
-      "line 3: P2: focal lengths are -500"));
-  EXPECT_TRUE(holds(
-      calibrationComplaint(calibration(Rows{{"P2", "500 3 60 1 0 400 40 0 0 0 1 0"}})),
-      "line 3: P2: the left 3 x 3 block"));
-  EXPECT_TRUE(holds(calibrationComplaint(
-                        calibration(Rows{{"P3", "500 0 61 -220 0 400 40 0 0 0 1 0"}})),
-                    "line 4: P3: the camera matrix differs"));
-  EXPECT_TRUE(holds(calibrationComplaint(
-                        calibration(Rows{{"P3", "500 0 60 220 0 400 40 0 0 0 1 0"}})),
-                    "line 4: P3: baseline is -"));
-  EXPECT_TRUE(
-      holds(calibrationComplaint(calibration(Rows{{"P3", ""}})), "has no row 'P3:'"));
-  EXPECT_TRUE(holds(calibrationComplaint(calibration() + "P2: " + good + "0\n"),
-                    "is there twice"));
-  EXPECT_TRUE(
-      holds(calibrationComplaint(calibration(Rows{{"Tr", "0 1 0 0 0 0 -1 0 1 0 0 0"}})),
-            "line 5: Tr: the left 3 x 3 block is no rotation"));
+  const TemporaryFolder folder;
+  const auto expectBad = [&](const std::string& says, const std::string& text) {
+    const std::string path = folder.write("calib.txt", text);
+    expectRefusal<BadInputException>(
+        says, [&] { readKittiCalibration(path, KittiCameras::colour); });
+  };
+  for (const auto& [name, row, says] : std::vector<std::array<std::string, 3>>{
+           {"P1", good, "calib.txt line 2: P1: has 11 numbers, expected 12"},
+           {"P2", good + "nan", "calib.txt line 3: P2: 'nan'"},
+           {"P2", good + "1,5", "'1,5'"},
+           {"P2", "-500 0 60 1 0 400 40 0 0 0 1 0",
+            "line 3: P2: focal lengths are -500"},
+           {"P2", "500 3 60 1 0 400 40 0 0 0 1 0", "line 3: P2: the left 3 x 3 block"},
+           {"P3", "500 0 61 -220 0 400 40 0 0 0 1 0",
+            "line 4: P3: the camera matrix differs"},
+           {"P3", "500 0 60 220 0 400 40 0 0 0 1 0", "line 4: P3: baseline is -"},
+           {"P3", "", "has no row 'P3:'"},
+           {"Tr", "0 1 0 0 0 0 -1 0 1 0 0 0",
+            "line 5: Tr: the left 3 x 3 block is no rotation"}})
+    expectBad(says, calibration({{name, row}}));
+  expectBad("is there twice", calibration() + "P2: " + good + "0\n");
 }
 
 TEST(KittiSequence, GapsAndTimesByFrameNumber)
@@ -157,7 +148,7 @@ TEST(KittiSequence, GapsAndTimesByFrameNumber)
   std::string times;
   for (int row = 0; row < 12; ++row)
     times += std::to_string(row * row) + "\n";
-  writeTextFile(folder.path("times.txt"), times);
+  folder.write("times.txt", times);
   const KittiSequence sequence(folder.path());
   ASSERT_EQ(sequence.size(), 2u);
   EXPECT_EQ(sequence.frameNumber(0), 3);
@@ -185,13 +176,12 @@ TEST(KittiSequence, ChoosesCameras)
   const TemporaryFolder folder;
   writeFrames(folder, "image_0", {0}, CV_8UC1);
   writeFrames(folder, "image_1", {0}, CV_8UC1);
-  writeTextFile(folder.path("calib.txt"), calibration());
+  folder.write("calib.txt", calibration());
   const KittiSequence grey(folder.path());
   EXPECT_DOUBLE_EQ(grey.camera().baseline, 0.2);
   EXPECT_EQ(grey.frame(0).left.type(), CV_8UC1);
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>(
-                        [&] { KittiSequence(folder.path(), KittiCameras::colour); }),
-                    "image_2"));
+  expectRefusal<BadInputException>(
+      "image_2", [&] { KittiSequence(folder.path(), KittiCameras::colour); });
   writeFrames(folder, "image_2", {0});
   writeFrames(folder, "image_3", {0});
   EXPECT_NEAR(KittiSequence(folder.path()).camera().baseline, 0.5, 1e-12);
@@ -204,45 +194,29 @@ TEST(KittiSequence, RefusesMissingPartners)
   const TemporaryFolder folder;
   writeSequence(folder, {0, 1, 2, 7});
   fs::remove(folder.path("image_3/000001.png"));
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
-            "image_3/000001.png: is missing"));
+  expectRefused("image_3/000001.png: is missing", folder.path());
   fs::remove(folder.path("image_2/000001.png"));
   EXPECT_EQ(KittiSequence(folder.path()).size(), 3u);
   fs::remove(folder.path("image_2/000007.png"));
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
-            "image_2/000007.png: is missing"));
+  expectRefused("image_2/000007.png: is missing", folder.path());
   fs::remove_all(folder.path("image_2"));
   fs::create_directories(folder.path("image_2"));
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
-            "holds no images"));
-  EXPECT_TRUE(holds(
-      thrownMessage<BadInputException>([&] { KittiSequence{folder.path("nothing")}; }),
-      "is no folder"));
+  expectRefused("holds no images", folder.path());
+  expectRefused("is no folder", folder.path("nothing"));
 }
 
 TEST(KittiSequence, RefusesBadTimes)
 {
   const TemporaryFolder folder;
   writeSequence(folder, {0, 2});
-  writeTextFile(folder.path("times.txt"), "0\n0.1\n");
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
-            "times.txt: has 2 times, but frame 2"));
-  writeTextFile(folder.path("times.txt"), "0\n0.1 0.2\n0.3\n\n");
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
-            "times.txt line 2"));
-  writeTextFile(folder.path("times.txt"), "0\n\n0.3\n"); // would shift the rows
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
-            "times.txt line 2"));
-  writeTextFile(folder.path("times.txt"), "0\n0.1\ninf\n");
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { KittiSequence{folder.path()}; }),
-            "times.txt line 3"));
+  for (const auto& [times, says] : std::vector<std::pair<std::string, std::string>>{
+           {"0\n0.1\n", "times.txt: has 2 times, but frame 2"},
+           {"0\n0.1 0.2\n0.3\n\n", "times.txt line 2"},
+           {"0\n\n0.3\n", "times.txt line 2"}, // would shift the rows
+           {"0\n0.1\ninf\n", "times.txt line 3"}}) {
+    folder.write("times.txt", times);
+    expectRefused(says, folder.path());
+  }
 }
 
 TEST(KittiSequence, RefusesBadImages)
@@ -253,17 +227,16 @@ TEST(KittiSequence, RefusesBadImages)
            cv::Mat(80, 121, CV_8UC3, cv::Scalar::all(0)));
   writePng(folder.path("image_3/000002.png"),
            cv::Mat(80, 120, CV_8UC1, cv::Scalar::all(0)));
-  writeTextFile(folder.path("image_2/000003.png"), "no image");
+  folder.write("image_2/000003.png", "no image");
   const KittiSequence sequence(folder.path());
   EXPECT_NO_THROW(sequence.frame(0));
   const std::string size = thrownMessage<BadInputException>([&] { sequence.frame(1); });
   EXPECT_TRUE(
       holds(size, "image_3/000001.png: has 121 x 80 pixels, expected 120 x 80"));
   EXPECT_TRUE(holds(size, "frame 1"));
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { sequence.frame(2); }),
-                    "has 1 channel(s)"));
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { sequence.frame(3); }),
-                    "is not a PNG image (frame 3)"));
+  expectRefusal<BadInputException>("has 1 channel(s)", [&] { sequence.frame(2); });
+  expectRefusal<BadInputException>("is not a PNG image (frame 3)",
+                                   [&] { sequence.frame(3); });
 }
 
 TEST(KittiSequence, RealRecordings)

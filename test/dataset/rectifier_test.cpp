@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/refusal.h"
 #include "support/stereo_rigs.h"
-#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/rectifier.h>
@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
 namespace pcl_semantic {
@@ -177,23 +178,20 @@ TEST(Rectifier, WhatIsRectifiedStaysAsItIs)
 
 TEST(Rectifier, RefusesWhatItCannotRectify)
 {
-  const auto complaint = [](const StereoRig& rig) {
-    return thrownMessage<InvalidParameterException>([&] { Rectifier{rig}; });
-  };
-  StereoRig rig = exampleRig();
-  rig.width = rig.height = 0;
-  EXPECT_TRUE(holds(complaint(rig), "image size: is not known"));
-  rig = exampleRig();
-  rig.T.setZero();
-  EXPECT_TRUE(holds(complaint(rig), "T: is (0, 0, 0): the baseline is 0 m"));
-  rig = exampleRig();
-  rig.D1[0] = -40.0; // folds the image
-  EXPECT_TRUE(holds(complaint(rig), "left image can be rectified: K, D"));
+  using Change = std::function<void(StereoRig&)>;
+  for (const auto& [says, change] : std::vector<std::pair<std::string, Change>>{
+           {"image size: is not known", [](auto& r) { r.width = r.height = 0; }},
+           {"T: is (0, 0, 0): the baseline is 0 m", [](auto& r) { r.T.setZero(); }},
+           {"left image can be rectified: K, D", // it folds
+            [](auto& r) { r.D1[0] = -40.0; }}}) {
+    StereoRig rig = exampleRig();
+    change(rig);
+    expectRefusal<InvalidParameterException>(says, [&] { Rectifier{rig}; });
+  }
   const Rectifier rectifier(exampleRig());
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
-                      rectifier.rectify(cv::Mat1b(480, 641), StereoSide::left);
-                    }),
-                    "image has 641 x 480 pixels, expected 640 x 480"));
+  expectRefusal<InvalidParameterException>(
+      "image has 641 x 480 pixels, expected 640 x 480",
+      [&] { rectifier.rectify(cv::Mat1b(480, 641), StereoSide::left); });
 }
 
 } // namespace pcl_semantic

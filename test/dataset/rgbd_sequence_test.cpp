@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
-#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>
@@ -32,11 +32,11 @@ protected:
     writePng(folder.path("depth/b.png"), cv::Mat(2 * depth));
   }
 
-  std::string
-  refusal() const
+  void
+  expectRefused(const std::string& says) const
   {
-    return thrownMessage<BadInputException>(
-        [&] { RgbdSequence(folder.path(), camera).frame(0); });
+    expectRefusal<BadInputException>(
+        says, [&] { RgbdSequence(folder.path(), camera).frame(0); });
   }
 
   TemporaryFolder folder;
@@ -78,41 +78,40 @@ TEST_F(Rgbd, TumsListsAreMatchedByTime)
   EXPECT_EQ(sequence.name(0), "100.01");
   EXPECT_EQ(sequence.frame(1).timestamp, 100.05);
   EXPECT_EQ(sequence.frame(1).cloud->at(1, 0).z, 0.4f);
-  folder.write("depth.txt", "100.00 depth/b.png\n100.00 depth/a.png\n");
-  EXPECT_TRUE(holds(refusal(), "depth.txt line 2: times have to rise"));
-  folder.write("depth.txt", "7 depth/b.png\n");
-  EXPECT_TRUE(holds(refusal(), "no time is within 0.02 s"));
-  folder.write("depth.txt", "7\n");
-  EXPECT_TRUE(holds(refusal(), "line 1: expected a time and a file"));
-  folder.write("depth.txt", "nan depth/b.png\n");
-  EXPECT_TRUE(holds(refusal(), "line 1"));
+  for (const auto& [list, says] : std::vector<std::pair<std::string, std::string>>{
+           {"100.00 depth/b.png\n100.00 depth/a.png\n",
+            "depth.txt line 2: times have to rise"},
+           {"7 depth/b.png\n", "no time is within 0.02 s"},
+           {"7\n", "line 1: expected a time and a file"},
+           {"nan depth/b.png\n", "line 1"}}) {
+    folder.write("depth.txt", list);
+    expectRefused(says);
+  }
 }
 
 TEST_F(Rgbd, RefusesImagesThatDoNotBelongTogether)
 {
   writePng(folder.path("depth/a.png"), cv::Mat(4, 6, CV_16UC1, cv::Scalar(1000)));
-  EXPECT_TRUE(holds(refusal(), "has 6 x 4 pixels, expected those of"));
+  expectRefused("has 6 x 4 pixels, expected those of");
   writePng(folder.path("depth/a.png"), cv::Mat(2, 3, CV_8UC1, cv::Scalar(1)));
-  EXPECT_TRUE(holds(refusal(), "expected 16-bit grey"));
+  expectRefused("expected 16-bit grey");
   std::filesystem::remove(folder.path("depth/b.png"));
-  EXPECT_TRUE(holds(refusal(), "depth/b.png: is missing"));
+  expectRefused("depth/b.png: is missing");
   std::filesystem::remove_all(folder.path("depth"));
-  EXPECT_TRUE(holds(refusal(), "no RGB-D sequence"));
+  expectRefused("no RGB-D sequence");
 }
 
 TEST_F(Rgbd, AJpegThatIsCutOffIsRefused)
 {
   std::filesystem::resize_file(folder.path("rgb/b.jpg"), 300);
-  EXPECT_TRUE(holds(
-      thrownMessage<BadInputException>([&] { readImage(folder.path("rgb/b.jpg")); }),
-      "is not complete"));
+  expectRefusal<BadInputException>("is not complete",
+                                   [&] { readImage(folder.path("rgb/b.jpg")); });
 }
 
 TEST_F(Rgbd, IntrinsicsAreThoseOfRosOrKalibr)
 {
   const auto read = [&](const std::string& text) {
-    folder.write("c.yaml", text);
-    return readPinholeCamera(folder.path("c.yaml"));
+    return readPinholeCamera(folder.write("c.yaml", text));
   };
   const auto expectCamera = [&](const std::string& text) {
     const PinholeCamera found = read(text);
@@ -129,14 +128,13 @@ TEST_F(Rgbd, IntrinsicsAreThoseOfRosOrKalibr)
   expectCamera(
       "cam0:\n  intrinsics: [500.5, 501, 320, 240]\n  distortion_coeffs: [0, 0, "
       "0, 0]\n");
-  const auto message = [&](const std::string& text) {
-    return thrownMessage<BadInputException>([&] { read(text); });
-  };
-  EXPECT_TRUE(holds(message("D: [0.1, 0, 0, 0, 0]\nK: " + K), "line 1"));
-  EXPECT_TRUE(holds(message("K: [1, 2]\n"), "is no camera matrix"));
-  EXPECT_TRUE(holds(message("K: [0, 0, 1, 0, 1, 1, 0, 0, 1]\n"), "fx 0"));
-  EXPECT_TRUE(holds(message("width: 3\n"), "has neither camera_matrix"));
-  EXPECT_TRUE(holds(message("cam0:\n  intrinsics: [1, 2]\n"), "expected fx, fy"));
+  for (const auto& [text, says] : std::vector<std::pair<std::string, std::string>>{
+           {"D: [0.1, 0, 0, 0, 0]\nK: " + K, "line 1"},
+           {"K: [1, 2]\n", "is no camera matrix"},
+           {"K: [0, 0, 1, 0, 1, 1, 0, 0, 1]\n", "fx 0"},
+           {"width: 3\n", "has neither camera_matrix"},
+           {"cam0:\n  intrinsics: [1, 2]\n", "expected fx, fy"}})
+    expectRefusal<BadInputException>(says, [&, &bad = text] { read(bad); });
 }
 
 } // namespace

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/same_image.h"
+#include "support/temporary_folder.h"
+
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/synthetic_labels.h>
 #include <pcl_semantic/dataset/synthetic_writer.h>
 #include <pcl_semantic/files/distribution_file.h>
@@ -9,11 +13,9 @@
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <gtest/gtest.h>
-#include <omp.h>
 #include <opencv2/core.hpp>
 
 #include <array>
-#include <filesystem>
 
 using namespace pcl_semantic;
 
@@ -25,29 +27,15 @@ renderView(std::uint32_t seed, int frame)
   return SyntheticRenderer(SyntheticScene(seed), 310, 94).render(frame);
 }
 
-/** \brief Image of the most probable labels. */
-cv::Mat
-mapLabels(const LabelDistributions& distributions, const cv::Size& size)
-{
-  cv::Mat labels(size, CV_8UC1);
-  for (Eigen::Index i = 0; i < distributions.size(); ++i)
-    labels.ptr<Label>()[i] = distributions.mapLabel(i);
-  return labels;
-}
-
 /** \brief 255 where a pixel's most probable label is not the true one. */
 cv::Mat
 mistakes(const SyntheticView& view, double noise)
 {
   const LabelDistributions distributions = syntheticDistributions(view, 1, noise);
-  return mapLabels(distributions, view.labels.size()) != view.labels;
-}
-
-bool
-sameBytes(const cv::Mat& a, const cv::Mat& b)
-{
-  return a.size() == b.size() && a.type() == b.type() &&
-         std::equal(a.datastart, a.dataend, b.datastart);
+  cv::Mat labels(view.labels.size(), CV_8UC1);
+  for (Eigen::Index i = 0; i < distributions.size(); ++i)
+    labels.ptr<Label>()[i] = distributions.mapLabel(i);
+  return labels != view.labels;
 }
 
 } // namespace
@@ -57,17 +45,11 @@ TEST(SyntheticLabels, AreTheClassesOfTheLabelSetFile)
   const LabelSet set =
       readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
   ASSERT_EQ(set.size(), synthetic_classes);
-  EXPECT_EQ(set.find("building"), synthetic_building);
-  EXPECT_EQ(set.find("sky"), synthetic_sky);
-  EXPECT_EQ(set.find("road"), synthetic_road);
-  EXPECT_EQ(set.find("vegetation"), synthetic_vegetation);
-  EXPECT_EQ(set.find("sidewalk"), synthetic_sidewalk);
-  EXPECT_EQ(set.find("car"), synthetic_car);
-  EXPECT_EQ(set.find("pedestrian"), synthetic_pedestrian);
-  EXPECT_EQ(set.find("cyclist"), synthetic_cyclist);
-  EXPECT_EQ(set.find("sign"), synthetic_sign);
-  EXPECT_EQ(set.find("fence"), synthetic_fence);
-  EXPECT_EQ(set.find("pole"), synthetic_pole);
+  const char* const names[] = {"building", "sky",   "road",       "vegetation",
+                               "sidewalk", "car",   "pedestrian", "cyclist",
+                               "sign",     "fence", "pole"};
+  for (int label = synthetic_building; label <= synthetic_pole; ++label)
+    EXPECT_EQ(set.find(names[label - 1]), label);
 }
 
 TEST(SyntheticLabels, EveryColumnIsADistribution)
@@ -102,10 +84,8 @@ TEST(SyntheticLabels, DefaultIsAsHardAsRealStreets)
 {
   const SyntheticScene scene(1);
   const SyntheticRenderer renderer(scene, 310, 94);
-  std::array<double, synthetic_classes + 1> both{};
-  std::array<double, synthetic_classes + 1> either{};
-  int wrong = 0;
-  int confident = 0;
+  std::array<double, synthetic_classes + 1> both{}, either{};
+  int wrong = 0, confident = 0;
   for (int frame = 0; frame < scene.frames(); frame += 5) {
     const SyntheticView view = renderer.render(frame);
     const LabelDistributions distributions = syntheticDistributions(view, 1);
@@ -134,8 +114,7 @@ TEST(SyntheticLabels, DefaultIsAsHardAsRealStreets)
 TEST(SyntheticLabels, MistakesAreBlobs)
 {
   const cv::Mat wrong = mistakes(renderView(1, 20), kSyntheticLabelNoise);
-  int count = 0;
-  int lonely = 0;
+  int count = 0, lonely = 0;
   for (int v = 1; v + 1 < wrong.rows; ++v)
     for (int u = 1; u + 1 < wrong.cols; ++u)
       if (wrong.at<std::uint8_t>(v, u)) {
@@ -162,30 +141,28 @@ TEST(SyntheticLabels, MistakesChangeFromFrameToFrame)
 
 TEST(SyntheticLabels, BytesDependOnTheSeedAndNotOnTheThreads)
 {
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
+  setNumberOfThreads(1);
   const SyntheticView one = renderView(5, 7);
   const LabelDistributions one_labels = syntheticDistributions(one, 5);
-  omp_set_num_threads(3);
+  setNumberOfThreads(3);
   const SyntheticView other = renderView(5, 7);
   const LabelDistributions other_labels = syntheticDistributions(other, 5);
-  omp_set_num_threads(threads);
-  EXPECT_TRUE(sameBytes(one.left, other.left));
-  EXPECT_TRUE(sameBytes(one.right, other.right));
-  EXPECT_TRUE(sameBytes(one.disparity, other.disparity));
-  EXPECT_TRUE(sameBytes(one.labels, other.labels));
+  setNumberOfThreads(0);
+  for (const auto image : {&SyntheticView::left, &SyntheticView::right,
+                           &SyntheticView::disparity, &SyntheticView::labels})
+    EXPECT_TRUE(isSameImage(one.*image, other.*image));
   EXPECT_EQ(one_labels.matrix(), other_labels.matrix());
 
   const SyntheticView street = renderView(6, 7);
-  EXPECT_FALSE(sameBytes(one.labels, street.labels));
-  EXPECT_FALSE(sameBytes(one.disparity, street.disparity));
+  EXPECT_FALSE(isSameImage(one.labels, street.labels));
+  EXPECT_FALSE(isSameImage(one.disparity, street.disparity));
   EXPECT_NE(syntheticDistributions(one, 6).matrix(), one_labels.matrix());
 }
 
 TEST(SyntheticWriter, WhatItWritesReadsBack)
 {
-  const std::string folder = testing::TempDir() + "pcl_semantic_synthetic_writer";
-  std::filesystem::remove_all(folder);
+  const TemporaryFolder temporary;
+  const std::string folder = temporary.path();
   const SyntheticScene scene(8, 3);
   const SyntheticRenderer renderer(scene, 96, 40);
   const SyntheticWriter writer(folder);
@@ -195,12 +172,13 @@ TEST(SyntheticWriter, WhatItWritesReadsBack)
   writer.writeFrame(view, distributions);
 
   const std::string png = "/000002.png";
-  EXPECT_TRUE(sameBytes(readPng(folder + "/image_2" + png, ImageKind::grey_or_colour),
-                        view.left));
-  EXPECT_TRUE(sameBytes(readPng(folder + "/image_3" + png, ImageKind::grey_or_colour),
-                        view.right));
-  EXPECT_TRUE(sameBytes(readPng(folder + "/gt" + png, ImageKind::labels), view.labels));
-  const cv::Mat disparity = readPng(folder + "/disparity" + png, ImageKind::disparity);
+  const auto read = [&](const std::string& name, ImageKind kind) {
+    return readPng(folder + "/" + name + png, kind);
+  };
+  EXPECT_TRUE(isSameImage(read("image_2", ImageKind::grey_or_colour), view.left));
+  EXPECT_TRUE(isSameImage(read("image_3", ImageKind::grey_or_colour), view.right));
+  EXPECT_TRUE(isSameImage(read("gt", ImageKind::labels), view.labels));
+  const cv::Mat disparity = read("disparity", ImageKind::disparity);
   for (std::size_t i = 0; i < disparity.total(); ++i)
     ASSERT_NEAR(disparity.ptr<std::uint16_t>()[i] / 256.0,
                 view.disparity.ptr<float>()[i], 0.002);
@@ -213,14 +191,13 @@ TEST(SyntheticWriter, WhatItWritesReadsBack)
   ASSERT_EQ(poses.size(), 3u);
   EXPECT_TRUE(poses[2].isApprox(scene.kittiPose(2), 1e-9));
   EXPECT_EQ(readLines(folder + "/times.txt").size(), 3u);
-  std::filesystem::remove_all(folder);
 }
 
 // A point in camera 0 must project to where the renderer saw it.
 TEST(SyntheticWriter, CalibrationProjectsToTheImages)
 {
-  const std::string folder = testing::TempDir() + "pcl_semantic_synthetic_calibration";
-  std::filesystem::remove_all(folder);
+  const TemporaryFolder temporary;
+  const std::string folder = temporary.path();
   const SyntheticScene scene(8, 1);
   const SyntheticRenderer renderer(scene, 128, 64);
   SyntheticWriter(folder).writeSequence(scene, renderer.camera());
@@ -251,5 +228,4 @@ TEST(SyntheticWriter, CalibrationProjectsToTheImages)
       EXPECT_NEAR(left.y() / left.z(), v, 1e-4);
       EXPECT_NEAR(right.x() / right.z(), u - disparity, 1e-4);
     }
-  std::filesystem::remove_all(folder);
 }

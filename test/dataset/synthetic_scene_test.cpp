@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/same_image.h"
+
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/synthetic_labels.h>
 #include <pcl_semantic/dataset/synthetic_renderer.h>
+#include <pcl_semantic/dataset/synthetic_sequence.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -26,6 +30,16 @@ Eigen::Vector3d
 worldPoint(const SyntheticView& view, int u, int v)
 {
   return view.T_world_camera * view.camera.unproject(u, v, depthAt(view, u, v));
+}
+
+// A camera that looks to the left, half a metre behind the front one.
+Eigen::Isometry3d
+leftward()
+{
+  Eigen::Isometry3d T_rig_camera = Eigen::Isometry3d::Identity();
+  T_rig_camera.translation().z() = -0.5;
+  T_rig_camera.rotate(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitY()));
+  return T_rig_camera;
 }
 
 } // namespace
@@ -56,10 +70,10 @@ TEST(SyntheticScene, RefusesWhatItCannotRender)
   const SyntheticScene scene(1, 2);
   EXPECT_THROW(scene.pose(-1), InvalidParameterException);
   EXPECT_THROW(scene.pose(2), InvalidParameterException);
-  EXPECT_THROW(SyntheticRenderer(scene, 63, 32), InvalidParameterException);
-  EXPECT_THROW(SyntheticRenderer(scene, 64, 31), InvalidParameterException);
-  EXPECT_THROW(SyntheticRenderer(scene, 4097, 32), InvalidParameterException);
-  EXPECT_THROW(SyntheticRenderer(scene, 64, 4097), InvalidParameterException);
+  for (const cv::Size size :
+       {cv::Size(63, 32), cv::Size(64, 31), cv::Size(4097, 32), cv::Size(64, 4097)})
+    EXPECT_THROW(SyntheticRenderer(scene, size.width, size.height),
+                 InvalidParameterException);
   EXPECT_EQ(SyntheticRenderer(scene, 64, 32).render(1).left.size(), cv::Size(64, 32));
 }
 
@@ -90,9 +104,7 @@ TEST(SyntheticRenderer, DisparityAgreesWithTheRightCamera)
 {
   const SyntheticScene scene(1);
   const SyntheticRenderer renderer(scene, kWidth, kHeight);
-  int points = 0;
-  int met = 0;
-  int behind = 0;
+  int points = 0, met = 0, behind = 0;
   for (const int frame : {0, 17, 39}) {
     const SyntheticView view = renderer.render(frame);
     const Eigen::Vector3d right =
@@ -146,9 +158,7 @@ TEST(SyntheticRenderer, ConsecutiveFramesSeeTheSameSurfaces)
   for (const int frame : {0, 20}) {
     const SyntheticView view = renderer.render(frame);
     const SyntheticView next = renderer.render(frame + 1);
-    int points = 0;
-    int same = 0;
-    int behind = 0;
+    int points = 0, same = 0, behind = 0;
     for (int v = 0; v < kHeight; ++v)
       for (int u = 0; u < kWidth; ++u) {
         if (depthAt(view, u, v) == 0.0)
@@ -211,17 +221,64 @@ TEST(SyntheticRenderer, IntensitiesVaryWhereStereoNeedsThem)
 {
   const SyntheticScene scene(1);
   const SyntheticView view = SyntheticRenderer(scene, kWidth, kHeight).render(0);
-  int windows = 0;
-  int textured = 0;
+  int windows = 0, textured = 0;
   for (int v = 2; v + 2 < kHeight; v += 2)
     for (int u = 2; u + 2 < kWidth; u += 2) {
       if (view.labels.at<Label>(v, u) == synthetic_sky)
         continue;
-      cv::Scalar mean;
-      cv::Scalar deviation;
+      cv::Scalar mean, deviation;
       cv::meanStdDev(view.left(cv::Rect(u - 2, v - 2, 5, 5)), mean, deviation);
       ++windows;
       textured += deviation[1] > 2.0; // the sensor's noise alone is 0.9
     }
   EXPECT_GT(textured, 0.85 * windows);
+}
+
+TEST(SyntheticSequence, IsWhatTheRendererSees)
+{
+  const SyntheticSequence street(3, 124, 38, Eigen::Isometry3d::Identity(), 5);
+  const SyntheticScene scene(5, 3);
+  const SyntheticRenderer renderer(scene, 124, 38);
+  ASSERT_EQ(street.size(), 3u);
+  EXPECT_EQ(street.camera().width, 124);
+  EXPECT_TRUE(street.posesPath().empty());
+  for (const int i : {0, 2}) {
+    const SyntheticView view = renderer.render(i);
+    const StereoFrame frame = street.frame(std::size_t(i));
+    EXPECT_EQ(frame.number, i);
+    EXPECT_DOUBLE_EQ(frame.timestamp, 0.1 * i);
+    EXPECT_TRUE(isSameImage(frame.left, view.left));
+    EXPECT_TRUE(isSameImage(frame.right, view.right));
+    EXPECT_TRUE(street.pose(std::size_t(i)).isApprox(renderer.pose(i)));
+    EXPECT_TRUE(street.pose(std::size_t(i))
+                    .isApprox(scene.pose(i) * street.T_camera0_camera()));
+    EXPECT_EQ(street.labels(std::size_t(i)).matrix(),
+              syntheticDistributions(view, 5).matrix());
+  }
+  EXPECT_THROW(street.frame(3), InvalidParameterException);
+}
+
+TEST(SyntheticSequence, ACameraMountedElsewhereSeesTheSameStreet)
+{
+  const SyntheticSequence street(2, 124, 38, leftward(), 5);
+  const SyntheticScene scene(5, 2);
+  const SyntheticView view = street.view(1);
+  EXPECT_TRUE(view.T_world_camera.isApprox(street.pose(1)));
+  // It looks to the left: along y of the first frame, as the road begins straight.
+  EXPECT_GT((street.pose(0).linear() * Eigen::Vector3d::UnitZ()).y(), 0.95);
+  EXPECT_NEAR(street.pose(0).translation().x(), -0.5, 0.05);
+  int seen = 0;
+  for (int v = 0; v < 38; v += 3)
+    for (int u = 0; u < 124; u += 3) {
+      const SyntheticHit hit = scene.intersect(view.T_world_camera.translation(),
+                                               view.T_world_camera.linear() *
+                                                   view.camera.unproject(u, v, 1.0));
+      ASSERT_EQ(view.labels.at<Label>(v, u), hit.label);
+      if (hit.label == synthetic_sky)
+        continue;
+      ++seen;
+      ASSERT_NEAR(view.camera.depth(view.disparity.at<float>(v, u)), hit.distance,
+                  1e-4 * hit.distance);
+    }
+  EXPECT_GT(seen, 100);
 }

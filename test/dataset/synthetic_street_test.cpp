@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/dataset/synthetic_objects.h"
-#include "../src/dataset/synthetic_street.h"
+#include "dataset/synthetic_objects.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <tuple>
 
 using namespace pcl_semantic;
 using namespace pcl_semantic::synthetic;
@@ -27,8 +27,7 @@ randomDirection(Random& random)
 TEST(SyntheticNoise, IsSmoothBoundedAndUncorrelated)
 {
   Random random(1, 2);
-  double sum = 0.0;
-  double square = 0.0;
+  double sum = 0.0, square = 0.0;
   constexpr int count = 20000;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d p = 100.0 * randomDirection(random);
@@ -45,9 +44,7 @@ TEST(SyntheticNoise, IsSmoothBoundedAndUncorrelated)
 TEST(SyntheticNoise, SineAndCosineAreTheLibrarys)
 {
   for (double angle = -4.0; angle <= 4.0; angle += 0.01) {
-    double sine = 0.0;
-    double cosine = 0.0;
-    sinCos(angle, sine, cosine);
+    const auto [sine, cosine] = sinCos(angle);
     EXPECT_NEAR(sine, std::sin(angle), 1e-13);
     EXPECT_NEAR(cosine, std::cos(angle), 1e-13);
   }
@@ -86,7 +83,7 @@ TEST(SyntheticShapes, EllipsoidAndBoxAreMetWhereTheirEquationsSay)
   Primitive body;
   body.centre = {4.0, -2.0, 1.0};
   body.half = {1.5, 0.7, 0.9};
-  sinCos(0.6, body.sine, body.cosine);
+  std::tie(body.sine, body.cosine) = sinCos(0.6);
   Random random(9, 9);
   int hits = 0;
   for (int i = 0; i < 4000; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/refusal.h"
 #include "support/small_camera.h"
-#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/carried_labels.h>
@@ -54,13 +54,12 @@ TEST(CarryLabels, RefusesAnotherImage)
   StereoCamera larger = camera;
   ++larger.width;
   const LabelDistributions image = distinctPixels(camera);
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] { carryLabels(image, larger, {}); }),
-      "pixels for an image of"));
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
-                      carryLabels(image, camera, {SeenPoint{0, camera.width, 1.0f}});
-                    }),
-                    "point 0 is seen outside"));
+  using Invalid = InvalidParameterException;
+  expectRefusal<Invalid>("pixels for an image of",
+                         [&] { carryLabels(image, larger, {}); });
+  expectRefusal<Invalid>("point 0 is seen outside", [&] {
+    carryLabels(image, camera, {SeenPoint{0, camera.width, 1.0f}});
+  });
   StereoCamera unsized = camera;
   unsized.width = 0;
   thrownMessage<InvalidParameterException>([&] { seenPoints({}, unsized); });

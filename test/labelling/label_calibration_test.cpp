@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/plain_calibration.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
-#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
@@ -145,59 +145,49 @@ TEST(LabelCalibration, IsTheSameForAnyNumberOfThreads)
 
 TEST(LabelCalibration, RefusesWhatDoesNotFit)
 {
-  const auto refusal = [](const LabelCalibration& calibration, int classes,
-                          std::size_t places) {
-    return thrownMessage<InvalidParameterException>([&] {
-      calibrate(calibration, randomNetwork(classes, 10, 1), randomFeatures(places, 2));
-    });
-  };
-  EXPECT_TRUE(holds(refusal(makeCalibration(), 4, 10), "of 5 classes: got 4 classes"));
-  EXPECT_TRUE(holds(refusal(makeCalibration(), 5, 9), "10 points, features of 9"));
-  const auto changed = [&](auto&& change) {
-    LabelCalibration calibration = makeCalibration();
-    change(calibration);
-    return refusal(calibration, 5, 10);
-  };
-  EXPECT_TRUE(holds(changed([](auto& c) { c.bias.conservativeResize(4); }), "bias"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.bias[2] = unknown; }), "bias"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.sharpness = -0.1f; }), "sharpness"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.sharpness = 2e6f; }), "0 to 1e6"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.bias[1] = -3e38f; }), "-1e6 to 1e6"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.curves[0].values(0, 1) = 3e38f; }),
-                    "curves of height"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.ground = {6}; }), "ground label 6"));
-  const std::string seen = "what was seen needs 5 fractions at each knot";
-  for (const auto& change : std::vector<std::function<void(LabelCalibration&)>>{
-           [](auto& c) { c.seen.resize(1, Eigen::MatrixXf::Zero(5, 3)); },
-           [](auto& c) { c.seen[0].conservativeResize(5, 1); },
-           [](auto& c) { c.seen[1](2, 0) = -0.1f; },
-           [](auto& c) { c.seen[1](2, 0) = unknown; },
-           [](auto& c) { c.usual_distance = unknown; },
-           [](auto& c) { c.usual_distance = 1.5f; }}) {
+  using Change = std::function<void(LabelCalibration&)>;
+  const auto expectRefused = [](const std::string& says, const Change& change,
+                                int classes = 5, std::size_t points = 10) {
     LabelCalibration calibration = makeExperiencedCalibration();
     change(calibration);
-    EXPECT_TRUE(holds(refusal(calibration, 5, 10), seen));
-  }
-  EXPECT_TRUE(
-      holds(changed([](auto& c) { c.curves[0].knots[1] = c.curves[0].knots[0]; }),
-            "curves of height"));
-  EXPECT_TRUE(holds(changed([](auto& c) { c.curves[1].values(0, 0) = unknown; }),
-                    "curves of distance"));
-  EXPECT_TRUE(holds(changed([](auto& c) {
-                      c.curves[2].knots.resize(1);
-                      c.curves[2].values.conservativeResize(5, 1);
-                    }),
-                    "curves of level"));
-  EXPECT_TRUE(
-      holds(changed([](auto& c) { c.curves[2].values.conservativeResize(4, 3); }),
-            "curves of level"));
-  EXPECT_TRUE(
-      holds(changed([](auto& c) { c.curves[4].knots.clear(); }), "curves of red"));
+    expectRefusal<InvalidParameterException>(says, [&] {
+      calibrate(calibration, randomNetwork(classes, 10, 1), randomFeatures(points, 2));
+    });
+  };
+  expectRefused(
+      "of 5 classes: got 4 classes", [](auto&) {}, 4);
+  expectRefused(
+      "10 points, features of 9", [](auto&) {}, 5, 9);
+  const std::string seen = "what was seen needs 5 fractions at each knot";
   const std::string order = "a feature has two curves, or comes out of order";
-  EXPECT_TRUE(
-      holds(changed([](auto& c) { std::swap(c.curves[1], c.curves[2]); }), order));
-  EXPECT_TRUE(
-      holds(changed([](auto& c) { c.curves.push_back(c.curves.back()); }), order));
+  for (const auto& [says, change] : std::vector<std::pair<std::string, Change>>{
+           {"bias", [](auto& c) { c.bias.conservativeResize(4); }},
+           {"bias", [](auto& c) { c.bias[2] = unknown; }},
+           {"-1e6 to 1e6", [](auto& c) { c.bias[1] = -3e38f; }},
+           {"sharpness", [](auto& c) { c.sharpness = -0.1f; }},
+           {"0 to 1e6", [](auto& c) { c.sharpness = 2e6f; }},
+           {"ground label 6", [](auto& c) { c.ground = {6}; }},
+           {"curves of height", [](auto& c) { c.curves[0].values(0, 1) = 3e38f; }},
+           {"curves of height",
+            [](auto& c) { c.curves[0].knots[1] = c.curves[0].knots[0]; }},
+           {"curves of distance", [](auto& c) { c.curves[1].values(0, 0) = unknown; }},
+           {"curves of level",
+            [](auto& c) {
+              c.curves[2].knots.resize(1);
+              c.curves[2].values.conservativeResize(5, 1);
+            }},
+           {"curves of level",
+            [](auto& c) { c.curves[2].values.conservativeResize(4, 3); }},
+           {"curves of red", [](auto& c) { c.curves[4].knots.clear(); }},
+           {order, [](auto& c) { std::swap(c.curves[1], c.curves[2]); }},
+           {order, [](auto& c) { c.curves.push_back(c.curves.back()); }},
+           {seen, [](auto& c) { c.seen.resize(1, Eigen::MatrixXf::Zero(5, 3)); }},
+           {seen, [](auto& c) { c.seen[0].conservativeResize(5, 1); }},
+           {seen, [](auto& c) { c.seen[1](2, 0) = -0.1f; }},
+           {seen, [](auto& c) { c.seen[1](2, 0) = unknown; }},
+           {seen, [](auto& c) { c.usual_distance = unknown; }},
+           {seen, [](auto& c) { c.usual_distance = 1.5f; }}})
+    expectRefused(says, change);
 }
 
 // By hand: three pixels of class 2 at a quarter of the way, at a knot and beyond the

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/onnx_writer.h"
+#include "support/refusal.h"
+#include "support/temporary_folder.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
-
-#include <support/onnx_writer.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -13,14 +15,103 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <random>
 
 namespace pcl_semantic {
 namespace {
 
-namespace fs = std::filesystem;
+class NetworkDescriptionTest : public ::testing::Test {
+protected:
+  NetworkDescriptionTest()
+  {
+    std::filesystem::create_directory(folder_.path("sets"));
+    folder_.write("sets/two.yaml", "classes:\n"
+                                   "  - {name: road, colour: [1, 2, 3]}\n"
+                                   "  - {name: sky, colour: [4, 5, 6]}\n");
+  }
+
+  // The description with one of its lines replaced.
+  NetworkDescription
+  read(std::size_t line = 0, const std::string& text = "") const
+  {
+    std::vector<std::string> lines = {
+        "model: net.onnx",
+        "label_set: sets/two.yaml",
+        "input: {name: image, width: 64, height: 32}",
+        "output: {name: logits, softmax: false}",
+        "mean: [0.1, 0.2, 0.3]",
+        "deviation: [1, 2, 4]",
+        "channels: [sky, '-', road, sky]",
+    };
+    if (line != 0)
+      lines.at(line - 1) = text;
+    std::string all;
+    for (const std::string& each : lines)
+      all += each + "\n";
+    return readNetworkDescription(folder_.write("net.yaml", all));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(NetworkDescriptionTest, ReadsEverything)
+{
+  const NetworkDescription description = read();
+  EXPECT_EQ(description.model_path, folder_.path("net.onnx"));
+  EXPECT_EQ(description.label_set_path, folder_.path("sets/two.yaml"));
+  EXPECT_EQ(description.input_name, "image");
+  EXPECT_EQ(description.input_width, 64);
+  EXPECT_EQ(description.input_height, 32);
+  EXPECT_EQ(description.output_name, "logits");
+  EXPECT_FALSE(description.softmax);
+  EXPECT_EQ(description.mean, (std::array<float, 3>{0.1f, 0.2f, 0.3f}));
+  EXPECT_EQ(description.deviation, (std::array<float, 3>{1.0f, 2.0f, 4.0f}));
+  EXPECT_EQ(description.channels,
+            (std::vector<std::string>{"sky", "-", "road", "sky"}));
+}
+
+TEST_F(NetworkDescriptionTest, ModelAndSoftmaxMayBeLeftOut)
+{
+  EXPECT_EQ(read(1, "# no model").model_path, "");
+  EXPECT_TRUE(read(4, "output: {name: logits}").softmax);
+}
+
+TEST_F(NetworkDescriptionTest, RefusesWithTheLine)
+{
+  for (const auto& [line, text] : std::vector<std::pair<std::size_t, std::string>>{
+           {1, "modle: net.onnx"},
+           {3, "input: {name: image, width: 0, height: 32}"},
+           {3, "input: {name: image, width: 64, height: 9000}"},
+           {3, "input: {name: image, width: 64}"},
+           {3, "input: {name: image, width: 64, height: 32, depth: 1}"},
+           {4, "output: {name: logits, softmax: perhaps}"},
+           {5, "mean: [0.1, 0.2]"},
+           {5, "mean: [0.1, 0.2, .nan]"},
+           {6, "deviation: [1, 0, 4]"},
+           {7, "channels: [sky, tree]"},
+           {7, "channels: []"}})
+    expectRefusal<BadInputException>(
+        "net.yaml line " + std::to_string(line),
+        [&, number = line, &bad = text] { read(number, bad); });
+}
+
+TEST_F(NetworkDescriptionTest, RefusesAMissingLabelSet)
+{
+  EXPECT_THROW(read(2, "label_set: sets/none.yaml"), BadInputException);
+  EXPECT_THROW(read(2, ""), BadInputException);
+}
+
+TEST(NetworkDescriptionFiles, ShippedOnesAreReadable)
+{
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(
+           std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data/networks")) {
+    EXPECT_FALSE(readNetworkDescription(entry.path().string()).model_path.empty());
+    ++files;
+  }
+  EXPECT_GT(files, 0);
+}
 
 const LabelSet label_set({{"road", {}, false, false},
                           {"sky", {}, true, false},
@@ -28,12 +119,8 @@ const LabelSet label_set({{"road", {}, false, false},
 
 class NetworkPredictorTest : public ::testing::Test {
 protected:
-  void
-  SetUp() override
+  NetworkPredictorTest()
   {
-    const auto* const info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = (fs::path(::testing::TempDir()) / (std::string(info->name()) + ".onnx"))
-                .string();
     network_.weights = {2, -1, 0.5f, -2, 1, 1, 0.25f, 0.5f, -3, 1, 1, 1};
     network_.bias = {0.1f, -0.2f, 0.3f, 1.5f};
     description_.input_name = "image";
@@ -48,38 +135,18 @@ protected:
     cv::RNG(9).fill(frame_.left, cv::RNG::UNIFORM, 0, 256);
   }
 
-  void
-  TearDown() override
-  {
-    fs::remove(path_);
-  }
-
-  void
-  write(const std::string& content)
-  {
-    std::ofstream(path_, std::ios::binary) << content;
-  }
-
   LabelDistributions
-  predict(const std::string& content)
+  predict(const std::string& content) const
   {
-    write(content);
-    return NetworkPredictor(description_, label_set, path_).predict(frame_);
+    const std::string path = folder_.write("net.onnx", content);
+    return NetworkPredictor(description_, label_set, path).predict(frame_);
   }
 
-  // BadModelException of one line that names the file or, after loading, the frame.
+  // The message names the file or, after loading, the frame.
   void
-  expectRefused(const std::string& content, const std::string& named)
+  expectRefused(const std::string& content, const std::string& named) const
   {
-    try {
-      predict(content);
-      ADD_FAILURE() << "accepted";
-    }
-    catch (const BadModelException& error) {
-      const std::string message = error.what();
-      EXPECT_NE(message.find(named), std::string::npos) << message;
-      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    }
+    expectRefusal<BadModelException>(named, [&] { predict(content); });
   }
 
   // Logits of one pixel of the resized image: the 1 x 1 convolution in double
@@ -94,37 +161,23 @@ protected:
     return sum;
   }
 
-  Eigen::MatrixXd
+  // What has tests of its own makes distributions of them.
+  LabelDistributions
   plain(const cv::Mat& image) const
   {
     cv::Mat resized;
     cv::resize(image, resized, cv::Size(network_.width, network_.height));
-    std::vector<cv::Mat> logits(network_.channels);
-    for (int c = 0; c < network_.channels; ++c) {
-      cv::Mat plane(resized.size(), CV_64FC1);
+    const int shape[] = {network_.channels, network_.height, network_.width};
+    cv::Mat logits(3, shape, CV_32FC1);
+    for (int c = 0; c < network_.channels; ++c)
       for (int v = 0; v < resized.rows; ++v)
         for (int u = 0; u < resized.cols; ++u)
-          plane.at<double>(v, u) = logit(c, resized.at<cv::Vec3b>(v, u));
-      cv::resize(plane, logits[c], image.size());
-    }
-    Eigen::MatrixXd result =
-        Eigen::MatrixXd::Zero(label_set.size(), image.size().area());
-    for (int j = 0; j < image.size().area(); ++j) {
-      double total = 0.0;
-      for (int c = 0; c < network_.channels; ++c) {
-        const double mass =
-            std::exp(logits[c].at<double>(j / image.cols, j % image.cols));
-        total += mass;
-        if (description_.channels[c] != "-")
-          result(label_set.find(description_.channels[c]) - 1, j) += mass;
-      }
-      const double kept = result.col(j).sum();
-      result.col(j) *= kept < 0.5 * total ? 0.0 : 1.0 / kept;
-    }
-    return result;
+          logits.at<float>(c, v, u) = float(logit(c, resized.at<cv::Vec3b>(v, u)));
+    return distributionsFromLogits(logits, image.size(), {{3, 1, 3, 0}, 3, true});
   }
 
-  std::string path_;
+  const TemporaryFolder folder_;
+  const std::string path_ = folder_.path("net.onnx");
   PointwiseNetwork network_;
   NetworkDescription description_;
   StereoFrame frame_;
@@ -133,12 +186,12 @@ protected:
 TEST_F(NetworkPredictorTest, EqualsThePlainComputation)
 {
   const LabelDistributions labels = predict(network_.file());
-  const Eigen::MatrixXd expected = plain(frame_.left);
+  const Eigen::MatrixXf expected = plain(frame_.left).matrix();
   ASSERT_EQ(labels.classes(), 3);
   ASSERT_EQ(labels.size(), frame_.left.size().area());
-  EXPECT_LT((labels.matrix().cast<double>() - expected).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_LT((labels.matrix() - expected).cwiseAbs().maxCoeff(), 1e-4);
   EXPECT_TRUE((labels.matrix().row(1).array() == 0.0f).all()) << "no channel is sky";
-  const auto empty = (expected.colwise().sum().array() == 0.0).count();
+  const auto empty = (expected.colwise().sum().array() == 0.0f).count();
   EXPECT_GT(empty, 0) << "both sides of the half-left rule are tried";
   EXPECT_LT(empty, expected.cols() / 2);
 }
@@ -156,7 +209,7 @@ TEST_F(NetworkPredictorTest, GreyImageIsAColourImageOfEqualChannels)
 
 TEST_F(NetworkPredictorTest, ModelOfTheDescription)
 {
-  write(network_.file());
+  folder_.write("net.onnx", network_.file());
   description_.model_path = path_;
   EXPECT_NO_THROW(NetworkPredictor(description_, label_set).predict(frame_));
 }
@@ -192,19 +245,6 @@ TEST_F(NetworkPredictorTest, RefusesTensorsThatOpenCvWouldReadBeyond)
                   path_);
 }
 
-TEST_F(NetworkPredictorTest, RefusesAnUnknownOperation)
-{
-  std::string content = network_.file();
-  content.replace(content.find("Conv"), 4, "Vonc");
-  expectRefused(content, path_);
-}
-
-TEST_F(NetworkPredictorTest, RefusesAnotherNumberOfChannels)
-{
-  description_.channels.push_back("sky");
-  expectRefused(network_.file(), "frame 42");
-}
-
 TEST_F(NetworkPredictorTest, RefusesAnotherInputOrOutput)
 {
   description_.output_name = "probabilities";
@@ -216,23 +256,31 @@ TEST_F(NetworkPredictorTest, RefusesAnotherInputOrOutput)
                                  "its inputs are 'image'");
 }
 
-TEST_F(NetworkPredictorTest, RefusesNonFiniteOutput)
+TEST_F(NetworkPredictorTest, RefusesAnUnknownOperation)
 {
-  network_.bias[2] = std::numeric_limits<float>::quiet_NaN();
-  expectRefused(network_.file(), "frame 42");
-  network_.bias[2] = std::numeric_limits<float>::infinity();
-  expectRefused(network_.file(), "frame 42");
+  std::string content = network_.file();
+  content.replace(content.find("Conv"), 4, "Vonc");
+  expectRefused(content, path_);
 }
 
-TEST_F(NetworkPredictorTest, RefusesNegativeProbabilities)
+TEST_F(NetworkPredictorTest, RefusesAnswersThatAreNoProbabilities)
 {
-  description_.softmax = false;
+  description_.channels.push_back("sky"); // one too many
   expectRefused(network_.file(), "frame 42");
+  description_.channels.pop_back();
+  description_.softmax = false; // some are negative
+  expectRefused(network_.file(), "frame 42");
+  description_.softmax = true;
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(),
+                            std::numeric_limits<float>::infinity()}) {
+    network_.bias[2] = value;
+    expectRefused(network_.file(), "frame 42");
+  }
 }
 
 TEST_F(NetworkPredictorTest, RefusesImagesOfOtherTypes)
 {
-  write(network_.file());
+  folder_.write("net.onnx", network_.file());
   NetworkPredictor predictor(description_, label_set, path_);
   for (const cv::Mat& image :
        {cv::Mat(), cv::Mat(4, 4, CV_16UC1), cv::Mat(4, 4, CV_8UC4)}) {
@@ -243,7 +291,7 @@ TEST_F(NetworkPredictorTest, RefusesImagesOfOtherTypes)
 
 TEST_F(NetworkPredictorTest, RefusesAClassThatTheLabelSetDoesNotHave)
 {
-  write(network_.file());
+  folder_.write("net.onnx", network_.file());
   description_.channels[1] = "tram";
   EXPECT_THROW(NetworkPredictor(description_, label_set, path_),
                InvalidParameterException);

@@ -8,7 +8,9 @@
 #include <Eigen/Geometry>
 
 #include <cstddef>
+#include <limits>
 #include <string>
+#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -20,8 +22,13 @@ public:
   /** \brief Number of frames that are present. */
   virtual std::size_t size() const = 0;
 
-  /** \brief Number of the i-th frame in the whole sequence; may have gaps. */
-  virtual int frameNumber(std::size_t i) const = 0;
+  /** \brief Number of the i-th frame in the whole sequence; may have gaps, if not it
+   * is i. */
+  virtual int
+  frameNumber(std::size_t i) const
+  {
+    return static_cast<int>(i);
+  }
 
   /** \brief Time of the i-th frame [s], without reading its images. */
   virtual double timestamp(std::size_t i) const = 0;
@@ -49,5 +56,29 @@ public:
     return {};
   }
 };
+
+/** \brief Frames numbered first <= n < end. */
+struct FrameRange {
+  int first = 0;
+  int end = std::numeric_limits<int>::max();
+
+  bool
+  contains(int frame) const
+  {
+    return frame >= first && frame < end;
+  }
+};
+
+/** \brief Reads "A:B", the frames A <= n < B; without A or B open on that side.
+ * \throws InvalidParameterException if it is something else or holds no frame */
+FrameRange parseFrameRange(const std::string& text);
+
+/** \brief Positions in a sequence of the frames that a range contains. */
+std::vector<std::size_t> selectFrames(const FrameSequence& sequence,
+                                      const FrameRange& range);
+
+/** \brief Numbers and times of the frames at some positions in a sequence. */
+std::vector<FrameTime> frameTimes(const FrameSequence& sequence,
+                                  const std::vector<std::size_t>& positions);
 
 } // namespace pcl_semantic

@@ -38,12 +38,6 @@ public:
     return left_.size();
   }
 
-  int
-  frameNumber(std::size_t i) const override
-  {
-    return static_cast<int>(i);
-  }
-
   double
   timestamp(std::size_t i) const override
   {

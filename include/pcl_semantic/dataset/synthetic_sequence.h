@@ -30,12 +30,6 @@ public:
     return std::size_t(scene_.frames());
   }
 
-  int
-  frameNumber(std::size_t i) const override
-  {
-    return static_cast<int>(i);
-  }
-
   double
   timestamp(std::size_t i) const override
   {

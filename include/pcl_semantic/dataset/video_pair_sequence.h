@@ -27,12 +27,6 @@ public:
 
   std::size_t size() const override;
 
-  int
-  frameNumber(std::size_t i) const override
-  {
-    return static_cast<int>(i);
-  }
-
   double timestamp(std::size_t i) const override;
 
   StereoFrame frame(std::size_t i) const override;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/dataset/frame_range.h>
+#include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/files/trajectory_file.h>

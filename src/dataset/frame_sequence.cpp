@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/frame_range.h>
+#include "core/fail.h"
+
+#include <pcl_semantic/dataset/frame_sequence.h>
 
 #include <charconv>
 
@@ -25,9 +26,8 @@ parseFrameRange(const std::string& text)
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos || !parseFrame(text.substr(0, colon), range.first) ||
       !parseFrame(text.substr(colon + 1), range.end) || range.first >= range.end)
-    PCL_THROW_EXCEPTION(
-        InvalidParameterException,
-        "frames '" << text << "': expected A:B with 0 <= A < B (frames A to B - 1)");
+    fail<InvalidParameterException>(
+        "frames '", text, "': expected A:B with 0 <= A < B (frames A to B - 1)");
   return range;
 }
 
