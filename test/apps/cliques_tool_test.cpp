@@ -163,7 +163,7 @@ TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
   const Eigen::Vector3d place = pose().translation();
   frame.viewpoint = {place.x(), place.y(), place.z(), turn.w(),
                      turn.x(),  turn.y(),  turn.z()};
-  writePcd(path("viewed.pcd"), frame);
+  writeCloudTable(path("viewed.pcd"), frame);
   run("cliques " + map() + " " + path("out.pcd") + " --method superpixel:40 --frame " +
       path("viewed.pcd"));
   EXPECT_FALSE(cliquesIn(path("out.pcd")).empty());

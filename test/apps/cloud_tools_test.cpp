@@ -257,7 +257,7 @@ TEST_F(Scans, WithoutLabelsAreAMapWithoutLabels)
     PcdTable table =
         readLabelledCloud(folder.path("clouds/" + std::to_string(i) + ".pcd")).table;
     table.removeColumns("label");
-    writePcd(folder.path("clouds/" + std::to_string(i) + ".pcd"), table);
+    writeCloudTable(folder.path("clouds/" + std::to_string(i) + ".pcd"), table);
   }
   const ToolResult result =
       runTool(replaceAll(map(folder.path("poses.txt")), "--crf none", "--crf dense"));

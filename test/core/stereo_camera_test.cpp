@@ -66,12 +66,10 @@ TEST(StereoCamera, ValidateNamesWhatIsWrong)
   EXPECT_NO_THROW(someCamera().validate());
   StereoCamera camera = someCamera();
   camera.baseline = -0.54;
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] { camera.validate(); }), "-0.54"));
+  EXPECT_TRUE(throws<InvalidParameterException>("-0.54", [&] { camera.validate(); }));
   camera = someCamera();
   camera.fy = 0.0;
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] { camera.validate(); }), "focal"));
+  EXPECT_TRUE(throws<InvalidParameterException>("focal", [&] { camera.validate(); }));
   for (double StereoCamera::*const member :
        {&StereoCamera::fx, &StereoCamera::fy, &StereoCamera::cx, &StereoCamera::cy,
         &StereoCamera::baseline})

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/exceptions.h>
+
+#include <sstream>
+
+namespace pcl_semantic {
+
+/** \brief Throws an \a Error whose message is the \a parts, one after the other. */
+template <typename Error, typename... Parts>
+[[noreturn]] void
+fail(const Parts&... parts)
+{
+  std::ostringstream message;
+  (message << ... << parts);
+  throw Error(message.str());
+}
+
+/** \brief The same: a file or a value in it cannot be used. */
+template <typename... Parts>
+[[noreturn]] void
+badInput(const Parts&... parts)
+{
+  fail<BadInputException>(parts...);
+}
+
+/** \brief The same: a parameter or argument is outside its range. */
+template <typename... Parts>
+[[noreturn]] void
+badParameter(const Parts&... parts)
+{
+  fail<InvalidParameterException>(parts...);
+}
+
+} // namespace pcl_semantic
