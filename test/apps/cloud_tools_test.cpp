@@ -2,7 +2,7 @@
 #include "files/pcd_file.h"
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
-#include "support/virtual_display.h"
+#include "support/run_tool.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
 #include <pcl_semantic/files/label_set_file.h>

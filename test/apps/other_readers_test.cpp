@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/mapped_street.h"
+#include "support/run_tool.h"
 #include "support/thrown_message.h"
-#include "support/virtual_display.h"
 
 #include <pcl_semantic/files/labelled_cloud_file.h>
 

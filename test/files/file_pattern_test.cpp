@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/file_pattern.h"
+#include "support/process_limits.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
-#include "support/unprivileged.h"
 
 #include <pcl_semantic/core/exceptions.h>
 

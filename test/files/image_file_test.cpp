@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/full_disk.h"
+#include "support/process_limits.h"
 #include "support/same_image.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"

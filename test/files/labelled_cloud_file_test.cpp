@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/pcd_file.h"
-#include "support/full_disk.h"
 #include "support/mutate.h"
+#include "support/process_limits.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 

@@ -3,7 +3,7 @@
 // Writing, and reading what PCL and we write; bad files are in pcd_bad_input_test.cpp.
 
 #include "files/pcd_file.h"
-#include "support/full_disk.h"
+#include "support/process_limits.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 

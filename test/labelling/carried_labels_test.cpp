@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/small_camera.h"
+#include "support/stereo_rigs.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>

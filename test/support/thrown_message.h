@@ -41,7 +41,8 @@ holds(const std::string& message, const std::string& part)
   return ::testing::AssertionFailure() << "'" << message << "' lacks '" << part << "'";
 }
 
-/** \brief EXPECT that \a body throws exactly an \a Error whose message holds \a part. */
+/** \brief EXPECT that \a body throws exactly an \a Error whose message holds \a part.
+ */
 template <typename Error, typename Body>
 ::testing::AssertionResult
 throws(const std::string& part, Body&& body)
