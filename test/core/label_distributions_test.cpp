@@ -11,8 +11,6 @@
 #include <random>
 
 using namespace pcl_semantic;
-using pcl_semantic::holds;
-using pcl_semantic::thrownMessage;
 
 namespace {
 

@@ -7,8 +7,6 @@
 #include <gtest/gtest.h>
 
 using namespace pcl_semantic;
-using pcl_semantic::holds;
-using pcl_semantic::thrownMessage;
 
 namespace {
 

@@ -43,12 +43,12 @@ expectTwoPoints(const LabelledCloud& cloud)
   EXPECT_EQ((*cloud.cloud)[0].b, 30);
 }
 
-std::string
-messageOf(const TemporaryFolder& folder, const std::string& name,
-          const std::string& content)
+::testing::AssertionResult
+refuses(const std::string& name, const std::string& content, const std::string& part)
 {
-  folder.write(name, content);
-  return thrownMessage<BadInputException>([&] { readCloudTable(folder.path(name)); });
+  const TemporaryFolder folder;
+  const std::string path = folder.write(name, content);
+  return throws<BadInputException>(part, [&] { readCloudTable(path); });
 }
 
 } // namespace
@@ -70,30 +70,26 @@ TEST(CloudFile, ReadsPly)
 
 TEST(CloudFile, RefusesDamagedPlyWithFileAndLine)
 {
-  const TemporaryFolder folder;
-  const auto message = [&](const std::string& content) {
-    return messageOf(folder, "a.ply", content);
-  };
   const std::string ascii = "ply\nformat ascii 1.0\n", end = "end_header\n";
-  EXPECT_TRUE(holds(message(""), "does not begin with 'ply'"));
-  EXPECT_TRUE(holds(message(ascii + kHeader), "has no end_header"));
-  EXPECT_TRUE(holds(message("ply\n" + kHeader + end), "has no format"));
-  EXPECT_TRUE(holds(message("ply\nformat binary_big_endian 1.0\n"), "line 2: format"));
-  EXPECT_TRUE(holds(message(ascii + kFaces), "vertices have to be the first"));
-  EXPECT_TRUE(holds(message(ascii + "element vertex -1\n"), "line 3: "));
-  EXPECT_TRUE(holds(message(ascii + "element vertex 1e30\n"), "line 3: "));
-  EXPECT_TRUE(holds(message(ascii + "element vertex 1\nproperty list uchar int a\n"),
-                    "line 4: property of type 'list'"));
-  EXPECT_TRUE(
-      holds(message(ascii + "element vertex 1\nproperty int a\nproperty int a\n"),
-            "line 5: "));
-  EXPECT_TRUE(holds(message(ascii + kHeader + end + "1 2 3 4 5 6 7\n"),
-                    "has 1 points, expected 2"));
-  EXPECT_TRUE(holds(message(ascii + kHeader + end + "1 2 3 4 5 256 7\n"), "line 12: "));
-  EXPECT_TRUE(holds(message("ply\nformat binary_little_endian 1.0\nelement vertex "
-                            "2000000000\nproperty double x\n" +
-                            end),
-                    "holds 0 bytes of data"));
+  const std::string one = ascii + "element vertex 1\n";
+  const std::pair<std::string, const char*> cases[] = {
+      {"", "does not begin with 'ply'"},
+      {ascii + kHeader, "has no end_header"},
+      {"ply\n" + kHeader + end, "has no format"},
+      {"ply\nformat binary_big_endian 1.0\n", "line 2: format"},
+      {ascii + kFaces, "vertices have to be the first"},
+      {ascii + "element vertex -1\n", "line 3: "},
+      {ascii + "element vertex 1e30\n", "line 3: "},
+      {one + "property list uchar int a\n", "line 4: property of type 'list'"},
+      {one + "property int a\nproperty int a\n", "line 5: "},
+      {ascii + kHeader + end + "1 2 3 4 5 6 7\n", "has 1 points, expected 2"},
+      {ascii + kHeader + end + "1 2 3 4 5 256 7\n", "line 12: "},
+      {"ply\nformat binary_little_endian 1.0\nelement vertex 2000000000\n"
+       "property double x\n" +
+           end,
+       "holds 0 bytes of data"}};
+  for (const auto& [content, part] : cases)
+    EXPECT_TRUE(refuses("a.ply", content, part));
 }
 
 TEST(CloudFile, ReadsScansWithTheLabelsThatBelongToThem)
@@ -114,8 +110,8 @@ TEST(CloudFile, ReadsScansWithTheLabelsThatBelongToThem)
       throws<BadInputException>("labels/000001.label: has 4 bytes, expected 8", [&] {
         readCloudTable(folder.path("velodyne/000001.bin"));
       }));
-  EXPECT_TRUE(holds(messageOf(folder, "half.bin", "12345678"), "a multiple of 16"));
-  EXPECT_TRUE(holds(messageOf(folder, "empty.bin", ""), "a multiple of 16"));
+  EXPECT_TRUE(refuses("half.bin", "12345678", "a multiple of 16"));
+  EXPECT_TRUE(refuses("empty.bin", "", "a multiple of 16"));
 }
 
 TEST(CloudFile, MapsNumbersToLabels)

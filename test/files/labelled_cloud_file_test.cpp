@@ -86,21 +86,28 @@ someCloud(int width, int height)
   return labelled;
 }
 
+// NaN equals NaN.
+void
+expectSamePoints(const pcl::PointCloud<pcl::PointXYZRGBL>& a,
+                 const pcl::PointCloud<pcl::PointXYZRGBL>& b)
+{
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.sensor_origin_, b.sensor_origin_);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis)
+      ASSERT_TRUE(a[i].data[axis] == b[i].data[axis] ||
+                  (std::isnan(a[i].data[axis]) && std::isnan(b[i].data[axis])));
+    ASSERT_EQ(a[i].rgba, b[i].rgba);
+    ASSERT_EQ(a[i].label, b[i].label);
+  }
+}
+
 void
 expectSameCloud(const LabelledCloud& read, const LabelledCloud& written)
 {
-  ASSERT_EQ(read.cloud->size(), written.cloud->size());
-  EXPECT_EQ(read.cloud->width, written.cloud->width);
-  EXPECT_EQ(read.cloud->height, written.cloud->height);
-  EXPECT_EQ(read.cloud->sensor_origin_, written.cloud->sensor_origin_);
-  for (std::size_t i = 0; i < read.cloud->size(); ++i) {
-    const pcl::PointXYZRGBL &a = (*read.cloud)[i], &b = (*written.cloud)[i];
-    for (int axis = 0; axis < 3; ++axis)
-      ASSERT_TRUE(a.data[axis] == b.data[axis] ||
-                  (std::isnan(a.data[axis]) && std::isnan(b.data[axis])));
-    ASSERT_EQ(a.rgba, b.rgba);
-    ASSERT_EQ(a.label, b.label);
-  }
+  expectSamePoints(*read.cloud, *written.cloud);
   ASSERT_EQ(read.distributions.classes(), written.distributions.classes());
   EXPECT_TRUE(
       read.distributions.matrix().isApprox(written.distributions.matrix(), 1e-6f));
@@ -142,14 +149,7 @@ TEST(LabelledCloudFile, PclReadsWhatItWrote)
   writeLabelledCloud(folder.path("a.pcd"), written);
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
   ASSERT_EQ(pcl::io::loadPCDFile(folder.path("a.pcd"), cloud), 0);
-  ASSERT_EQ(cloud.size(), 12u);
-  EXPECT_EQ(cloud.height, 3u);
-  EXPECT_EQ(cloud.sensor_origin_, written.cloud->sensor_origin_);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    EXPECT_EQ(cloud[i].getVector3fMap(), (*written.cloud)[i].getVector3fMap());
-    EXPECT_EQ(cloud[i].label, (*written.cloud)[i].label);
-    EXPECT_EQ(cloud[i].rgba, (*written.cloud)[i].rgba);
-  }
+  expectSamePoints(cloud, *written.cloud);
 }
 
 TEST(LabelledCloudFile, ReadsFieldsInAnyOrderAndType)
@@ -392,15 +392,7 @@ TEST(LabelledCloudFile, ARealCloudIsReadAsPclReadsIt)
   const LabelledCloud labelled = readLabelledCloud(path);
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
   ASSERT_EQ(pcl::io::loadPCDFile(path, cloud), 0);
-  ASSERT_EQ(labelled.cloud->size(), cloud.size());
   EXPECT_EQ(labelled.cloud->width, 640u);
   EXPECT_EQ(labelled.cloud->height, 480u);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const pcl::PointXYZRGBL& point = (*labelled.cloud)[i];
-    for (int axis = 0; axis < 3; ++axis)
-      ASSERT_TRUE(point.data[axis] == cloud[i].data[axis] ||
-                  (std::isnan(point.data[axis]) && std::isnan(cloud[i].data[axis])));
-    ASSERT_EQ(point.rgba, cloud[i].rgba);
-    ASSERT_EQ(point.label, cloud[i].label);
-  }
+  expectSamePoints(*labelled.cloud, cloud);
 }
