@@ -61,17 +61,6 @@ softMax(Eigen::MatrixXd values)
   return values;
 }
 
-/** \brief Parallel mean-field updates of a Potts model, in double precision. */
-inline Eigen::MatrixXd
-plainMeanField(const Eigen::MatrixXd& unary, const Eigen::MatrixXd& kernel,
-               int iterations)
-{
-  Eigen::MatrixXd marginals = softMax(-unary);
-  for (int i = 0; i < iterations; ++i)
-    marginals = softMax(-unary + marginals * kernel.transpose());
-  return marginals;
-}
-
 /** \brief Points on a grid of 0.1, most of them in a slab, as voxels on a surface. */
 inline Eigen::Matrix3Xf
 makeVoxelPositions(Eigen::Index count, unsigned seed)
