@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/core/stereo_camera.h>
-#include <pcl_semantic/core/stereo_frame.h>
 #include <pcl_semantic/stereo/pair_check.h>
 
 #include <map>

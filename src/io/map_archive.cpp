@@ -4,7 +4,7 @@
 #include "block_counter.h"
 #include "block_encoding.h"
 #include "core/parallel_guard.h"
-#include "files/byte_writer.h"
+#include "files/bytes.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/map_archive.h>

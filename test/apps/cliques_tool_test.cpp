@@ -11,8 +11,8 @@
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
-#include <pcl_semantic/core/quantized_point.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/core/voxel_index.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
 

@@ -5,8 +5,8 @@
 #include "support/run_tool.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/odometry/pose_source.h>

@@ -8,8 +8,8 @@
 #include "support/onnx_writer.h"
 #include "support/own_camera.h"
 
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 
 #include <cctype>
 #include <regex>
