@@ -4,12 +4,12 @@
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/quantized_point.h>
 #include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
 #include <pcl_semantic/odometry/pose_source.h>

@@ -6,7 +6,6 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 

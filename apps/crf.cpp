@@ -5,8 +5,8 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/clique_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 

@@ -8,10 +8,10 @@
 #include <pcl_semantic/dataset/camera_images.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/labelling/carried_labels.h>
 #include <pcl_semantic/labelling/network_predictor.h>

@@ -8,9 +8,9 @@
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/rectifier.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>

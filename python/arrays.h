@@ -29,6 +29,15 @@ template <typename T> using MaybeArray = std::optional<Array<T>>;
 
 constexpr py::ssize_t kAny = -1; ///< number of rows or columns
 
+/** \brief What \a work gives; other threads of Python may run meanwhile. */
+template <typename Work>
+auto
+released(Work&& work)
+{
+  const py::gil_scoped_release others_may_run;
+  return work();
+}
+
 /** \brief Shape of an array: \a rows, or \a rows x \a columns.
  * \throws InvalidParameterException that names it */
 void requireShape(const py::array& array, const char* name, py::ssize_t rows,
@@ -95,5 +104,17 @@ py::array_t<std::uint8_t> labelsOf(const pcl::PointCloud<pcl::PointXYZRGBL>& clo
 /** \brief points (double, world frame), colours, labels, probabilities, observations
  * and indices of voxels. */
 py::dict dictOf(VoxelCloud voxels);
+
+/** \brief refine(), cliques(). */
+void bindClouds(py::module_& module);
+
+/** \brief SemanticVoxelMap, SemanticMapper, load_map(). */
+void bindMaps(py::module_& module);
+
+/** \brief confusion_matrix(), scores(). */
+void bindEvaluation(py::module_& module);
+
+/** \brief read_cloud(), write_cloud(). */
+void bindFiles(py::module_& module);
 
 } // namespace pcl_semantic::python

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
-#include "bindings.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/semantic_crf.h>
@@ -87,11 +86,8 @@ refine(const Array<float>& points, const MaybeArray<float>& probabilities,
     crf.setCliqueGenerator(generatorOf(cliques.cast<std::string>()));
   else if (!cliques.is_none())
     crf.setCliques(cliquesOf(integersOf<std::int64_t>(cliques, "cliques"), count));
-  {
-    const py::gil_scoped_release others_may_run;
-    crf.setInputCloud(cloud);
-    crf.filter(*cloud);
-  }
+  crf.setInputCloud(cloud);
+  released([&] { crf.filter(*cloud); });
   return py::make_tuple(labelsOf(*cloud), arrayOf(crf.getLabelDistributions()));
 }
 
@@ -106,11 +102,7 @@ cliques(const Array<float>& points, const std::string& kind,
   const CliqueGenerator::Ptr generator = generatorOf(kind);
   if (generator->usesColour() && !colours)
     PCL_THROW_EXCEPTION(InvalidParameterException, "'" << kind << "' needs colours");
-  std::vector<pcl::PointIndices> found;
-  {
-    const py::gil_scoped_release others_may_run;
-    found = generator->generate(cloud);
-  }
+  const auto found = released([&] { return generator->generate(cloud); });
   py::array_t<std::int32_t> numbers((py::ssize_t(cloud.size())));
   std::fill_n(numbers.mutable_data(), cloud.size(), 0);
   for (std::size_t c = 0; c < found.size(); ++c)

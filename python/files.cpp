@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
-#include "bindings.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
@@ -22,11 +21,7 @@ kindOf(const PcdField& field)
 py::dict
 readCloud(const std::string& path)
 {
-  PcdTable table;
-  {
-    const py::gil_scoped_release others_may_run;
-    table = readCloudTable(path);
-  }
+  const PcdTable table = released([&] { return readCloudTable(path); });
   const std::size_t stride = table.pointSize();
   const std::uint8_t* from = table.data.data();
   py::dict cloud;
@@ -35,7 +30,7 @@ readCloud(const std::string& path)
     if (field.count > 1)
       shape.push_back(field.count);
     py::array column(py::dtype(kindOf(field)), shape);
-    const std::size_t bytes = std::size_t(field.size) * std::size_t(field.count);
+    const std::size_t bytes = field.bytes();
     auto* to = static_cast<std::uint8_t*>(column.mutable_data());
     for (std::size_t i = 0; i < table.points; ++i, to += bytes)
       std::memcpy(to, from + i * stride, bytes);
@@ -81,12 +76,10 @@ writeCloud(const std::string& path, const py::dict& cloud)
     requireShape(column, name.c_str(), py::ssize_t(table.points),
                  column.ndim() == 2 ? std::optional(column.shape(1)) : std::nullopt);
     const auto* const bytes = static_cast<const std::uint8_t*>(column.data());
-    table.setColumn(field, {bytes, bytes + table.points * std::size_t(field.size) *
-                                               std::size_t(field.count)});
+    table.setColumn(field, {bytes, bytes + table.points * field.bytes()});
     is_first = false;
   }
-  const py::gil_scoped_release others_may_run;
-  writeCloudTable(path, table);
+  released([&] { writeCloudTable(path, table); });
 }
 
 } // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
-#include "bindings.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/map_file.h>
@@ -28,48 +27,61 @@ dictOf(const ScanCounts& counts)
   return result;
 }
 
-// What both kinds of maps have.
+// What both kinds of maps have: functions that read one.
+
+template <typename Bound>
 py::dict
-voxelsOf(const SemanticVoxelMap& map)
+voxels(const Bound& bound)
 {
-  VoxelCloud voxels;
-  {
-    const py::gil_scoped_release others_may_run;
-    voxels = map.occupiedEverywhere();
-  }
-  return python::dictOf(std::move(voxels));
+  return python::dictOf(released([&] { return bound.map().occupiedEverywhere(); }));
 }
 
+template <typename Bound>
 py::array_t<std::uint8_t>
-labelsAt(const SemanticVoxelMap& map, const Array<double>& points)
+labels(const Bound& bound, const Array<double>& points)
 {
   requireShape(points, "points", kAny, 3);
   std::vector<Eigen::Vector3d> places;
   places.reserve(std::size_t(points.shape(0)));
   for (py::ssize_t i = 0; i < points.shape(0); ++i)
     places.emplace_back(points.at(i, 0), points.at(i, 1), points.at(i, 2));
-  std::vector<Label> labels;
-  {
-    const py::gil_scoped_release others_may_run;
-    labels = map.labels(places);
-  }
-  return py::array_t<std::uint8_t>(py::ssize_t(labels.size()), labels.data());
+  const auto found = released([&] { return bound.map().labels(places); });
+  return py::array_t<std::uint8_t>(py::ssize_t(found.size()), found.data());
 }
 
+template <typename Bound>
 void
-write(const SemanticVoxelMap& map, const std::string& path, bool class_colours)
+write(const Bound& bound, const std::string& path, bool class_colours)
 {
   requirePcdName(path);
-  const py::gil_scoped_release others_may_run;
-  writeVoxelCloud(path, map.occupiedEverywhere(), map.labelSet(),
-                  class_colours ? VoxelColour::classes : VoxelColour::measured);
+  const SemanticVoxelMap& map = bound.map();
+  released([&] {
+    writeVoxelCloud(path, map.occupiedEverywhere(), map.labelSet(),
+                    class_colours ? VoxelColour::classes : VoxelColour::measured);
+  });
 }
 
+template <typename Bound>
 void
-save(const SemanticVoxelMap& map, const std::string& path)
+save(const Bound& bound, const std::string& path)
 {
-  const py::gil_scoped_release others_may_run;
-  saveMap(map, path);
+  released([&] { saveMap(bound.map(), path); });
+}
+
+template <typename Bound>
+void
+bindReading(py::class_<Bound>& bound)
+{
+  bound
+      .def("voxels", &voxels<Bound>,
+           "The occupied voxels: points [m, world], colours, labels, probabilities,\n"
+           "observations, indices; an entry a voxel.")
+      .def("labels", &labels<Bound>, py::arg("points"),
+           "Labels of points (N x 3, world [m]); 0 = not occupied, not in the window.")
+      .def("write", &write<Bound>, py::arg("path"), py::arg("class_colours") = false,
+           "Writes the occupied voxels as a .pcd file.")
+      .def("save", &save<Bound>, py::arg("path"),
+           "Writes the whole map into a new archive.");
 }
 
 // One thread may write a map; Python's, that run while the lock of the interpreter is
@@ -102,19 +114,14 @@ public:
     const Eigen::Isometry3d T_world_sensor = poseOf(pose);
     const LabelDistributions distributions =
         distributionsOf(probabilities, points.shape(0));
-    ScanCounts counts;
-    {
-      const py::gil_scoped_release others_may_run;
+    return dictOf(released([&] {
       const std::lock_guard<std::mutex> lock(writing_);
       if (colours)
-        counts = map_->integrate(*cloud, T_world_sensor, distributions);
-      else {
-        pcl::PointCloud<pcl::PointXYZ> positions;
-        pcl::copyPointCloud(*cloud, positions);
-        counts = map_->integrate(positions, T_world_sensor, distributions);
-      }
-    }
-    return dictOf(counts);
+        return map_->integrate(*cloud, T_world_sensor, distributions);
+      pcl::PointCloud<pcl::PointXYZ> positions;
+      pcl::copyPointCloud(*cloud, positions);
+      return map_->integrate(positions, T_world_sensor, distributions);
+    }));
   }
 
   void
@@ -184,14 +191,10 @@ imageOf(const py::object& values, const StereoCamera& camera, const char* name)
                              << camera.height << " x " << camera.width
                              << " or with three colours");
   cv::Mat image(camera.height, camera.width, is_grey ? CV_8UC1 : CV_8UC3);
-  const std::uint8_t* from = array.data();
-  std::uint8_t* to = image.data;
-  if (is_grey)
-    std::memcpy(to, from, image.total());
-  else
-    for (const std::uint8_t* const end = from + 3 * image.total(); from != end;
-         from += 3, to += 3)
-      to[0] = from[2], to[1] = from[1], to[2] = from[0]; // OpenCV's order
+  std::memcpy(image.data, array.data(), std::size_t(array.size()));
+  if (!is_grey)
+    for (cv::Vec3b& pixel : cv::Mat3b(image))
+      std::swap(pixel[0], pixel[2]); // OpenCV's order
   return image;
 }
 
@@ -269,15 +272,14 @@ private:
   processFrame(Frame frame, const Array<double>& pose)
   {
     const Eigen::Isometry3d T_world_sensor = poseOf(pose);
-    MappedFrame mapped;
-    {
-      const py::gil_scoped_release others_may_run;
+    MappedFrame mapped = released([&] {
       const std::lock_guard<std::mutex> lock(writing_);
       frame.number = frames_;
       pose_->T_world_sensor = T_world_sensor;
-      mapped = mapper_->process(frame);
+      MappedFrame result = mapper_->process(frame);
       ++frames_;
-    }
+      return result;
+    });
     py::dict result = dictOf(mapped.counts);
     result["voxels"] = python::dictOf(std::move(mapped.voxels));
     return result;
@@ -290,36 +292,6 @@ private:
   int frames_ = 0;
   std::mutex setting_, writing_;
 };
-
-// The functions that read a map.
-template <typename Bound>
-py::class_<Bound>&
-bindReading(py::class_<Bound>& bound)
-{
-  return bound
-      .def(
-          "voxels", [](const Bound& self) { return voxelsOf(self.map()); },
-          "The occupied voxels: points [m, world], colours, labels, probabilities,\n"
-          "observations, indices; an entry a voxel.")
-      .def(
-          "labels",
-          [](const Bound& self, const Array<double>& points) {
-            return labelsAt(self.map(), points);
-          },
-          py::arg("points"),
-          "Labels of points (N x 3, world [m]); 0 = not occupied, not in the window.")
-      .def(
-          "write",
-          [](const Bound& self, const std::string& path, bool class_colours) {
-            write(self.map(), path, class_colours);
-          },
-          py::arg("path"), py::arg("class_colours") = false,
-          "Writes the occupied voxels as a .pcd file.")
-      .def(
-          "save",
-          [](const Bound& self, const std::string& path) { save(self.map(), path); },
-          py::arg("path"), "Writes the whole map into a new archive.");
-}
 
 } // namespace
 
@@ -342,8 +314,7 @@ bindMaps(py::module_& module)
   module.def(
       "load_map",
       [](const std::string& path) {
-        const py::gil_scoped_release others_may_run;
-        return std::make_unique<Map>(loadMap(path));
+        return released([&] { return std::make_unique<Map>(loadMap(path)); });
       },
       py::arg("path"), "The map of an archive, in memory; the file stays as it is.");
 

@@ -2,7 +2,7 @@
 
 // import pcl_semantic: arrays of numpy in and out (doc/python.md).
 
-#include "bindings.h"
+#include "arrays.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/version.h>

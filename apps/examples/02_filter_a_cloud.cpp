@@ -6,7 +6,7 @@
 //   02_filter_a_cloud IN.pcd [OUT.pcd]     any .pcd with x y z label
 
 #include <pcl_semantic/dataset/synthetic_sequence.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 

@@ -8,9 +8,9 @@
 //       T_world_sensor of n.pcd, the upper 3 x 4 row by row
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>

@@ -6,7 +6,6 @@
 #include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/quantized_point.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <Eigen/Geometry>

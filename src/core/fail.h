@@ -8,14 +8,30 @@
 
 namespace pcl_semantic {
 
-/** \brief Throws an \a Error whose message is the parts, one after the other. */
+/** \brief Throws an \a Error whose message is the \a parts, one after the other. */
 template <typename Error, typename... Parts>
 [[noreturn]] void
 fail(const Parts&... parts)
 {
   std::ostringstream message;
   (message << ... << parts);
-  PCL_THROW_EXCEPTION(Error, message.str());
+  throw Error(message.str());
+}
+
+/** \brief The same: a file or a value in it cannot be used. */
+template <typename... Parts>
+[[noreturn]] void
+badInput(const Parts&... parts)
+{
+  fail<BadInputException>(parts...);
+}
+
+/** \brief The same: a parameter or argument is outside its range. */
+template <typename... Parts>
+[[noreturn]] void
+badParameter(const Parts&... parts)
+{
+  fail<InvalidParameterException>(parts...);
 }
 
 /** \brief What \a read returns; a value out of range is an error of its file. */
@@ -27,7 +43,7 @@ readFrom(const std::string& path, Read&& read)
     return read();
   }
   catch (const InvalidParameterException& error) {
-    fail<BadInputException>(path, ": ", error.what());
+    badInput(path, ": ", error.what());
   }
 }
 

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <opencv2/core/mat.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace pcl_semantic {
 
 /** \brief A grey image as it is, a colour one (BGR) as grey.
  * \param[in] image CV_8UC1 or CV_8UC3
  * \return CV_8UC1; the same memory if it was grey */
-cv::Mat greyImage(const cv::Mat& image);
+inline cv::Mat
+greyImage(const cv::Mat& image)
+{
+  if (image.channels() == 1)
+    return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
 
 } // namespace pcl_semantic

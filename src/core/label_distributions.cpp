@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "fail.h"
+
 #include <pcl_semantic/core/label_distributions.h>
 
 #include <algorithm>
@@ -31,21 +32,48 @@ normalizeColumn(float* column, int classes)
   return true;
 }
 
+void
+requireClasses(Eigen::Index classes)
+{
+  if (classes < 1 || classes > 255)
+    badParameter("distributions need 1 to 255 classes, not ", classes);
+}
+
+// e^x for x <= 0, to 2e-7 of itself; 0 below -87. No call and no branch, so that a
+// compiler makes the loop over the classes wide: 2^n e^r with |r| <= ln 2 / 2 and a
+// polynomial of Taylor's first terms.
+float
+exponential(float x)
+{
+  constexpr float magic = 12582912.0f; // 1.5 * 2^23: a sum with it is rounded
+  const float bounded = x > -87.0f ? x : -87.0f;
+  const float shifted = bounded * 1.44269504f + magic;
+  const float n = shifted - magic;
+  float r = bounded - n * 0.693359375f; // ln 2 in two parts
+  r += n * 2.12194440e-4f;
+  float sum = 1.0f / 5040.0f;
+  for (const float term :
+       {1.0f / 720.0f, 1.0f / 120.0f, 1.0f / 24.0f, 1.0f / 6.0f, 0.5f, 1.0f, 1.0f})
+    sum = sum * r + term;
+  std::uint32_t bits;
+  std::memcpy(&bits, &shifted, sizeof bits);
+  bits = (bits + 127u) << 23;
+  float power;
+  std::memcpy(&power, &bits, sizeof power);
+  return x > -87.0f ? sum * power : 0.0f;
+}
+
 } // namespace
 
 LabelDistributions::LabelDistributions(int classes, Eigen::Index count)
 {
-  if (classes < 1 || classes > 255)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "distributions need 1 to 255 classes, not " << classes);
+  requireClasses(classes);
   matrix_ = Matrix::Zero(classes, count);
 }
 
 LabelDistributions::LabelDistributions(Matrix weights) : matrix_(std::move(weights))
 {
-  if (matrix_.rows() < 1 || matrix_.rows() > 255)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "distributions need 1 to 255 classes, not " << matrix_.rows());
+  requireClasses(matrix_.rows());
   normalize();
 }
 
@@ -54,11 +82,9 @@ LabelDistributions::setLabel(Eigen::Index j, Label label, float confidence)
 {
   const int L = classes();
   if (label > L)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "label " << int(label) << " is beyond the " << L << " classes");
+    badInput("label ", int(label), " is beyond the ", L, " classes");
   if (!(confidence >= 0.0f && confidence <= 1.0f))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "confidence is " << confidence << ", expected 0 to 1");
+    badParameter("confidence is ", confidence, ", expected 0 to 1");
   float* const p = column(j);
   if (label == kUnlabelled) {
     std::fill_n(p, L, 0.0f);
@@ -78,10 +104,8 @@ LabelDistributions::normalize()
     if (!normalizeColumn(column(j), classes()))
       bad = std::min(bad, j);
   if (bad < size())
-    PCL_THROW_EXCEPTION(BadInputException, "the label distribution of point "
-                                               << bad
-                                               << " has a negative or "
-                                                  "non-finite probability");
+    badInput("the label distribution of point ", bad,
+             " has a negative or non-finite probability");
 }
 
 Label
@@ -126,34 +150,6 @@ fuseLogLikelihood(const float* log_likelihood, int classes, float max_log_ratio,
   for (int k = 0; k < classes; ++k)
     log_distribution[k] = std::max(log_distribution[k] - largest, -max_log_ratio);
 }
-
-namespace {
-
-// e^x for x <= 0, to 2e-7 of itself; 0 below -87. No call and no branch, so that a
-// compiler makes the loop over the classes wide: 2^n e^r with |r| <= ln 2 / 2 and a
-// polynomial of Taylor's first terms.
-float
-exponential(float x)
-{
-  constexpr float magic = 12582912.0f; // 1.5 * 2^23: a sum with it is rounded
-  const float bounded = x > -87.0f ? x : -87.0f;
-  const float shifted = bounded * 1.44269504f + magic;
-  const float n = shifted - magic;
-  float r = bounded - n * 0.693359375f; // ln 2 in two parts
-  r += n * 2.12194440e-4f;
-  float sum = 1.0f / 5040.0f;
-  for (const float term :
-       {1.0f / 720.0f, 1.0f / 120.0f, 1.0f / 24.0f, 1.0f / 6.0f, 0.5f, 1.0f, 1.0f})
-    sum = sum * r + term;
-  std::uint32_t bits;
-  std::memcpy(&bits, &shifted, sizeof bits);
-  bits = (bits + 127u) << 23;
-  float power;
-  std::memcpy(&power, &bits, sizeof power);
-  return x > -87.0f ? sum * power : 0.0f;
-}
-
-} // namespace
 
 void
 distributionFromLog(const float* log_values, int classes, float* distribution)

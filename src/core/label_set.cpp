@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "fail.h"
+
 #include <pcl_semantic/core/label_set.h>
 
 #include <algorithm>
@@ -10,8 +11,7 @@ namespace pcl_semantic {
 LabelSet::LabelSet(std::vector<LabelClass> classes) : classes_(std::move(classes))
 {
   if (classes_.empty() || classes_.size() > 255)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a label set needs 1 to 255 classes, not " << classes_.size());
+    badParameter("a label set needs 1 to 255 classes, not ", classes_.size());
   std::set<std::string> names;
   constexpr std::size_t longest = 100;
   for (const LabelClass& c : classes_) {
@@ -19,12 +19,10 @@ LabelSet::LabelSet(std::vector<LabelClass> classes) : classes_(std::move(classes
         std::none_of(c.name.begin(), c.name.end(),
                      [](unsigned char x) { return x < 0x20 || x == 0x7F; });
     if (!is_word || c.name.size() > longest)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "a class name has control characters, or more than "
-                              << longest << " bytes");
+      badParameter("a class name has control characters, or more than ", longest,
+                   " bytes");
     if (c.name.empty() || !names.insert(c.name).second)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "class name '" << c.name << "' is empty or used twice");
+      badParameter("class name '", c.name, "' is empty or used twice");
   }
 }
 
@@ -35,9 +33,8 @@ LabelSet::operator[](Label label) const
   if (label == kUnlabelled)
     return unlabelled;
   if (label > size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label " << int(label) << " is beyond the " << size()
-                                 << " classes of the label set");
+    badParameter("label ", int(label), " is beyond the ", size(),
+                 " classes of the label set");
   return classes_[label - 1];
 }
 
@@ -56,9 +53,8 @@ ColourMapping::ColourMapping(const LabelSet& label_set)
     const LabelClass& each = label_set[Label(label)];
     const auto [other, is_new] = labels_.emplace(each.colour, Label(label));
     if (!is_new)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "'" << label_set[other->second].name << "' and '" << each.name
-                              << "' of the label set have one colour");
+      badParameter("'", label_set[other->second].name, "' and '", each.name,
+                   "' of the label set have one colour");
   }
   labels_.emplace(label_set[kUnlabelled].colour, kUnlabelled);
 }
@@ -75,8 +71,7 @@ LabelMapping::set(std::uint32_t id, Label label)
 {
   constexpr std::uint32_t max_id = 65535;
   if (id > max_id)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label id " << id << " is beyond " << max_id);
+    badParameter("label id ", id, " is beyond ", max_id);
   if (id >= labels_.size())
     labels_.resize(id + 1, kUnlabelled);
   labels_[id] = label;

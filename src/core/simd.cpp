@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simd.h"
-
-#include <pcl_semantic/core/exceptions.h>
+#include "fail.h"
 
 #include <hwy/targets.h>
 
@@ -24,9 +23,8 @@ chosenTier()
   for (const SimdTier tier : {SimdTier::plain, SimdTier::avx2, SimdTier::avx512})
     if (std::string(word) == nameOf(tier))
       return std::min(tier, widestSimdTier());
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      "PCL_SEMANTIC_SIMD is '"
-                          << word << "', expected plain, neon, avx2 or avx512");
+  badParameter("PCL_SEMANTIC_SIMD is '", word,
+               "', expected plain, neon, avx2 or avx512");
 }
 
 } // namespace

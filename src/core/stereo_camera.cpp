@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "fail.h"
+
 #include <pcl_semantic/core/stereo_camera.h>
 
 #include <cmath>
@@ -11,21 +12,15 @@ StereoCamera::validate() const
 {
   for (const double value : {fx, fy, cx, cy, baseline})
     if (!std::isfinite(value))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "the camera has a parameter that is not a finite number");
+      badParameter("the camera has a parameter that is not a finite number");
   if (fx <= 0.0 || fy <= 0.0)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "focal lengths are "
-                                                       << fx << " and " << fy
-                                                       << " px, expected more than 0");
+    badParameter("focal lengths are ", fx, " and ", fy, " px, expected more than 0");
   if (baseline <= 0.0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "baseline is " << baseline << " m, expected more than 0");
+    badParameter("baseline is ", baseline, " m, expected more than 0");
   // The smallest of cameras for hands has 50 mm, the widest on a car a few metres.
   if (baseline < 1e-3 || baseline > 10.0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "baseline is " << baseline
-                                       << " m, expected 0.001 to 10 m; is it in "
-                                          "millimetres?");
+    badParameter("baseline is ", baseline,
+                 " m, expected 0.001 to 10 m; is it in millimetres?");
 }
 
 } // namespace pcl_semantic

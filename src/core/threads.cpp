@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "fail.h"
+
 #include <pcl_semantic/core/threads.h>
 
 #include <opencv2/core/utility.hpp>
@@ -13,8 +14,7 @@ void
 setNumberOfThreads(int threads)
 {
   if (threads < 0 || threads > 1024)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "threads is " << threads << ", expected 0 (all) to 1024");
+    badParameter("threads is ", threads, ", expected 0 (all) to 1024");
   const int count = threads == 0 ? omp_get_num_procs() : threads;
   omp_set_num_threads(count);
   // TBB complains on standard error when asked for more than there are; and OpenCV's

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "fail.h"
+
 #include <pcl_semantic/core/visible_points.h>
 
 #include <opencv2/core/mat.hpp>
@@ -56,13 +57,10 @@ void
 VisibilityParameters::validate() const
 {
   if (!(max_depth > 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "max_depth is " << max_depth << ", expected more than 0");
+    badParameter("max_depth is ", max_depth, ", expected more than 0");
   if (window_columns < 0 || window_rows < 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the window for occlusion is "
-                                                       << window_columns << " x "
-                                                       << window_rows
-                                                       << " px, expected 0 or more");
+    badParameter("the window for occlusion is ", window_columns, " x ", window_rows,
+                 " px, expected 0 or more");
 }
 
 std::optional<Eigen::Vector2i>
@@ -83,7 +81,7 @@ seenPoints(const std::vector<Eigen::Vector3d>& points, const StereoCamera& camer
            const VisibilityParameters& parameters)
 {
   if (camera.width <= 0 || camera.height <= 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the camera has no image size");
+    badParameter("the camera has no image size");
   std::vector<SeenPoint> seen(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     if (const auto pixel = pixelOf(points[i], camera))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/fail.h"
-#include "files/byte_writer.h"
+#include "files/bytes.h"
 
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/files/atomic_file.h>

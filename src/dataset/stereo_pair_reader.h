@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/stereo_frame.h>
+#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
 
 #include <string>

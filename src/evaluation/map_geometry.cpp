@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files/json_text.h"
+#include "files/report_text.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>

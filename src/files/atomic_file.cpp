@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -48,16 +49,13 @@ AtomicFile::AtomicFile(const std::string& path)
   std::error_code ignored;
   const fs::file_status status = fs::status(path_, ignored);
   if (fs::is_directory(status))
-    PCL_THROW_EXCEPTION(OutputException,
-                        path_ << ": cannot be written: it is a folder");
+    fail<OutputException>(path_, ": cannot be written: it is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status))
-    PCL_THROW_EXCEPTION(OutputException,
-                        path_ << ": cannot be written: it is no regular file");
+    fail<OutputException>(path_, ": cannot be written: it is no regular file");
   stream_.imbue(std::locale::classic());
   stream_.open(temporary_path_, std::ios::binary | std::ios::trunc);
   if (!stream_)
-    PCL_THROW_EXCEPTION(OutputException,
-                        path_ << ": cannot be written: " << std::strerror(errno));
+    fail<OutputException>(path_, ": cannot be written: ", std::strerror(errno));
 }
 
 AtomicFile::~AtomicFile()
@@ -72,14 +70,12 @@ AtomicFile::commit()
 {
   stream_.close();
   if (stream_.fail() || !synchronize(temporary_path_, O_RDONLY))
-    PCL_THROW_EXCEPTION(
-        OutputException,
-        path_ << ": could not be written completely (is the disk full?)");
+    fail<OutputException>(path_,
+                          ": could not be written completely (is the disk full?)");
   std::error_code error;
   fs::rename(temporary_path_, path_, error);
   if (error)
-    PCL_THROW_EXCEPTION(OutputException,
-                        path_ << ": cannot be written: " << error.message());
+    fail<OutputException>(path_, ": cannot be written: ", error.message());
   synchronizeFolderOf(path_);
 }
 
@@ -90,11 +86,17 @@ synchronizeFolderOf(const std::string& path)
 }
 
 void
-writeTextFile(const std::string& path, const std::string& text)
+writeBytes(const std::string& path, const void* bytes, std::size_t size)
 {
   AtomicFile file(path);
-  file.stream() << text;
+  file.stream().write(static_cast<const char*>(bytes), std::streamsize(size));
   file.commit();
+}
+
+void
+writeTextFile(const std::string& path, const std::string& text)
+{
+  writeBytes(path, text.data(), text.size());
 }
 
 void
@@ -103,8 +105,7 @@ makeOutputFolder(const std::string& path)
   std::error_code error;
   fs::create_directories(path, error);
   if (error)
-    PCL_THROW_EXCEPTION(OutputException,
-                        path << ": cannot be made: " << error.message());
+    fail<OutputException>(path, ": cannot be made: ", error.message());
   AtomicFile probe((fs::path(path) / "pcl_semantic_probe").string());
 }
 
@@ -118,8 +119,7 @@ removeFrameFiles(const std::string& folder, const std::string& extension,
     std::error_code error;
     fs::remove(file.path, error);
     if (error)
-      PCL_THROW_EXCEPTION(OutputException,
-                          file.path << ": cannot be removed: " << error.message());
+      fail<OutputException>(file.path, ": cannot be removed: ", error.message());
   }
 }
 

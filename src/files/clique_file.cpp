@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "parse_whole.h"
+
+#include "core/fail.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
-#include <charconv>
 #include <sstream>
 
 namespace pcl_semantic {
@@ -19,22 +21,16 @@ parseClique(const std::string& text, std::size_t points, const std::string& wher
   std::istringstream stream(text);
   for (std::string word; stream >> word;) {
     pcl::index_t index = 0;
-    const char* const end = word.data() + word.size();
-    const auto [rest, error] = std::from_chars(word.data(), end, index);
-    if (error != std::errc() || rest != end || index < 0 ||
-        static_cast<std::size_t>(index) >= points)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          where << ": " << inQuotes(word)
-                                << " is not the index of a point, expected a number "
-                                   "from 0, below "
-                                << points);
+    if (!parseWhole(word, index) || index < 0 || std::size_t(index) >= points)
+      badInput(where, ": ", inQuotes(word),
+               " is not the index of a point, expected a number from 0, below ",
+               points);
     clique.indices.push_back(index);
   }
   std::sort(clique.indices.begin(), clique.indices.end());
   const auto twice = std::adjacent_find(clique.indices.begin(), clique.indices.end());
   if (twice != clique.indices.end())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": names point " << *twice << " twice");
+    badInput(where, ": names point ", *twice, " twice");
   return clique;
 }
 
@@ -59,9 +55,7 @@ writeCliques(const std::string& path, const std::vector<pcl::PointIndices>& cliq
   for (std::size_t c = 0; c < cliques.size(); ++c) {
     const pcl::Indices& indices = cliques[c].indices;
     if (indices.empty() || *std::min_element(indices.begin(), indices.end()) < 0)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          path << ": clique " << c
-                               << " is empty or has a negative index");
+      badParameter(path, ": clique ", c, " is empty or has a negative index");
     const char* separator = "";
     for (const pcl::index_t index : indices) {
       file.stream() << separator << index;

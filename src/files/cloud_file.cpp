@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcd_data.h"
 #include "pcd_file.h"
+#include "ply_file.h"
 
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <boost/algorithm/string/case_conv.hpp>
+#include <pcl/common/point_tests.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <set>
+#include <limits>
 
 namespace pcl_semantic {
 
@@ -19,172 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct PlyType {
-  const char *name, *other_name;
-  char type;
-  int size;
-};
+using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
 
-constexpr PlyType kPlyTypes[] = {
-    {"char", "int8", 'I', 1},     {"uchar", "uint8", 'U', 1},
-    {"short", "int16", 'I', 2},   {"ushort", "uint16", 'U', 2},
-    {"int", "int32", 'I', 4},     {"uint", "uint32", 'U', 4},
-    {"float", "float32", 'F', 4}, {"double", "float64", 'F', 8}};
-
-class PlyHeaderParser {
-public:
-  PlyHeaderParser(const std::string& path, std::string_view file)
-      : path_(path), file_(file)
-  {}
-
-  PcdHeader
-  parse()
-  {
-    if (takeLine(file_, header_.data_offset) != "ply")
-      PCL_THROW_EXCEPTION(BadInputException, path_ << ": does not begin with 'ply'");
-    header_.data_line = 1;
-    while (header_.data_offset < file_.size()) {
-      std::string_view line = takeLine(file_, header_.data_offset);
-      ++header_.data_line;
-      const std::string_view keyword = takeWord(line);
-      if (keyword == "end_header")
-        return checked();
-      if (keyword == "format")
-        parseFormat(line);
-      else if (keyword == "element")
-        parseElement(line);
-      else if (keyword == "property" && in_vertex_)
-        parseProperty(line);
-    }
-    PCL_THROW_EXCEPTION(BadInputException, path_ << ": has no end_header");
-  }
-
-private:
-  [[noreturn]] void
-  fail(const std::string& what) const
-  {
-    PCL_THROW_EXCEPTION(BadInputException, atLine(path_, header_.data_line)
-                                               << ": " << what);
-  }
-
-  void
-  parseFormat(std::string_view line)
-  {
-    const std::string_view format = takeWord(line);
-    if (format != "ascii" && format != "binary_little_endian")
-      fail("format is " + inQuotes(format) +
-           ", expected ascii or binary_little_endian");
-    header_.encoding = format == "ascii" ? PcdEncoding::ascii : PcdEncoding::binary;
-    has_format_ = true;
-  }
-
-  void
-  parseElement(std::string_view line)
-  {
-    in_vertex_ = takeWord(line) == "vertex";
-    if (!in_vertex_ && !has_vertices_)
-      fail("vertices have to be the first element");
-    if (!in_vertex_)
-      return;
-    const double count =
-        parseNumber(std::string(takeWord(line)), atLine(path_, header_.data_line));
-    if (has_vertices_ || !(count >= 0.0 && count <= double(1u << 31)) ||
-        count != double(std::size_t(count)))
-      fail("expected one element vertex and its number");
-    header_.table.points = std::size_t(count);
-    has_vertices_ = true;
-  }
-
-  void
-  parseProperty(std::string_view line)
-  {
-    const std::string_view type = takeWord(line);
-    std::string name = boost::algorithm::to_lower_copy(std::string(takeWord(line)));
-    if (name == "scalar_label")
-      name = "label";
-    for (const PlyType& each : kPlyTypes)
-      if (type == each.name || type == each.other_name) {
-        header_.table.fields.push_back({name, each.type, each.size});
-        if (!header_.table.fields.back().isValid() || !names_.insert(name).second)
-          fail("property " + inQuotes(name) + " has no name, or one that is taken");
-        return;
-      }
-    fail("property of type " + inQuotes(type) + ", expected a scalar one of vertices");
-  }
-
-  PcdHeader
-  checked() const
-  {
-    if (!has_format_ || header_.table.fields.empty())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          path_ << ": has no format, or no vertices with properties");
-    return header_;
-  }
-
-  const std::string& path_;
-  std::string_view file_;
-  PcdHeader header_;
-  std::set<std::string> names_;
-  bool has_format_ = false, has_vertices_ = false, in_vertex_ = false;
-};
-
-// The file without what follows the vertices: faces, mostly.
-std::string_view
-withoutOtherElements(const PcdHeader& header, std::string_view file)
-{
-  if (header.encoding == PcdEncoding::ascii) {
-    std::size_t end = header.data_offset;
-    for (std::size_t i = 0; i < header.table.points && end < file.size(); ++i)
-      takeLine(file, end);
-    return file.substr(0, end);
-  }
-  const std::size_t available = file.size() - header.data_offset;
-  const std::size_t size = header.table.pointSize();
-  return header.table.points > available / size
-             ? file
-             : file.substr(0, header.data_offset + header.table.points * size);
-}
-
-// Red, green and blue of their own into PCL's packed colour.
-void
-packColours(PcdTable& table)
-{
-  const int red = table.find("red"), green = table.find("green"),
-            blue = table.find("blue");
-  if (red < 0 || green < 0 || blue < 0)
-    return;
-  for (const int field : {red, green, blue})
-    if (table.fields[std::size_t(field)].type != 'U' ||
-        table.fields[std::size_t(field)].size != 1)
-      return; // they mean something else
-  const PcdColumn r(table, red), g(table, green), b(table, blue);
-  std::vector<std::uint8_t> bytes(4 * table.points, 255);
-  for (std::size_t i = 0; i < table.points; ++i) {
-    bytes[4 * i] = std::uint8_t(b(i)); // little-endian
-    bytes[4 * i + 1] = std::uint8_t(g(i));
-    bytes[4 * i + 2] = std::uint8_t(r(i));
-  }
-  for (const char* const name : {"red", "green", "blue", "alpha"})
-    table.removeColumns(name);
-  table.setColumn({"rgba", 'U'}, bytes);
-}
-
-PcdTable
-readPly(const std::string& path)
-{
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  const std::string_view file(reinterpret_cast<const char*>(bytes.data()),
-                              bytes.size());
-  PcdHeader header = PlyHeaderParser(path, file).parse();
-  const std::string_view vertices = withoutOtherElements(header, file);
-  header.table.data = header.encoding == PcdEncoding::ascii
-                          ? decodePcdAscii(path, header, vertices)
-                          : decodePcdBinary(path, header, vertices);
-  packColours(header.table);
-  header.table.width = header.table.points;
-  header.table.height = 1;
-  return std::move(header.table);
-}
+constexpr double kLargest = std::numeric_limits<float>::max();
+constexpr const char* kCliqueField = "clique";
 
 // The labels that belong to a scan; empty if there are none.
 std::string
@@ -204,27 +45,293 @@ readScan(const std::string& path)
   PcdTable table;
   table.data = readBytes(path);
   table.fields = {{"x"}, {"y"}, {"z"}, {"intensity"}};
-  table.points = table.data.size() / table.pointSize();
-  table.width = table.points;
+  table.points = table.width = table.data.size() / table.pointSize();
   table.height = 1;
   if (table.points == 0 || table.data.size() % table.pointSize() != 0)
-    PCL_THROW_EXCEPTION(
-        BadInputException,
-        path << ": has " << table.data.size()
-             << " bytes, expected a multiple of 16 (4 float32 a point)");
+    badInput(path, ": has ", table.data.size(),
+             " bytes, expected a multiple of 16 (4 float32 a point)");
   const std::string labels = labelsOfScan(path);
   if (labels.empty())
     return table;
   std::vector<std::uint8_t> bytes = readBytes(labels);
   if (bytes.size() != 4 * table.points)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        labels << ": has " << bytes.size() << " bytes, expected "
-                               << 4 * table.points << ": uint32 for each point of "
-                               << path);
+    badInput(labels, ": has ", bytes.size(), " bytes, expected ", 4 * table.points,
+             ": uint32 for each point of ", path);
   for (std::size_t i = 0; i < table.points; ++i)
     bytes[4 * i + 2] = bytes[4 * i + 3] = 0; // the instance
   table.setColumn({"label", 'U'}, bytes);
   return table;
+}
+
+// A field of a table with the name of its file, for messages.
+struct NamedColumn : PcdColumn {
+  NamedColumn(const std::string& path_, const PcdTable& table, int index)
+      : PcdColumn(table, index), path(path_)
+  {}
+
+  [[noreturn]] void
+  refuse(std::size_t point, double value, const std::string& expected) const
+  {
+    badInput(path, ": field '", field().name, "' of point ", point, " is ", value,
+             ", expected ", expected);
+  }
+
+  // A value that has to be a whole number from 0 to `largest`.
+  std::uint32_t
+  wholeNumber(std::size_t point, std::uint32_t largest, const char* or_else = "") const
+  {
+    const double value = (*this)(point);
+    if (!(value >= 0.0 && value <= largest) || value != std::floor(value))
+      refuse(point, value,
+             "a whole number from 0 to " + std::to_string(largest) + or_else);
+    return static_cast<std::uint32_t>(value);
+  }
+
+  const std::string& path;
+};
+
+// A field of one element.
+NamedColumn
+singleColumn(const std::string& path, const PcdTable& table, int field)
+{
+  const NamedColumn column(path, table, field);
+  if (column.field().count != 1)
+    badInput(path, ": field '", column.field().name, "' has COUNT ",
+             column.field().count, ", expected 1");
+  return column;
+}
+
+// The finite points of each number of the field `clique` but 0, in the order of the
+// numbers; none without that field.
+std::vector<pcl::PointIndices>
+cliquesOfColumn(const std::string& path, const PcdTable& table, const Cloud& cloud)
+{
+  const int field = table.find(kCliqueField);
+  if (field < 0)
+    return {};
+  const NamedColumn column = singleColumn(path, table, field);
+  std::vector<std::pair<std::uint32_t, pcl::index_t>> members; // clique, point
+  for (std::size_t i = 0; i < table.points; ++i) {
+    const std::uint32_t number =
+        column.wholeNumber(i, std::numeric_limits<std::uint32_t>::max());
+    if (number != 0 && pcl::isXYZFinite(cloud[i]))
+      members.emplace_back(number, static_cast<pcl::index_t>(i));
+  }
+  std::sort(members.begin(), members.end());
+  std::vector<pcl::PointIndices> cliques;
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    if (m == 0 || members[m].first != members[m - 1].first)
+      cliques.emplace_back();
+    cliques.back().indices.push_back(members[m].second);
+  }
+  return cliques;
+}
+
+class Reader {
+public:
+  Reader(PcdTable read, const std::string& name, const LabelMapping* mapping)
+      : path_(name), mapping_(mapping)
+  {
+    result_.table = std::move(read);
+    if (table_.points > std::size_t(std::numeric_limits<pcl::index_t>::max()))
+      badInput(path_, ": has ", table_.points, " points, more than PCL can index");
+  }
+
+  LabelledCloud
+  read()
+  {
+    cloud_.resize(table_.points);
+    cloud_.width = static_cast<std::uint32_t>(table_.width);
+    cloud_.height = static_cast<std::uint32_t>(table_.height);
+    readViewpoint();
+    readPositions();
+    readColours();
+    readProbabilities();
+    readLabels();
+    result_.cliques = cliquesOfColumn(path_, table_, cloud_);
+    return std::move(result_);
+  }
+
+private:
+  void
+  readViewpoint()
+  {
+    for (const double value : table_.viewpoint)
+      if (std::abs(value) > kLargest)
+        badInput(path_, ": VIEWPOINT is beyond single precision: ", value);
+    const Eigen::Matrix<float, 7, 1> v =
+        Eigen::Map<const Eigen::Matrix<double, 7, 1>>(table_.viewpoint.data())
+            .cast<float>();
+    cloud_.sensor_origin_ << v[0], v[1], v[2], 0.0f;
+    cloud_.sensor_orientation_ = Eigen::Quaternionf(v[3], v[4], v[5], v[6]);
+  }
+
+  void
+  readPositions()
+  {
+    cloud_.is_dense = true;
+    const char* const names[] = {"x", "y", "z"};
+    for (int axis = 0; axis < 3; ++axis) {
+      const int field = table_.find(names[axis]);
+      if (field < 0)
+        badInput(path_, ": has no field '", names[axis], "'");
+      const NamedColumn column = singleColumn(path_, table_, field);
+      for (std::size_t i = 0; i < cloud_.size(); ++i) {
+        const double value = column(i);
+        if (std::isfinite(value) && std::abs(value) > kLargest)
+          column.refuse(i, value, "a number of single precision");
+        cloud_[i].data[axis] = static_cast<float>(value);
+        cloud_.is_dense = cloud_.is_dense && std::isfinite(value);
+      }
+    }
+  }
+
+  void
+  readColours()
+  {
+    const int rgb = table_.find("rgb"), rgba = table_.find("rgba");
+    if (rgb >= 0 && rgba >= 0)
+      badInput(path_, ": has both 'rgb' and 'rgba', expected one");
+    if (rgb < 0 && rgba < 0)
+      return;
+    const NamedColumn column = singleColumn(path_, table_, std::max(rgb, rgba));
+    if (column.field().size != 4)
+      badInput(path_, ": field '", column.field().name, "' has ", column.field().size,
+               " bytes, expected 4");
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+      cloud_[i].rgba = column.bits(i);
+    result_.has_colour = true;
+  }
+
+  void
+  readProbabilities()
+  {
+    const int field = table_.find("probability");
+    if (field < 0)
+      return;
+    const NamedColumn column(path_, table_, field);
+    const int classes = column.field().count;
+    if (classes > 255)
+      badInput(path_, ": field 'probability' has COUNT ", classes,
+               ", expected 1 to 255 classes");
+    LabelDistributions::Matrix values(classes, Eigen::Index(table_.points));
+    for (std::size_t i = 0; i < table_.points; ++i) {
+      double sum = 0.0;
+      for (int k = 0; k < classes; ++k) {
+        const double value = column(i, k);
+        if (!(value >= 0.0 && value <= kLargest))
+          column.refuse(i, value, "0 to 1");
+        values(k, Eigen::Index(i)) = static_cast<float>(value);
+        sum += value;
+      }
+      constexpr double tolerance = 0.1; // as in files of distributions
+      if (sum != 0.0 && std::abs(sum - 1.0) > tolerance)
+        badInput(path_, ": field 'probability' of point ", i, " sums to ", sum,
+                 ", expected 1");
+    }
+    result_.distributions = LabelDistributions(classes, 0);
+    if (table_.points > 0)
+      result_.distributions = LabelDistributions(std::move(values));
+    result_.has_labels = true;
+  }
+
+  void
+  readLabels()
+  {
+    const int field = table_.find("label"), classes = result_.distributions.classes();
+    if (field < 0) {
+      for (std::size_t i = 0; i < cloud_.size(); ++i)
+        cloud_[i].label =
+            classes > 0 ? result_.distributions.mapLabel(Eigen::Index(i)) : kUnlabelled;
+      return;
+    }
+    const NamedColumn column = singleColumn(path_, table_, field);
+    const auto largest = std::uint32_t(classes > 0 ? classes : 255);
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+      cloud_[i].label =
+          mapping_ ? mapped(column, i)
+                   : column.wholeNumber(i, largest,
+                                        ", or a label mapping for other numberings");
+    result_.has_labels = true;
+  }
+
+  // Numbers below 0 are what other programs write for unlabelled.
+  std::uint32_t
+  mapped(const NamedColumn& column, std::size_t i) const
+  {
+    const double value = column(i);
+    if (!(std::abs(value) <= double(1u << 31)) || value != std::floor(value))
+      column.refuse(i, value, "a whole number");
+    return value < 0.0 ? kUnlabelled : (*mapping_)(std::uint32_t(value));
+  }
+
+  const std::string& path_;
+  const LabelMapping* mapping_;
+  LabelledCloud result_;
+  const PcdTable& table_ = result_.table;
+  Cloud& cloud_ = *result_.cloud;
+};
+
+template <typename T>
+std::vector<std::uint8_t>
+bytesOf(const T* values, std::size_t count)
+{
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(values);
+  return {bytes, bytes + count * sizeof(T)};
+}
+
+// One column of a cloud; `value` takes a point.
+template <typename Value>
+void
+putColumn(PcdTable& table, const PcdField& field, const Cloud& cloud, Value&& value)
+{
+  std::vector<decltype(value(cloud[0]))> values;
+  values.reserve(cloud.size());
+  for (const pcl::PointXYZRGBL& point : cloud)
+    values.push_back(value(point));
+  table.setColumn(field, bytesOf(values.data(), values.size()));
+}
+
+// Of a cloud that was in no file.
+PcdTable
+newTable(const LabelledCloud& labelled)
+{
+  const Cloud& cloud = *labelled.cloud;
+  PcdTable table;
+  table.points = cloud.size();
+  if (cloud.isOrganized()) {
+    table.width = cloud.width;
+    table.height = cloud.height;
+  }
+  const Eigen::Vector4f& origin = cloud.sensor_origin_;
+  const Eigen::Quaternionf& q = cloud.sensor_orientation_;
+  table.viewpoint = {origin[0], origin[1], origin[2], q.w(), q.x(), q.y(), q.z()};
+  putColumn(table, {"x"}, cloud, [](const auto& point) { return point.x; });
+  putColumn(table, {"y"}, cloud, [](const auto& point) { return point.y; });
+  putColumn(table, {"z"}, cloud, [](const auto& point) { return point.z; });
+  if (labelled.has_colour)
+    putColumn(table, {"rgba", 'U'}, cloud,
+              [](const auto& point) { return point.rgba; });
+  return table;
+}
+
+// Puts cliques into the field `clique`: the first is number 1.
+void
+setCliqueColumn(const std::string& path, const std::vector<pcl::PointIndices>& cliques,
+                PcdTable& table)
+{
+  std::vector<std::uint32_t> numbers(table.points, 0);
+  for (std::uint32_t c = 0; c < cliques.size(); ++c)
+    for (const pcl::index_t index : cliques[c].indices) {
+      if (index < 0 || static_cast<std::size_t>(index) >= table.points)
+        badParameter(path, ": clique ", c, " has point ", index, " of ", table.points);
+      std::uint32_t& entry = numbers[static_cast<std::size_t>(index)];
+      if (entry != 0)
+        badParameter(path, ": point ", index, " is in cliques ", entry - 1, " and ", c,
+                     ", but a field holds one");
+      entry = c + 1;
+    }
+  table.setColumn({kCliqueField, 'U'}, bytesOf(numbers.data(), numbers.size()));
 }
 
 } // namespace
@@ -246,10 +353,58 @@ readCloudTable(const std::string& path)
   return extension == ".bin" ? readScan(path) : readPcd(path);
 }
 
-void
-writeCloudTable(const std::string& path, const PcdTable& table)
+LabelledCloud
+readLabelledCloud(const std::string& path, const LabelMapping* mapping)
 {
-  writePcd(path, table);
+  return labelledCloudOf(readCloudTable(path), path, mapping);
+}
+
+LabelledCloud
+labelledCloudOf(PcdTable table, const std::string& name, const LabelMapping* mapping)
+{
+  return Reader(std::move(table), name, mapping).read();
+}
+
+PcdTable
+tableOf(const LabelledCloud& labelled, const std::string& name)
+{
+  const Cloud& cloud = *labelled.cloud;
+  const LabelDistributions& distributions = labelled.distributions;
+  PcdTable table = labelled.table.fields.empty() ? newTable(labelled) : labelled.table;
+  const int classes = distributions.classes();
+  if (table.points != cloud.size() ||
+      (classes > 0 && distributions.size() != Eigen::Index(cloud.size())))
+    badParameter(name, ": the cloud has ", cloud.size(), " points, its table ",
+                 table.points, ", its distributions ", distributions.size());
+  putColumn(table, {"label", 'U'}, cloud,
+            [](const auto& point) { return point.label; });
+  if (classes > 0)
+    table.setColumn({"probability", 'F', 4, classes},
+                    bytesOf(distributions.matrix().data(),
+                            std::size_t(distributions.matrix().size())));
+  const std::vector<pcl::PointIndices> old = cliquesOfColumn(name, table, cloud);
+  if (!std::equal(old.begin(), old.end(), labelled.cliques.begin(),
+                  labelled.cliques.end(),
+                  [](const auto& a, const auto& b) { return a.indices == b.indices; }))
+    setCliqueColumn(name, labelled.cliques, table);
+  return table;
+}
+
+void
+writeLabelledCloud(const std::string& path, const LabelledCloud& labelled)
+{
+  writeCloudTable(path, tableOf(labelled, path));
+}
+
+void
+writeCliques(const std::string& path, const LabelledCloud& labelled)
+{
+  PcdTable table = labelled.table;
+  if (table.points != labelled.cloud->size())
+    badParameter(path, ": the cloud has ", labelled.cloud->size(),
+                 " points, its table ", table.points);
+  setCliqueColumn(path, labelled.cliques, table);
+  writeCloudTable(path, table);
 }
 
 } // namespace pcl_semantic

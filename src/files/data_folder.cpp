@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/data_folder.h>
 
 #include <dlfcn.h>
@@ -44,8 +45,7 @@ findDataFile(const std::string& name)
       if (!home.empty() && fs::exists(path, error))
         return path.string();
     }
-  PCL_THROW_EXCEPTION(BadInputException,
-                      name << ": is not among the data of this installation");
+  badInput(name, ": is not among the data of this installation");
 }
 
 } // namespace pcl_semantic

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -22,10 +23,8 @@ readBin(const std::string& path, int width, int height, int classes)
   LabelDistributions::Matrix values(classes, Eigen::Index(width) * height);
   const std::size_t expected = std::size_t(values.size()) * sizeof(float);
   if (bytes.size() != expected)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has " << bytes.size() << " bytes, expected "
-                             << expected << " (" << width << " x " << height
-                             << " pixels x " << classes << " classes x 4)");
+    badInput(path, ": has ", bytes.size(), " bytes, expected ", expected, " (", width,
+             " x ", height, " pixels x ", classes, " classes x 4)");
   std::memcpy(values.data(), bytes.data(), expected);
   return values;
 }
@@ -35,10 +34,8 @@ readNpyMatrix(const std::string& path, int width, int height, int classes)
 {
   const NpyArray array = readNpy(path);
   if (array.width != width || array.height != height || array.depth != classes)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has shape (" << array.height << ", " << array.width
-                             << ", " << array.depth << "), expected (" << height << ", "
-                             << width << ", " << classes << ")");
+    badInput(path, ": has shape (", array.height, ", ", array.width, ", ", array.depth,
+             "), expected (", height, ", ", width, ", ", classes, ")");
   return Eigen::Map<const LabelDistributions::Matrix>(array.values.data(), classes,
                                                       Eigen::Index(width) * height);
 }
@@ -60,18 +57,15 @@ readLabels(const std::string& path, const PixelMapping& mapping)
     return cv::Mat1b(readPng(path, ImageKind::labels));
   const cv::Mat image = readPng(path, ImageKind::grey_or_colour);
   if (image.channels() != 3)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": is grey, expected the colours of the classes");
+    badInput(path, ": is grey, expected the colours of the classes");
   cv::Mat1b labels(image.size());
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u) {
       const cv::Vec3b& bgr = image.at<cv::Vec3b>(v, u);
       const auto label = (*colours)(bgr[2], bgr[1], bgr[0]);
       if (!label)
-        PCL_THROW_EXCEPTION(BadInputException,
-                            path << ": pixel (" << u << ", " << v << ") has the colour "
-                                 << int(bgr[2]) << ", " << int(bgr[1]) << ", "
-                                 << int(bgr[0]) << ", expected that of a class");
+        badInput(path, ": pixel (", u, ", ", v, ") has the colour ", int(bgr[2]), ", ",
+                 int(bgr[1]), ", ", int(bgr[0]), ", expected that of a class");
       labels(v, u) = *label;
     }
   return labels;
@@ -83,17 +77,15 @@ readIds(const std::string& path, int width, int height, int classes, float confi
 {
   const cv::Mat ids = readLabels(path, mapping);
   if (ids.cols != width || ids.rows != height)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is " << ids.cols << " x "
-                                                << ids.rows << " pixels, expected "
-                                                << width << " x " << height);
+    badInput(path, ": is ", ids.cols, " x ", ids.rows, " pixels, expected ", width,
+             " x ", height);
   LabelDistributions distributions(classes, Eigen::Index(width) * height);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u) {
       const int id = ids.at<std::uint8_t>(v, u);
       if (id > classes)
-        PCL_THROW_EXCEPTION(BadInputException, path << ": pixel (" << u << ", " << v
-                                                    << ") has class " << id
-                                                    << ", expected 0 to " << classes);
+        badInput(path, ": pixel (", u, ", ", v, ") has class ", id, ", expected 0 to ",
+                 classes);
       distributions.setLabel(Eigen::Index(v) * width + u, Label(id), confidence);
     }
   return distributions;
@@ -109,12 +101,10 @@ checkSums(const LabelDistributions::Matrix& values, const std::string& path, int
     const bool valid = (values.col(j).array() >= 0.0f).all() && std::isfinite(sum);
     if (valid && (sum == 0.0f || std::abs(sum - 1.0f) <= tolerance))
       continue;
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": pixel (" << j % width << ", " << j / width << ") "
-                             << (valid
-                                     ? "has probabilities that sum to "
-                                     : "has a negative or non-finite probability; sum ")
-                             << sum << ", expected 1");
+    badInput(path, ": pixel (", j % width, ", ", j / width, ") ",
+             valid ? "has probabilities that sum to "
+                   : "has a negative or non-finite probability; sum ",
+             sum, ", expected 1");
   }
 }
 
@@ -123,8 +113,7 @@ int
 rowsOf(const LabelDistributions& distributions, int width)
 {
   if (width < 1 || distributions.size() % width != 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        distributions.size() << " pixels are no rows of " << width);
+    badParameter(distributions.size(), " pixels are no rows of ", width);
   return int(distributions.size() / width);
 }
 
@@ -138,8 +127,7 @@ readDistributions(const std::string& path, int width, int height, int classes,
   if (extension == ".png")
     return readIds(path, width, height, classes, confidence, mapping);
   if (extension != ".bin" && extension != ".npy")
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": expected a file named .bin, .npy or .png");
+    badInput(path, ": expected a file named .bin, .npy or .png");
   LabelDistributions::Matrix values = extension == ".bin"
                                           ? readBin(path, width, height, classes)
                                           : readNpyMatrix(path, width, height, classes);
@@ -150,10 +138,8 @@ readDistributions(const std::string& path, int width, int height, int classes,
 void
 writeDistributions(const std::string& path, const LabelDistributions& distributions)
 {
-  AtomicFile file(path);
-  file.stream().write(reinterpret_cast<const char*>(distributions.matrix().data()),
-                      std::streamsize(distributions.matrix().size() * sizeof(float)));
-  file.commit();
+  writeBytes(path, distributions.matrix().data(),
+             std::size_t(distributions.matrix().size()) * sizeof(float));
 }
 
 void

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "file_pattern.h"
+#include "parse_whole.h"
 
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -53,11 +54,11 @@ globbed(const std::string& pattern)
   const int code = ::glob(pattern.c_str(), GLOB_NOSORT, &isTrouble, &found);
   const std::unique_ptr<glob_t, decltype(&::globfree)> guard(&found, &::globfree);
   if (code == GLOB_NOMATCH)
-    PCL_THROW_EXCEPTION(BadInputException, pattern << ": no file matches");
+    badInput(pattern, ": no file matches");
   if (code == GLOB_NOSPACE)
     throw std::bad_alloc();
   if (code != 0)
-    PCL_THROW_EXCEPTION(BadInputException, pattern << ": a folder cannot be read");
+    badInput(pattern, ": a folder cannot be read");
   return {found.gl_pathv, found.gl_pathv + found.gl_pathc};
 }
 
@@ -70,12 +71,11 @@ filesIn(const std::string& folder, const std::vector<std::string>& extensions)
     if (entry.path().filename().string()[0] != '.') // as the shell passes over them
       files[entry.path().extension().string()].push_back(entry.path().string());
   if (error)
-    PCL_THROW_EXCEPTION(BadInputException, folder << ": the folder cannot be read");
+    badInput(folder, ": the folder cannot be read");
   for (const std::string& extension : extensions)
     if (!files[extension].empty())
       return files[extension];
-  PCL_THROW_EXCEPTION(BadInputException,
-                      folder << ": holds no file named *" << extensions.front());
+  badInput(folder, ": holds no file named *", extensions.front());
 }
 
 } // namespace
@@ -131,17 +131,13 @@ frameNumbersOf(const std::vector<std::string>& paths)
   for (const std::string& path : paths) {
     const std::string name = fs::path(path).stem().string();
     int number = -1;
-    const char* const end = name.data() + name.size();
-    const auto [stop, error] = std::from_chars(name.data(), end, number);
-    if (error != std::errc() || stop != end || number < 0 || number > kMaxFrameNumber)
+    if (!parseWhole(name, number) || number < 0 || number > kMaxFrameNumber)
       return {};
     numbers.push_back(number);
   }
   for (std::size_t i = 1; i < numbers.size(); ++i)
     if (numbers[i] == numbers[i - 1])
-      PCL_THROW_EXCEPTION(BadInputException, paths[i - 1] << " and " << paths[i]
-                                                          << ": are both frame "
-                                                          << numbers[i]);
+      badInput(paths[i - 1], " and ", paths[i], ": are both frame ", numbers[i]);
   return numbers;
 }
 

@@ -1,46 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "quiet_opencv.h"
 
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 
+#include <boost/crc.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 namespace pcl_semantic {
 
-void
-writeSmallPng(const std::string& path, const cv::Mat& picture)
-{
-  if (picture.type() != CV_8UC3)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        path << ": a picture has three colours of 8 bits");
-  cv::Mat table(1, 256, CV_8UC1), coarse;
-  for (int value = 0; value < 256; ++value)
-    table.at<std::uint8_t>(0, value) =
-        static_cast<std::uint8_t>(std::min(255, (value + 4) / 8 * 8));
-  cv::LUT(picture, table, coarse);
-  std::vector<std::uint8_t> bytes;
-  const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 9,
-                                       cv::IMWRITE_PNG_STRATEGY,
-                                       cv::IMWRITE_PNG_STRATEGY_DEFAULT};
-  if (!cv::imencode(".png", coarse, bytes, parameters))
-    PCL_THROW_EXCEPTION(OutputException, path << ": cannot be encoded as PNG");
-  AtomicFile file(path);
-  file.stream().write(reinterpret_cast<const char*>(bytes.data()),
-                      std::streamsize(bytes.size()));
-  file.commit();
-}
-
 namespace {
 
-constexpr std::uint8_t signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-constexpr std::size_t chunk_frame = 12; // length, name and check sum around the data
+using Bytes = std::vector<std::uint8_t>;
+
+bool
+beginsWith(const Bytes& bytes, std::initializer_list<std::uint8_t> signature)
+{
+  return bytes.size() >= signature.size() &&
+         std::equal(signature.begin(), signature.end(), bytes.begin());
+}
 
 std::uint32_t
 bigEndian(const std::uint8_t* bytes)
@@ -49,77 +33,92 @@ bigEndian(const std::uint8_t* bytes)
          std::uint32_t(bytes[2]) << 8 | std::uint32_t(bytes[3]);
 }
 
-std::array<std::uint32_t, 256>
-makeCrcTable()
-{
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < 256; ++i) {
-    table[i] = i;
-    for (int bit = 0; bit < 8; ++bit)
-      table[i] = table[i] >> 1 ^ (table[i] & 1u ? 0xEDB88320u : 0u);
-  }
-  return table;
-}
-
 std::uint32_t
 crc32(const std::uint8_t* bytes, std::size_t size)
 {
-  static const std::array<std::uint32_t, 256> table = makeCrcTable();
-  std::uint32_t crc = 0xFFFFFFFFu;
-  for (std::size_t i = 0; i < size; ++i)
-    crc = crc >> 8 ^ table[(crc ^ bytes[i]) & 255u];
-  return ~crc;
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes, size);
+  return crc.checksum();
 }
 
-// Follows the chunks to the last one: OpenCV would print libpng's complaint about a
-// damaged file, and keep the rows above the damage of some.
+// Follows the chunks of a PNG image to the last one: OpenCV would print libpng's
+// complaint about a damaged file, and keep the rows above the damage of some.
 bool
-isWhole(const std::vector<std::uint8_t>& bytes)
+isWhole(const Bytes& bytes)
 {
-  std::size_t at = sizeof(signature);
-  while (at + chunk_frame <= bytes.size()) {
+  constexpr std::size_t frame = 12; // length, name and check sum around the data
+  std::size_t at = 8;               // behind the signature
+  while (at + frame <= bytes.size()) {
     const std::size_t length = bigEndian(&bytes[at]);
-    if (length > bytes.size() - at - chunk_frame ||
+    if (length > bytes.size() - at - frame ||
         crc32(&bytes[at + 4], length + 4) != bigEndian(&bytes[at + 8 + length]))
       return false;
     const bool is_last = std::equal(&bytes[at + 4], &bytes[at + 8], "IEND");
-    at += chunk_frame + length;
+    at += frame + length;
     if (is_last)
       return at == bytes.size();
   }
   return false;
 }
 
-bool
-hasKind(const cv::Mat& image, ImageKind kind)
+// Of one that is cut off OpenCV would print a complaint and make up the rest.
+void
+requireWholeJpeg(const Bytes& bytes, const std::string& path)
 {
-  switch (kind) {
-  case ImageKind::grey_or_colour:
-    return image.type() == CV_8UC1 || image.type() == CV_8UC3;
-  case ImageKind::labels:
-    return image.type() == CV_8UC1;
-  case ImageKind::segments:
-    return image.type() == CV_8UC1 || image.type() == CV_16UC1;
-  case ImageKind::disparity:
-    return image.type() == CV_16UC1;
-  }
-  return false;
+  if (bytes.size() < 4 || !beginsWith(bytes, {0xFF, 0xD8}))
+    badInput(path, ": is not a JPEG image");
+  std::size_t end = bytes.size();
+  while (end > 2 && bytes[end - 1] == 0)
+    --end;
+  if (bytes[end - 2] != 0xFF || bytes[end - 1] != 0xD9)
+    badInput(path, ": the JPEG image is not complete");
 }
 
-const char*
-describe(ImageKind kind)
+struct KindRule {
+  std::vector<int> types;
+  const char* name;
+};
+
+const KindRule&
+ruleOf(ImageKind kind)
 {
-  switch (kind) {
-  case ImageKind::grey_or_colour:
-    return "8-bit grey or 8-bit RGB";
-  case ImageKind::labels:
-    return "8-bit grey (class ids)";
-  case ImageKind::segments:
-    return "8-bit or 16-bit grey (numbers of segments)";
-  case ImageKind::disparity:
-    return "16-bit grey (256 x disparity)";
+  static const KindRule rules[] = {
+      {{CV_8UC1, CV_8UC3}, "8-bit grey or 8-bit RGB"},
+      {{CV_8UC1}, "8-bit grey (class ids)"},
+      {{CV_8UC1, CV_16UC1}, "8-bit or 16-bit grey (numbers of segments)"},
+      {{CV_16UC1}, "16-bit grey (256 x disparity)"}};
+  return rules[std::size_t(kind)];
+}
+
+void
+requireKind(const cv::Mat& image, ImageKind kind, const std::string& path)
+{
+  const KindRule& rule = ruleOf(kind);
+  if (!std::count(rule.types.begin(), rule.types.end(), image.type()))
+    badInput(path, ": has ", image.channels(), " channel(s) of ", 8 * image.elemSize1(),
+             " bits, expected ", rule.name);
+}
+
+// Empty if the image is damaged, or larger than OpenCV's limit.
+cv::Mat
+decode(const Bytes& bytes, int flags)
+{
+  try {
+    return cv::imdecode(bytes, flags);
   }
-  return "";
+  catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+void
+encode(const std::string& path, const cv::Mat& image,
+       const std::vector<int>& parameters = {})
+{
+  Bytes bytes;
+  if (image.empty() || !cv::imencode(".png", image, bytes, parameters))
+    fail<OutputException>(path, ": cannot be encoded as PNG");
+  writeBytes(path, bytes.data(), bytes.size());
 }
 
 } // namespace
@@ -132,32 +131,6 @@ imageExtensions()
   return extensions;
 }
 
-namespace {
-
-// Of one that is cut off OpenCV would print a complaint and make up the rest.
-void
-requireWholeJpeg(const std::vector<std::uint8_t>& bytes, const std::string& path)
-{
-  if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is not a JPEG image");
-  std::size_t end = bytes.size();
-  while (end > 2 && bytes[end - 1] == 0)
-    --end;
-  if (bytes[end - 2] != 0xFF || bytes[end - 1] != 0xD9)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": the JPEG image is not complete");
-}
-
-void
-requireTiff(const std::vector<std::uint8_t>& bytes, const std::string& path)
-{
-  const std::uint8_t little[] = {'I', 'I', 42, 0}, big[] = {'M', 'M', 0, 42};
-  if (bytes.size() < 8 || (!std::equal(little, little + 4, bytes.begin()) &&
-                           !std::equal(big, big + 4, bytes.begin())))
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is not a TIFF image");
-}
-
-} // namespace
-
 cv::Mat
 readImage(const std::string& path)
 {
@@ -165,78 +138,65 @@ readImage(const std::string& path)
   const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
   if (!is_jpeg && extension != ".tif" && extension != ".tiff")
     return readPng(path, ImageKind::grey_or_colour);
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  const char* const name = is_jpeg ? "JPEG" : "TIFF";
+  const Bytes bytes = readBytes(path);
   if (is_jpeg)
     requireWholeJpeg(bytes, path);
-  else
-    requireTiff(bytes, path);
-  cv::Mat image;
-  try {
-    const QuietOpenCv quiet;
-    image = cv::imdecode(bytes,
-                         is_jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION
-                                 : cv::IMREAD_UNCHANGED);
-  }
-  catch (const cv::Exception&) { // damaged, or larger than OpenCV's limit
-  }
+  else if (bytes.size() < 8 || (!beginsWith(bytes, {'I', 'I', 42, 0}) &&
+                                !beginsWith(bytes, {'M', 'M', 0, 42})))
+    badInput(path, ": is not a TIFF image");
+  const QuietOpenCv quiet;
+  const cv::Mat image =
+      decode(bytes, is_jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION
+                            : cv::IMREAD_UNCHANGED);
   if (image.cols < 2 || image.rows < 2)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": the " << name << " image is damaged");
-  if (!hasKind(image, ImageKind::grey_or_colour))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has " << image.channels() << " channel(s) of "
-                             << 8 * image.elemSize1() << " bits, expected "
-                             << describe(ImageKind::grey_or_colour));
+    badInput(path, ": the ", is_jpeg ? "JPEG" : "TIFF", " image is damaged");
+  requireKind(image, ImageKind::grey_or_colour, path);
   return image;
 }
 
 cv::Mat
 readPng(const std::string& path, ImageKind kind)
 {
-  const std::vector<std::uint8_t> bytes = readBytes(path);
+  const Bytes bytes = readBytes(path);
   constexpr std::size_t bit_depth = 24; // where the header chunk holds it
   if (bytes.size() <= bit_depth ||
-      !std::equal(std::begin(signature), std::end(signature), bytes.begin()))
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is not a PNG image");
+      !beginsWith(bytes, {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'}))
+    badInput(path, ": is not a PNG image");
   if (!isWhole(bytes))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": the PNG image is damaged or not complete");
+    badInput(path, ": the PNG image is damaged or not complete");
   // Decoders stretch fewer bits to 0..255, which makes other class ids of them.
   if ((kind == ImageKind::labels || kind == ImageKind::segments) &&
       bytes[bit_depth] < 8)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has " << int(bytes[bit_depth])
-                                                << " bit(s) a pixel, expected "
-                                                << describe(kind));
-  cv::Mat image;
-  try {
-    image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  }
-  catch (const cv::Exception&) { // an image larger than OpenCV's limit
-  }
+    badInput(path, ": has ", int(bytes[bit_depth]), " bit(s) a pixel, expected ",
+             ruleOf(kind).name);
+  const cv::Mat image = decode(bytes, cv::IMREAD_UNCHANGED);
   if (image.empty())
-    PCL_THROW_EXCEPTION(BadInputException, path << ": the PNG image is damaged");
-  if (!hasKind(image, kind))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has " << image.channels() << " channel(s) of "
-                             << 8 * image.elemSize1() << " bits, expected "
-                             << describe(kind));
+    badInput(path, ": the PNG image is damaged");
+  requireKind(image, kind, path);
   if (image.cols < 2 || image.rows < 2)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is only " << image.cols << " x "
-                                                << image.rows << " pixels");
+    badInput(path, ": is only ", image.cols, " x ", image.rows, " pixels");
   return image;
 }
 
 void
 writePng(const std::string& path, const cv::Mat& image)
 {
-  std::vector<std::uint8_t> bytes;
-  if (image.empty() || !cv::imencode(".png", image, bytes))
-    PCL_THROW_EXCEPTION(OutputException, path << ": cannot be encoded as PNG");
-  AtomicFile file(path);
-  file.stream().write(reinterpret_cast<const char*>(bytes.data()),
-                      std::streamsize(bytes.size()));
-  file.commit();
+  encode(path, image);
+}
+
+void
+writeSmallPng(const std::string& path, const cv::Mat& picture)
+{
+  if (picture.type() != CV_8UC3)
+    badParameter(path, ": a picture has three colours of 8 bits");
+  cv::Mat table(1, 256, CV_8UC1), coarse;
+  for (int value = 0; value < 256; ++value)
+    table.at<std::uint8_t>(0, value) =
+        static_cast<std::uint8_t>(std::min(255, (value + 4) / 8 * 8));
+  cv::LUT(picture, table, coarse);
+  encode(path, coarse,
+         {cv::IMWRITE_PNG_COMPRESSION, 9, cv::IMWRITE_PNG_STRATEGY,
+          cv::IMWRITE_PNG_STRATEGY_DEFAULT});
 }
 
 } // namespace pcl_semantic

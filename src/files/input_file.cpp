@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "parse_whole.h"
+
+#include "core/fail.h"
+
 #include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -21,20 +23,18 @@ readBytes(const std::string& path)
 {
   std::error_code ignored;
   if (fs::is_directory(path, ignored))
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is a folder, expected a file");
+    badInput(path, ": is a folder, expected a file");
   std::ifstream stream(path, std::ios::binary | std::ios::ate);
   if (!stream)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": cannot be read: " << std::strerror(errno));
+    badInput(path, ": cannot be read: ", std::strerror(errno));
   const std::streamoff size = stream.tellg();
   if (size < 0)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": cannot be read: it is no regular file");
+    badInput(path, ": cannot be read: it is no regular file");
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   stream.seekg(0);
   stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()));
   if (!stream)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": could not be read completely");
+    badInput(path, ": could not be read completely");
   return bytes;
 }
 
@@ -58,13 +58,11 @@ double
 parseNumber(const std::string& text, const std::string& where)
 {
   double value = 0.0;
-  const char* const end = text.data() + text.size();
-  const char* const begin = text.data() + (!text.empty() && text[0] == '+' ? 1 : 0);
-  const auto [rest, error] = std::from_chars(begin, end, value);
-  const bool two_signs = begin != text.data() && begin != end && *begin == '-';
-  if (error != std::errc() || rest != end || two_signs)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": " << inQuotes(text) << " is not a number");
+  const bool has_plus = !text.empty() && text[0] == '+';
+  const std::string_view digits = std::string_view(text).substr(has_plus ? 1 : 0);
+  const bool has_two_signs = has_plus && digits.substr(0, 1) == "-";
+  if (has_two_signs || !parseWhole(digits, value))
+    badInput(where, ": ", inQuotes(text), " is not a number");
   return value;
 }
 
@@ -76,8 +74,7 @@ parseNumbers(const std::string& text, const std::string& where)
   for (std::string word; stream >> word;) {
     numbers.push_back(parseNumber(word, where));
     if (!std::isfinite(numbers.back()))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          where << ": '" << word << "' is not a finite number");
+      badInput(where, ": '", word, "' is not a finite number");
   }
   return numbers;
 }
@@ -112,8 +109,7 @@ listFrameFiles(const std::string& folder, const std::vector<std::string>& extens
   std::error_code error;
   fs::directory_iterator entries(folder, error);
   if (error)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        folder << ": cannot be read as a folder: " << error.message());
+    badInput(folder, ": cannot be read as a folder: ", error.message());
   std::vector<FrameFile> files;
   for (const fs::directory_entry& entry : entries) {
     const fs::path& path = entry.path();
@@ -122,12 +118,8 @@ listFrameFiles(const std::string& folder, const std::vector<std::string>& extens
         !std::count(extensions.begin(), extensions.end(), path.extension()))
       continue;
     int frame = 0;
-    if (std::from_chars(stem.data(), stem.data() + stem.size(), frame).ec !=
-            std::errc() ||
-        frame > kMaxFrameNumber)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          path.string() << ": is no frame number, expected 0 to "
-                                        << kMaxFrameNumber);
+    if (!parseWhole(stem, frame) || frame > kMaxFrameNumber)
+      badInput(path.string(), ": is no frame number, expected 0 to ", kMaxFrameNumber);
     files.push_back({frame, path.string()});
   }
   std::sort(files.begin(), files.end(), [](const FrameFile& a, const FrameFile& b) {
@@ -135,9 +127,8 @@ listFrameFiles(const std::string& folder, const std::vector<std::string>& extens
   });
   for (std::size_t i = 1; i < files.size(); ++i)
     if (files[i].frame == files[i - 1].frame)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          folder << ": frame " << files[i].frame << " is there twice: "
-                                 << files[i - 1].path << " and " << files[i].path);
+      badInput(folder, ": frame ", files[i].frame,
+               " is there twice: ", files[i - 1].path, " and ", files[i].path);
   return files;
 }
 

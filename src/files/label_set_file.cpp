@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "yaml_config.h"
 
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/input_file.h>
@@ -21,13 +22,10 @@ readClass(const YamlMap& entry)
   result.name = entry.require<std::string>("name");
   const auto colour = entry.require<std::vector<int>>("colour");
   if (colour.size() != 3)
-    PCL_THROW_EXCEPTION(BadInputException, entry.where("colour")
-                                               << ": expected [red, green, blue]");
+    badInput(entry.where("colour"), ": expected [red, green, blue]");
   for (int channel = 0; channel < 3; ++channel) {
     if (colour[channel] < 0 || colour[channel] > 255)
-      PCL_THROW_EXCEPTION(BadInputException, entry.where("colour")
-                                                 << ": " << colour[channel]
-                                                 << " is not within 0 to 255");
+      badInput(entry.where("colour"), ": ", colour[channel], " is not within 0 to 255");
     result.colour[channel] = static_cast<std::uint8_t>(colour[channel]);
   }
   entry.get("sky", result.sky);
@@ -50,8 +48,7 @@ readLabelSet(const std::string& path)
     return LabelSet(std::move(classes));
   }
   catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, file.where("classes")
-                                               << ": " << error.what());
+    badInput(file.where("classes"), ": ", error.what());
   }
 }
 
@@ -86,17 +83,12 @@ readLabelMapping(const std::string& path, const LabelSet& label_set)
   for (const std::string& name : classes.keys()) {
     const Label label = label_set.find(name);
     if (label == kUnlabelled)
-      PCL_THROW_EXCEPTION(BadInputException, classes.where(name)
-                                                 << ": class '" << name
-                                                 << "' is not in the label set");
+      badInput(classes.where(name), ": class '", name, "' is not in the label set");
     for (const int id : classes.require<std::vector<int>>(name)) {
       if (id < 0 || id > 65535)
-        PCL_THROW_EXCEPTION(BadInputException, classes.where(name)
-                                                   << ": id " << id
-                                                   << " is not within 0 to 65535");
+        badInput(classes.where(name), ": id ", id, " is not within 0 to 65535");
       if (mapping(static_cast<std::uint32_t>(id)) != kUnlabelled)
-        PCL_THROW_EXCEPTION(BadInputException,
-                            classes.where(name) << ": id " << id << " is there twice");
+        badInput(classes.where(name), ": id ", id, " is there twice");
       mapping.set(static_cast<std::uint32_t>(id), label);
     }
   }
@@ -115,7 +107,7 @@ readPixelMapping(const std::string& path, const LabelSet& label_set)
     return ColourMapping(label_set);
   }
   catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, "label mapping colours: " << error.what());
+    badInput("label mapping colours: ", error.what());
   }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "byte_writer.h"
+#include "core/fail.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/npy_file.h>
@@ -26,11 +25,10 @@ readHeader(const std::string& path, const std::vector<std::uint8_t>& bytes)
 {
   static constexpr std::uint8_t magic[] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
   if (bytes.size() < 12 || std::memcmp(bytes.data(), magic, sizeof(magic)) != 0)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is not a NumPy file");
+    badInput(path, ": is not a NumPy file");
   const int version = bytes[6];
   if (version != 1 && version != 2)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has NumPy format version "
-                                                << version << ", expected 1 or 2");
+    badInput(path, ": has NumPy format version ", version, ", expected 1 or 2");
   std::size_t length = bytes[8] + 256u * bytes[9];
   std::size_t offset = 10;
   if (version == 2) {
@@ -38,33 +36,26 @@ readHeader(const std::string& path, const std::vector<std::uint8_t>& bytes)
     offset = 12;
   }
   if (length > bytes.size() - offset)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": the NumPy header is longer than the file");
+    badInput(path, ": the NumPy header is longer than the file");
   // NumPy writes 128 bytes; the regular expressions recurse once a character.
   constexpr std::size_t longest = 1024;
   if (length > longest)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": the NumPy header has " << length
-                                                << " bytes, expected at most "
-                                                << longest);
+    badInput(path, ": the NumPy header has ", length, " bytes, expected at most ",
+             longest);
   return {
       std::string(bytes.begin() + long(offset), bytes.begin() + long(offset + length)),
       offset + length};
 }
 
 // A header of format version 1 that ends at byte 128, as NumPy aligns it.
-void
-putHeader(ByteWriter& bytes, const std::string& type, const std::string& shape)
+std::string
+headerText(const std::string& type, const std::string& shape)
 {
   constexpr std::size_t before = 10; // magic, version, length
-  std::string header =
+  std::string text =
       "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }";
-  header.resize(128 - before - 1, ' ');
-  header += '\n';
-  for (const char c : {'\x93', 'N', 'U', 'M', 'P', 'Y', '\x01', '\x00'})
-    bytes.put(static_cast<std::uint8_t>(c));
-  bytes.put(static_cast<std::uint16_t>(header.size()));
-  for (const char c : header)
-    bytes.put(static_cast<std::uint8_t>(c));
+  text.resize(128 - before - 1, ' ');
+  return std::string("\x93NUMPY\x01\x00\x76\x00", before) + text + '\n';
 }
 
 } // namespace
@@ -79,20 +70,16 @@ readNpy(const std::string& path)
   if (!std::regex_search(header.text, match,
                          std::regex("'descr'\\s*:\\s*'([^'\\n]*)'")) ||
       (match[1] != "<f4" && match[1] != "<f2"))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has type '" << match[1]
-                             << "', expected '<f4' or '<f2' (float32, float16)");
+    badInput(path, ": has type '", match[1],
+             "', expected '<f4' or '<f2' (float32, float16)");
   const bool half = match[1] == "<f2";
   if (!std::regex_search(header.text, std::regex("'fortran_order'\\s*:\\s*False")))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": is in Fortran order, expected C order");
+    badInput(path, ": is in Fortran order, expected C order");
   if (!std::regex_search(
           header.text, match,
           std::regex(
               "'shape'\\s*:\\s*\\((\\d{1,6}),\\s*(\\d{1,6}),\\s*(\\d{1,6}),?\\s*\\)")))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": expected an array of three axes (rows, columns, "
-                                "classes)");
+    badInput(path, ": expected an array of three axes (rows, columns, classes)");
   NpyArray array;
   array.height = std::stoi(match[1]);
   array.width = std::stoi(match[2]);
@@ -101,9 +88,8 @@ readNpy(const std::string& path)
       std::size_t(array.height) * std::size_t(array.width) * std::size_t(array.depth);
   const std::size_t expected = count * (half ? 2 : 4);
   if (bytes.size() - header.data_offset != expected)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": has " << bytes.size() - header.data_offset
-                             << " bytes of data, expected " << expected);
+    badInput(path, ": has ", bytes.size() - header.data_offset,
+             " bytes of data, expected ", expected);
   array.values.resize(count);
   const std::uint8_t* const data = bytes.data() + header.data_offset;
   if (!half)
@@ -124,24 +110,19 @@ writeNpy(const std::string& path, int height, int width, int depth, const float*
   const bool half = type == NpyType::float16;
   const std::size_t count =
       std::size_t(height) * std::size_t(width) * std::size_t(depth);
-  ByteWriter bytes(128 + count * (half ? 2 : 4));
-  putHeader(bytes, half ? "<f2" : "<f4",
-            std::to_string(height) + ", " + std::to_string(width) + ", " +
-                std::to_string(depth));
+  std::string bytes = headerText(half ? "<f2" : "<f4",
+                                 std::to_string(height) + ", " + std::to_string(width) +
+                                     ", " + std::to_string(depth));
+  const auto append = [&](const void* data, std::size_t size) {
+    bytes.append(static_cast<const char*>(data), size);
+  };
   if (half) {
-    std::vector<std::uint16_t> halves(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Eigen::half value(values[i]);
-      std::memcpy(&halves[i], &value, 2);
-    }
-    bytes.putColumn(halves);
+    const std::vector<Eigen::half> halves(values, values + count);
+    append(halves.data(), count * sizeof(Eigen::half));
   }
   else
-    bytes.putColumn(std::vector<float>(values, values + count));
-  AtomicFile file(path);
-  file.stream().write(reinterpret_cast<const char*>(bytes.bytes().data()),
-                      std::streamsize(bytes.bytes().size()));
-  file.commit();
+    append(values, count * sizeof(float));
+  writeTextFile(path, bytes);
 }
 
 } // namespace pcl_semantic

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/point_cloud2.h>
 
 #include <algorithm>
@@ -31,9 +32,8 @@ datatypeOf(const PcdField& field)
   for (const FieldType& type : kTypes)
     if (type.type == field.type && type.size == field.size)
       return type.datatype;
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      "field '" << field.name << "' has the type " << field.type
-                                << field.size << ", which PCL does not have");
+  badParameter("field '", field.name, "' has the type ", field.type, field.size,
+               ", which PCL does not have");
 }
 
 PcdField
@@ -46,10 +46,8 @@ fieldOf(const pcl::PCLPointField& field)
       result.size = type.size;
     }
   if (field.count > kMaxPcdCount || !result.isValid())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "cloud: field '"
-                                                       << field.name << "' has type "
-                                                       << int(field.datatype)
-                                                       << " and count " << field.count);
+    badParameter("cloud: field '", field.name, "' has type ", int(field.datatype),
+                 " and count ", field.count);
   return result;
 }
 
@@ -57,25 +55,21 @@ void
 requireBytes(const pcl::PCLPointCloud2& cloud)
 {
   if (cloud.is_bigendian)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "cloud: its bytes are big-endian");
+    badParameter("cloud: its bytes are big-endian");
   const std::size_t row = std::size_t(cloud.width) * cloud.point_step;
   if ((cloud.height > 1 && cloud.row_step < row) ||
       cloud.data.size() <
           std::size_t(cloud.height) * std::max<std::size_t>(row, cloud.row_step))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cloud: has " << cloud.data.size() << " bytes for "
-                                      << cloud.width << " x " << cloud.height
-                                      << " points of " << cloud.point_step);
+    badParameter("cloud: has ", cloud.data.size(), " bytes for ", cloud.width, " x ",
+                 cloud.height, " points of ", cloud.point_step);
 }
 
 template <typename T>
 void
 put(PcdTable& table, const PcdField& field, const T* values)
 {
-  std::vector<std::uint8_t> bytes(table.points * std::size_t(field.count) * sizeof(T));
-  if (!bytes.empty())
-    std::memcpy(bytes.data(), values, bytes.size());
-  table.setColumn(field, bytes);
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(values);
+  table.setColumn(field, {bytes, bytes + table.points * field.bytes()});
 }
 
 // \param[in] count of its elements; 0 = any
@@ -85,10 +79,8 @@ columnOf(const PcdTable& table, const std::string& name, int count = 1)
   const int index = table.find(name);
   const int found = index < 0 ? 0 : table.fields[std::size_t(index)].count;
   if (found == 0 || (count > 0 && found != count))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cloud: has no field '" << name << "' of COUNT "
-                                                << std::max(count, 1)
-                                                << ", which a voxel cloud needs");
+    badParameter("cloud: has no field '", name, "' of COUNT ", std::max(count, 1),
+                 ", which a voxel cloud needs");
   return PcdColumn(table, index);
 }
 
@@ -114,9 +106,8 @@ toPCLPointCloud2(const PcdTable& table, pcl::PCLPointCloud2& cloud)
   if (table.points > std::size_t(std::numeric_limits<pcl::index_t>::max()) ||
       table.data.size() != table.points * step ||
       (organized && table.width * table.height != table.points))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        table.data.size() << " bytes of data do not fit "
-                                          << table.points << " points of " << step);
+    badParameter(table.data.size(), " bytes of data do not fit ", table.points,
+                 " points of ", step);
   cloud = pcl::PCLPointCloud2();
   cloud.width = pcl::uindex_t(organized ? table.width : table.points);
   cloud.height = pcl::uindex_t(organized ? table.height : 1);
@@ -130,7 +121,7 @@ toPCLPointCloud2(const PcdTable& table, pcl::PCLPointCloud2& cloud)
     to.datatype = datatypeOf(field);
     to.count = pcl::uindex_t(field.count);
     cloud.fields.push_back(to);
-    offset += std::size_t(field.size) * std::size_t(field.count);
+    offset += field.bytes();
   }
   cloud.data = table.data;
   cloud.is_dense = true;
@@ -158,25 +149,20 @@ fromPCLPointCloud2(const pcl::PCLPointCloud2& cloud, PcdTable& table)
       continue;
     const PcdField field = fieldOf(from);
     if (table.find(field.name) >= 0)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "cloud: has two fields '" << field.name << "'");
-    if (from.offset + std::size_t(field.size) * std::size_t(field.count) >
-        cloud.point_step)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "cloud: field '" << field.name << "' ends beyond its point");
+      badParameter("cloud: has two fields '", field.name, "'");
+    if (from.offset + field.bytes() > cloud.point_step)
+      badParameter("cloud: field '", field.name, "' ends beyond its point");
     table.fields.push_back(field);
     offsets.push_back(from.offset);
   }
-  const std::size_t step = table.pointSize();
-  table.data.resize(table.points * step);
+  table.data.resize(table.points * table.pointSize());
   std::uint8_t* to = table.data.data();
   for (std::size_t row = 0; row < cloud.height; ++row)
     for (std::size_t column = 0; column < cloud.width; ++column) {
       const std::uint8_t* const point =
           cloud.data.data() + row * cloud.row_step + column * cloud.point_step;
       for (std::size_t f = 0; f < offsets.size(); ++f)
-        to = std::copy_n(point + offsets[f],
-                         table.fields[f].size * table.fields[f].count, to);
+        to = std::copy_n(point + offsets[f], table.fields[f].bytes(), to);
     }
 }
 
@@ -186,8 +172,7 @@ toPCLPointCloud2(const VoxelCloud& voxels, pcl::PCLPointCloud2& cloud)
   const auto size = Eigen::Index(voxels.size());
   if (voxels.cloud->size() != voxels.size() || voxels.measured.size() != size ||
       voxels.refined.size() != size || voxels.observations.size() != voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the arrays of a voxel cloud differ in length");
+    badParameter("the arrays of a voxel cloud differ in length");
   Eigen::Matrix3Xf points(3, size);
   Eigen::Matrix3Xi indices(3, size);
   std::vector<std::uint32_t> colours, labels;

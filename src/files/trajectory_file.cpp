@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
@@ -78,14 +79,10 @@ parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
 {
   const std::string where = atLine(path, line.number);
   if (line.text.empty() || isComment(line.text))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": holds no pose, but a later line does (every frame "
-                                 "has its row)");
+    badInput(where, ": holds no pose, but a later line does (every frame has its row)");
   const std::vector<double> numbers = parseNumbers(line.text, where);
   if (numbers.size() != 12)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": has " << numbers.size()
-                              << " numbers, expected 12 (a 3 x 4 pose)");
+    badInput(where, ": has ", numbers.size(), " numbers, expected 12 (a 3 x 4 pose)");
   const Eigen::Map<const RowMajor34> rows(numbers.data());
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = rows.col(3);
@@ -93,8 +90,7 @@ parsePose(const TextLine& line, const std::string& path, Repairs& repairs)
   const double deviation =
       (pose.linear() * pose.linear().transpose() - Eigen::Matrix3d::Identity()).norm();
   if (!(deviation <= kTolerance) || pose.linear().determinant() < 0.0)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": the left 3 x 3 block is no rotation");
+    badInput(where, ": the left 3 x 3 block is no rotation");
   if (deviation > kTextRounding)
     repairs.add(line.number);
   if (deviation > kRounding) {
@@ -111,17 +107,14 @@ parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
   const std::string where = atLine(path, line.number);
   const std::vector<double> numbers = parseNumbers(line.text, where);
   if (numbers.size() != 8)
-    PCL_THROW_EXCEPTION(
-        BadInputException,
-        where << ": has " << numbers.size()
-              << " numbers, expected 8 (time, translation, quaternion)");
+    badInput(where, ": has ", numbers.size(),
+             " numbers, expected 8 (time, translation, quaternion)");
   TimedPose timed;
   timed.time = inSeconds(numbers[0]);
   const Eigen::Quaterniond rotation(numbers[7], numbers[4], numbers[5], numbers[6]);
   const double deviation = std::abs(rotation.norm() - 1.0);
   if (!(deviation <= kTolerance))
-    PCL_THROW_EXCEPTION(BadInputException, where << ": the quaternion has length "
-                                                 << rotation.norm() << ", expected 1");
+    badInput(where, ": the quaternion has length ", rotation.norm(), ", expected 1");
   if (deviation > kTextRounding)
     repairs.add(line.number);
   timed.pose.linear() = rotation.normalized().toRotationMatrix();
@@ -142,12 +135,10 @@ trajectoryFormatOf(const std::string& path)
       return TrajectoryFormat::tum;
     if (count >= 11 && count <= 13) // near 12: the reader says what is wrong with it
       return TrajectoryFormat::kitti;
-    PCL_THROW_EXCEPTION(BadInputException,
-                        atLine(path, line.number)
-                            << ": has " << count
-                            << " numbers, expected 12 (a KITTI trajectory) or 8 (TUM)");
+    badInput(atLine(path, line.number), ": has ", count,
+             " numbers, expected 12 (a KITTI trajectory) or 8 (TUM)");
   }
-  PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
+  badInput(path, ": holds no pose");
 }
 
 Trajectory
@@ -158,7 +149,7 @@ readKittiTrajectory(const std::string& path)
   for (const TextLine& line : rowsOf(path))
     trajectory.push_back(parsePose(line, path, repairs));
   if (trajectory.empty())
-    PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
+    badInput(path, ": holds no pose");
   repairs.warn(path, trajectory.size());
   return trajectory;
 }
@@ -189,12 +180,11 @@ readTumTrajectory(const std::string& path)
     trajectory.push_back(parseTimedPose(line, path, repairs));
     if (trajectory.size() > 1 &&
         !(trajectory.back().time > trajectory[trajectory.size() - 2].time))
-      PCL_THROW_EXCEPTION(BadInputException, atLine(path, line.number)
-                                                 << ": its time is not after that of "
-                                                    "the pose before");
+      badInput(atLine(path, line.number),
+               ": its time is not after that of the pose before");
   }
   if (trajectory.empty())
-    PCL_THROW_EXCEPTION(BadInputException, path << ": holds no pose");
+    badInput(path, ": holds no pose");
   repairs.warn(path, trajectory.size());
   return trajectory;
 }
@@ -242,13 +232,10 @@ readTimes(const std::string& path)
     const std::string where = atLine(path, line.number);
     const std::vector<double> numbers = parseNumbers(line.text, where);
     if (numbers.size() != 1)
-      PCL_THROW_EXCEPTION(BadInputException, where
-                                                 << ": has " << numbers.size()
-                                                 << " numbers, expected one time [s]");
+      badInput(where, ": has ", numbers.size(), " numbers, expected one time [s]");
     const double time = inSeconds(numbers[0]);
     if (!times.empty() && time <= times.back())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          where << ": is not later than the time before it");
+      badInput(where, ": is not later than the time before it");
     times.push_back(time);
   }
   return times;

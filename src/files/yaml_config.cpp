@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "yaml_config.h"
 
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/input_file.h>
 
 #include <yaml-cpp/yaml.h>
@@ -38,17 +39,14 @@ struct YamlMap::Impl {
     impl->path = path;
     impl->node.reset(node);
     if (!node.IsMap())
-      PCL_THROW_EXCEPTION(BadInputException, impl->where(node)
-                                                 << ": expected 'key: value' lines");
+      badInput(impl->where(node), ": expected 'key: value' lines");
     std::set<std::string> keys;
     for (const auto& entry : node) {
       if (!entry.first.IsScalar())
-        PCL_THROW_EXCEPTION(BadInputException, impl->where(entry.first)
-                                                   << ": a key has to be a word");
+        badInput(impl->where(entry.first), ": a key has to be a word");
       if (!keys.insert(entry.first.Scalar()).second)
-        PCL_THROW_EXCEPTION(BadInputException, impl->where(entry.first)
-                                                   << ": key '" << entry.first.Scalar()
-                                                   << "' is there twice");
+        badInput(impl->where(entry.first), ": key '", entry.first.Scalar(),
+                 "' is there twice");
     }
     return impl;
   }
@@ -66,9 +64,7 @@ readDocument(const std::string& path)
     const bool is_directive = line.text.rfind("%YAML", 0) == 0;
     const bool is_marker = line.text.rfind("---", 0) == 0;
     if (is_marker && begun)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          atLine(path, line.number)
-                              << ": a second document begins, expected one");
+      badInput(atLine(path, line.number), ": a second document begins, expected one");
     begun = begun || is_marker ||
             !(line.text.empty() || is_directive || line.text[0] == '#');
     text += (is_directive ? "" : line.text) + "\n";
@@ -85,12 +81,11 @@ YamlMap::load(const std::string& path)
   try {
     const YAML::Node document = YAML::Load(text);
     if (document.IsNull()) // has no line
-      PCL_THROW_EXCEPTION(BadInputException, path << ": expected 'key: value' lines");
+      badInput(path, ": expected 'key: value' lines");
     return YamlMap(Impl::make(path, document));
   }
   catch (const YAML::Exception& error) {
-    PCL_THROW_EXCEPTION(BadInputException, atLine(path, error.mark.line + 1)
-                                               << ": " << error.msg);
+    badInput(atLine(path, error.mark.line + 1), ": ", error.msg);
   }
 }
 
@@ -115,9 +110,7 @@ YamlMap::get(const std::string& key, T& value) const
     value = node.as<T>();
   }
   catch (const YAML::Exception&) {
-    PCL_THROW_EXCEPTION(BadInputException, where(key)
-                                               << ": the value of '" << key
-                                               << "' is not of the expected type");
+    badInput(where(key), ": the value of '", key, "' is not of the expected type");
   }
   return true;
 }
@@ -138,8 +131,7 @@ YamlMap::requireList(const std::string& key) const
     throwMissing(key);
   const YAML::Node list = impl_->node[key];
   if (!list.IsSequence())
-    PCL_THROW_EXCEPTION(BadInputException, where(key)
-                                               << ": '" << key << "' has to be a list");
+    badInput(where(key), ": '", key, "' has to be a list");
   std::vector<YamlMap> maps;
   for (const YAML::Node& entry : list)
     maps.push_back(YamlMap(Impl::make(impl_->path, entry)));
@@ -180,16 +172,14 @@ YamlMap::refuseUnknownKeys() const
 {
   for (const auto& entry : impl_->node)
     if (!impl_->asked.count(entry.first.Scalar()))
-      PCL_THROW_EXCEPTION(BadInputException, impl_->where(entry.first)
-                                                 << ": key '" << entry.first.Scalar()
-                                                 << "' is not known");
+      badInput(impl_->where(entry.first), ": key '", entry.first.Scalar(),
+               "' is not known");
 }
 
 void
 YamlMap::throwMissing(const std::string& key) const
 {
-  PCL_THROW_EXCEPTION(BadInputException, impl_->where(impl_->node)
-                                             << ": key '" << key << "' is missing");
+  badInput(impl_->where(impl_->node), ": key '", key, "' is missing");
 }
 
 } // namespace pcl_semantic

@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/voxel_index.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 

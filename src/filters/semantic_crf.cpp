@@ -2,7 +2,7 @@
 #include "label_fields.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "files/byte_reader.h"
+#include "files/bytes.h"
 
 #include <pcl_semantic/map/semantic_voxel.h>
 

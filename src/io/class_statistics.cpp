@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files/csv_field.h"
+#include "files/report_text.h"
 
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/io/class_statistics.h>

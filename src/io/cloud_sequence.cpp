@@ -3,7 +3,6 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/cloud_sequence.h>
 

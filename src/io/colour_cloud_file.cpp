@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files/pcd_file.h"
-
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
 
 #include <cstring>
@@ -28,7 +27,7 @@ writeColourCloud(const std::string& path,
   const Eigen::Quaternionf& turn = cloud.sensor_orientation_;
   table.viewpoint = {origin.x(), origin.y(), origin.z(), turn.w(),
                      turn.x(),   turn.y(),   turn.z()};
-  writePcd(path, table);
+  writeCloudTable(path, table);
 }
 
 } // namespace pcl_semantic

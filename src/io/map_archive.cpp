@@ -3,7 +3,7 @@
 #include "archive_meta.h"
 #include "block_encoding.h"
 #include "core/parallel_guard.h"
-#include "files/byte_writer.h"
+#include "files/bytes.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/map_archive.h>

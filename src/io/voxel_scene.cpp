@@ -2,7 +2,7 @@
 #include "map/block_reader.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/io/voxel_scene.h>
 #include <pcl_semantic/map/voxel_set.h>
 

@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 #include <limits>
-#include <pcl_semantic/core/quantized_point.h>
+#include <pcl_semantic/core/voxel_index.h>
 
 namespace pcl_semantic {
 

@@ -2,7 +2,7 @@
 #include "core/voxel_table.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/quantized_point.h>
+#include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/map/seen_through.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/stereo_frame.h>
+#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/map_folder.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extra_output.h"
 #include "files/folder_lock.h"
-#include "files/json_text.h"
+#include "files/report_text.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files/byte_reader.h"
-#include "files/byte_writer.h"
+#include "files/bytes.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>

@@ -3,8 +3,8 @@
 // pcl_semantic_map --archive: a run that is cut off goes on as if nothing had been.
 
 #include "support/mapped_street.h"
-#include "support/there_and_back.h"
 #include "support/thrown_message.h"
+#include "support/tiny_street.h"
 
 #include <pcl_semantic/io/map_archive.h>
 

@@ -11,8 +11,8 @@
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
-#include <pcl_semantic/core/quantized_point.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/core/voxel_index.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
 
@@ -152,7 +152,7 @@ TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
   const Eigen::Vector3d place = pose().translation();
   frame.viewpoint = {place.x(), place.y(), place.z(), turn.w(),
                      turn.x(),  turn.y(),  turn.z()};
-  writePcd(path("viewed.pcd"), frame);
+  writeCloudTable(path("viewed.pcd"), frame);
   succeed("cliques " + map() + " " + path("out.pcd") +
           " --method superpixel:40 --frame " + path("viewed.pcd"));
   EXPECT_FALSE(cliquesIn(path("out.pcd")).empty());

@@ -3,7 +3,7 @@
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <gtest/gtest.h>

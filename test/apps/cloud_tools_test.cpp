@@ -3,11 +3,11 @@
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
-#include "support/virtual_display.h"
+#include "support/run_tool.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/odometry/pose_source.h>
@@ -250,7 +250,7 @@ TEST_F(Scans, WithoutLabelsAreAMapWithoutLabels)
     PcdTable table =
         readLabelledCloud(folder.path("clouds/" + std::to_string(i) + ".pcd")).table;
     table.removeColumns("label");
-    writePcd(folder.path("clouds/" + std::to_string(i) + ".pcd"), table);
+    writeCloudTable(folder.path("clouds/" + std::to_string(i) + ".pcd"), table);
   }
   const std::string text =
       succeed(replaceAll(map(folder.path("poses.txt")), "--crf none", "--crf dense"));

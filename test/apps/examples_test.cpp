@@ -5,7 +5,7 @@
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <algorithm>

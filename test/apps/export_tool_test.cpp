@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
-#include "support/full_disk.h"
+#include "support/process_limits.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
 

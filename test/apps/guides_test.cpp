@@ -9,8 +9,8 @@
 #include "support/own_camera.h"
 #include "support/thrown_message.h"
 
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 
 #include <cctype>
 #include <regex>

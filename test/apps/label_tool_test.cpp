@@ -4,9 +4,9 @@
 #include "support/same_image.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <iomanip>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/mapped_street.h"
+#include "support/run_tool.h"
 #include "support/thrown_message.h"
-#include "support/virtual_display.h"
 
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 
 // Programs that people look at clouds with; not needed to build, so each test skips
 // where its program is not installed.

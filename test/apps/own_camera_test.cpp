@@ -7,7 +7,7 @@
 #include "support/own_camera.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 
 #include <array>
 #include <cmath>

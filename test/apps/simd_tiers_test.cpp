@@ -2,7 +2,7 @@
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
 
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
+#include "support/run_tool.h"
 #include "support/same_image.h"
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
-#include "support/virtual_display.h"
 
 #include <pcl_semantic/files/label_set_file.h>
 

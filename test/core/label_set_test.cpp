@@ -7,8 +7,6 @@
 #include <gtest/gtest.h>
 
 using namespace pcl_semantic;
-using pcl_semantic::holds;
-using pcl_semantic::thrownMessage;
 
 namespace {
 
@@ -60,9 +58,8 @@ TEST(LabelSet, HasOneTo255Classes)
   EXPECT_EQ(largest.size(), 255);
   EXPECT_EQ(largest[255].name, "class255");
   EXPECT_EQ(largest.find("class255"), 255);
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([] { LabelSet(classesNamed(256)); }),
-      "256"));
+  EXPECT_TRUE(
+      throws<InvalidParameterException>("256", [] { LabelSet(classesNamed(256)); }));
 }
 
 TEST(LabelSet, RefusesEmptyAndRepeatedNames)
@@ -70,8 +67,7 @@ TEST(LabelSet, RefusesEmptyAndRepeatedNames)
   auto classes = classesNamed(3);
   classes[2].name = "class1";
   EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { LabelSet set(classes); }),
-            "class1"));
+      throws<InvalidParameterException>("class1", [&] { LabelSet set(classes); }));
   for (const std::string& name :
        {std::string(), std::string("a\nb"), std::string("a\0b", 3),
         std::string("\x1b[2J"), std::string(101, 'a')}) {
@@ -98,6 +94,5 @@ TEST(LabelMapping, MapsWhatIsSetAndNothingElse)
   mapping.set(40, 5);
   EXPECT_EQ(mapping(40), 5);
   EXPECT_TRUE(
-      holds(thrownMessage<InvalidParameterException>([&] { mapping.set(65536, 1); }),
-            "65536"));
+      throws<InvalidParameterException>("65536", [&] { mapping.set(65536, 1); }));
 }

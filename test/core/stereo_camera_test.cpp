@@ -9,37 +9,23 @@
 #include <limits>
 
 using namespace pcl_semantic;
-using pcl_semantic::holds;
-using pcl_semantic::thrownMessage;
 
 namespace {
 
-StereoCamera
-someCamera()
-{
-  StereoCamera camera;
-  camera.fx = 707.0;
-  camera.fy = 650.0;
-  camera.cx = 601.9;
-  camera.cy = 183.1;
-  camera.baseline = 0.5379;
-  camera.width = 1241;
-  camera.height = 376;
-  return camera;
-}
+const StereoCamera some_camera{707.0, 650.0, 601.9, 183.1, 0.5379, 1241, 376};
 
 } // namespace
 
 TEST(StereoCamera, DepthOfADisparity)
 {
-  const StereoCamera camera = someCamera();
+  const StereoCamera& camera = some_camera;
   EXPECT_DOUBLE_EQ(camera.depth(38.03), 707.0 * 0.5379 / 38.03);
   EXPECT_GT(camera.depth(1.0), camera.depth(2.0));
 }
 
 TEST(StereoCamera, AxesAreRightDownForward)
 {
-  const StereoCamera camera = someCamera();
+  const StereoCamera& camera = some_camera;
   EXPECT_TRUE(camera.unproject(camera.cx, camera.cy, 7.0)
                   .isApprox(Eigen::Vector3d(0.0, 0.0, 7.0)));
   // One focal length right of the principal point lies as far right as forward.
@@ -51,7 +37,7 @@ TEST(StereoCamera, AxesAreRightDownForward)
 
 TEST(StereoCamera, ProjectUndoesUnproject)
 {
-  const StereoCamera camera = someCamera();
+  const StereoCamera& camera = some_camera;
   for (double u = -10.0; u < 1300.0; u += 130.7)
     for (double v = -10.0; v < 400.0; v += 41.3)
       for (const double depth : {0.3, 5.0, 80.0})
@@ -63,21 +49,19 @@ TEST(StereoCamera, ProjectUndoesUnproject)
 
 TEST(StereoCamera, ValidateNamesWhatIsWrong)
 {
-  EXPECT_NO_THROW(someCamera().validate());
-  StereoCamera camera = someCamera();
+  EXPECT_NO_THROW(some_camera.validate());
+  StereoCamera camera = some_camera;
   camera.baseline = -0.54;
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] { camera.validate(); }), "-0.54"));
-  camera = someCamera();
+  EXPECT_TRUE(throws<InvalidParameterException>("-0.54", [&] { camera.validate(); }));
+  camera = some_camera;
   camera.fy = 0.0;
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] { camera.validate(); }), "focal"));
+  EXPECT_TRUE(throws<InvalidParameterException>("focal", [&] { camera.validate(); }));
   for (double StereoCamera::*const member :
        {&StereoCamera::fx, &StereoCamera::fy, &StereoCamera::cx, &StereoCamera::cy,
         &StereoCamera::baseline})
     for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
                              std::numeric_limits<double>::infinity()}) {
-      camera = someCamera();
+      camera = some_camera;
       camera.*member = bad;
       thrownMessage<InvalidParameterException>([&] { camera.validate(); });
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "crf/crf_energy.h"
-#include "support/enumerated_crf.h"
+#include "support/plain_crf.h"
 #include "support/random_crf.h"
 #include "support/thrown_message.h"
 

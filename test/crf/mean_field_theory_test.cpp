@@ -3,7 +3,7 @@
 // What mean field has to do by its theory: approach exact marginals, lower the free
 // energy, and not care for the order of anything.
 
-#include "support/enumerated_crf.h"
+#include "support/plain_crf.h"
 #include "support/plain_mean_field.h"
 #include "support/random_crf.h"
 #include "support/thrown_message.h"

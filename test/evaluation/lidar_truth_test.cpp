@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/small_camera.h"
+#include "support/stereo_rigs.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>

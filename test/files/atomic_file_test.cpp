@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/full_disk.h"
+#include "support/process_limits.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
@@ -66,8 +66,7 @@ TEST(AtomicFile, RefusesWhatCannotBeWritten)
   const std::string file = folder.write("file", "");
   for (const std::string& path : {folder.path(), folder.path("no_such_folder/a.txt"),
                                   file + "/a.txt", folder.path(std::string(300, 'x'))})
-    EXPECT_TRUE(
-        holds(thrownMessage<OutputException>([&] { AtomicFile atomic(path); }), path));
+    EXPECT_TRUE(throws<OutputException>(path, [&] { AtomicFile atomic(path); }));
   EXPECT_EQ(folder.entries(), 1u);
 }
 
@@ -76,8 +75,7 @@ TEST(AtomicFile, DoesNotReplaceADevice)
   const TemporaryFolder folder;
   const std::string path = folder.path("pipe");
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
-  EXPECT_TRUE(
-      holds(thrownMessage<OutputException>([&] { writeTextFile(path, "x"); }), path));
+  EXPECT_TRUE(throws<OutputException>(path, [&] { writeTextFile(path, "x"); }));
   EXPECT_TRUE(std::filesystem::is_fifo(path));
 }
 
@@ -126,8 +124,7 @@ TEST(MakeOutputFolder, RefusesWhatIsNoFolder)
   const TemporaryFolder folder;
   const std::string file = folder.write("file", "x");
   for (const std::string& path : {file, file + "/a"})
-    EXPECT_TRUE(
-        holds(thrownMessage<OutputException>([&] { makeOutputFolder(path); }), path));
+    EXPECT_TRUE(throws<OutputException>(path, [&] { makeOutputFolder(path); }));
   EXPECT_EQ(bytesOf(file), "x");
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/file_pattern.h"
+#include "support/process_limits.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
-#include "support/unprivileged.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -28,10 +28,10 @@ TEST(FilePattern, FindsFilesInNaturalOrder)
   EXPECT_EQ(names("a?.png"), (Names{"a1.png", "a2.png"}));
   EXPECT_EQ(names("[ab][23].*"), (Names{"a2.png", "a3.jpg", "b3.png"}));
   EXPECT_EQ(names("b3.png"), Names{"b3.png"});
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { names("*.bmp"); }),
-                    "*.bmp: no file matches"));
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { names("none/*.png"); }),
-                    "none/*.png: no file matches"));
+  EXPECT_TRUE(
+      throws<BadInputException>("*.bmp: no file matches", [&] { names("*.bmp"); }));
+  EXPECT_TRUE(throws<BadInputException>("none/*.png: no file matches",
+                                        [&] { names("none/*.png"); }));
 }
 
 TEST(FilePattern, AFolderThatCannotBeReadIsSaid)
@@ -42,9 +42,8 @@ TEST(FilePattern, AFolderThatCannotBeReadIsSaid)
   if (!user.isEffective() ||
       ::faccessat(AT_FDCWD, folder.path().c_str(), R_OK, AT_EACCESS) == 0)
     GTEST_SKIP() << "skipped: this user reads everything";
-  EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { findFiles(pattern, {".png"}); }),
-            "*.png: a folder cannot be read"));
+  EXPECT_TRUE(throws<BadInputException>("*.png: a folder cannot be read",
+                                        [&] { findFiles(pattern, {".png"}); }));
 }
 
 TEST(FilePattern, NaturalOrderIsAnOrder)
@@ -79,10 +78,9 @@ TEST(FrameNumbersOf, AreNamesThatAreNumbers)
   for (const char* const other :
        {"20230115.pcd", "1000000.pcd", "a1.pcd", "-1.pcd", "1.5.pcd", ".pcd"})
     EXPECT_TRUE(frameNumbersOf({"1.pcd", other}).empty()) << other;
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([] {
-                      frameNumbersOf({"1.pcd", "01.pcd"});
-                    }),
-                    "1.pcd and 01.pcd: are both frame 1"));
+  EXPECT_TRUE(throws<BadInputException>("1.pcd and 01.pcd: are both frame 1", [] {
+    frameNumbersOf({"1.pcd", "01.pcd"});
+  }));
 }
 
 } // namespace pcl_semantic

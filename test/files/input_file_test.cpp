@@ -3,6 +3,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <gtest/gtest.h>
@@ -25,8 +26,7 @@ TEST(ReadBytes, RefusesWhatIsNoFile)
   const TemporaryFolder folder;
   for (const std::string& path :
        {folder.path(), folder.path("missing"), folder.path(std::string(300, 'x'))})
-    EXPECT_TRUE(
-        holds(thrownMessage<BadInputException>([&] { readBytes(path); }), path));
+    EXPECT_TRUE(throws<BadInputException>(path, [&] { readBytes(path); }));
 }
 
 TEST(ReadBytes, RefusesAPipe)
@@ -34,7 +34,7 @@ TEST(ReadBytes, RefusesAPipe)
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   const std::string path = "/proc/self/fd/" + std::to_string(ends[0]);
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readBytes(path); }), path));
+  EXPECT_TRUE(throws<BadInputException>(path, [&] { readBytes(path); }));
   ::close(ends[0]);
   ::close(ends[1]);
 }
@@ -59,10 +59,9 @@ TEST(ParseNumber, TakesTheWholeTextOrNothing)
   EXPECT_EQ(parseNumber("+7", "here"), 7.0);
   for (const char* const text :
        {"", "+", "-", "+-7", "++7", "1,5", "1.5m", " 1", "0x10"})
-    EXPECT_TRUE(holds(
-        thrownMessage<BadInputException>([&] { parseNumber(text, "f.txt line 3"); }),
-        "f.txt line 3"))
-        << text;
+    EXPECT_TRUE(throws<BadInputException>("f.txt line 3", [&] {
+      parseNumber(text, "f.txt line 3");
+    })) << text;
 }
 
 TEST(ParseNumbers, AreFinite)
@@ -93,25 +92,23 @@ TEST(ListFrameFiles, RefusesAFrameThatIsThereTwice)
   const TemporaryFolder folder;
   folder.write("000003.png", "");
   folder.write("000003.bin", "");
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] {
-                      listFrameFiles(folder.path(), {".png", ".bin"});
-                    }),
-                    "frame 3"));
+  EXPECT_TRUE(throws<BadInputException>("frame 3", [&] {
+    listFrameFiles(folder.path(), {".png", ".bin"});
+  }));
   EXPECT_EQ(listFrameFiles(folder.path(), {".png"}).size(), 1u);
   thrownMessage<BadInputException>([&] { listFrameFiles(folder.path("none"), {}); });
 }
 
 TEST(ListFrameFiles, RefusesDatesAndTimeStamps)
 {
-  for (const char* const name :
+  for (const std::string name :
        {"1000000.png", "20230115.png", "2147483647.png", "1403636579763555584.png"}) {
     const TemporaryFolder folder;
     folder.write("000003.png", "");
     folder.write(name, "");
     EXPECT_TRUE(
-        holds(thrownMessage<BadInputException>(
-                  [&] { listFrameFiles(folder.path(), {".png"}); }),
-              std::string(name) + ": is no frame number, expected 0 to 999999"));
+        throws<BadInputException>(name + ": is no frame number, expected 0 to 999999",
+                                  [&] { listFrameFiles(folder.path(), {".png"}); }));
     EXPECT_TRUE(listFrameFiles(folder.path(), {".bin"}).empty());
   }
 }
@@ -120,4 +117,15 @@ TEST(FrameFileName, HasSixDigits)
 {
   EXPECT_EQ(frameFileName(12, ".png"), "000012.png");
   EXPECT_EQ(frameFileName(1234567, ".bin"), "1234567.bin");
+}
+
+// That an installed library finds its data is checked by test/downstream.
+TEST(FindDataFile, IsThatOfTheSourcesInABuild)
+{
+  for (const char* name : {"label_sets/kitti11.yaml", "presets/paper.yaml"})
+    EXPECT_TRUE(std::filesystem::equivalent(
+        findDataFile(name), std::string(PCL_SEMANTIC_SOURCE_DIR "/data/") + name));
+  EXPECT_TRUE(throws<BadInputException>(
+      "label_sets/none.yaml: is not among the data of this installation",
+      [] { findDataFile("label_sets/none.yaml"); }));
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/pcd_file.h"
-#include "support/full_disk.h"
 #include "support/mutate.h"
+#include "support/process_limits.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 
 #include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>
@@ -52,15 +52,17 @@ read(const std::string& text)
   return readLabelledCloud(folder.write("a.pcd", text));
 }
 
-std::string
-refusal(const std::vector<std::vector<std::string>>& fields, const std::string& point)
+// EXPECT that a file of one point is refused with its name and the part.
+::testing::AssertionResult
+refuses(const std::vector<std::vector<std::string>>& fields, const std::string& point,
+        const std::string& part)
 {
   const TemporaryFolder folder;
   const std::string path = folder.write("cloud.pcd", pcdText(fields, point + "\n", 1));
   const std::string message =
       thrownMessage<BadInputException>([&] { readLabelledCloud(path); });
   EXPECT_TRUE(holds(message, path));
-  return message;
+  return holds(message, part);
 }
 
 // A cloud as a program makes it, without a file.
@@ -84,21 +86,28 @@ someCloud(int width, int height)
   return labelled;
 }
 
+// NaN equals NaN.
+void
+expectSamePoints(const pcl::PointCloud<pcl::PointXYZRGBL>& a,
+                 const pcl::PointCloud<pcl::PointXYZRGBL>& b)
+{
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.sensor_origin_, b.sensor_origin_);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis)
+      ASSERT_TRUE(a[i].data[axis] == b[i].data[axis] ||
+                  (std::isnan(a[i].data[axis]) && std::isnan(b[i].data[axis])));
+    ASSERT_EQ(a[i].rgba, b[i].rgba);
+    ASSERT_EQ(a[i].label, b[i].label);
+  }
+}
+
 void
 expectSameCloud(const LabelledCloud& read, const LabelledCloud& written)
 {
-  ASSERT_EQ(read.cloud->size(), written.cloud->size());
-  EXPECT_EQ(read.cloud->width, written.cloud->width);
-  EXPECT_EQ(read.cloud->height, written.cloud->height);
-  EXPECT_EQ(read.cloud->sensor_origin_, written.cloud->sensor_origin_);
-  for (std::size_t i = 0; i < read.cloud->size(); ++i) {
-    const pcl::PointXYZRGBL &a = (*read.cloud)[i], &b = (*written.cloud)[i];
-    for (int axis = 0; axis < 3; ++axis)
-      ASSERT_TRUE(a.data[axis] == b.data[axis] ||
-                  (std::isnan(a.data[axis]) && std::isnan(b.data[axis])));
-    ASSERT_EQ(a.rgba, b.rgba);
-    ASSERT_EQ(a.label, b.label);
-  }
+  expectSamePoints(*read.cloud, *written.cloud);
   ASSERT_EQ(read.distributions.classes(), written.distributions.classes());
   EXPECT_TRUE(
       read.distributions.matrix().isApprox(written.distributions.matrix(), 1e-6f));
@@ -140,14 +149,7 @@ TEST(LabelledCloudFile, PclReadsWhatItWrote)
   writeLabelledCloud(folder.path("a.pcd"), written);
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
   ASSERT_EQ(pcl::io::loadPCDFile(folder.path("a.pcd"), cloud), 0);
-  ASSERT_EQ(cloud.size(), 12u);
-  EXPECT_EQ(cloud.height, 3u);
-  EXPECT_EQ(cloud.sensor_origin_, written.cloud->sensor_origin_);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    EXPECT_EQ(cloud[i].getVector3fMap(), (*written.cloud)[i].getVector3fMap());
-    EXPECT_EQ(cloud[i].label, (*written.cloud)[i].label);
-    EXPECT_EQ(cloud[i].rgba, (*written.cloud)[i].rgba);
-  }
+  expectSamePoints(cloud, *written.cloud);
 }
 
 TEST(LabelledCloudFile, ReadsFieldsInAnyOrderAndType)
@@ -276,50 +278,44 @@ TEST(LabelledCloudFile, NewCliquesTakeThePlaceOfOldOnes)
 
 TEST(LabelledCloudFile, MissingOrUnfitFields)
 {
-  EXPECT_TRUE(holds(refusal({x, y, label}, "1 2 3"), "no field 'z'"));
-  EXPECT_TRUE(holds(refusal({y, z}, "1 2"), "no field 'x'"));
+  EXPECT_TRUE(refuses({x, y, label}, "1 2 3", "no field 'z'"));
+  EXPECT_TRUE(refuses({y, z}, "1 2", "no field 'x'"));
+  EXPECT_TRUE(refuses({{"x", "F", "4", "2"}, y, z}, "1 1 2 3", "'x' has COUNT 2"));
   EXPECT_TRUE(
-      holds(refusal({{"x", "F", "4", "2"}, y, z}, "1 1 2 3"), "'x' has COUNT 2"));
-  EXPECT_TRUE(holds(refusal({x, y, z, {"label", "U", "4", "2"}}, "1 2 3 4 5"),
-                    "'label' has COUNT 2"));
-  EXPECT_TRUE(holds(
-      refusal({x, y, z, {"rgb", "U", "4", "1"}, {"rgba", "U", "4", "1"}}, "1 2 3 4 5"),
-      "both 'rgb' and 'rgba'"));
-  EXPECT_TRUE(
-      holds(refusal({x, y, z, {"rgb", "F", "8", "1"}}, "1 2 3 4"), "has 8 bytes"));
+      refuses({x, y, z, {"label", "U", "4", "2"}}, "1 2 3 4 5", "'label' has COUNT 2"));
+  EXPECT_TRUE(refuses({x, y, z, {"rgb", "U", "4", "1"}, {"rgba", "U", "4", "1"}},
+                      "1 2 3 4 5", "both 'rgb' and 'rgba'"));
+  EXPECT_TRUE(refuses({x, y, z, {"rgb", "F", "8", "1"}}, "1 2 3 4", "has 8 bytes"));
   std::string values = "1 2 3";
   for (int i = 0; i < 256; ++i)
     values += " 0";
   EXPECT_TRUE(
-      holds(refusal({x, y, z, {"probability", "F", "4", "256"}}, values), "COUNT 256"));
-  refusal({x, y, z, x}, "1 2 3 4");
+      refuses({x, y, z, {"probability", "F", "4", "256"}}, values, "COUNT 256"));
+  EXPECT_TRUE(refuses({x, y, z, x}, "1 2 3 4", ""));
 }
 
 TEST(LabelledCloudFile, ValuesThatCannotBe)
 {
-  const auto probabilities = [](const std::string& values) {
-    return refusal({x, y, z, two_classes}, "1 2 3 " + values);
+  const auto refuses_value = [](const std::vector<std::string>& field,
+                                const std::string& value, const std::string& part) {
+    return refuses({x, y, z, field}, "1 2 3 " + value, part);
   };
   for (const char* const values : {"nan 1", "-0.1 1", "inf 0", "0 -inf"})
-    EXPECT_TRUE(holds(probabilities(values), "'probability' of point 0 is "));
-  EXPECT_TRUE(holds(probabilities("0.4 0.4"), "sums to 0.8"));
-  EXPECT_TRUE(holds(probabilities("100 100"), "sums to 200"));
-
-  const std::vector<std::string> real_label = {"label", "F", "8", "1"};
+    EXPECT_TRUE(refuses_value(two_classes, values, "'probability' of point 0 is "));
+  EXPECT_TRUE(refuses_value(two_classes, "0.4 0.4", "sums to 0.8"));
+  EXPECT_TRUE(refuses_value(two_classes, "100 100", "sums to 200"));
   for (const char* const value : {"256", "-1", "1.5", "nan", "inf", "1e300"})
-    EXPECT_TRUE(holds(refusal({x, y, z, real_label}, std::string("1 2 3 ") + value),
-                      "'label' of point 0 is "))
+    EXPECT_TRUE(
+        refuses_value({"label", "F", "8", "1"}, value, "'label' of point 0 is "))
         << value;
-  EXPECT_TRUE(holds(refusal({x, y, z, label, two_classes}, "1 2 3 3 1 0"),
-                    "'label' of point 0 is 3, expected a whole number from 0 to 2"));
-
-  const std::vector<std::string> real_clique = {"clique", "F", "8", "1"};
   for (const char* const value : {"-1", "0.5", "nan", "4294967296"})
-    EXPECT_TRUE(holds(refusal({x, y, z, real_clique}, std::string("1 2 3 ") + value),
-                      "'clique' of point 0 is "))
+    EXPECT_TRUE(
+        refuses_value({"clique", "F", "8", "1"}, value, "'clique' of point 0 is "))
         << value;
-  EXPECT_TRUE(holds(refusal({x, {"y", "F", "8", "1"}, z}, "1 -1e39 3"),
-                    "'y' of point 0 is -1e+39"));
+  EXPECT_TRUE(refuses({x, y, z, label, two_classes}, "1 2 3 3 1 0",
+                      "'label' of point 0 is 3, expected a whole number from 0 to 2"));
+  EXPECT_TRUE(
+      refuses({x, {"y", "F", "8", "1"}, z}, "1 -1e39 3", "'y' of point 0 is -1e+39"));
 }
 
 TEST(LabelledCloudFile, TheMessageNamesThePoint)
@@ -327,8 +323,8 @@ TEST(LabelledCloudFile, TheMessageNamesThePoint)
   const TemporaryFolder folder;
   const std::string path = folder.write(
       "a.pcd", pcdText({x, y, z, label}, "1 2 3 4\n1 2 3 4\n1 2 3 400\n", 3));
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { readLabelledCloud(path); }),
-                    path + ": field 'label' of point 2 is 400"));
+  EXPECT_TRUE(throws<BadInputException>(path + ": field 'label' of point 2 is 400",
+                                        [&] { readLabelledCloud(path); }));
 }
 
 TEST(LabelledCloudFile, RefusesToWriteWhatDoesNotFit)
@@ -396,15 +392,7 @@ TEST(LabelledCloudFile, ARealCloudIsReadAsPclReadsIt)
   const LabelledCloud labelled = readLabelledCloud(path);
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
   ASSERT_EQ(pcl::io::loadPCDFile(path, cloud), 0);
-  ASSERT_EQ(labelled.cloud->size(), cloud.size());
   EXPECT_EQ(labelled.cloud->width, 640u);
   EXPECT_EQ(labelled.cloud->height, 480u);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const pcl::PointXYZRGBL& point = (*labelled.cloud)[i];
-    for (int axis = 0; axis < 3; ++axis)
-      ASSERT_TRUE(point.data[axis] == cloud[i].data[axis] ||
-                  (std::isnan(point.data[axis]) && std::isnan(cloud[i].data[axis])));
-    ASSERT_EQ(point.rgba, cloud[i].rgba);
-    ASSERT_EQ(point.label, cloud[i].label);
-  }
+  expectSamePoints(*labelled.cloud, cloud);
 }

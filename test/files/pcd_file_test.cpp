@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+
+// Writing, and reading what PCL and we write; bad files are in pcd_bad_input_test.cpp.
+
 #include "files/pcd_file.h"
-#include "support/full_disk.h"
+#include "support/process_limits.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
@@ -10,123 +13,334 @@
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <random>
 
 using namespace pcl_semantic;
 
 namespace {
 
-constexpr int classes = 11;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-template <typename T>
+// Values of all kinds, organized; smooth enough to compress and too rough to shrink to
+// nothing.
+pcl::PointCloud<pcl::PointXYZRGBL>
+someCloud(unsigned width, unsigned height)
+{
+  std::mt19937 random(5);
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud(width, height);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud[i].x = 0.1f * float(i % 50);
+    cloud[i].y = std::uniform_real_distribution<float>(-50.0f, 50.0f)(random);
+    cloud[i].z = i % 7 == 3 ? kNaN : 1e-7f * float(i);
+    cloud[i].rgba = random();
+    cloud[i].label = unsigned(i / 10 % 12);
+  }
+  cloud.sensor_origin_ = {1.5f, -2.25f, 0.1f, 0.0f};
+  cloud.sensor_orientation_ = Eigen::Quaternionf(0.5f, 0.5f, -0.5f, 0.5f);
+  return cloud;
+}
+
 void
-append(std::vector<std::uint8_t>& data, const T& value)
+expectSame(const PcdTable& table, const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
 {
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(&value);
-  data.insert(data.end(), bytes, bytes + sizeof(T));
+  std::string names;
+  for (const PcdField& field : table.fields)
+    names += field.name + field.type + std::to_string(field.size) + " ";
+  ASSERT_EQ(names, "xF4 yF4 zF4 rgbaU4 labelU4 ");
+  ASSERT_EQ(table.points, cloud.size());
+  EXPECT_EQ(table.width, cloud.width);
+  EXPECT_EQ(table.height, cloud.height);
+  const PcdColumn x(table, 0), y(table, 1), z(table, 2), rgba(table, 3),
+      label(table, 4);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    ASSERT_EQ(x(i), cloud[i].x) << i;
+    // PCL writes eight digits.
+    ASSERT_NEAR(y(i), cloud[i].y, std::abs(cloud[i].y) * 1e-7) << i;
+    ASSERT_EQ(std::isnan(z(i)), std::isnan(cloud[i].z)) << i;
+    if (!std::isnan(z(i))) {
+      ASSERT_NEAR(z(i), cloud[i].z, std::abs(cloud[i].z) * 1e-7) << i;
+    }
+    ASSERT_EQ(rgba.bits(i), cloud[i].rgba) << i;
+    ASSERT_EQ(label(i), cloud[i].label) << i;
+  }
+  const double expected[] = {1.5, -2.25, 0.1, 0.5, 0.5, -0.5, 0.5};
+  for (int i = 0; i < 7; ++i)
+    EXPECT_NEAR(table.viewpoint[std::size_t(i)], expected[i], 1e-6) << i;
 }
 
-float
-probabilityOf(std::size_t point, int k)
+// All of PCL's writers, from clouds and from messages.
+template <typename PointT>
+std::vector<std::string>
+writeWithPcl(const TemporaryFolder& folder, const pcl::PointCloud<PointT>& cloud)
 {
-  return float(point) + 0.01f * float(k);
+  pcl::PCLPointCloud2 message;
+  pcl::toPCLPointCloud2(cloud, message);
+  const Eigen::Vector4f origin = cloud.sensor_origin_;
+  const Eigen::Quaternionf orientation = cloud.sensor_orientation_;
+  pcl::PCDWriter writer;
+  std::vector<std::string> paths;
+  const auto path = [&](const char* name) {
+    paths.push_back(folder.path(name));
+    return paths.back();
+  };
+  EXPECT_EQ(pcl::io::savePCDFileASCII(path("a.pcd"), cloud), 0);
+  EXPECT_EQ(pcl::io::savePCDFileBinary(path("b.pcd"), cloud), 0);
+  EXPECT_EQ(pcl::io::savePCDFileBinaryCompressed(path("c.pcd"), cloud), 0);
+  EXPECT_EQ(writer.writeASCII(path("d.pcd"), message, origin, orientation), 0);
+  EXPECT_EQ(writer.writeBinary(path("e.pcd"), message, origin, orientation), 0);
+  EXPECT_EQ(writer.writeBinaryCompressed(path("f.pcd"), message, origin, orientation),
+            0);
+  return paths;
 }
 
+// The value of an ascii file of one point with one field.
+double
+readValue(const std::string& type, int size, const std::string& value)
+{
+  const TemporaryFolder folder;
+  const PcdTable table = readPcd(folder.write(
+      "a.pcd", "FIELDS v\nSIZE " + std::to_string(size) + "\nTYPE " + type +
+                   "\nWIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nDATA ascii\n" +
+                   value + "\n"));
+  EXPECT_EQ(table.points, 1u);
+  return PcdColumn(table, 0)(0);
+}
+
+// Fields of every type and any bytes.
 PcdTable
-someTable(std::size_t points)
+everyType(std::size_t width, std::size_t height)
 {
   PcdTable table;
-  table.fields = {{"x", 'F', 4, 1},     {"y", 'F', 4, 1},
-                  {"z", 'F', 4, 1},     {"rgba", 'U', 4, 1},
-                  {"label", 'U', 4, 1}, {"probability", 'F', 4, classes}};
-  table.points = points;
-  for (std::size_t i = 0; i < points; ++i) {
-    for (const float coordinate : {1.5f * float(i), -2.0f, 1e5f})
-      append(table.data, coordinate);
-    append(table.data, std::uint32_t(0xFF102030u + i));
-    append(table.data, std::uint32_t(i % 12));
-    for (int k = 0; k < classes; ++k)
-      append(table.data, probabilityOf(i, k));
-  }
+  table.fields = {{"a", 'I', 1, 1}, {"b", 'U', 1, 3}, {"c", 'I', 2, 1},
+                  {"d", 'U', 2, 1}, {"e", 'I', 4, 1}, {"f", 'U', 4, 1},
+                  {"g", 'I', 8, 1}, {"h", 'U', 8, 1}, {"i", 'F', 4, 11},
+                  {"j", 'F', 8, 2}, {"k", 'B', 1, 1}};
+  table.points = 12;
+  table.width = width;
+  table.height = height;
+  table.viewpoint = {0.1, -2e6, 3.0, 0.5, 0.5, 0.5, -0.5};
+  table.data.resize(table.points * table.pointSize());
+  for (std::size_t i = 0; i < table.data.size(); ++i)
+    table.data[i] = std::uint8_t(31 * i);
   return table;
 }
 
 } // namespace
 
-TEST(WritePcd, PclReadsThePoints)
+TEST(ReadPcd, ReadsAllThatPclWrites)
 {
-  const TemporaryFolder folder;
-  writePcd(folder.path("a.pcd"), someTable(1000));
-  EXPECT_EQ(folder.entries(), 1u);
-  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile(folder.path("a.pcd"), cloud), 0);
-  ASSERT_EQ(cloud.size(), 1000u);
-  EXPECT_EQ(cloud.height, 1u);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    EXPECT_EQ(cloud[i].x, 1.5f * float(i));
-    EXPECT_EQ(cloud[i].z, 1e5f);
-    EXPECT_EQ(cloud[i].rgba, 0xFF102030u + i);
-    EXPECT_EQ(cloud[i].label, i % 12);
-  }
-  EXPECT_TRUE(cloud.sensor_origin_.isZero());
-  EXPECT_TRUE(cloud.sensor_orientation_.isApprox(Eigen::Quaternionf::Identity()));
-}
-
-TEST(WritePcd, PclReadsAFieldOfSeveralElements)
-{
-  const TemporaryFolder folder;
-  writePcd(folder.path("a.pcd"), someTable(100));
-  pcl::PCLPointCloud2 cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile(folder.path("a.pcd"), cloud), 0);
-  const int index = pcl::getFieldIndex(cloud, "probability");
-  ASSERT_GE(index, 0);
-  EXPECT_EQ(cloud.fields[index].count, unsigned(classes));
-  for (std::size_t i = 0; i < 100; ++i)
-    for (int k = 0; k < classes; ++k) {
-      float value = 0.0f;
-      std::memcpy(
-          &value,
-          &cloud.data[i * cloud.point_step + cloud.fields[index].offset + 4 * k], 4);
-      EXPECT_EQ(value, probabilityOf(i, k));
+  for (const auto& [width, height] :
+       {std::pair(64u, 48u), std::pair(1u, 1u), std::pair(977u, 1u)}) {
+    const TemporaryFolder folder;
+    const pcl::PointCloud<pcl::PointXYZRGBL> cloud = someCloud(width, height);
+    for (const std::string& path : writeWithPcl(folder, cloud)) {
+      SCOPED_TRACE(path);
+      expectSame(readPcd(path), cloud);
     }
+  }
 }
 
-TEST(WritePcd, AnEmptyCloudIsValid)
+TEST(ReadPcd, ReadsPclsEmptyClouds)
 {
   const TemporaryFolder folder;
-  writePcd(folder.path("a.pcd"), someTable(0));
-  const std::string header = bytesOf(folder.path("a.pcd"));
-  EXPECT_TRUE(holds(header, "\nPOINTS 0\nDATA binary\n"));
+  for (const std::string& path :
+       writeWithPcl(folder, pcl::PointCloud<pcl::PointXYZRGBL>())) {
+    const PcdTable table = readPcd(path);
+    EXPECT_EQ(table.points, 0u) << path;
+    EXPECT_EQ(table.fields.size(), 5u) << path;
+  }
+}
+
+// As whole numbers, and as floats from messages.
+TEST(ReadPcd, ReadsPclsPackedColours)
+{
+  pcl::PointCloud<pcl::PointXYZRGB> cloud;
+  for (int i = 0; i < 300; ++i)
+    cloud.push_back({float(i), 2.0f, 3.0f, std::uint8_t(i), std::uint8_t(7 * i), 200});
+  const TemporaryFolder folder;
+  for (const std::string& path : writeWithPcl(folder, cloud)) {
+    const PcdTable table = readPcd(path);
+    ASSERT_EQ(table.fields.size(), 4u) << path;
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      ASSERT_EQ(PcdColumn(table, 3).bits(i), cloud[i].rgba) << path;
+  }
+}
+
+TEST(ReadPcd, ReadsCompressedDataOfAllLengths)
+{
+  // Runs, repetitions and noise, so that every form of LZF's codes occurs.
+  for (const unsigned points : {1u, 2u, 3u, 10u, 33u, 100u, 1000u, 70000u}) {
+    pcl::PointCloud<pcl::PointXYZRGBL> cloud = someCloud(points, 1);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (i % 500 < 400)
+        cloud[i].rgba = i % 500 < 200 ? 0xFF000000u : unsigned(i % 3);
+    const TemporaryFolder folder;
+    pcl::io::savePCDFileBinaryCompressed(folder.path("a.pcd"), cloud);
+    expectSame(readPcd(folder.path("a.pcd")), cloud);
+  }
+}
+
+TEST(ReadPcd, ReadsWhatWasWritten)
+{
+  const TemporaryFolder folder;
+  for (const auto& [width, height] : {std::pair(4u, 3u), std::pair(0u, 0u)}) {
+    const PcdTable table = everyType(width, height);
+    writeCloudTable(folder.path("a.pcd"), table);
+    const PcdTable read = readPcd(folder.path("a.pcd"));
+    EXPECT_EQ(read.data, table.data);
+    EXPECT_EQ(read.points, 12u);
+    EXPECT_EQ(read.width, width == 4 ? 4u : 12u);
+    EXPECT_EQ(read.height, width == 4 ? 3u : 1u);
+    EXPECT_EQ(read.viewpoint, table.viewpoint);
+    ASSERT_EQ(read.fields.size(), table.fields.size());
+    for (std::size_t i = 0; i < read.fields.size(); ++i) {
+      EXPECT_EQ(read.fields[i].name, table.fields[i].name);
+      EXPECT_EQ(read.fields[i].type, table.fields[i].type);
+      EXPECT_EQ(read.fields[i].size, table.fields[i].size);
+      EXPECT_EQ(read.fields[i].count, table.fields[i].count);
+    }
+  }
+}
+
+TEST(ReadPcd, AcceptsWhatEditorsLeaveBehind)
+{
+  const TemporaryFolder folder;
+  const PcdTable table = readPcd(
+      folder.write("a.pcd", "\xEF\xBB\xBF# a comment\r\n\r\nVERSION .7\r\nTYPE F I\r\n"
+                            "  FIELDS x\tn \r\nSIZE 4 2\r\nWIDTH 2\r\nHEIGHT 1\r\n"
+                            "DATA ascii\r\n\r\n 1.5\t-3 \r\n+2e3   4\r\n\r\n"));
+  ASSERT_EQ(table.points, 2u);
+  EXPECT_EQ(PcdColumn(table, 0)(0), 1.5);
+  EXPECT_EQ(PcdColumn(table, 0)(1), 2000.0);
+  EXPECT_EQ(PcdColumn(table, 1)(0), -3.0);
+  EXPECT_EQ(PcdColumn(table, 1)(1), 4.0);
+}
+
+TEST(ReadPcd, ReadsEveryTypeToItsLimits)
+{
+  for (const auto& [type, size, text] :
+       {std::tuple("I", 1, "-128"), std::tuple("U", 1, "255"),
+        std::tuple("I", 2, "-32768"), std::tuple("U", 2, "65535"),
+        std::tuple("I", 4, "-2147483648"), std::tuple("U", 4, "4294967295"),
+        std::tuple("I", 8, "-9007199254740992"), std::tuple("U", 8, "9007199254740992"),
+        std::tuple("B", 1, "1"), std::tuple("F", 8, "1e308"),
+        std::tuple("F", 8, "0.1")})
+    EXPECT_EQ(readValue(type, size, text), std::stod(text));
+  EXPECT_EQ(readValue("F", 4, "3.4028235e38"), double(3.4028235e38f));
+  EXPECT_EQ(readValue("F", 4, "1e-45"), double(1e-45f));
+  EXPECT_EQ(readValue("F", 4, "-1e-60"), 0.0);
+  EXPECT_EQ(readValue("F", 4, "-inf"), -std::numeric_limits<double>::infinity());
+  for (const int size : {4, 8})
+    for (const char* const word : {"nan", "NaN", "-nan"})
+      EXPECT_TRUE(std::isnan(readValue("F", size, word))) << word;
+}
+
+TEST(ReadPcd, AFloatsBitsSurviveText)
+{
+  std::mt19937 random(11);
+  for (int i = 0; i < 30; ++i) {
+    float value;
+    const std::uint32_t bits = random() & 0xFF7FFFFFu; // no infinity or NaN
+    std::memcpy(&value, &bits, sizeof(value));
+    char text[40];
+    std::snprintf(text, sizeof(text), "%.9g", double(value));
+    const auto read = float(readValue("F", 4, text));
+    EXPECT_EQ(std::memcmp(&read, &bits, sizeof(bits)), 0) << text;
+  }
+}
+
+TEST(WriteCloudTable, PclReadsThePoints)
+{
+  const TemporaryFolder folder;
+  const pcl::PointCloud<pcl::PointXYZRGBL> written = someCloud(50, 20);
+  const PcdTable plain = readPcd(writeWithPcl(folder, written)[1]);
+  PcdTable table = plain;
+  constexpr int classes = 11;
+  std::vector<float> probabilities;
+  for (std::size_t i = 0; i < classes * written.size(); ++i)
+    probabilities.push_back(0.01f * float(i));
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(probabilities.data());
+  table.setColumn({"probability", 'F', 4, classes},
+                  {bytes, bytes + 4 * probabilities.size()});
+  const std::size_t entries = folder.entries();
+  writeCloudTable(folder.path("ours.pcd"), table);
+  EXPECT_EQ(folder.entries(), entries + 1);
+
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder.path("ours.pcd"), cloud), 0);
+  expectSame(plain, cloud);
+  pcl::PCLPointCloud2 message;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder.path("ours.pcd"), message), 0);
+  const int index = pcl::getFieldIndex(message, "probability");
+  ASSERT_GE(index, 0);
+  const pcl::PCLPointField& field = message.fields[std::size_t(index)];
+  EXPECT_EQ(field.count, unsigned(classes));
+  for (std::size_t i = 0; i < written.size(); ++i)
+    EXPECT_EQ(std::memcmp(&message.data[i * message.point_step + field.offset],
+                          &probabilities[i * classes], classes * sizeof(float)),
+              0);
+}
+
+TEST(WriteCloudTable, AnEmptyCloudIsValid)
+{
+  const TemporaryFolder folder;
+  PcdTable table;
+  table.fields = {{"x"}, {"label", 'U'}, {"probability", 'F', 4, 11}};
+  writeCloudTable(folder.path("a.pcd"), table);
+  EXPECT_TRUE(holds(bytesOf(folder.path("a.pcd")), "\nPOINTS 0\nDATA binary\n"));
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin;
   Eigen::Quaternionf orientation;
   int version = 0, type = 0;
   unsigned offset = 0;
-  pcl::PCDReader reader;
-  EXPECT_EQ(reader.readHeader(folder.path("a.pcd"), cloud, origin, orientation, version,
-                              type, offset),
+  EXPECT_EQ(pcl::PCDReader().readHeader(folder.path("a.pcd"), cloud, origin,
+                                        orientation, version, type, offset),
             0);
   EXPECT_EQ(cloud.width * cloud.height, 0u);
-  EXPECT_EQ(cloud.fields.size(), 6u);
+  EXPECT_EQ(cloud.fields.size(), 3u);
+  EXPECT_TRUE(origin.isZero());
+  EXPECT_TRUE(orientation.isApprox(Eigen::Quaternionf::Identity()));
 }
 
-TEST(WritePcd, RefusesDataThatDoNotFitTheFields)
+TEST(WriteCloudTable, LeavesNothingBehindWhenItFails)
 {
   const TemporaryFolder folder;
-  PcdTable table = someTable(10);
-  table.data.pop_back();
-  thrownMessage<InvalidParameterException>(
-      [&] { writePcd(folder.path("a.pcd"), table); });
-  thrownMessage<InvalidParameterException>(
-      [&] { writePcd(folder.path("a.pcd"), PcdTable()); });
-  EXPECT_EQ(folder.entries(), 0u);
-}
-
-TEST(WritePcd, LeavesNothingBehindWhenItFails)
-{
-  const TemporaryFolder folder;
-  const PcdTable table = someTable(10000);
+  PcdTable cut = everyType(4, 3);
+  cut.data.pop_back();
+  for (const PcdTable& table : {cut, PcdTable(), everyType(5, 3)})
+    thrownMessage<InvalidParameterException>(
+        [&] { writeCloudTable(folder.path("a.pcd"), table); });
+  PcdTable large;
+  large.fields = {{"x"}};
+  large.points = 100000;
+  large.data.resize(400000);
   const FullDisk full(100000);
-  thrownMessage<OutputException>([&] { writePcd(folder.path("a.pcd"), table); });
+  thrownMessage<OutputException>([&] { writeCloudTable(folder.path("a.pcd"), large); });
   EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(PcdTable, ColumnsAreReplacedAppendedAndRemoved)
+{
+  PcdTable table;
+  table.fields = {
+      {"a", 'U', 1, 1}, {"_", 'U', 1, 2}, {"b", 'U', 1, 1}, {"_", 'U', 1, 1}};
+  table.points = 2;
+  table.data = {1, 0, 0, 2, 0, 11, 0, 0, 12, 0};
+  table.removeColumns("_");
+  EXPECT_EQ(table.data, (std::vector<std::uint8_t>{1, 2, 11, 12}));
+  table.setColumn({"c", 'U', 1, 2}, {3, 4, 13, 14});
+  EXPECT_EQ(table.data, (std::vector<std::uint8_t>{1, 2, 3, 4, 11, 12, 13, 14}));
+  table.setColumn({"b", 'I', 2, 1}, {5, 0, 15, 0});
+  EXPECT_EQ(table.data, (std::vector<std::uint8_t>{1, 5, 0, 3, 4, 11, 15, 0, 13, 14}));
+  EXPECT_EQ(PcdColumn(table, table.find("b"))(1), 15.0);
+  EXPECT_EQ(PcdColumn(table, table.find("c"))(1, 1), 14.0);
+  EXPECT_EQ(table.find("_"), -1);
+  thrownMessage<InvalidParameterException>([&] {
+    table.setColumn({"d", 'U', 1, 1}, {1, 2, 3});
+  });
+  thrownMessage<InvalidParameterException>([&] { PcdColumn column(table, -1); });
+  thrownMessage<InvalidParameterException>([&] { PcdColumn(table, 0).bits(0); });
 }

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <locale>
 #include <random>
 #include <sstream>
 
@@ -18,27 +17,29 @@ namespace {
 const std::string identity = "1 0 0 0 0 1 0 0 0 0 1 0";
 
 Trajectory
-readText(const std::string& text)
+readKitti(const std::string& text)
 {
   const TemporaryFolder folder;
   return readKittiTrajectory(folder.write("poses.txt", text));
 }
 
-std::string
-refusal(const std::string& text)
+TimedTrajectory
+readTum(const std::string& text)
 {
-  return thrownMessage<BadInputException>([&] { readText(text); });
+  const TemporaryFolder folder;
+  return readTumTrajectory(folder.write("tum.txt", text));
 }
 
-// A pose row whose rotation was multiplied by `stretch` in its first column.
-std::string
-rowOf(const Eigen::Matrix3d& rotation)
+::testing::AssertionResult
+refusesKitti(const std::string& text, const std::string& part)
 {
-  std::ostringstream row;
-  row.precision(17);
-  for (int i = 0; i < 3; ++i)
-    row << rotation(i, 0) << ' ' << rotation(i, 1) << ' ' << rotation(i, 2) << " 7 ";
-  return row.str();
+  return throws<BadInputException>(part, [&] { readKitti(text); });
+}
+
+::testing::AssertionResult
+refusesTum(const std::string& text, const std::string& part)
+{
+  return throws<BadInputException>(part, [&] { readTum(text); });
 }
 
 Eigen::Matrix3d
@@ -48,38 +49,55 @@ someRotation()
       .toRotationMatrix();
 }
 
+// A row whose rotation was multiplied by `stretch` in its first column.
+std::string
+stretchedRow(double stretch)
+{
+  Eigen::Matrix3d rotation = someRotation();
+  rotation.col(0) *= stretch;
+  std::ostringstream row;
+  row.precision(17);
+  for (int i = 0; i < 3; ++i)
+    row << rotation(i, 0) << ' ' << rotation(i, 1) << ' ' << rotation(i, 2) << " 7 ";
+  return row.str();
+}
+
+// Far, near and tiny coordinates, any rotations, 10 a second.
+TimedTrajectory
+randomTrajectory(double start)
+{
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> value(-1.0, 1.0);
+  TimedTrajectory trajectory(200);
+  for (TimedPose& timed : trajectory) {
+    timed.time = start + 0.1 * double(&timed - trajectory.data());
+    timed.pose.linear() =
+        Eigen::Quaterniond(value(random), value(random), value(random), value(random))
+            .normalized()
+            .toRotationMatrix();
+    timed.pose.translation() << 1e5 * value(random), value(random),
+        1e-7 * value(random);
+  }
+  return trajectory;
+}
+
 } // namespace
 
-TEST(KittiTrajectory, ReadsRowsOfTwelveNumbers)
+TEST(KittiTrajectory, ReadsRowsOfTwelveNumbersFromEveryEditor)
 {
-  const Trajectory poses = readText(identity + "\n0 -1 0 4 1 0 0 5e0 0 0 1 -6.5\n");
+  const Trajectory poses = readKitti("\xEF\xBB\xBF" + identity +
+                                     "  \r\n0 -1 0 4 1 0 0 5e0 0 0 1 -6.5\t\r\n\r\n");
   ASSERT_EQ(poses.size(), 2u);
   EXPECT_TRUE(poses[0].isApprox(Eigen::Isometry3d::Identity()));
   EXPECT_EQ(poses[1].translation(), Eigen::Vector3d(4.0, 5.0, -6.5));
   EXPECT_EQ(poses[1].linear() * Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
 }
 
-TEST(KittiTrajectory, AcceptsEveryEditor)
-{
-  EXPECT_EQ(
-      readText("\xEF\xBB\xBF" + identity + "  \r\n" + identity + "\t\r\n\r\n").size(),
-      2u);
-}
-
 TEST(KittiTrajectory, RoundTripsExactly)
 {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> value(-1.0, 1.0);
   Trajectory written;
-  for (int i = 0; i < 200; ++i) {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() =
-        Eigen::Quaterniond(value(random), value(random), value(random), value(random))
-            .normalized()
-            .toRotationMatrix();
-    pose.translation() << 1e5 * value(random), value(random), 1e-7 * value(random);
-    written.push_back(pose);
-  }
+  for (const TimedPose& timed : randomTrajectory(0.0))
+    written.push_back(timed.pose);
   const TemporaryFolder folder;
   writeKittiTrajectory(folder.path("poses.txt"), written);
   const Trajectory read = readKittiTrajectory(folder.path("poses.txt"));
@@ -88,35 +106,36 @@ TEST(KittiTrajectory, RoundTripsExactly)
     EXPECT_EQ(read[i].matrix(), written[i].matrix());
 }
 
-TEST(KittiTrajectory, NamesTheLineOfAWrongCount)
+TEST(KittiTrajectory, NamesTheLineOfWhatCannotBeUsed)
 {
-  EXPECT_TRUE(
-      holds(refusal(identity + "\n" + identity.substr(0, 21) + "\n"), "line 2"));
-  EXPECT_TRUE(holds(refusal(identity + "\n" + identity + " 0\n"), "line 2"));
-  EXPECT_TRUE(holds(refusal(identity + "\n" + identity.substr(0, 21) + "\n"), "11"));
-}
-
-TEST(KittiTrajectory, RefusesWhatIsNoFiniteNumber)
-{
+  const std::string good = identity + "\n";
+  EXPECT_TRUE(refusesKitti(good + identity.substr(0, 21), "line 2: has 11"));
+  EXPECT_TRUE(refusesKitti(good + identity + " 0\n", "line 2"));
   for (const char* const bad : {"nan", "inf", "-inf", "1,5", "abc", "1e999"})
-    EXPECT_TRUE(holds(refusal(identity + "\n1 0 0 0 0 1 0 0 0 0 1 " + bad), "line 2"))
-        << bad;
+    EXPECT_TRUE(refusesKitti(good + "1 0 0 0 0 1 0 0 0 0 1 " + bad, "line 2")) << bad;
+  EXPECT_TRUE(refusesKitti("1 0 0 0 0 1 0 0 0 0 -1 0", "line 1")); // a mirror
+  EXPECT_TRUE(refusesKitti("0 0 0 0 0 0 0 0 0 0 0 0", "line 1"));
+  EXPECT_TRUE(refusesKitti(stretchedRow(1.1), "rotation"));
+  // The bytes of a binary file are not shown.
+  EXPECT_TRUE(refusesKitti(std::string("\x1b[2J\x01x", 6),
+                           "poses.txt line 1: '?[2J?x' is not a number"));
 }
 
-TEST(KittiTrajectory, RefusesWhatIsNoRotation)
+TEST(KittiTrajectory, HasARowForEveryFrame)
 {
-  EXPECT_TRUE(holds(refusal("1 0 0 0 0 1 0 0 0 0 -1 0"), "line 1")); // a mirror
-  EXPECT_TRUE(holds(refusal("0 0 0 0 0 0 0 0 0 0 0 0"), "line 1"));
-  Eigen::Matrix3d stretched = someRotation();
-  stretched.col(0) *= 1.1;
-  EXPECT_TRUE(holds(refusal(rowOf(stretched)), "rotation"));
+  const std::string row = identity + "\n";
+  EXPECT_EQ(readKitti("# by some tool\n#\n" + row + row + "\n \n").size(), 2u);
+  for (const char* const gap : {"\n", "# lost\n", " \r\n"})
+    EXPECT_TRUE(refusesKitti(row + gap + row,
+                             "poses.txt line 2: holds no pose, but a later line does"));
+  for (const char* const nothing : {"", "\n\n", "# nothing\n"})
+    EXPECT_TRUE(refusesKitti(nothing, "poses.txt: holds no pose"));
+  thrownMessage<BadInputException>([] { readKittiTrajectory("/no/such/poses.txt"); });
 }
 
 TEST(KittiTrajectory, MakesARotationThatIsNearlyOneOrthonormal)
 {
-  Eigen::Matrix3d stretched = someRotation();
-  stretched.col(0) *= 1.001;
-  const Trajectory poses = readText(rowOf(stretched));
+  const Trajectory poses = readKitti(stretchedRow(1.001));
   const Eigen::Matrix3d rotation = poses.at(0).linear();
   EXPECT_LT((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm(),
             1e-12);
@@ -125,15 +144,124 @@ TEST(KittiTrajectory, MakesARotationThatIsNearlyOneOrthonormal)
   EXPECT_EQ(poses[0].translation(), Eigen::Vector3d::Constant(7.0));
 }
 
-TEST(KittiTrajectory, RefusesAnEmptyLineBetweenPoses)
+TEST(KittiTrajectory, WarnsOfRotationsItHadToRepair)
 {
-  EXPECT_TRUE(holds(refusal(identity + "\n\n" + identity + "\n"), "line 2"));
-  EXPECT_EQ(readText(identity + "\n" + identity + "\n\n \n").size(), 2u);
+  testing::internal::CaptureStderr();
+  readKitti(identity + "\n0.9999996 0 0 0 0 1 0 0 0 0 1 0\n");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  testing::internal::CaptureStderr();
+  readKitti(identity + "\n0.999 0 0 0 0 1 0 0 0 0 1 0\n");
+  EXPECT_TRUE(holds(testing::internal::GetCapturedStderr(), "the first in line 2"));
 }
 
-TEST(KittiTrajectory, RefusesAnEmptyFile)
+TEST(TumTrajectory, ReadsTimeTranslationAndQuaternion)
 {
-  refusal("");
-  refusal("\n\n");
-  thrownMessage<BadInputException>([] { readKittiTrajectory("/no/such/poses.txt"); });
+  // A quarter turn about z: x goes to y.
+  const TimedTrajectory trajectory = readTum(
+      "# time tx ty tz qx qy qz qw\n\n1.5 4 5 -6.5 0 0 0.70710678 0.70710678\r\n");
+  ASSERT_EQ(trajectory.size(), 1u);
+  EXPECT_EQ(trajectory[0].time, 1.5);
+  EXPECT_EQ(trajectory[0].pose.translation(), Eigen::Vector3d(4.0, 5.0, -6.5));
+  EXPECT_TRUE((trajectory[0].pose.linear() * Eigen::Vector3d::UnitX())
+                  .isApprox(Eigen::Vector3d::UnitY(), 1e-7));
+}
+
+// The forms of ORB-SLAM2 and ORB-SLAM3: fixed, 6 to 9 digits, seconds or nanoseconds.
+TEST(TumTrajectory, ReadsWhatOrbSlamWrites)
+{
+  const TimedTrajectory two =
+      readTum("1403636579.763556 0.0000000 0.0000000 0.0000000 0.0000000 0.0000000 "
+              "0.0000000 1.0000000\n"
+              "1403636580.263556 0.1000000 0.0000000 0.0000000 0.0000000 0.0000000 "
+              "0.0000000 1.0000000\n");
+  EXPECT_NEAR(two[1].time - two[0].time, 0.5, 1e-6);
+  const TimedTrajectory three =
+      readTum("1403636579763555584.000000 0.1 0.2 0.3 0 0 0 1.000000000\n"
+              "1403636580263555584.000000 0.1 0.2 0.3 0 0 0 -1.000000000\n");
+  EXPECT_NEAR(three[0].time, 1403636579.763555584, 1e-6);
+  EXPECT_NEAR(three[1].time - three[0].time, 0.5, 1e-6);
+  EXPECT_TRUE(three[1].pose.linear().isIdentity());
+}
+
+TEST(TumTrajectory, RoundTrips)
+{
+  for (const double start : {0.0, 1403636579.763555584}) {
+    const TimedTrajectory written = randomTrajectory(start);
+    const TemporaryFolder folder;
+    writeTumTrajectory(folder.path("tum.txt"), written);
+    const TimedTrajectory read = readTumTrajectory(folder.path("tum.txt"));
+    ASSERT_EQ(read.size(), written.size());
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      EXPECT_NEAR(read[i].time, written[i].time, 1e-6);
+      EXPECT_EQ(read[i].pose.translation(), written[i].pose.translation());
+      EXPECT_TRUE(read[i].pose.linear().isApprox(written[i].pose.linear(), 1e-14));
+    }
+  }
+}
+
+TEST(TumTrajectory, NamesTheLineOfWhatCannotBeUsed)
+{
+  const std::string good = "1 0 0 0 0 0 0 1\n";
+  for (const auto& [text, part] :
+       {std::pair("2 0 0 0 0 0 0\n", "line 2: has 7"),
+        std::pair("# x\n2 0 0 nan 0 0 0 1\n", "line 3: 'nan'"),
+        std::pair("2 0 0 1,5 0 0 0 1\n", "line 2: '1,5'"),
+        std::pair("2 0 0 0 0 0 0 1.1\n", "line 2: the quaternion"),
+        std::pair("2 0 0 0 0 0 0 0\n", "line 2: the quaternion"),
+        std::pair("1 0 0 0 0 0 0 1\n", "line 2: its time")})
+    EXPECT_TRUE(refusesTum(good + text, part));
+  EXPECT_TRUE(refusesTum("# nothing\n", "holds no pose"));
+}
+
+TEST(TumTrajectory, MakesAQuaternionOfNearlyLengthOneExact)
+{
+  testing::internal::CaptureStderr();
+  const TimedTrajectory trajectory =
+      readTum("1 0 0 0 0 0 0 1\n2 0 0 0 0 0.6 0 0.803\n");
+  EXPECT_TRUE(
+      holds(testing::internal::GetCapturedStderr(),
+            "tum.txt: warning: 1 of 2 poses were not quite rigid and made so, the "
+            "first in line 2\n"));
+  const Eigen::Matrix3d rotation = trajectory[1].pose.linear();
+  EXPECT_TRUE((rotation * rotation.transpose()).isIdentity(1e-14));
+}
+
+TEST(TrajectoryFormat, IsKnownByTheNumbers)
+{
+  const TemporaryFolder folder;
+  const auto format = [&](const std::string& text) {
+    return trajectoryFormatOf(folder.write("some.txt", text));
+  };
+  for (const char* const before : {"", "\n", "# time\n"}) {
+    EXPECT_EQ(format(before + identity), TrajectoryFormat::kitti);
+    EXPECT_EQ(format(std::string(before) + "1 0 0 0 0 0 0 1"), TrajectoryFormat::tum);
+  }
+  for (const char* const bad : {"", "\n", "# nothing\n", "1 2 3\n", "a b\n"})
+    thrownMessage<BadInputException>([&] { format(bad); });
+}
+
+TEST(FindPose, GivesTheNearestWithinTheTolerance)
+{
+  TimedTrajectory trajectory(3);
+  for (int i = 0; i < 3; ++i)
+    trajectory[std::size_t(i)].time = i;
+  EXPECT_EQ(findPose(trajectory, 1.4, 0.5), &trajectory[1]);
+  EXPECT_EQ(findPose(trajectory, 1.6, 0.5), &trajectory[2]);
+  EXPECT_EQ(findPose(trajectory, 2.5, 0.5), &trajectory[2]);
+  EXPECT_EQ(findPose(trajectory, -0.5, 0.5), &trajectory[0]);
+  EXPECT_EQ(findPose(trajectory, 1.4, 0.3), nullptr);
+  EXPECT_EQ(findPose(trajectory, 9.0, 0.5), nullptr);
+  EXPECT_EQ(findPose({}, 1.0, 0.5), nullptr);
+}
+
+TEST(Times, AreReadByRow)
+{
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    return readTimes(folder.write("times.txt", text));
+  };
+  EXPECT_EQ(read("0\n1.5e-1\n\n"), (std::vector<double>{0.0, 0.15}));
+  EXPECT_NEAR(read("1403636579763555584\n").front(), 1403636579.763555584, 1e-6);
+  for (const char* const bad : {"0\n1 2\n", "0\n\n1\n", "0\nx\n", "0\nnan\n"})
+    EXPECT_TRUE(throws<BadInputException>("line 2", [&] { read(bad); }));
 }

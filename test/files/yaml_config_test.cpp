@@ -20,10 +20,10 @@ load(const std::string& text)
   return YamlMap::load(folder.write("a.yaml", text));
 }
 
-std::string
-refusal(const std::string& text)
+::testing::AssertionResult
+refuses(const std::string& text, const std::string& part)
 {
-  return thrownMessage<BadInputException>([&] { load(text); });
+  return throws<BadInputException>(part, [&] { load(text); });
 }
 
 template <typename T>
@@ -64,28 +64,22 @@ TEST(YamlMap, AMissingKeyLeavesTheValue)
   EXPECT_FALSE(map.get("b", value));
   EXPECT_EQ(value, 7.0);
   EXPECT_FALSE(map.has("b"));
-  EXPECT_TRUE(holds(
-      thrownMessage<BadInputException>([&] { map.require<double>("voxel_size"); }),
-      "voxel_size"));
+  EXPECT_TRUE(throws<BadInputException>("voxel_size",
+                                        [&] { map.require<double>("voxel_size"); }));
   EXPECT_EQ(map.keys().size(), 1u);
 }
 
 TEST(YamlMap, NamesTheLineOfAnUnknownKey)
 {
   const YamlMap map = load("# a comment\nvoxel_size: 0.1\n\nvoxle_size: 0.2\n");
-  double value = 0.0;
-  map.get("voxel_size", value);
-  const std::string message =
-      thrownMessage<BadInputException>([&] { map.refuseUnknownKeys(); });
-  EXPECT_TRUE(holds(message, "a.yaml line 4"));
-  EXPECT_TRUE(holds(message, "voxle_size"));
+  EXPECT_TRUE(map.has("voxel_size"));
+  EXPECT_TRUE(throws<BadInputException>("a.yaml line 4: key 'voxle_size'",
+                                        [&] { map.refuseUnknownKeys(); }));
 }
 
 TEST(YamlMap, NamesTheLineOfADuplicateKey)
 {
-  const std::string message = refusal("a: 1\nb: 2\na: 3\n");
-  EXPECT_TRUE(holds(message, "a.yaml line 3"));
-  EXPECT_TRUE(holds(message, "'a'"));
+  EXPECT_TRUE(refuses("a: 1\nb: 2\na: 3\n", "a.yaml line 3: key 'a'"));
 }
 
 TEST(YamlMap, NamesTheLineOfAWrongType)
@@ -107,8 +101,8 @@ TEST(YamlMap, AcceptsTheHeaderOfOpenCV)
 {
   const YamlMap map = load("%YAML:1.0\r\n---\r\na: 1\r\nb: 2\r\n");
   EXPECT_EQ(map.require<int>("a"), 1);
-  EXPECT_TRUE(holds(thrownMessage<BadInputException>([&] { map.refuseUnknownKeys(); }),
-                    "a.yaml line 4"));
+  EXPECT_TRUE(
+      throws<BadInputException>("a.yaml line 4", [&] { map.refuseUnknownKeys(); }));
   EXPECT_EQ(load("%YAML 1.2\n---\na: 1\n").require<int>("a"), 1);
   EXPECT_EQ(load("\xEF\xBB\xBF%YAML:1.0\na: 1\n").require<int>("a"), 1);
 }
@@ -117,26 +111,26 @@ TEST(YamlMap, RefusesWhatIsNoMapping)
 {
   for (const char* const text :
        {"", "# only a comment\n", "---\n", "word\n", "- a\n- b\n"}) {
-    const std::string message = refusal(text);
+    const std::string message = thrownMessage<BadInputException>([&] { load(text); });
     EXPECT_TRUE(holds(message, "a.yaml")) << text;
     EXPECT_FALSE(holds(message, "line 0")) << text;
   }
-  EXPECT_TRUE(holds(refusal("? [a]\n: 1\n"), "a.yaml"));
+  EXPECT_TRUE(refuses("? [a]\n: 1\n", "a.yaml"));
 }
 
 TEST(YamlMap, RefusesASecondDocument)
 {
-  EXPECT_TRUE(holds(refusal("a: 1\n---\nb: 2\n"), "a.yaml line 2"));
-  EXPECT_TRUE(holds(refusal("---\n---\nb: 2\n"), "a.yaml line 2"));
+  EXPECT_TRUE(refuses("a: 1\n---\nb: 2\n", "a.yaml line 2"));
+  EXPECT_TRUE(refuses("---\n---\nb: 2\n", "a.yaml line 2"));
   EXPECT_NO_THROW(load("# a comment\n\n---\nb: 2\n"));
 }
 
 TEST(YamlMap, NamesTheLineOfBrokenSyntax)
 {
-  EXPECT_TRUE(holds(refusal("a: 1\nb: [1, 2\nc: 3\n"), "a.yaml line"));
-  EXPECT_TRUE(holds(refusal("a: 1\n  b: 2\n"), "a.yaml line 2"));
-  EXPECT_TRUE(holds(refusal("a: *nowhere\n"), "a.yaml line 1"));
-  EXPECT_TRUE(holds(refusal("a: " + std::string(100000, '[')), "a.yaml line"));
+  EXPECT_TRUE(refuses("a: 1\nb: [1, 2\nc: 3\n", "a.yaml line"));
+  EXPECT_TRUE(refuses("a: 1\n  b: 2\n", "a.yaml line 2"));
+  EXPECT_TRUE(refuses("a: *nowhere\n", "a.yaml line 1"));
+  EXPECT_TRUE(refuses("a: " + std::string(100000, '['), "a.yaml line"));
 }
 
 TEST(YamlMap, RandomBytesAreRefusedOrHarmless)
@@ -163,8 +157,7 @@ TEST(YamlMap, ListsAndMapsKeepTheirLines)
   ASSERT_EQ(list.size(), 2u);
   EXPECT_EQ(list[1].require<int>("a"), 2);
   EXPECT_TRUE(
-      holds(thrownMessage<BadInputException>([&] { list[1].refuseUnknownKeys(); }),
-            "line 3"));
+      throws<BadInputException>("line 3", [&] { list[1].refuseUnknownKeys(); }));
   EXPECT_EQ(map.requireMap("map").require<int>("c"), 4);
   EXPECT_TRUE(holds(map.requireMap("map").where("c"), "line 5"));
   thrownMessage<BadInputException>([&] { map.requireList("map"); });

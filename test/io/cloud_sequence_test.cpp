@@ -3,7 +3,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/io/cloud_sequence.h>
 
 #include <gtest/gtest.h>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/archives.h"
-#include "support/full_disk.h"
+#include "support/process_limits.h"
 #include "support/thrown_message.h"
-#include "support/unprivileged.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/random_blocks.h"
+#include "support/archives.h"
 #include "support/random_scan.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"

@@ -2,7 +2,7 @@
 #include "support/random_scan.h"
 #include "support/temporary_folder.h"
 
-#include <pcl_semantic/files/labelled_cloud_file.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/io/map_images.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>

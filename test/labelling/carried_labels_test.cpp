@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/refusal.h"
-#include "support/small_camera.h"
+#include "support/stereo_rigs.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/carried_labels.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map/ray_caster.h"
-#include "support/dense_scan.h"
+#include "support/random_scan.h"
 #include "support/supported_tiers.h"
 
 #include <gtest/gtest.h>

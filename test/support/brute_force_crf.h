@@ -9,6 +9,29 @@
 
 namespace pcl_semantic {
 
+/** \brief exp(-(|x_i - x_j|^2 / deviation^2 + |f_i - f_j|^2) / 2) of all pairs within
+ * \a radius, 0 for others. \param[in] features divided by their deviations; may be
+ * empty */
+inline Eigen::MatrixXd
+gaussianMatrix(const Eigen::MatrixXf& positions, const Eigen::MatrixXf& features,
+               double deviation, double radius)
+{
+  const auto squared = [](const Eigen::MatrixXf& x, Eigen::Index i, Eigen::Index j) {
+    return (x.col(i) - x.col(j)).cast<double>().squaredNorm();
+  };
+  const Eigen::Index count = positions.cols();
+  Eigen::MatrixXd kernel = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const double distance = std::sqrt(squared(positions, i, j));
+      const double exponent = std::pow(distance / deviation, 2) +
+                              (features.size() > 0 ? squared(features, i, j) : 0.0);
+      if (distance <= radius)
+        kernel(i, j) = std::exp(-0.5 * exponent);
+    }
+  return kernel;
+}
+
 /** \brief A kernel matrix written straight from eq. (6) in double precision: all pairs
  * within \a radius, each term normalised as D^-1/2 K D^-1/2, its diagonal left out. */
 inline Eigen::MatrixXd
@@ -16,29 +39,14 @@ makeKernelMatrix(const Eigen::Matrix3Xf& positions,
                  const std::vector<GaussianTerm>& terms,
                  double radius = std::numeric_limits<double>::infinity())
 {
-  const Eigen::Index count = positions.cols();
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(positions.cols(), positions.cols());
   for (const GaussianTerm& term : terms) {
-    Eigen::MatrixXd kernel = Eigen::MatrixXd::Zero(count, count);
-    for (Eigen::Index i = 0; i < count; ++i)
-      for (Eigen::Index j = 0; j < count; ++j) {
-        const double distance =
-            (positions.col(i) - positions.col(j)).cast<double>().norm();
-        if (distance > radius)
-          continue;
-        double exponent = std::pow(distance / double(term.position_deviation), 2);
-        if (term.features.size() > 0)
-          exponent += (term.features.col(i) - term.features.col(j))
-                          .cast<double>()
-                          .squaredNorm();
-        kernel(i, j) = std::exp(-0.5 * exponent);
-      }
-    const Eigen::ArrayXd scale = kernel.rowwise().sum().array().rsqrt();
-    for (Eigen::Index i = 0; i < count; ++i)
-      for (Eigen::Index j = 0; j < count; ++j)
-        if (i != j)
-          sum(i, j) += double(term.weight) * kernel(i, j) * scale(i) * scale(j);
+    const Eigen::MatrixXd kernel = gaussianMatrix(
+        positions, term.features, double(term.position_deviation), radius);
+    const Eigen::VectorXd scale = kernel.rowwise().sum().array().rsqrt();
+    sum += double(term.weight) * (scale.asDiagonal() * kernel * scale.asDiagonal());
   }
+  sum.diagonal().setZero();
   return sum;
 }
 
@@ -51,17 +59,6 @@ softMax(Eigen::MatrixXd values)
     values.col(i) /= values.col(i).sum();
   }
   return values;
-}
-
-/** \brief Parallel mean-field updates of a Potts model, in double precision. */
-inline Eigen::MatrixXd
-plainMeanField(const Eigen::MatrixXd& unary, const Eigen::MatrixXd& kernel,
-               int iterations)
-{
-  Eigen::MatrixXd marginals = softMax(-unary);
-  for (int i = 0; i < iterations; ++i)
-    marginals = softMax(-unary + marginals * kernel.transpose());
-  return marginals;
 }
 
 /** \brief Points on a grid of 0.1, most of them in a slab, as voxels on a surface. */

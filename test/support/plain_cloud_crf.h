@@ -57,21 +57,10 @@ inline Eigen::MatrixXf
 plainKernelMatrix(const Eigen::MatrixXf& positions, const Eigen::MatrixXf& features,
                   double weight, double deviation, const SemanticCRFParameters& crf)
 {
-  const Eigen::Index count = positions.cols();
   const double sigma = deviation * std::sqrt(double(TruncatedKernel::widening(
                                        float(crf.radius), crf.normalization)));
-  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(count, count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const double distance =
-          (positions.col(i) - positions.col(j)).cast<double>().norm();
-      if (distance > deviation * crf.radius + 1e-5)
-        continue;
-      double exponent = distance * distance / (sigma * sigma);
-      if (features.size() > 0)
-        exponent += (features.col(i) - features.col(j)).cast<double>().squaredNorm();
-      k(i, j) = weight * std::exp(-0.5 * exponent);
-    }
+  Eigen::MatrixXd k = weight * gaussianMatrix(positions, features, sigma,
+                                              deviation * crf.radius + 1e-5);
   const Eigen::VectorXd sums = k.rowwise().sum() / weight;
   if (crf.normalization == Normalization::symmetric)
     k = (sums.array().rsqrt().matrix().asDiagonal() * k *

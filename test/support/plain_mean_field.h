@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "support/brute_force_crf.h"
 #include "support/plain_crf.h"
 
 #include <cmath>
@@ -15,7 +16,7 @@ namespace pcl_semantic {
 class PlainMeanField {
 public:
   explicit PlainMeanField(PlainCrf crf)
-      : crf_(std::move(crf)), q(normalized(-crf_.unary.cast<double>()))
+      : crf_(std::move(crf)), q(softMax(-crf_.unary.cast<double>()))
   {
     for (const PlainCliques& cliques : crf_.cliques) {
       cliques_of_.emplace_back(std::size_t(crf_.variables()));
@@ -26,7 +27,7 @@ public:
       for (Eigen::Index c = 0; c < costs.cols(); ++c)
         for (int y = 0; y < costs.rows(); ++y)
           costs(y, c) = plainCliqueUnary(crf_, cliques, std::size_t(c), y);
-      q_cliques.push_back(normalized(-costs));
+      q_cliques.push_back(softMax(-costs));
     }
   }
 
@@ -41,7 +42,7 @@ public:
     for (int i = 0; i < q.cols(); ++i)
       for (int l = 0; l < q.rows(); ++l)
         costs(l, i) = cost(i, l);
-    q = normalized(-costs);
+    q = softMax(-costs);
   }
 
 private:
@@ -54,16 +55,6 @@ public:
   std::vector<Eigen::MatrixXd> q_cliques; // Q(y_c = l) of every potential
 
 private:
-  static Eigen::MatrixXd
-  normalized(Eigen::MatrixXd exponents)
-  {
-    for (Eigen::Index i = 0; i < exponents.cols(); ++i) {
-      exponents.col(i) = (exponents.col(i).array() - exponents.col(i).maxCoeff()).exp();
-      exponents.col(i) /= exponents.col(i).sum();
-    }
-    return exponents;
-  }
-
   // Eq. (10)
   void
   updateCliques(const PlainCliques& cliques, Eigen::MatrixXd& q_y) const
@@ -82,7 +73,7 @@ private:
             sum += q(l, i) * plainMemberCost(crf_, cliques, std::size_t(c), y, l);
         costs(y, c) = sum;
       }
-    q_y = normalized(-costs);
+    q_y = softMax(-costs);
   }
 
   // Eq. (11): the mean cost of label l for variable i

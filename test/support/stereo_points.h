@@ -12,14 +12,7 @@ namespace pcl_semantic {
 inline StereoCamera
 gridCamera()
 {
-  StereoCamera camera;
-  camera.fx = camera.fy = 700.0;
-  camera.cx = 600.0;
-  camera.cy = 180.0;
-  camera.baseline = 0.54;
-  camera.width = 1200;
-  camera.height = 360;
-  return camera;
+  return {700.0, 700.0, 600.0, 180.0, 0.54, 1200, 360};
 }
 
 /** \brief Points in front of a camera, from 5 to 80 m away. */

@@ -13,6 +13,13 @@
 
 namespace pcl_semantic {
 
+/** \brief A camera of few pixels, not square, its centre off the middle. */
+inline StereoCamera
+smallCamera()
+{
+  return {60.0, 50.0, 40.2, 25.3, 0.5, 80, 50};
+}
+
 /** \brief A rotation by an angle around each axis, x first [degrees]. */
 inline Eigen::Matrix3d
 rotationBy(double x, double y, double z)
@@ -47,13 +54,7 @@ turnedRig(const StereoCamera& pair, const Eigen::Matrix3d& A1,
 inline StereoRig
 exampleRig()
 {
-  StereoCamera pair;
-  pair.width = 640;
-  pair.height = 480;
-  pair.fx = pair.fy = 450.0;
-  pair.cx = 320.0;
-  pair.cy = 238.0;
-  pair.baseline = 0.12;
+  const StereoCamera pair{450.0, 450.0, 320.0, 238.0, 0.12, 640, 480};
   return turnedRig(pair, rotationBy(1.0, -1.5, 0.7), rotationBy(-0.8, 1.2, -0.5));
 }
 

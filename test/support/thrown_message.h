@@ -41,4 +41,13 @@ holds(const std::string& message, const std::string& part)
   return ::testing::AssertionFailure() << "'" << message << "' lacks '" << part << "'";
 }
 
+/** \brief EXPECT that \a body throws exactly an \a Error whose message holds \a part.
+ */
+template <typename Error, typename Body>
+::testing::AssertionResult
+throws(const std::string& part, Body&& body)
+{
+  return holds(thrownMessage<Error>(body), part);
+}
+
 } // namespace pcl_semantic

@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 
+#include <cstddef>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -40,7 +41,10 @@ private:
 /** \brief Brings the name of a file to the disk, where its folder may be read. */
 void synchronizeFolderOf(const std::string& path);
 
-/** \brief Writes a text file through AtomicFile. \throws OutputException */
+/** \brief Writes a file of \a size bytes through AtomicFile. \throws OutputException */
+void writeBytes(const std::string& path, const void* bytes, std::size_t size);
+
+/** \brief Likewise a text file. \throws OutputException */
 void writeTextFile(const std::string& path, const std::string& text);
 
 /** \brief Makes a folder and its parents and checks that a file can be written there.

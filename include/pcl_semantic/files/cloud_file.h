@@ -2,12 +2,105 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/files/pcd_table.h>
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/label_set.h>
 
+#include <pcl/PointIndices.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief A field of a point in a `.pcd` file, in PCL's terms. */
+struct PcdField {
+  std::string name; ///< a word
+  char type = 'F';  ///< F float, I signed, U unsigned, B bool
+  int size = 4;     ///< bytes of an element: 1, 2, 4 or 8; floats have 4 or 8, bools 1
+  int count = 1;    ///< elements, up to kMaxPcdCount
+
+  /** \brief Whether name, type, size and count are as said above. */
+  bool isValid() const;
+
+  /** \brief Bytes of it in one point. */
+  std::size_t
+  bytes() const
+  {
+    return std::size_t(size) * std::size_t(count);
+  }
+};
+
+constexpr int kMaxPcdCount = 65536;               ///< elements of a field
+constexpr std::size_t kMaxPcdPointSize = 1 << 20; ///< bytes of a point
+
+/** \brief The points of a `.pcd` file as rows of bytes. */
+struct PcdTable {
+  std::vector<PcdField> fields;
+  std::size_t points = 0;
+  std::size_t width = 0;  ///< of an organized cloud; 0 x 0: a list of points
+  std::size_t height = 0; ///< of an organized cloud; a list read from a file has 1
+  std::array<double, 7> viewpoint{0, 0, 0, 1, 0, 0, 0}; ///< x y z [m], quaternion w x y
+                                                        ///< z of the sensor
+  std::vector<std::uint8_t> data; ///< points x the sizes of the fields, packed
+
+  /** \brief Bytes of one point. */
+  std::size_t pointSize() const;
+
+  /** \brief Index of a field within `fields`; -1 if there is none of that name. */
+  int find(const std::string& name) const;
+
+  /** \brief Puts a column in the place of the one of the same name or, if there is
+   * none, behind the others.
+   * \param[in] values points x size x count bytes, packed
+   * \throws InvalidParameterException if they are another number */
+  void setColumn(const PcdField& field, const std::vector<std::uint8_t>& values);
+
+  /** \brief Drops every field of that name.
+   * \throws InvalidParameterException if the data do not fit the fields */
+  void removeColumns(const std::string& name);
+};
+
+/** \brief Reads the numbers of one field, whatever their type. The table has to stay.
+ */
+class PcdColumn {
+public:
+  /** \throws InvalidParameterException if \a table has no such field, or too few data
+   */
+  PcdColumn(const PcdTable& table, int field);
+
+  const PcdField&
+  field() const
+  {
+    return field_;
+  }
+
+  /** \brief A value; integers beyond 2^53 are rounded. */
+  double
+  operator()(std::size_t point, int element = 0) const
+  {
+    return read_(at(point, element));
+  }
+
+  /** \brief Its bytes: colours are packed into floats. For fields of four bytes. */
+  std::uint32_t bits(std::size_t point) const;
+
+private:
+  const std::uint8_t*
+  at(std::size_t point, int element) const
+  {
+    return first_ + point * stride_ + std::size_t(element) * std::size_t(field_.size);
+  }
+
+  PcdField field_;
+  const std::uint8_t* first_;
+  std::size_t stride_;
+  double (*read_)(const std::uint8_t* bytes);
+};
 
 /** \brief Extensions of the files that readCloudTable() reads: `.pcd .ply .bin`. */
 const std::vector<std::string>& cloudExtensions();
@@ -22,9 +115,59 @@ const std::vector<std::string>& cloudExtensions();
  * \throws BadInputException that names the file, and the line where there is one */
 PcdTable readCloudTable(const std::string& path);
 
-/** \brief Writes a binary `.pcd`, whole or not at all.
+/** \brief Writes a binary `.pcd` (version 0.7), whole or not at all. PCL's own writer
+ * leaves an empty file behind when the disk is full.
  * \throws InvalidParameterException if fields, data, width and height do not fit
  * \throws OutputException if it cannot be written */
 void writeCloudTable(const std::string& path, const PcdTable& table);
+
+/** \brief A cloud of any sensor with what is known of its labels. */
+struct LabelledCloud {
+  /** \brief Organized as the file was; viewpoint in its sensor_origin_ and
+   * sensor_orientation_; points that are not finite keep their place. */
+  pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{new pcl::PointCloud<pcl::PointXYZRGBL>};
+  LabelDistributions distributions;       ///< L x points; no classes: hard labels only
+  std::vector<pcl::PointIndices> cliques; ///< of finite points, disjoint, none empty
+  bool has_colour = false;                ///< whether the cloud's colours mean anything
+  bool has_labels = false;                ///< likewise its labels
+  PcdTable table; ///< the file it comes from, for the fields this struct does not know
+};
+
+/** \brief Reads points with labels (readCloudTable()), all but x y z optional, in any
+ * order and of any type that holds the value: x y z [m]; rgb or rgba (four bytes,
+ * packed as PCL does); label (0 = unlabelled); probability (COUNT L; sums to 1 within
+ * 0.1 and is normalised, all zero = unlabelled); clique (0 = none). Without label the
+ * labels are the most probable ones. Cliques come in the order of their numbers.
+ * \param[in] mapping of the numbers in `label` to labels, others are unlabelled; null =
+ * they are labels
+ * \throws BadInputException as readCloudTable(), or naming field and point: a value is
+ * missing, negative, not finite where it has to be, a label is beyond L or 255 */
+LabelledCloud readLabelledCloud(const std::string& path,
+                                const LabelMapping* mapping = nullptr);
+
+/** \brief The same of a table. \param[in] name of the cloud for messages */
+LabelledCloud labelledCloudOf(PcdTable table, const std::string& name,
+                              const LabelMapping* mapping = nullptr);
+
+/** \brief The table that writeLabelledCloud() writes. \param[in] name for messages */
+PcdTable tableOf(const LabelledCloud& labelled, const std::string& name);
+
+/** \brief Writes a cloud, whole or not at all.
+ *
+ * The table is written as it is, so fields this module does not know, and coordinates
+ * in double precision, survive; only `label`, `probability` (if there are
+ * distributions) and `clique` (if the cliques are no longer the table's) are put in the
+ * place of the old ones or behind the others. A cloud without table gets x y z and, if
+ * it has colour, rgba.
+ * \throws InvalidParameterException if the sizes of cloud, table and distributions
+ * differ, or cliques overlap: those go to writeCliques()
+ * \throws OutputException */
+void writeLabelledCloud(const std::string& path, const LabelledCloud& labelled);
+
+/** \brief Writes a cloud as the file it was read from, but for the field `clique`:
+ * clique c has the number c + 1, points in none have 0.
+ * \throws InvalidParameterException as writeLabelledCloud(), or if the cloud was not
+ * read from a file \throws OutputException */
+void writeCliques(const std::string& path, const LabelledCloud& labelled);
 
 } // namespace pcl_semantic

@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_cloud.h>
-#include <pcl_semantic/files/pcd_table.h>
+#include <pcl_semantic/files/cloud_file.h>
 
 #include <pcl/PCLPointCloud2.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/cloud_frame.h>
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/sensor_frame.h>
 
 #include <cstddef>
 #include <string>

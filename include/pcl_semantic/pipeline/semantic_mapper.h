@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/cloud_frame.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/stereo_camera.h>
-#include <pcl_semantic/core/stereo_frame.h>
+#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/labelling/label_predictor.h>

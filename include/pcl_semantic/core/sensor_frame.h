@@ -3,14 +3,26 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/core/stereo_frame.h>
 
+#include <opencv2/core/mat.hpp>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
 #include <variant>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Which frame of a sequence, and when it was taken. */
+struct FrameTime {
+  int number = 0;         ///< may have gaps
+  double timestamp = 0.0; ///< [s]
+};
+
+/** \brief One rectified stereo pair. */
+struct StereoFrame : FrameTime {
+  cv::Mat left;  ///< CV_8UC3 (BGR) or CV_8UC1
+  cv::Mat right; ///< as left
+};
 
 /** \brief The cloud of one moment, taken from one position, with its labels. */
 struct CloudFrame : FrameTime {

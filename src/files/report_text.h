@@ -7,6 +7,18 @@
 
 namespace pcl_semantic {
 
+/** \brief A field of a CSV file; quoted if it has to be (RFC 4180). */
+inline std::string
+csvField(const std::string& text)
+{
+  if (text.find_first_of(",\"\r\n") == std::string::npos)
+    return text;
+  std::string quoted = "\"";
+  for (const char letter : text)
+    quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+  return quoted + "\"";
+}
+
 /** \brief A JSON value as indented text with a last line break. Bytes that are not
  * UTF-8, as paths may hold, appear as U+FFFD: JSON has no others. */
 template <typename Json>

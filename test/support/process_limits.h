@@ -3,9 +3,39 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace pcl_semantic {
+
+/** \brief As long as it lives, no file of this process may grow beyond a size: what a
+ * full disk does, without one. */
+class FullDisk {
+public:
+  /** \param[in] bytes at least 1024: LLVM's OpenMP begins with a file of these */
+  explicit FullDisk(rlim_t bytes)
+  {
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    EXPECT_EQ(::getrlimit(RLIMIT_FSIZE, &before_), 0);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  }
+
+  ~FullDisk()
+  {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+private:
+  rlimit before_{};
+  void (*handler_)(int) = SIG_DFL;
+};
 
 /** \brief As long as it lives, this process may do no more than any user: root could
  * write into read-only folders. Tests that need it skip where it cannot be. */

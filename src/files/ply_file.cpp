@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ply_file.h"
+#include "pcd_file.h"
+
+#include "core/fail.h"
+
+#include <pcl_semantic/files/input_file.h>
+
+#include <boost/algorithm/string/case_conv.hpp>
+
+#include <set>
+
+namespace pcl_semantic {
+
+namespace {
+
+struct PlyType {
+  const char *name, *other_name;
+  char type;
+  int size;
+};
+
+constexpr PlyType kPlyTypes[] = {
+    {"char", "int8", 'I', 1},     {"uchar", "uint8", 'U', 1},
+    {"short", "int16", 'I', 2},   {"ushort", "uint16", 'U', 2},
+    {"int", "int32", 'I', 4},     {"uint", "uint32", 'U', 4},
+    {"float", "float32", 'F', 4}, {"double", "float64", 'F', 8}};
+
+class PlyHeaderParser {
+public:
+  PlyHeaderParser(const std::string& path, std::string_view file)
+      : path_(path), file_(file)
+  {}
+
+  PcdHeader
+  parse()
+  {
+    if (takeLine(file_, header_.data_offset) != "ply")
+      badInput(path_, ": does not begin with 'ply'");
+    header_.data_line = 1;
+    while (header_.data_offset < file_.size()) {
+      std::string_view line = takeLine(file_, header_.data_offset);
+      ++header_.data_line;
+      const std::string_view keyword = takeWord(line);
+      if (keyword == "end_header")
+        return checked();
+      if (keyword == "format")
+        parseFormat(line);
+      else if (keyword == "element")
+        parseElement(line);
+      else if (keyword == "property" && in_vertex_)
+        parseProperty(line);
+    }
+    badInput(path_, ": has no end_header");
+  }
+
+private:
+  template <typename... Parts>
+  [[noreturn]] void
+  refuse(const Parts&... parts) const
+  {
+    badInput(atLine(path_, header_.data_line), ": ", parts...);
+  }
+
+  void
+  parseFormat(std::string_view line)
+  {
+    const std::string_view format = takeWord(line);
+    if (format != "ascii" && format != "binary_little_endian")
+      refuse("format is ", inQuotes(format),
+             ", expected ascii or binary_little_endian");
+    header_.encoding = format == "ascii" ? PcdEncoding::ascii : PcdEncoding::binary;
+    has_format_ = true;
+  }
+
+  void
+  parseElement(std::string_view line)
+  {
+    in_vertex_ = takeWord(line) == "vertex";
+    if (!in_vertex_ && !has_vertices_)
+      refuse("vertices have to be the first element");
+    if (!in_vertex_)
+      return;
+    const double count =
+        parseNumber(std::string(takeWord(line)), atLine(path_, header_.data_line));
+    if (has_vertices_ || !(count >= 0.0 && count <= double(1u << 31)) ||
+        count != double(std::size_t(count)))
+      refuse("expected one element vertex and its number");
+    header_.table.points = std::size_t(count);
+    has_vertices_ = true;
+  }
+
+  void
+  parseProperty(std::string_view line)
+  {
+    const std::string_view type = takeWord(line);
+    std::string name = boost::algorithm::to_lower_copy(std::string(takeWord(line)));
+    if (name == "scalar_label")
+      name = "label";
+    for (const PlyType& each : kPlyTypes)
+      if (type == each.name || type == each.other_name) {
+        header_.table.fields.push_back({name, each.type, each.size});
+        if (!header_.table.fields.back().isValid() || !names_.insert(name).second)
+          refuse("property ", inQuotes(name), " has no name, or one that is taken");
+        return;
+      }
+    refuse("property of type ", inQuotes(type), ", expected a scalar one of vertices");
+  }
+
+  PcdHeader
+  checked() const
+  {
+    if (!has_format_ || header_.table.fields.empty())
+      badInput(path_, ": has no format, or no vertices with properties");
+    return header_;
+  }
+
+  const std::string& path_;
+  std::string_view file_;
+  PcdHeader header_;
+  std::set<std::string> names_;
+  bool has_format_ = false, has_vertices_ = false, in_vertex_ = false;
+};
+
+// The file without what follows the vertices: faces, mostly.
+std::string_view
+withoutOtherElements(const PcdHeader& header, std::string_view file)
+{
+  if (header.encoding == PcdEncoding::ascii) {
+    std::size_t end = header.data_offset;
+    for (std::size_t i = 0; i < header.table.points && end < file.size(); ++i)
+      takeLine(file, end);
+    return file.substr(0, end);
+  }
+  const std::size_t available = file.size() - header.data_offset;
+  const std::size_t size = header.table.pointSize();
+  return header.table.points > available / size
+             ? file
+             : file.substr(0, header.data_offset + header.table.points * size);
+}
+
+// Red, green and blue of their own into PCL's packed colour.
+void
+packColours(PcdTable& table)
+{
+  std::vector<std::uint8_t> bytes(4 * table.points, 255);
+  std::size_t channel = 0; // little-endian
+  for (const char* const name : {"blue", "green", "red"}) {
+    const int field = table.find(name);
+    if (field < 0)
+      return;
+    const PcdColumn column(table, field);
+    if (column.field().type != 'U' || column.field().size != 1)
+      return; // it means something else
+    for (std::size_t i = 0; i < table.points; ++i)
+      bytes[4 * i + channel] = std::uint8_t(column(i));
+    ++channel;
+  }
+  for (const char* const name : {"red", "green", "blue", "alpha"})
+    table.removeColumns(name);
+  table.setColumn({"rgba", 'U'}, bytes);
+}
+
+} // namespace
+
+PcdTable
+readPly(const std::string& path)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(path);
+  const std::string_view file(reinterpret_cast<const char*>(bytes.data()),
+                              bytes.size());
+  PcdHeader header = PlyHeaderParser(path, file).parse();
+  header.table.data = decodeData(path, header, withoutOtherElements(header, file));
+  packColours(header.table);
+  header.table.width = header.table.points;
+  header.table.height = 1;
+  return std::move(header.table);
+}
+
+} // namespace pcl_semantic
