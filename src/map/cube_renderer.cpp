@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 
 namespace pcl_semantic {
@@ -33,7 +34,7 @@ struct View {
   const StereoCamera& camera;
   Eigen::Isometry3d T_world_camera;
   double max_depth;
-  double inset; ///< of free faces [m]
+  const std::vector<Eigen::Array3f>& surface; ///< in each voxel; empty: whole cubes
 
   /** \brief Lower corner of a voxel relative to the camera's centre [m]. Its upper one
    * is the lower one of the next, to the bit: no crack between neighbours. */
@@ -147,7 +148,7 @@ planOf(const View& view)
   const VoxelSet set(view.voxels);
   Plan plan;
   plan.footprints.resize(view.voxels.size());
-  if (view.inset > 0.0)
+  if (!view.surface.empty())
     plan.free_faces.resize(view.voxels.size());
   plan.bands.resize((view.camera.height + rows_of_band - 1) / rows_of_band);
 #pragma omp parallel
@@ -161,9 +162,9 @@ planOf(const View& view)
           footprint.first_column > footprint.last_column)
         continue;
       if (isHidden(view, view.voxels[i], footprint.min_z, reader) &&
-          (view.inset == 0.0 || isEnclosed(view.voxels[i], reader)))
+          (view.surface.empty() || isEnclosed(view.voxels[i], reader)))
         footprint.last_row = -1;
-      else if (view.inset > 0.0)
+      else if (!view.surface.empty())
         plan.free_faces[i] = freeFaces(view.voxels[i], reader);
     }
   }
@@ -202,16 +203,42 @@ public:
   }
 
   void
+  shrink(double m, bool lower_free, bool upper_free, double& lower, double& upper) const
+  {
+    static const double t = std::getenv("T") ? std::atof(std::getenv("T")) : 0.3;
+    static const int mode = std::getenv("MODE") ? std::atoi(std::getenv("MODE")) : 0;
+    static const double u = std::getenv("U") ? std::atof(std::getenv("U")) : t;
+    const double size = view_.voxel_size;
+    double a = m - t, b = m + t;
+    if (mode == 1 && !(lower_free && upper_free)) {
+      a = 2.0 * m - 1.0;
+      b = 2.0 * m;
+    }
+    if (mode == 2)
+      a = 0.2, b = 0.8;
+    if (mode == 3) // half of the way
+      a = u + (m - 0.5) * 0.5, b = 1 - u + (m - 0.5) * 0.5;
+    if (mode == 4 && !(lower_free && upper_free))
+      a = m - u, b = m + u;
+    const double base = lower;
+    if (lower_free)
+      lower = base + size * std::clamp(a, 0.0, 1.0);
+    if (upper_free)
+      upper = base + size * std::clamp(b, 0.0, 1.0);
+  }
+
+  void
   draw(const Footprint& footprint, std::uint32_t voxel, int free_faces)
   {
     const VoxelIndex& index = view_.voxels[voxel];
     Eigen::Vector3d lower = view_.lowerCorner(index);
     Eigen::Vector3d upper = view_.lowerCorner(index + VoxelIndex::Ones());
     for (int axis = 0; axis < 3; ++axis) {
-      if (free_faces >> (2 * axis) & 1)
-        lower[axis] += view_.inset;
-      if (free_faces >> (2 * axis + 1) & 1)
-        upper[axis] -= view_.inset;
+      const bool lower_free = free_faces >> (2 * axis) & 1;
+      const bool upper_free = free_faces >> (2 * axis + 1) & 1;
+      if (lower_free || upper_free)
+        shrink(view_.surface[voxel][axis], lower_free, upper_free, lower[axis],
+               upper[axis]);
     }
     const int last_row = std::min(footprint.last_row, end_row_ - 1);
     for (int row = std::max(footprint.first_row, first_row_); row <= last_row; ++row)
@@ -301,6 +328,11 @@ validate(const View& view)
   view.camera.validate();
   if (view.camera.width <= 0 || view.camera.height <= 0)
     PCL_THROW_EXCEPTION(InvalidParameterException, "the camera has no image size");
+  if (!view.surface.empty() && view.surface.size() != view.voxels.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException, "there are surfaces in "
+                                                       << view.surface.size()
+                                                       << " voxels, expected "
+                                                       << view.voxels.size());
   if (!(view.max_depth > 0.0))
     PCL_THROW_EXCEPTION(InvalidParameterException, "largest depth is "
                                                        << view.max_depth
@@ -312,13 +344,9 @@ validate(const View& view)
 CubeImage
 renderCubes(const std::vector<VoxelIndex>& voxels, double voxel_size,
             const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
-            double max_depth, double inset)
+            double max_depth, const std::vector<Eigen::Array3f>& surface)
 {
-  if (!(inset >= 0.0 && inset < 0.5))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "inset is " << inset << " voxels, expected 0 to less than 0.5");
-  const View view{voxels,         voxel_size, camera,
-                  T_world_camera, max_depth,  inset * voxel_size};
+  const View view{voxels, voxel_size, camera, T_world_camera, max_depth, surface};
   validate(view);
   Plan plan = planOf(view);
   CubeImage result;

@@ -62,17 +62,26 @@ struct World {
             poseOf(frame) * seen +
             Eigen::Vector3d(noise(random), noise(random), noise(random));
         if (i % 2)
-          voxels.indices.push_back(
-              (moved / voxels.voxel_size).array().floor().cast<int>());
+          addVoxel(moved);
       }
       scans.push_back(scan);
     }
   }
 
-  Eigen::Vector3d
-  centre(std::size_t i) const
+  void
+  addVoxel(const Eigen::Vector3d& position)
   {
-    return (voxels.indices[i].cast<double>().array() + 0.5) * voxels.voxel_size;
+    voxels.indices.push_back(
+        (position / voxels.voxel_size).array().floor().cast<int>());
+    pcl::PointXYZRGBL point;
+    point.getVector3fMap() = position.cast<float>();
+    voxels.cloud->push_back(point);
+  }
+
+  Eigen::Vector3d
+  position(std::size_t i) const
+  {
+    return (*voxels.cloud)[i].getVector3fMap().cast<double>();
   }
 };
 
@@ -91,7 +100,7 @@ isJudged(const World& world, std::size_t voxel, const GeometryParameters& parame
            pixel.x() < camera.width && pixel.y() < camera.height;
   };
   for (std::size_t frame = 0; frame < world.scans.size(); ++frame) {
-    const Eigen::Vector3d p = poseOf(int(frame)).inverse() * world.centre(voxel);
+    const Eigen::Vector3d p = poseOf(int(frame)).inverse() * world.position(voxel);
     if (!isInside(p) || p.z() > parameters.bands.back())
       continue;
     bool above = false, below = false;
@@ -123,7 +132,7 @@ nearestReturn(const World& world, std::size_t voxel)
       least =
           std::min(least, (poseOf(int(frame)) *
                                (scannerPose() * point.getVector3fMap().cast<double>()) -
-                           world.centre(voxel))
+                           world.position(voxel))
                               .norm());
   return least;
 }
