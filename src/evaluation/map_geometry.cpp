@@ -171,8 +171,8 @@ MapGeometry::samples() const
     const Eigen::Vector3f position = (positions_[i] - origin_).cast<float>();
     pcl::Indices nearest(1);
     std::vector<float> distance(1);
-    tree.nearestKSearch(pcl::PointXYZ(centre.x(), centre.y(), position.z()), 1, nearest,
-                        distance);
+    tree.nearestKSearch(pcl::PointXYZ(position.x(), position.y(), position.z()), 1,
+                        nearest, distance);
     squared[i] = distance[0];
   }
   for (std::size_t i = 0; i < squared.size(); ++i)

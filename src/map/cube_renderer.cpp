@@ -10,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 
 namespace pcl_semantic {
@@ -18,6 +17,8 @@ namespace pcl_semantic {
 namespace {
 
 constexpr double near_plane = 0.1; ///< [m]
+// Of what is drawn around a surface [voxels]; doc/map.md has the measurements.
+constexpr double half_depth = 0.2;
 constexpr int rows_of_band = 16; ///< rows of the image that one thread fills at a time
 
 /** \brief The pixels a cube may cover, borders included. */
@@ -203,42 +204,19 @@ public:
   }
 
   void
-  shrink(double m, bool lower_free, bool upper_free, double& lower, double& upper) const
-  {
-    static const double t = std::getenv("T") ? std::atof(std::getenv("T")) : 0.3;
-    static const int mode = std::getenv("MODE") ? std::atoi(std::getenv("MODE")) : 0;
-    static const double u = std::getenv("U") ? std::atof(std::getenv("U")) : t;
-    const double size = view_.voxel_size;
-    double a = m - t, b = m + t;
-    if (mode == 1 && !(lower_free && upper_free)) {
-      a = 2.0 * m - 1.0;
-      b = 2.0 * m;
-    }
-    if (mode == 2)
-      a = 0.2, b = 0.8;
-    if (mode == 3) // half of the way
-      a = u + (m - 0.5) * 0.5, b = 1 - u + (m - 0.5) * 0.5;
-    if (mode == 4 && !(lower_free && upper_free))
-      a = m - u, b = m + u;
-    const double base = lower;
-    if (lower_free)
-      lower = base + size * std::clamp(a, 0.0, 1.0);
-    if (upper_free)
-      upper = base + size * std::clamp(b, 0.0, 1.0);
-  }
-
-  void
   draw(const Footprint& footprint, std::uint32_t voxel, int free_faces)
   {
     const VoxelIndex& index = view_.voxels[voxel];
     Eigen::Vector3d lower = view_.lowerCorner(index);
     Eigen::Vector3d upper = view_.lowerCorner(index + VoxelIndex::Ones());
     for (int axis = 0; axis < 3; ++axis) {
-      const bool lower_free = free_faces >> (2 * axis) & 1;
-      const bool upper_free = free_faces >> (2 * axis + 1) & 1;
-      if (lower_free || upper_free)
-        shrink(view_.surface[voxel][axis], lower_free, upper_free, lower[axis],
-               upper[axis]);
+      const double base = lower[axis];
+      if (free_faces >> (2 * axis) & 1)
+        lower[axis] = base + view_.voxel_size *
+                                 std::max(surfaceOf(voxel, axis) - half_depth, 0.0);
+      if (free_faces >> (2 * axis + 1) & 1)
+        upper[axis] = base + view_.voxel_size *
+                                 std::min(surfaceOf(voxel, axis) + half_depth, 1.0);
     }
     const int last_row = std::min(footprint.last_row, end_row_ - 1);
     for (int row = std::max(footprint.first_row, first_row_); row <= last_row; ++row)
@@ -270,6 +248,12 @@ public:
   }
 
 private:
+  double
+  surfaceOf(std::uint32_t voxel, int axis) const
+  {
+    return double(view_.surface[voxel][axis]);
+  }
+
   std::size_t
   pixelOf(int row, int column) const
   {

@@ -43,7 +43,7 @@ makeVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
 }
 
 /** \brief All voxels for each pixel, by where the ray crosses the faces, of which those
- * with no voxel on their other side lie 0.3 voxels from the point. */
+ * with no voxel on their other side lie 0.2 voxels from the point. */
 RenderedLabels
 bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
            const Eigen::Isometry3d& pose, double max_depth)
@@ -73,9 +73,9 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
           const VoxelIndex step = VoxelIndex::Unit(axis);
           const double surface = double((*voxels.cloud)[i].data[axis]);
           if (!set.count(voxels.indices[i] - step))
-            begin[axis] = std::max(begin[axis], surface - 0.3 * size);
+            begin[axis] = std::max(begin[axis], surface - 0.2 * size);
           if (!set.count(voxels.indices[i] + step))
-            end[axis] = std::min(end[axis], surface + 0.3 * size);
+            end[axis] = std::min(end[axis], surface + 0.2 * size);
         }
         for (int axis = 0; axis < 3; ++axis)
           for (const double plane : {begin[axis], end[axis]}) {

@@ -19,7 +19,7 @@ namespace {
 using Voxels = std::vector<VoxelIndex>;
 using Surface = std::vector<Eigen::Array3f>;
 
-constexpr double half_depth = 0.3; // of what is drawn around a surface [voxels]
+constexpr double half_depth = 0.2; // of what is drawn around a surface [voxels]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 StereoCamera
