@@ -83,14 +83,11 @@ GeometrySamples::operator+=(const GeometrySamples& other)
 }
 
 MapGeometry::MapGeometry(const VoxelCloud& voxels, GeometryParameters parameters)
-    : parameters_(std::move(parameters)), lookup_(voxels), indices_(voxels.indices),
-      judged_(voxels.size(), 0), surface_(checkedBands(parameters_.bands).size() - 1)
-{}
-
-Eigen::Vector3d
-MapGeometry::centreOf(std::size_t voxel) const
+    : parameters_(std::move(parameters)), lookup_(voxels), judged_(voxels.size(), 0),
+      surface_(checkedBands(parameters_.bands).size() - 1)
 {
-  return (indices_[voxel].cast<double>().array() + 0.5) * lookup_.voxelSize();
+  for (const auto& point : *voxels.cloud)
+    positions_.push_back(point.getVector3fMap().cast<double>() + voxels.origin);
 }
 
 void
@@ -125,12 +122,12 @@ MapGeometry::judgeVoxels(const std::vector<Eigen::Vector3d>& camera_points,
   const cv::Mat1f depths = farthestDepths(camera_points, camera);
 #pragma omp parallel for schedule(dynamic, 1024)
   for (std::size_t i = 0; i < judged_.size(); ++i) {
-    const Eigen::Vector3d centre = T_camera_world * centreOf(i);
-    const auto pixel = pixelOf(centre, camera);
-    if (judged_[i] || !pixel || centre.z() > parameters_.bands.back())
+    const Eigen::Vector3d position = T_camera_world * positions_[i];
+    const auto pixel = pixelOf(position, camera);
+    if (judged_[i] || !pixel || position.z() > parameters_.bands.back())
       continue;
     const float behind = depthBehind(depths, *pixel, parameters_);
-    judged_[i] = behind > 0.0f && centre.z() <= behind + parameters_.behind;
+    judged_[i] = behind > 0.0f && position.z() <= behind + parameters_.behind;
   }
 }
 
@@ -158,22 +155,22 @@ GeometrySamples
 MapGeometry::samples() const
 {
   GeometrySamples result;
-  result.voxels = indices_.size();
+  result.voxels = positions_.size();
   result.surface = surface_;
   if (returns_->empty())
     return result;
   pcl::KdTreeFLANN<pcl::PointXYZ> tree;
   tree.setInputCloud(returns_);
-  std::vector<float> squared(indices_.size(), 0.0f);
+  std::vector<float> squared(positions_.size(), 0.0f);
 #pragma omp parallel for schedule(dynamic, 256)
-  for (std::size_t i = 0; i < indices_.size(); ++i) {
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
     if (!judged_[i])
       continue;
-    const Eigen::Vector3f centre = (centreOf(i) - origin_).cast<float>();
+    const Eigen::Vector3f position = (positions_[i] - origin_).cast<float>();
     pcl::Indices nearest(1);
     std::vector<float> distance(1);
-    tree.nearestKSearch(pcl::PointXYZ(centre.x(), centre.y(), centre.z()), 1, nearest,
-                        distance);
+    tree.nearestKSearch(pcl::PointXYZ(position.x(), position.y(), position.z()), 1,
+                        nearest, distance);
     squared[i] = distance[0];
   }
   for (std::size_t i = 0; i < squared.size(); ++i)

@@ -184,9 +184,14 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
                         "the voxels have " << voxels.size() << " indices, their cloud "
                                            << (voxels.cloud ? voxels.cloud->size() : 0)
                                            << " points");
-  constexpr double inset = 0.2; // doc/map.md has the measurements
+  std::vector<Eigen::Array3f> surface(voxels.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const Eigen::Vector3f from_centre =
+        (*voxels.cloud)[i].getVector3fMap() - voxels.centre(i);
+    surface[i] = from_centre.array() / float(voxels.voxel_size) + 0.5f;
+  }
   const CubeImage cubes = renderCubes(voxels.indices, voxels.voxel_size, camera,
-                                      T_world_camera, max_depth, inset);
+                                      T_world_camera, max_depth, surface);
   RenderedLabels result;
   result.labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
   cubes.depth.convertTo(result.depth, CV_32FC1);

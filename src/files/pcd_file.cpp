@@ -127,6 +127,8 @@ private:
     for (int number = 1; offset < file_.size(); ++number) {
       std::string_view rest = takeLine(file_, offset);
       const std::string_view keyword = takeWord(rest);
+      if (keyword == "#" && takeWord(rest) == "voxel_grid")
+        parseVoxelGrid(rest);
       if (keyword.empty() || keyword[0] == '#')
         continue;
       const std::string where = atLine(path_, number) + ": ";
@@ -145,6 +147,22 @@ private:
       }
     }
     badInput(path_, ": the header ends without DATA");
+  }
+
+  // A comment of anybody else may begin like ours: what does not fit says nothing.
+  void
+  parseVoxelGrid(std::string_view rest)
+  {
+    std::array<double, 4> grid;
+    for (double& value : grid) {
+      const std::string_view word = takeWord(rest);
+      const char* const end = word.data() + word.size();
+      const auto [stop, error] = std::from_chars(word.data(), end, value);
+      if (error != std::errc() || stop != end || !std::isfinite(value))
+        return;
+    }
+    if (grid[0] > 0.0)
+      header_.table.voxel_grid = grid;
   }
 
   const Words&
@@ -651,7 +669,15 @@ writePcdHeader(std::ostream& stream, const PcdTable& table)
       stream << ' ' << field.*member;
     stream << '\n';
   };
-  stream << "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n";
+  stream << "# .PCD v0.7 - Point Cloud Data file format\n";
+  if (table.voxel_grid[0] > 0.0) {
+    stream.precision(15); // 0.1 is to be read as such
+    stream << "# voxel_grid";
+    for (const double value : table.voxel_grid)
+      stream << ' ' << value;
+    stream << '\n';
+  }
+  stream << "VERSION 0.7\n";
   line("FIELDS", &PcdField::name);
   line("SIZE", &PcdField::size);
   line("TYPE", &PcdField::type);

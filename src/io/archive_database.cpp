@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2; // 2: positions of hits
 
 constexpr std::size_t kMaxMeta = 1 << 24;
 constexpr std::size_t kMaxFrame = 1 << 16;
@@ -192,10 +192,11 @@ ArchiveDatabase::checkTables()
   if (mark != SqliteDatabase::whole && mark != SqliteDatabase::with_log)
     PCL_THROW_EXCEPTION(BadInputException, path() << ": is no map archive");
   const std::int64_t version = database_.number("PRAGMA user_version");
-  if (version > kVersion)
+  if (version > kVersion || version == 1)
     PCL_THROW_EXCEPTION(BadInputException,
-                        path() << ": is an archive of version " << version
-                               << ", newer than this program, which reads version "
+                        path() << ": is an archive of version " << version << ", "
+                               << (version > kVersion ? "newer" : "older")
+                               << " than this program, which reads version "
                                << kVersion);
   SqliteStatement schema(
       database_, "SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY name");

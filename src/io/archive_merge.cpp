@@ -58,11 +58,16 @@ mergeLogOdds(const std::vector<const VoxelBlock*>& blocks, std::size_t offset,
 VoxelRecord
 mergeRecords(const std::vector<Source>& sources)
 {
-  std::uint64_t colour[3] = {}, colours = 0, observations = 0, labels = 0;
+  std::uint64_t colour[3] = {}, position[3] = {};
+  std::uint64_t weight = 0, colours = 0, observations = 0, labels = 0;
   for (const Source& source : sources) {
     const VoxelRecord& record = *source.record;
     for (int channel = 0; channel < 3; ++channel)
       colour[channel] += record.colour_sum[std::size_t(channel)];
+    for (int axis = 0; axis < 3; ++axis)
+      position[axis] += std::uint64_t(record.position[std::size_t(axis)]) *
+                        std::max(record.observations, 1u);
+    weight += std::max(record.observations, 1u);
     colours += record.colour_count;
     observations += record.observations;
     labels += record.label_observations;
@@ -70,10 +75,13 @@ mergeRecords(const std::vector<Source>& sources)
   for (; colours > kMaxColourCount; colours /= 2)
     for (std::uint64_t& sum : colour)
       sum /= 2;
-  return {{saturate(colour[0]), saturate(colour[1]), saturate(colour[2])},
-          saturate(colours),
-          saturate(observations),
-          saturate(labels)};
+  VoxelRecord merged{{saturate(colour[0]), saturate(colour[1]), saturate(colour[2])},
+                     saturate(colours),
+                     saturate(observations),
+                     saturate(labels)};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    merged.position[axis] = std::uint16_t(position[axis] / weight);
+  return merged;
 }
 
 // Eq. (1) of the paper over all maps: the sum of the logs, shifted so that the largest

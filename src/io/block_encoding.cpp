@@ -16,6 +16,7 @@ using Numbers = std::vector<std::uint32_t>;
 constexpr std::size_t kIndexSize = 3 * sizeof(std::int32_t);
 constexpr std::size_t kCountsSize = sizeof(std::uint8_t) + sizeof(std::uint16_t);
 constexpr std::size_t kRecordNumbers = 6;
+constexpr std::size_t kPositionSize = 3 * sizeof(std::uint16_t);
 
 void
 checkBlock(const VoxelBlock& block, int classes)
@@ -93,6 +94,12 @@ putRecords(const VoxelBlock& block, int classes, ByteWriter& writer)
       column[i] = *numbersOf(block.records[std::size_t(order[i])])[c];
     writer.putColumn(column);
   }
+  std::vector<std::uint16_t> positions(order.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < order.size(); ++i)
+      positions[i] = block.records[std::size_t(order[i])].position[axis];
+    writer.putColumn(positions);
+  }
   putDistributions(block.measured, order, classes, writer);
   putDistributions(block.refined, order, classes, writer);
 }
@@ -118,6 +125,11 @@ getRecords(ByteReader& reader, std::size_t records, int classes, VoxelBlock& blo
     for (std::size_t i = 0; i < records; ++i)
       *numbersOf(block.records[i])[c] = column[i];
   }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto column = reader.getColumn<std::uint16_t>(records);
+    for (std::size_t i = 0; i < records; ++i)
+      block.records[i].position[axis] = column[i];
+  }
   block.measured = getDistributions(reader, records, classes);
   block.refined = getDistributions(reader, records, classes);
 }
@@ -131,7 +143,7 @@ encodedBlockSize(std::size_t records, int classes)
   if (records == 0)
     return fixed;
   return fixed + kBlockVoxels / 8 +
-         records * (kRecordNumbers * sizeof(std::uint32_t) +
+         records * (kRecordNumbers * sizeof(std::uint32_t) + kPositionSize +
                     2 * std::size_t(classes) * sizeof(float));
 }
 

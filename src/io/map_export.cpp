@@ -18,7 +18,7 @@ forEachCloud(const MapArchive& archive, const std::function<void()>& step,
 {
   const ArchiveHeader& header = archive.header();
   const Eigen::Vector3d origin = archive.state().cloud_origin;
-  const BlockReader reader(header.label_set.size(), header.parameters.fusion);
+  const BlockReader reader(header.label_set.size(), header.parameters);
   archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
     step();
     const std::size_t count = reader.countOccupied(block);
@@ -92,7 +92,9 @@ exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
   });
   if (colour == VoxelColour::measured && count > 0 && !has_colour)
     colour = VoxelColour::none;
-  VoxelCloudWriter writer(path, archive.header().label_set, colour, count);
+  VoxelCloudWriter writer(path, archive.header().label_set, colour, count,
+                          archive.header().parameters.voxel_size,
+                          archive.state().cloud_origin);
   forEachCloud(archive, step, [&](const VoxelCloud& voxels) {
     writer.write(voxels, select(selection, voxels));
   });

@@ -43,10 +43,13 @@ hasColour(const VoxelCloud& voxels)
 }
 
 VoxelCloudWriter::VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
-                                   VoxelColour colour, std::size_t count)
+                                   VoxelColour colour, std::size_t count,
+                                   double voxel_size, const Eigen::Vector3d& origin)
     : file_(path), label_set_(label_set), colour_(colour), missing_(count)
 {
-  const PcdTable table = makeTable(label_set.size(), count, colour);
+  PcdTable table = makeTable(label_set.size(), count, colour);
+  const Eigen::Vector3d corner = Eigen::Vector3d::Zero() - origin; // not -0
+  table.voxel_grid = {voxel_size, corner.x(), corner.y(), corner.z()};
   writePcdHeader(file_.stream(), table);
   row_.resize(table.pointSize());
 }
@@ -100,7 +103,8 @@ writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
 {
   if (colour == VoxelColour::measured && voxels.size() > 0 && !hasColour(voxels))
     colour = VoxelColour::none;
-  VoxelCloudWriter writer(path, label_set, colour, voxels.size());
+  VoxelCloudWriter writer(path, label_set, colour, voxels.size(), voxels.voxel_size,
+                          voxels.origin);
   writer.write(voxels);
   writer.commit();
 }

@@ -194,7 +194,13 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid)
   VoxelScene scene;
   scene.has_colour = labelled.has_colour;
   scene.has_labels = labelled.has_labels;
-  scene.grid = grid.size > 0.0 ? grid : findGrid(path, points.positions);
+  const auto& [size, x, y, z] = labelled.table.voxel_grid;
+  if (grid.size > 0.0)
+    scene.grid = grid;
+  else if (size > 0.0)
+    scene.grid = {size, {x, y, z}};
+  else
+    scene.grid = findGrid(path, points.positions);
   scene.voxels.voxel_size = scene.grid.size;
   scene.voxels.origin = scene.grid.corner;
   const std::vector<VoxelIndex> indices = indicesOf(path, points.positions, scene.grid);
@@ -232,7 +238,7 @@ sceneOf(const SemanticVoxelMap& map, bool with_free)
   if (!with_free)
     return scene;
   scene.knows_free = true;
-  const BlockReader reader(map.labelSet().size(), map.parameters().fusion);
+  const BlockReader reader(map.labelSet().size(), map.parameters());
   map.forEachBlock([&](const VoxelIndex& index, const VoxelBlock& block) {
     for (int offset = 0; offset < kBlockVoxels; ++offset)
       if (reader.occupancy(block, offset) == Occupancy::free)

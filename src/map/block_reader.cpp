@@ -33,6 +33,31 @@ meanColour(const VoxelRecord& record)
   return colour;
 }
 
+// Where the hits of a voxel lie, world frame [voxels].
+Eigen::Vector3d
+positionOf(const VoxelIndex& voxel, const VoxelRecord& record)
+{
+  constexpr double unit = 1.0 / 65536.0;
+  const auto& [x, y, z] = record.position;
+  return voxel.cast<double>() + unit * Eigen::Vector3d(x, y, z);
+}
+
+// Relative to the cloud's origin [m]. Where single precision would take it out of its
+// voxel, far from the origin, the centre.
+Eigen::Vector3f
+pointOf(const VoxelIndex& voxel, const VoxelRecord& record, const VoxelCloud& voxels)
+{
+  const auto relative = [&](const Eigen::Vector3d& position) -> Eigen::Vector3f {
+    return (voxels.voxel_size * position - voxels.origin).cast<float>();
+  };
+  const Eigen::Vector3f point = relative(positionOf(voxel, record));
+  const Eigen::Array3d cell =
+      (point.cast<double>() + voxels.origin).array() / voxels.voxel_size;
+  if ((cell.floor() == voxel.cast<double>().array()).all())
+    return point;
+  return relative(voxel.cast<double>() + Eigen::Vector3d::Constant(0.5));
+}
+
 } // namespace
 
 Label
@@ -60,7 +85,10 @@ BlockReader::state(const VoxelIndex& block_index, const VoxelBlock& block,
   LabelDistributions refined(classes_, 1);
   state.measured.resize(std::size_t(classes_));
   const int record = block.recordAt(offset);
-  if (record != VoxelBlock::kNoRecord) {
+  const bool is_hit = record != VoxelBlock::kNoRecord;
+  state.position = voxel_size_ * positionOf(state.index, is_hit ? block.records[record]
+                                                                : VoxelRecord());
+  if (is_hit) {
     state.colour = meanColour(block.records[record]);
     state.observations = block.records[record].observations;
     readDistributions(block, record, classes_, state.measured.data(),
@@ -117,10 +145,8 @@ BlockReader::read(const VoxelIndex& index, const VoxelBlock& block, std::size_t 
                       voxels.refined.column(column));
     voxels.indices[i] = voxelAt(index, offset);
     voxels.observations[i] = block.records[record].observations;
-    const Eigen::Vector3d centre =
-        (voxels.indices[i].cast<double>().array() + 0.5).matrix() * voxels.voxel_size;
     pcl::PointXYZRGBL& point = (*voxels.cloud)[i];
-    point.getVector3fMap() = (centre - voxels.origin).cast<float>();
+    point.getVector3fMap() = pointOf(voxels.indices[i], block.records[record], voxels);
     const std::array<std::uint8_t, 3> colour = meanColour(block.records[record]);
     point.r = colour[0];
     point.g = colour[1];

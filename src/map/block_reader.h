@@ -19,8 +19,9 @@ namespace pcl_semantic {
 class BlockReader {
 public:
   /** \param[in] classes L */
-  BlockReader(int classes, const FusionParameters& fusion)
-      : classes_(classes), occupancy_(fusion)
+  BlockReader(int classes, const MapParameters& parameters)
+      : classes_(classes), voxel_size_(parameters.voxel_size),
+        occupancy_(parameters.fusion)
   {}
 
   /** \brief Whether a voxel is occupied: what no scan has hit never is. */
@@ -63,6 +64,7 @@ public:
 
 private:
   int classes_;
+  double voxel_size_; // [m]
   OccupancyUpdate occupancy_;
 };
 

@@ -64,9 +64,9 @@ BlockUpdate::sortByOffset(const RayHit* first, const RayHit* last)
     end_[std::size_t(offset)] = begin;
     begin += count;
   });
-  points_.resize(std::size_t(last - first));
+  hits_.resize(std::size_t(last - first));
   for (const RayHit* hit = first; hit != last; ++hit) {
-    points_[end_[hit->offset]++] = hit->point;
+    hits_[end_[hit->offset]++] = *hit;
     // Neighbours in the map are none in the scan.
     if (!scan_.rgb.empty())
       __builtin_prefetch(scan_.rgb.address(hit->point));
@@ -104,7 +104,7 @@ BlockUpdate::weightOf(std::size_t begin, std::size_t end) const
     return 1.0f;
   float least = std::numeric_limits<float>::max();
   for (std::size_t i = begin; i < end; ++i)
-    least = std::min(least, (*scan_.deviations)[points_[i]]);
+    least = std::min(least, (*scan_.deviations)[hits_[i].point]);
   return hitWeight(voxel_size_, least);
 }
 
@@ -113,7 +113,8 @@ BlockUpdate::fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& bl
 {
   measurement_.clear();
   for (std::size_t i = begin; i < end; ++i) {
-    const std::uint32_t point = points_[i];
+    const std::uint32_t point = hits_[i].point;
+    measurement_.addPosition(hits_[i].position);
     if (!scan_.rgb.empty())
       measurement_.addColour(scan_.rgb[point]);
     if (scan_.distributions)
@@ -128,12 +129,13 @@ BlockUpdate::fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& bl
 }
 
 void
-decayDynamicVoxels(const LabelSet& label_set, const FusionParameters& fusion,
+decayDynamicVoxels(const LabelSet& label_set, const MapParameters& parameters,
                    RayCaster::Grid& grid)
 {
-  const OccupancyUpdate update(fusion);
-  const BlockReader reader(label_set.size(), fusion);
-  const int units = static_cast<int>(std::lround(fusion.dynamic_decay / kLogOddsUnit));
+  const OccupancyUpdate update(parameters.fusion);
+  const BlockReader reader(label_set.size(), parameters);
+  const int units =
+      static_cast<int>(std::lround(parameters.fusion.dynamic_decay / kLogOddsUnit));
   std::array<bool, 256> dynamic{};
   for (int label = 1; label <= label_set.size(); ++label)
     dynamic[std::size_t(label)] = label_set[Label(label)].dynamic;

@@ -42,13 +42,13 @@ private:
   const Scan& scan_;
   VoxelMeasurement measurement_;
   std::array<std::uint64_t, CrossedVoxels::kWords> hit_{}; // a bit a voxel
-  std::array<std::uint32_t, kBlockVoxels> end_{};          // of its points, by voxel
-  std::vector<std::uint32_t> points_;                      // by voxel
+  std::array<std::uint32_t, kBlockVoxels> end_{};          // of its hits, by voxel
+  std::vector<RayHit> hits_;                               // by voxel
 };
 
 /** \brief Takes FusionParameters::dynamic_decay off every occupied voxel of the window
  * whose MAP label is of a dynamic class. */
-void decayDynamicVoxels(const LabelSet& label_set, const FusionParameters& fusion,
+void decayDynamicVoxels(const LabelSet& label_set, const MapParameters& parameters,
                         RayCaster::Grid& grid);
 
 /** \brief Counts every ray of a scan in the occupancy of its voxels, as the

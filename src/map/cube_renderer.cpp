@@ -17,6 +17,8 @@ namespace pcl_semantic {
 namespace {
 
 constexpr double near_plane = 0.1; ///< [m]
+// Of what is drawn around a surface [voxels]; doc/map.md has the measurements.
+constexpr double half_depth = 0.2;
 constexpr int rows_of_band = 16; ///< rows of the image that one thread fills at a time
 
 /** \brief The pixels a cube may cover, borders included. */
@@ -33,7 +35,7 @@ struct View {
   const StereoCamera& camera;
   Eigen::Isometry3d T_world_camera;
   double max_depth;
-  double inset; ///< of free faces [m]
+  const std::vector<Eigen::Array3f>& surface; ///< in each voxel; empty: whole cubes
 
   /** \brief Lower corner of a voxel relative to the camera's centre [m]. Its upper one
    * is the lower one of the next, to the bit: no crack between neighbours. */
@@ -147,7 +149,7 @@ planOf(const View& view)
   const VoxelSet set(view.voxels);
   Plan plan;
   plan.footprints.resize(view.voxels.size());
-  if (view.inset > 0.0)
+  if (!view.surface.empty())
     plan.free_faces.resize(view.voxels.size());
   plan.bands.resize((view.camera.height + rows_of_band - 1) / rows_of_band);
 #pragma omp parallel
@@ -161,9 +163,9 @@ planOf(const View& view)
           footprint.first_column > footprint.last_column)
         continue;
       if (isHidden(view, view.voxels[i], footprint.min_z, reader) &&
-          (view.inset == 0.0 || isEnclosed(view.voxels[i], reader)))
+          (view.surface.empty() || isEnclosed(view.voxels[i], reader)))
         footprint.last_row = -1;
-      else if (view.inset > 0.0)
+      else if (!view.surface.empty())
         plan.free_faces[i] = freeFaces(view.voxels[i], reader);
     }
   }
@@ -208,10 +210,13 @@ public:
     Eigen::Vector3d lower = view_.lowerCorner(index);
     Eigen::Vector3d upper = view_.lowerCorner(index + VoxelIndex::Ones());
     for (int axis = 0; axis < 3; ++axis) {
+      const double base = lower[axis];
       if (free_faces >> (2 * axis) & 1)
-        lower[axis] += view_.inset;
+        lower[axis] = base + view_.voxel_size *
+                                 std::max(surfaceOf(voxel, axis) - half_depth, 0.0);
       if (free_faces >> (2 * axis + 1) & 1)
-        upper[axis] -= view_.inset;
+        upper[axis] = base + view_.voxel_size *
+                                 std::min(surfaceOf(voxel, axis) + half_depth, 1.0);
     }
     const int last_row = std::min(footprint.last_row, end_row_ - 1);
     for (int row = std::max(footprint.first_row, first_row_); row <= last_row; ++row)
@@ -243,6 +248,12 @@ public:
   }
 
 private:
+  double
+  surfaceOf(std::uint32_t voxel, int axis) const
+  {
+    return double(view_.surface[voxel][axis]);
+  }
+
   std::size_t
   pixelOf(int row, int column) const
   {
@@ -301,6 +312,11 @@ validate(const View& view)
   view.camera.validate();
   if (view.camera.width <= 0 || view.camera.height <= 0)
     PCL_THROW_EXCEPTION(InvalidParameterException, "the camera has no image size");
+  if (!view.surface.empty() && view.surface.size() != view.voxels.size())
+    PCL_THROW_EXCEPTION(InvalidParameterException, "there are surfaces in "
+                                                       << view.surface.size()
+                                                       << " voxels, expected "
+                                                       << view.voxels.size());
   if (!(view.max_depth > 0.0))
     PCL_THROW_EXCEPTION(InvalidParameterException, "largest depth is "
                                                        << view.max_depth
@@ -312,13 +328,9 @@ validate(const View& view)
 CubeImage
 renderCubes(const std::vector<VoxelIndex>& voxels, double voxel_size,
             const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
-            double max_depth, double inset)
+            double max_depth, const std::vector<Eigen::Array3f>& surface)
 {
-  if (!(inset >= 0.0 && inset < 0.5))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "inset is " << inset << " voxels, expected 0 to less than 0.5");
-  const View view{voxels,         voxel_size, camera,
-                  T_world_camera, max_depth,  inset * voxel_size};
+  const View view{voxels, voxel_size, camera, T_world_camera, max_depth, surface};
   validate(view);
   Plan plan = planOf(view);
   CubeImage result;

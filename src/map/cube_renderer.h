@@ -33,14 +33,15 @@ struct CubeImage {
  * \param[in] T_world_camera pose of the camera (x right, y down, z forward)
  * \param[in] max_depth surface points of larger camera z are not seen [m]; may be
  * infinite
- * \param[in] inset how far inside its cube a face is drawn that has no voxel on its
- * other side, 0 to less than 0.5 [voxels]: a surface lies anywhere in its voxels, so
- * that whole cubes are fatter than what they stand for \return images of height x width
- * \throws InvalidParameterException unless voxel size, image size and \a max_depth are
- * positive, and \a inset in its range */
+ * \param[in] surface where the surface lies in each voxel, 0..1 along each axis, or
+ * empty for whole cubes. A face with no voxel on its other side is drawn 0.3 voxels
+ * from there, inside its cube: whole cubes are fatter than what they stand for \return
+ * images of height x width \throws InvalidParameterException unless voxel size, image
+ * size and \a max_depth are positive, and \a surface is empty or has one entry a voxel
+ */
 CubeImage renderCubes(const std::vector<VoxelIndex>& voxels, double voxel_size,
                       const StereoCamera& camera,
                       const Eigen::Isometry3d& T_world_camera, double max_depth,
-                      double inset = 0.0);
+                      const std::vector<Eigen::Array3f>& surface = {});
 
 } // namespace pcl_semantic

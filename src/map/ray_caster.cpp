@@ -67,6 +67,14 @@ rayStart(const Eigen::Isometry3d& T_world_sensor, const QuantizedPoint& quantize
   return start;
 }
 
+std::array<std::uint16_t, 3>
+positionInVoxel(const QuantizedPoint& point)
+{
+  constexpr std::int64_t mask = (1 << kQuantizationBits) - 1;
+  return {std::uint16_t(point.x() & mask), std::uint16_t(point.y() & mask),
+          std::uint16_t(point.z() & mask)};
+}
+
 void
 setRay(const kernels::RayBatch& batch, std::size_t k, DirectedRay& ray)
 {
@@ -112,11 +120,13 @@ RayCaster::findHits(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
     ends_[i].setZero();
     if (reach > range)
       continue;
-    ends_[i] =
-        voxelOf(quantize(T_world_sensor * point.cast<double>(), settings.voxel_size));
+    const QuantizedPoint hit =
+        quantize(T_world_sensor * point.cast<double>(), settings.voxel_size);
+    ends_[i] = voxelOf(hit);
     if (crossed_.add(ends_[i]))
       part.hits.push_back({std::uint32_t(crossed_.slotOf(blockOf(ends_[i]))),
-                           {std::uint32_t(i), std::uint32_t(voxelInBlock(ends_[i]))}});
+                           {std::uint32_t(i), std::uint16_t(voxelInBlock(ends_[i])),
+                            positionInVoxel(hit)}});
   }
 }
 

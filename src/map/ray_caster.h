@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -24,8 +25,9 @@ struct RayStart;
 
 /** \brief An end point of a ray in a block of the window. */
 struct RayHit {
-  std::uint32_t point;  ///< its number in the scan
-  std::uint32_t offset; ///< voxel of the block
+  std::uint32_t point;                   ///< its number in the scan
+  std::uint16_t offset;                  ///< voxel of the block
+  std::array<std::uint16_t, 3> position; ///< in the voxel [2^-10 voxel]
 };
 
 /** \brief Casts the rays of a scan through a window and notes which voxels were hit and

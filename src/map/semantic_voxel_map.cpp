@@ -131,7 +131,7 @@ isNear(const Eigen::Vector3d& point, double voxel_size)
 
 SemanticVoxelMap::State::State(const LabelSet& classes, const MapParameters& p,
                                std::shared_ptr<BlockStore> given)
-    : label_set(classes), parameters(p.withWindow()), reader(classes.size(), p.fusion),
+    : label_set(classes), parameters(p.withWindow()), reader(classes.size(), p),
       grid(windowInBlocks(parameters)),
       store(given ? std::move(given) : std::make_shared<MemoryBlockStore>()),
       ray_caster(grid.slots())
@@ -169,7 +169,7 @@ SemanticVoxelMap::State::integrate(const Scan& scan,
 {
   centreWindow(T_world_sensor.translation());
   if (parameters.fusion.dynamic_decay > 0.0)
-    decayDynamicVoxels(label_set, parameters.fusion, grid);
+    decayDynamicVoxels(label_set, parameters, grid);
   RayCaster::Settings settings{
       parameters.voxel_size, parameters.max_range, {}, parameters.fusion.clearing};
   for (int label = 0; label <= label_set.size(); ++label)

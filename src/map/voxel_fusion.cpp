@@ -81,8 +81,16 @@ VoxelMeasurement::clear()
 {
   std::fill(log_sums_.begin(), log_sums_.end(), 0);
   labelled_ = 0;
-  colour_sum_ = {};
-  colour_count_ = 0;
+  colour_sum_ = position_sum_ = {};
+  colour_count_ = position_count_ = 0;
+}
+
+void
+VoxelMeasurement::addPosition(const std::array<std::uint16_t, 3>& position)
+{
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    position_sum_[axis] += position[axis];
+  ++position_count_;
 }
 
 void
@@ -105,10 +113,29 @@ VoxelMeasurement::addDistribution(const float* distribution)
   ++labelled_;
 }
 
+// The mean over the scans; after many the oldest fade, for surfaces move.
+void
+VoxelMeasurement::fusePosition(VoxelRecord& record) const
+{
+  if (position_count_ == 0)
+    return;
+  constexpr std::uint32_t max_scans = 255;
+  const auto scans = std::int64_t(std::min(record.observations, max_scans));
+  const auto count = std::int64_t(position_count_);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // From units of 2^-10, whose middle is meant, to 2^-16.
+    const std::int64_t mean =
+        (64 * std::int64_t(position_sum_[axis]) + 32 * count) / count;
+    const std::int64_t change = mean - record.position[axis];
+    record.position[axis] = std::uint16_t(record.position[axis] + change / scans);
+  }
+}
+
 bool
 VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
 {
   ++record.observations;
+  fusePosition(record);
   // Halving sums and count keeps the mean, and makes room long before 32 bits are full.
   constexpr std::uint32_t max_count = 1u << 22;
   const auto halve = [](auto& sums, std::uint32_t& count) {

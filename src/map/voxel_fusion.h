@@ -75,25 +75,30 @@ public:
 
   void clear();
 
+  /** \param[in] position of a hit in the voxel [2^-10 voxel] */
+  void addPosition(const std::array<std::uint16_t, 3>& position);
+
   /** \param[in] rgb packed as in pcl::PointXYZRGB */
   void addColour(std::uint32_t rgb);
 
   /** \param[in] distribution L probabilities; all zero (unlabelled) is passed over */
   void addDistribution(const float* distribution);
 
-  /** \brief Fuses colour and label of the scan into a voxel: mean colour, eq. (1).
+  /** \brief Fuses the scan into a voxel: mean position and colour, labels by eq. (1).
    * \param[in,out] log_distribution L values, see VoxelBlock::measured
    * \return whether the scan had a label for it */
   bool fuseInto(VoxelRecord& record, float* log_distribution);
 
 private:
+  void fusePosition(VoxelRecord& record) const;
+
   const FusionParameters parameters_;
   void (*const add_logs_)(const float*, std::size_t, float, std::int64_t*);
   std::vector<std::int64_t> log_sums_; // with room for whole vectors
   std::vector<float> log_likelihood_;
   std::int64_t labelled_ = 0;
-  std::array<std::uint64_t, 3> colour_sum_{};
-  std::uint32_t colour_count_ = 0;
+  std::array<std::uint64_t, 3> colour_sum_{}, position_sum_{};
+  std::uint32_t colour_count_ = 0, position_count_ = 0;
 };
 
 } // namespace pcl_semantic

@@ -148,6 +148,8 @@ MapCliques::group(const VoxelCloud& voxels)
     superpixels_->setVoxels(voxels.indices, voxels.voxel_size);
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*voxels.cloud, cloud);
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    cloud[i].getVector3fMap() = voxels.centre(i);
   std::vector<pcl::PointIndices> cliques = generator_->generate(cloud);
   if (left_out_.empty())
     return cliques;

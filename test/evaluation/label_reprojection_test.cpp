@@ -35,15 +35,16 @@ makeVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
   voxels.voxel_size = voxel_size;
   voxels.indices = indices;
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    pcl::PointXYZRGBL point; // its position is not used
+    pcl::PointXYZRGBL point;
     point.label = 1 + static_cast<std::uint32_t>(i) % 11;
     voxels.cloud->push_back(point);
   }
+  voxels.moveToCentres();
   return voxels;
 }
 
 /** \brief All voxels for each pixel, by where the ray crosses the faces, of which those
- * with no voxel on their other side lie a fifth of a voxel further inside. */
+ * with no voxel on their other side lie 0.2 voxels from the point. */
 RenderedLabels
 bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
            const Eigen::Isometry3d& pose, double max_depth)
@@ -71,8 +72,11 @@ bruteForce(const VoxelCloud& voxels, const StereoCamera& camera,
         Eigen::Vector3d begin = lower, end = lower.array() + size;
         for (int axis = 0; axis < 3; ++axis) {
           const VoxelIndex step = VoxelIndex::Unit(axis);
-          begin[axis] += set.count(voxels.indices[i] - step) ? 0.0 : 0.2 * size;
-          end[axis] -= set.count(voxels.indices[i] + step) ? 0.0 : 0.2 * size;
+          const double surface = double((*voxels.cloud)[i].data[axis]);
+          if (!set.count(voxels.indices[i] - step))
+            begin[axis] = std::max(begin[axis], surface - 0.2 * size);
+          if (!set.count(voxels.indices[i] + step))
+            end[axis] = std::min(end[axis], surface + 0.2 * size);
         }
         for (int axis = 0; axis < 3; ++axis)
           for (const double plane : {begin[axis], end[axis]}) {
@@ -121,7 +125,10 @@ TEST(RenderLabels, EqualsBruteForceFromAnywhere)
   std::set<VoxelIndex, VoxelIndexLess> indices;
   while (indices.size() < 300)
     indices.insert(VoxelIndex(index(random), index(random), index(random)));
-  const VoxelCloud voxels = makeVoxels({indices.begin(), indices.end()}, 0.2);
+  VoxelCloud voxels = makeVoxels({indices.begin(), indices.end()}, 0.2);
+  for (auto& point : *voxels.cloud)
+    for (int axis = 0; axis < 3; ++axis)
+      point.data[axis] += float(0.099 * number(random)); // anywhere in its voxel
   for (int trial = 0; trial < 12; ++trial) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     const Eigen::Vector4d turn(number(random), number(random), number(random), 0.2);

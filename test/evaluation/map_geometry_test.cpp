@@ -72,17 +72,26 @@ struct World {
             poseOf(frame) * seen +
             Eigen::Vector3d(noise(random), noise(random), noise(random));
         if (i % 2)
-          voxels.indices.push_back(
-              (moved / voxels.voxel_size).array().floor().cast<int>());
+          addVoxel(moved);
       }
       scans.push_back(scan);
     }
   }
 
-  Eigen::Vector3d
-  centre(std::size_t i) const
+  void
+  addVoxel(const Eigen::Vector3d& position)
   {
-    return (voxels.indices[i].cast<double>().array() + 0.5) * voxels.voxel_size;
+    voxels.indices.push_back(
+        (position / voxels.voxel_size).array().floor().cast<int>());
+    pcl::PointXYZRGBL point;
+    point.getVector3fMap() = position.cast<float>();
+    voxels.cloud->push_back(point);
+  }
+
+  Eigen::Vector3d
+  position(std::size_t i) const
+  {
+    return (*voxels.cloud)[i].getVector3fMap().cast<double>();
   }
 };
 
@@ -101,7 +110,7 @@ isJudged(const World& world, std::size_t voxel, const GeometryParameters& parame
            pixel.x() < camera.width && pixel.y() < camera.height;
   };
   for (std::size_t frame = 0; frame < world.scans.size(); ++frame) {
-    const Eigen::Vector3d p = poseOf(int(frame)).inverse() * world.centre(voxel);
+    const Eigen::Vector3d p = poseOf(int(frame)).inverse() * world.position(voxel);
     if (!isInside(p) || p.z() > parameters.bands.back())
       continue;
     bool above = false, below = false;
@@ -129,7 +138,7 @@ nearestReturn(const World& world, std::size_t voxel)
 {
   double distance = 1e9;
   for (const Return& each : world.returns)
-    distance = std::min(distance, (each.in_world - world.centre(voxel)).norm());
+    distance = std::min(distance, (each.in_world - world.position(voxel)).norm());
   return distance;
 }
 

@@ -167,7 +167,8 @@ TEST_F(DamagedArchive, RowsThatChangePlaces)
            {"UPDATE meta SET value = (SELECT value FROM meta WHERE name = 'state') "
             "WHERE name = 'parameters'",
             "'parameters': holds something else"},
-           {"PRAGMA user_version = 2", "version 2, newer than this program"},
+           {"PRAGMA user_version = 3", "version 3, newer than this program"},
+           {"PRAGMA user_version = 1", "version 1, older than this program"},
            {"PRAGMA user_version = 0", "its tables"},
            {"PRAGMA application_id = 7", "is no map archive"},
            {"DROP TABLE frames", "its tables"},

@@ -73,6 +73,12 @@ expectSum(const VoxelBlock& a, const VoxelBlock& b, const VoxelBlock& merged, in
   EXPECT_EQ(r.colour_count, p.colour_count + q.colour_count);
   EXPECT_EQ(r.observations, p.observations + q.observations);
   EXPECT_EQ(r.label_observations, p.label_observations + q.label_observations);
+  const double weight = std::max(p.observations, 1u),
+               other = std::max(q.observations, 1u);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(
+        r.position[axis],
+        (weight * p.position[axis] + other * q.position[axis]) / (weight + other), 1.0);
   std::vector<float> logs(a.measured.begin() + i * classes,
                           a.measured.begin() + (i + 1) * classes);
   fuseLogLikelihood(b.measured.data() + j * classes, classes, std::log(1e4f),

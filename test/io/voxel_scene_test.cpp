@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/pcd_file.h"
 #include "support/random_scan.h"
 #include "support/temporary_folder.h"
+#include "support/thrown_message.h"
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/io/voxel_scene.h>
 
@@ -58,8 +61,10 @@ TEST(VoxelScene, HoldsWhatAMapKnows)
   for (std::size_t i = 0; i < scene.voxels.size(); ++i) {
     const Eigen::Vector3d centre = centreOf(scene.grid, scene.voxels.indices[i]);
     EXPECT_EQ(map->voxelOf(centre + scene.origin), scene.voxels.indices[i]);
-    EXPECT_LT((centre.cast<float>() - (*scene.voxels.cloud)[i].getVector3fMap()).norm(),
-              1e-5f);
+    const Eigen::Vector3f point = (*scene.voxels.cloud)[i].getVector3fMap();
+    EXPECT_LE((centre.cast<float>() - point).cwiseAbs().maxCoeff(), 0.1001f);
+    EXPECT_EQ(map->voxelOf(point.cast<double>() + scene.origin),
+              scene.voxels.indices[i]);
   }
   const VoxelScene without = sceneOf(*map);
   EXPECT_FALSE(without.knows_free);
@@ -74,11 +79,37 @@ TEST(VoxelScene, FindsTheGridThatOurMapsHave)
   writeVoxelCloud(folder.path("a.pcd"), voxels, label_set, VoxelColour::measured);
   const VoxelScene scene = readVoxelScene(folder.path("a.pcd"));
   EXPECT_EQ(scene.grid.size, 0.2);
+  EXPECT_EQ(scene.grid.corner, Eigen::Vector3d(-5000, 0, 0));
+  EXPECT_EQ(scene.voxels.indices, voxels.indices);
+  EXPECT_EQ(scene.voxels.observations, voxels.observations);
+}
+
+// Without the header's comment, which other programs drop, centres tell the grid.
+TEST(VoxelScene, FindsTheGridOfCentres)
+{
+  const TemporaryFolder folder;
+  const auto map = makeMap();
+  VoxelCloud voxels = map->occupiedEverywhere();
+  const std::string path = folder.path("a.pcd");
+  writeVoxelCloud(path, voxels, label_set, VoxelColour::measured);
+  PcdTable table = readPcd(path);
+  table.voxel_grid = {};
+  writePcd(path, table);
+  EXPECT_TRUE(
+      holds(thrownMessage<BadInputException>([&] { readVoxelScene(path); }),
+            "its points are not the centres of voxels; say how large they are"));
+  EXPECT_EQ(readVoxelScene(path, {0.2}).voxels.size(), voxels.size());
+  voxels.moveToCentres();
+  writeVoxelCloud(path, voxels, label_set, VoxelColour::measured);
+  table = readPcd(path);
+  table.voxel_grid = {};
+  writePcd(path, table);
+  const VoxelScene scene = readVoxelScene(path);
+  EXPECT_EQ(scene.grid.size, 0.2);
   EXPECT_EQ(scene.grid.corner, Eigen::Vector3d::Zero()); // not 2e-8
   ASSERT_EQ(scene.voxels.size(), voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i)
     EXPECT_EQ(scene.voxels.indices[i] + VoxelIndex(25000, 0, 0), voxels.indices[i]);
-  EXPECT_EQ(scene.voxels.observations, voxels.observations);
 }
 
 TEST(VoxelScene, PassesOverAFieldOfAnotherMeaning)

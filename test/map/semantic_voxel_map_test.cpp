@@ -70,7 +70,20 @@ TEST(SemanticVoxelMap, EqualsAPlainMapOverSeveralScans)
     map.integrate(scan.cloud, pose, scan.distributions);
     plain.integrate(scan, pose);
   }
-  expectEqual(map.occupied(), plain.occupied());
+  const VoxelCloud occupied = map.occupied();
+  expectEqual(occupied, plain.occupied());
+  for (std::size_t i = 0; i < occupied.size(); ++i) {
+    const VoxelIndex& voxel = occupied.indices[i];
+    const Eigen::Vector3d expected =
+        voxel.cast<double>() + plain.position({voxel.x(), voxel.y(), voxel.z()});
+    const Eigen::Vector3d position =
+        (*occupied.cloud)[i].getVector3fMap().cast<double>() / 0.25;
+    // Hits are rounded to 2^-10 of a voxel.
+    EXPECT_LT((position - expected).cwiseAbs().maxCoeff(), 1e-3)
+        << position.transpose() << " instead of " << expected.transpose();
+    const VoxelState state = map.state(voxel.cast<double>() * 0.25);
+    EXPECT_LT((state.position / 0.25 - position).cwiseAbs().maxCoeff(), 1e-5);
+  }
   int free_voxels = 0;
   for (const auto& [key, log_odds] : plain.logOdds()) {
     const auto& [x, y, z] = key;
@@ -93,6 +106,7 @@ expectIdentical(const VoxelCloud& a, const VoxelCloud& b)
   EXPECT_EQ(a.observations, b.observations);
   for (std::size_t i = 0; i < a.size(); ++i) {
     ASSERT_EQ(a.indices[i], b.indices[i]);
+    ASSERT_EQ((*a.cloud)[i].getVector3fMap(), (*b.cloud)[i].getVector3fMap());
     ASSERT_EQ((*a.cloud)[i].rgba, (*b.cloud)[i].rgba);
     ASSERT_EQ((*a.cloud)[i].label, (*b.cloud)[i].label);
   }
@@ -119,6 +133,7 @@ contentOf(const SemanticVoxelMap& map)
       content.insert(content.end(),
                      {double(record.colour_count), double(record.observations),
                       double(record.label_observations)});
+      content.insert(content.end(), record.position.begin(), record.position.end());
       content.insert(content.end(), measured, measured + long(classes));
     }
   });

@@ -103,6 +103,30 @@ TEST_P(Measurement, FusesLikelihoodsAsStated)
 INSTANTIATE_TEST_SUITE_P(VoxelMeasurement, Measurement,
                          testing::Values(PixelFusion::mean, PixelFusion::product));
 
+// The mean of a scan's hits, then of the scans; a surface that moves is followed.
+TEST(VoxelMeasurement, MeanPositionOfHits)
+{
+  VoxelMeasurement measurement(1, FusionParameters());
+  VoxelRecord record;
+  float fused = 0.0f;
+  EXPECT_EQ(record.position[0], kVoxelCentre);
+  measurement.addPosition({0, 100, 1023});
+  measurement.addPosition({0, 300, 1023});
+  measurement.fuseInto(record, &fused);
+  EXPECT_EQ(record.position[0], 32); // half of a unit of 2^-10
+  EXPECT_EQ(record.position[1], 64 * 200 + 32);
+  EXPECT_EQ(record.position[2], 65536 - 32);
+  measurement.clear();
+  measurement.addPosition({512, 200, 1023});
+  measurement.fuseInto(record, &fused);
+  EXPECT_EQ(record.position[0], 64 * 256 + 32);
+  EXPECT_EQ(record.position[1], 64 * 200 + 32);
+  EXPECT_EQ(record.position[2], 65536 - 32);
+  for (int scan = 0; scan < 5000; ++scan)
+    measurement.fuseInto(record, &fused);
+  EXPECT_NEAR(record.position[0], 64 * 512 + 32, 256);
+}
+
 TEST(VoxelMeasurement, MeanColourAndUnlabelledPixels)
 {
   VoxelMeasurement measurement(2, FusionParameters());

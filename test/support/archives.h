@@ -37,6 +37,8 @@ makeRandomBlock(std::size_t records, int classes, unsigned seed)
     values.colour_count = std::uint32_t(random()) >> 10;
     values.observations = std::uint32_t(random()) >> (random() % 32);
     values.label_observations = values.observations / 2;
+    for (std::uint16_t& coordinate : values.position)
+      coordinate = std::uint16_t(random());
     for (int k = 0; k < classes; ++k) {
       block.measured[std::size_t(record * classes + k)] =
           k == record % classes ? 0.0f : log_value(random);
@@ -68,7 +70,7 @@ areSameBlocks(const VoxelBlock& a, const VoxelBlock& b, int classes)
     const VoxelRecord &p = a.records[std::size_t(i)], &q = b.records[std::size_t(j)];
     if (p.colour_sum != q.colour_sum || p.colour_count != q.colour_count ||
         p.observations != q.observations ||
-        p.label_observations != q.label_observations ||
+        p.label_observations != q.label_observations || p.position != q.position ||
         !same(a.measured, i, b.measured, j) || !same(a.refined, i, b.refined, j))
       return false;
   }

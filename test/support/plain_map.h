@@ -61,8 +61,10 @@ public:
       else
         update_.miss(log_odds);
     }
-    for (const auto& [key, points] : hits)
+    for (const auto& [key, points] : hits) {
       fuse(key, points, scan);
+      fusePosition(key, points, scan, pose);
+    }
   }
 
   // Label distributions of the occupied voxels.
@@ -78,6 +80,13 @@ public:
         result[key] = p;
       }
     return result;
+  }
+
+  // Mean position of the hits of a voxel over the scans, in the voxel [voxels].
+  const Eigen::Vector3d&
+  position(const Key& key) const
+  {
+    return positions_.at(key).mean;
   }
 
   const std::map<Key, StoredLogOdds>&
@@ -177,12 +186,35 @@ private:
                       fused.data());
   }
 
+  // The mean of a scan's points, then of the scans.
+  void
+  fusePosition(const Key& key, const std::vector<std::size_t>& points,
+               const LabelledScan& scan, const Eigen::Isometry3d& pose)
+  {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const std::size_t i : points) {
+      const Eigen::Vector3f point = scan.cloud[i].getVector3fMap();
+      sum += pose * point.cast<double>() / parameters_.voxel_size;
+    }
+    const auto [x, y, z] = key;
+    const Eigen::Vector3d mean = sum / double(points.size()) - Eigen::Vector3d(x, y, z);
+    Position& position = positions_[key];
+    ++position.scans;
+    position.mean += (mean - position.mean) / position.scans;
+  }
+
+  struct Position {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    int scans = 0;
+  };
+
   LabelSet label_set_;
   SemanticVoxelMap::Parameters parameters_;
   OccupancyUpdate update_;
   std::map<Key, StoredLogOdds> log_odds_;
   std::map<Key, std::vector<float>> fused_;
   std::set<Key> labelled_;
+  std::map<Key, Position> positions_;
 };
 
 } // namespace pcl_semantic

@@ -16,11 +16,12 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Occupied voxels as a labelled cloud, in the map's canonical order: blocks of
  * 8 x 8 x 8 by z, y, x, and their voxels likewise.
  *
- * All arrays have one entry a voxel. A point is the centre of its voxel relative to
- * \a origin, world axes [m]; its exact position is its index. */
+ * All arrays have one entry a voxel. A point is the mean position of the hits in
+ * its voxel, relative to \a origin, world axes [m]: it lies on the surface and in the
+ * voxel that its index names. */
 struct VoxelCloud {
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{
-      new pcl::PointCloud<pcl::PointXYZRGBL>}; ///< centre, mean colour, MAP label
+      new pcl::PointCloud<pcl::PointXYZRGBL>}; ///< position, mean colour, MAP label
   LabelDistributions measured;                 ///< fused measurements alone
   LabelDistributions refined;      ///< what a reader should use: the CRF's result where
                                    ///< there is one, else the measurements
@@ -33,6 +34,22 @@ struct VoxelCloud {
   size() const
   {
     return indices.size();
+  }
+
+  /** \brief Centre of a voxel, relative to \a origin, world axes [m]. */
+  Eigen::Vector3f
+  centre(std::size_t i) const
+  {
+    const Eigen::Vector3d cell = indices[i].cast<double>().array() + 0.5;
+    return (cell * voxel_size - origin).cast<float>();
+  }
+
+  /** \brief Moves all points to the centres of their voxels. */
+  void
+  moveToCentres()
+  {
+    for (std::size_t i = 0; i < size(); ++i)
+      (*cloud)[i].getVector3fMap() = centre(i);
   }
 };
 

@@ -37,7 +37,7 @@ struct SurfaceCounts {
 /** \brief What is measured of maps; pooling is appending. */
 struct GeometrySamples {
   std::uint64_t voxels = 0;           ///< occupied
-  std::vector<float> distances;       ///< of those judged, centre to nearest return [m]
+  std::vector<float> distances;       ///< of those judged, to the nearest return [m]
   std::vector<SurfaceCounts> surface; ///< by band
 
   GeometrySamples& operator+=(const GeometrySamples& other);
@@ -45,7 +45,7 @@ struct GeometrySamples {
 
 /** \brief The geometry of a map against laser scans.
  *
- * *How far voxels lie off*: the distance from the centre of an occupied voxel to the
+ * *How far voxels lie off*: the distance from the point of an occupied voxel to the
  * nearest return of any scan. Only voxels that the lidar could have met are judged:
  * those that, in some frame, fall into the image between returns (within the window
  * around the voxel's pixel there are returns at or above and at or below its row), and
@@ -56,7 +56,7 @@ struct GeometrySamples {
  * seenDepths(), by the band of their depth. */
 class MapGeometry {
 public:
-  /** \param[in] voxels of the map; indices and voxel size are used
+  /** \param[in] voxels of the map, with their points
    * \throws InvalidParameterException unless the bands' borders grow from 0 or more */
   MapGeometry(const VoxelCloud& voxels, GeometryParameters parameters = {});
 
@@ -78,11 +78,9 @@ private:
 
   void countSurface(const Eigen::Vector3d& point, float depth);
 
-  Eigen::Vector3d centreOf(std::size_t voxel) const;
-
   GeometryParameters parameters_;
   VoxelLookup lookup_;
-  std::vector<VoxelIndex> indices_;
+  std::vector<Eigen::Vector3d> positions_;           ///< of voxels, world frame [m]
   std::vector<std::uint8_t> judged_;                 ///< by voxel
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< of returns_, world frame [m]
   pcl::PointCloud<pcl::PointXYZ>::Ptr returns_{new pcl::PointCloud<pcl::PointXYZ>};

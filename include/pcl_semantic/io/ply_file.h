@@ -30,7 +30,7 @@ struct VoxelMesh {
  * than 2^31 - 1 vertices */
 VoxelMesh blockyMesh(const VoxelScene& scene, const std::vector<cv::Vec3b>& colours);
 
-/** \brief Writes the centres of voxels as binary `.ply`: a vertex has x y z (float,
+/** \brief Writes the points of voxels as binary `.ply`: a vertex has x y z (float,
  * relative to VoxelScene::origin, which the header has as a comment) [m], red green
  * blue (uchar) and label (uint).
  * \param[in] colours blue, green, red of each voxel

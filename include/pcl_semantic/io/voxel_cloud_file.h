@@ -27,9 +27,12 @@ bool hasColour(const VoxelCloud& voxels);
 class VoxelCloudWriter {
 public:
   /** \param[in] count voxels that will be written
+   * \param[in] voxel_size [m]
+   * \param[in] origin of their points, world frame [m]
    * \throws OutputException */
   VoxelCloudWriter(const std::string& path, const LabelSet& label_set,
-                   VoxelColour colour, std::size_t count);
+                   VoxelColour colour, std::size_t count, double voxel_size,
+                   const Eigen::Vector3d& origin);
 
   /** \param[in] is_written by voxel; empty = all */
   void write(const VoxelCloud& voxels, const std::vector<bool>& is_written = {});
@@ -49,7 +52,9 @@ private:
 
 /** \brief Writes a voxel cloud as binary `.pcd`: fields x y z [m, relative to
  * VoxelCloud::origin] rgba label probability (COUNT L, refined) entropy [nat]
- * observations. Of voxels without measured colour the file has no rgba.
+ * observations. Of voxels without measured colour the file has no rgba. The comment
+ * `# voxel_grid SIZE X Y Z` in its header says the edge of a voxel and the lower corner
+ * of voxel 0 [m]: floor((point - corner) / size) is the index of a point's voxel.
  * \throws OutputException */
 void writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
                      const LabelSet& label_set, VoxelColour colour);

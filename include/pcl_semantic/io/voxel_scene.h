@@ -47,8 +47,8 @@ centreOf(const VoxelGrid& grid, const VoxelIndex& voxel)
  * Several points of a voxel become one: the most frequent label (the lowest of equals),
  * the mean colour, and clique, distribution and observations of the first point of that
  * label.
- * \param[in] grid size 0: it is found from the points, which have to lie at the centres
- * of the cubes then, as those of a written map do
+ * \param[in] grid size 0: the file says it, as that of a written map does, or it is
+ * found from the points, which have to lie at the centres of the cubes then
  * \throws BadInputException as readLabelledCloud(), if there is no point, or no grid */
 VoxelScene readVoxelScene(const std::string& path, const VoxelGrid& grid = {});
 

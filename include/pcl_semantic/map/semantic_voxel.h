@@ -24,12 +24,16 @@ constexpr float kLogOddsUnit = 1.0f / 4096.0f;
 /** \brief Marks a voxel that no ray has reached: neither free nor occupied. */
 constexpr StoredLogOdds kUnknown = std::numeric_limits<StoredLogOdds>::min();
 
+constexpr std::uint16_t kVoxelCentre = 1 << 15; ///< see VoxelRecord::position
+
 /** \brief What is kept of a voxel that a scan has hit, apart from its labels. */
 struct VoxelRecord {
   std::array<std::uint32_t, 3> colour_sum{}; ///< red, green, blue
   std::uint32_t colour_count = 0;            ///< pixels in the sums
   std::uint32_t observations = 0;            ///< scans that hit the voxel
   std::uint32_t label_observations = 0;      ///< of these, with a label distribution
+  /// Mean position of the hits in the voxel, from its lower corner [2^-16 voxel].
+  std::array<std::uint16_t, 3> position{kVoxelCentre, kVoxelCentre, kVoxelCentre};
 };
 
 /** \brief 8 x 8 x 8 voxels: occupancy for all, records for those that were hit, so that
@@ -89,7 +93,9 @@ enum class Occupancy { unknown, free, occupied };
 struct VoxelState {
   VoxelIndex index = VoxelIndex::Zero(); ///< global
   Occupancy occupancy = Occupancy::unknown;
-  float log_odds = 0.0f;                ///< of being occupied; 0 if unknown
+  float log_odds = 0.0f; ///< of being occupied; 0 if unknown
+  /// Mean position of its hits, world frame [m]; its centre if there were none.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
   std::array<std::uint8_t, 3> colour{}; ///< mean red, green, blue; black if never seen
   std::uint32_t observations = 0;       ///< scans that hit the voxel
   Label label = kUnlabelled;            ///< MAP of \a refined
