@@ -194,10 +194,10 @@ ArchiveDatabase::checkTables()
   const std::int64_t version = database_.number("PRAGMA user_version");
   if (version > kVersion || version == 1)
     PCL_THROW_EXCEPTION(BadInputException,
-                        path() << ": is an archive of version " << version << ", "
-                               << (version > kVersion ? "newer" : "older")
-                               << " than this program, which reads version "
-                               << kVersion);
+                        path()
+                            << ": is an archive of version " << version << ", "
+                            << (version > kVersion ? "newer" : "older")
+                            << " than this program, which reads version " << kVersion);
   SqliteStatement schema(
       database_, "SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY name");
   std::vector<std::string> found;

@@ -144,9 +144,8 @@ writePlyPoints(const std::string& path, const VoxelScene& scene,
   AtomicFile file(path);
   writeHeader(file.stream(), scene.origin, scene.voxels.size(), 0);
   for (std::size_t i = 0; i < scene.voxels.size(); ++i)
-    writeVertex(file.stream(),
-                (*scene.voxels.cloud)[i].getVector3fMap().cast<double>(), colours[i],
-                (*scene.voxels.cloud)[i].label);
+    writeVertex(file.stream(), (*scene.voxels.cloud)[i].getVector3fMap().cast<double>(),
+                colours[i], (*scene.voxels.cloud)[i].label);
   file.commit();
 }
 

@@ -2,8 +2,8 @@
 #include "files/pcd_file.h"
 #include "support/bad_case.h"
 #include "support/mapped_street.h"
-#include "support/thrown_message.h"
 #include "support/run_tool.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/dataset/synthetic_scene.h>
 #include <pcl_semantic/files/cloud_file.h>

@@ -46,8 +46,8 @@ struct PcdTable {
   std::size_t height = 0; ///< of an organized cloud; a list read from a file has 1
   std::array<double, 7> viewpoint{0, 0, 0, 1, 0, 0, 0}; ///< x y z [m], quaternion w x y
                                                         ///< z of the sensor
-  /// Of a map's cloud: edge of a voxel, x y z of the lower corner of voxel 0 [m], in the
-  /// header's comment `# voxel_grid`; edge 0 = not said.
+  /// Of a map's cloud: edge of a voxel, x y z of the lower corner of voxel 0 [m], in
+  /// the header's comment `# voxel_grid`; edge 0 = not said.
   std::array<double, 4> voxel_grid{};
   std::vector<std::uint8_t> data; ///< points x the sizes of the fields, packed
 
