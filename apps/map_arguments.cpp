@@ -146,11 +146,16 @@ parseMapArguments(int argc, char** argv)
             "KITTI or TUM trajectory file; or sequence = its poses.txt, odometry = "
             "estimate them from the images, auto = poses.txt if there is one, else "
             "odometry"},
+           {"centres", arguments.centres,
+            "give the points of map.pcd the centres of their voxels instead of the "
+            "mean "
+            "positions of the hits"},
            {"frames", arguments.frames, "A:B = frames with numbers A <= n < B"},
            {"also", arguments.also,
             "further output for evaluation, separated by commas: measured = labels "
-            "before the CRF, depth = depth images, scans = the class of each point of "
-            "the sequence's laser scans"},
+            "before the CRF, depth = depth images, probabilities = those of the "
+            "classes at the pixels' depths, scans = the class of each point of the "
+            "sequence's laser scans"},
            {"scan-within", withDefault(arguments.scan_within),
             "maximum distance of a scan point's voxel [m]; 0 = the voxel that contains "
             "it"},

@@ -22,8 +22,9 @@ struct MapArguments {
   std::string poses = "auto";
   std::string label_calibration, clique_calibration;
   std::string frames = ":";
-  std::string also; ///< measured, depth, scans: see makeExtras()
+  std::string also; ///< measured, depth, probabilities, scans: see makeExtras()
   double scan_within = 0.0;
+  bool centres = false; ///< the map's points are the centres of its voxels
   bool print_config = false;
   bool view = false; ///< a window, see openLiveView()
   MappingArchive::Options archive;

@@ -109,16 +109,19 @@ makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
     fail<InvalidParameterException>("--scan-within is ", arguments.scan_within,
                                     ", expected 0 to 2");
   ExtraOptions extra;
+  extra.centres = arguments.centres;
   for (const std::string& word : splitAtCommas(arguments.also))
     if (word == "measured")
       extra.measured = true;
     else if (word == "depth")
       extra.depth = true;
+    else if (word == "probabilities")
+      extra.probabilities = true;
     else if (word == "scans")
       addScans(arguments, sequence, frames, extra);
     else
-      fail<InvalidParameterException>("--also: '", word,
-                                      "', expected measured, depth or scans");
+      fail<InvalidParameterException>(
+          "--also: '", word, "', expected measured, depth, probabilities or scans");
   return extra;
 }
 

@@ -6,6 +6,7 @@
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -22,13 +23,14 @@ namespace {
 // finished, the others at each frame.
 struct Folder {
   const char* name;
-  bool measured, depth, scans, near;
+  bool measured, depth, scans, near, probabilities = false;
 };
 
 constexpr Folder folders[] = {
     {"measured_labels", true, false, false, false},
     {"measured_labels_at_depth", true, false, false, false},
     {"depth", false, true, false, false},
+    {"probabilities_at_depth", false, false, false, false, true},
     {"scan_labels", false, false, true, false},
     {"measured_scan_labels", true, false, true, false},
     {"network_scan_labels", false, false, true, false},
@@ -45,7 +47,8 @@ isWanted(const Folder& folder, const ExtraOptions& options)
 {
   return (!folder.measured || options.measured) && (!folder.depth || options.depth) &&
          (!folder.scans || !options.scans.empty()) &&
-         (!folder.near || options.within > 0.0);
+         (!folder.near || options.within > 0.0) &&
+         (!folder.probabilities || options.probabilities);
 }
 
 cv::Mat
@@ -94,7 +97,7 @@ ExtraOutput::removeEarlier(const std::vector<int>& kept) const
     if (!std::filesystem::is_directory(path, error))
       continue;
     const bool is_final = name.rfind("final_", 0) == 0;
-    for (const char* extension : {".png", ".label"})
+    for (const char* extension : {".png", ".label", ".npy"})
       removeFrameFiles(path, extension, is_final ? std::function<bool(int)>() : isGone);
   }
 }
@@ -118,8 +121,11 @@ ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendere
   if (options_.measured) {
     writePng(path("measured_labels", frame, ".png"),
              labelsAt(rendered.indices, labels.measured));
-    writeAtDepth(mapped, labels);
+    writePng(path("measured_labels_at_depth", frame, ".png"),
+             labelsAt(indicesAtDepth(mapped, labels), labels.measured));
   }
+  if (options_.probabilities)
+    writeProbabilities(mapped, labels);
   if (options_.scans.empty())
     return;
   writeScan(frame, mapped.T_world_camera, labels, "");
@@ -167,8 +173,8 @@ ExtraOutput::writePoints(int frame, const std::vector<std::int32_t>& indices,
 }
 
 // As labelsAtDepth() does for the map as its readers see it.
-void
-ExtraOutput::writeAtDepth(const MappedFrame& mapped, const MapLabels& labels) const
+cv::Mat
+ExtraOutput::indicesAtDepth(const MappedFrame& mapped, const MapLabels& labels) const
 {
   const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *mapped.cloud;
   cv::Mat indices(int(cloud.height), int(cloud.width), CV_32SC1,
@@ -179,8 +185,21 @@ ExtraOutput::writeAtDepth(const MappedFrame& mapped, const MapLabels& labels) co
     if (cloud[i].z <= max_depth_) // false for NaN
       index[i] = labels.lookup.at(mapped.T_world_camera *
                                   cloud[i].getVector3fMap().cast<double>());
-  writePng(path("measured_labels_at_depth", mapped.frame.number, ".png"),
-           labelsAt(indices, labels.measured));
+  return indices;
+}
+
+void
+ExtraOutput::writeProbabilities(const MappedFrame& mapped,
+                                const MapLabels& labels) const
+{
+  const cv::Mat indices = indicesAtDepth(mapped, labels);
+  const LabelDistributions& refined = mapped.voxels.refined;
+  LabelDistributions pixels(refined.classes(), Eigen::Index(indices.total()));
+  for (Eigen::Index i = 0; i < pixels.size(); ++i)
+    if (const auto index = indices.ptr<std::int32_t>()[i]; index >= 0)
+      pixels.matrix().col(i) = refined.matrix().col(index);
+  writeDistributions(path("probabilities_at_depth", mapped.frame.number, ".npy"),
+                     pixels, indices.cols, NpyType::float16);
 }
 
 void

@@ -14,12 +14,14 @@ namespace pcl_semantic {
  * MappingOutput:
  *
  * `measured_labels`, `measured_labels_at_depth`, `final_measured_labels` are the images
- * of the same name without the CRF. `depth` is the stereo depth (16-bit PNG). Each
- * point of a scan has the label of its voxel in `scan_labels`, as the map stood at that
- * frame, and in `final_scan_labels` (`.label`, 0 = no occupied voxel), without CRF in
- * `measured_scan_labels` and `final_measured_scan_labels`; that of the pixel it falls
- * on, hidden or not, in `network_scan_labels`. With \a within there are four more,
- * `near_scan_labels` and so on, of the nearest voxels, see VoxelLookup::nearest(). */
+ * of the same name without the CRF. `depth` is the stereo depth (16-bit PNG),
+ * `probabilities_at_depth` the class probabilities of labels_at_depth (.npy, float16).
+ * Each point of a scan has the label of its voxel in `scan_labels`, as the map stood at
+ * that frame, and in `final_scan_labels` (`.label`, 0 = no occupied voxel), without CRF
+ * in `measured_scan_labels` and `final_measured_scan_labels`; that of the pixel it
+ * falls on, hidden or not, in `network_scan_labels`. With \a within there are four
+ * more, `near_scan_labels` and so on, of the nearest voxels, see
+ * VoxelLookup::nearest(). */
 class ExtraOutput {
 public:
   /** \throws OutputException if a folder cannot be made */
@@ -46,7 +48,7 @@ public:
   bool
   needsLabels() const
   {
-    return options_.measured || !options_.scans.empty();
+    return options_.measured || options_.probabilities || !options_.scans.empty();
   }
 
 private:
@@ -59,7 +61,10 @@ private:
                    const MapLabels& labels, const std::string& prefix,
                    const std::string& name) const;
 
-  void writeAtDepth(const MappedFrame& mapped, const MapLabels& labels) const;
+  // Voxels at the pixels' own depths, VoxelLookup::none without one.
+  cv::Mat indicesAtDepth(const MappedFrame& mapped, const MapLabels& labels) const;
+
+  void writeProbabilities(const MappedFrame& mapped, const MapLabels& labels) const;
 
   void writeNetworkScan(const MappedFrame& mapped) const;
 

@@ -85,7 +85,7 @@ isSummary(const std::string& path)
 
 MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
                              std::vector<FrameRecord> records, ExtraOptions extra)
-    : folder_(folder), run_(run), frames_(std::move(records)),
+    : folder_(folder), run_(run), frames_(std::move(records)), centres_(extra.centres),
       extra_(std::make_unique<ExtraOutput>(folder, run.camera.value_or(StereoCamera()),
                                            run.config.map.max_range, std::move(extra)))
 {
@@ -232,14 +232,16 @@ MappingOutput::removeLive() const
 void
 MappingOutput::finish(const SemanticVoxelMap& map)
 {
-  const VoxelCloud voxels = map.occupiedEverywhere();
+  VoxelCloud voxels = map.occupiedEverywhere();
+  if (run_.camera)
+    writeFinalImages(voxels);
+  if (centres_)
+    voxels.moveToCentres();
   writeVoxelCloud(path("map.pcd"), voxels, run_.label_set, VoxelColour::measured);
   writeVoxelCloud(path("map_classes.pcd"), voxels, run_.label_set,
                   VoxelColour::classes);
   writeLabelSet(path("label_set.yaml"), run_.label_set);
 
-  if (run_.camera)
-    writeFinalImages(voxels);
   std::vector<Eigen::Vector3d> positions;
   for (const FrameRecord& frame : frames_)
     positions.push_back(frame.T_world_camera.translation());

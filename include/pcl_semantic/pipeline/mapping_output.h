@@ -12,12 +12,13 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a run writes beyond the map and its images: for evaluation. */
+/** \brief What a run writes beyond the map and its images, for evaluation, and how. */
 struct ExtraOptions {
-  bool measured = false;    ///< labels of the fused measurements, before the CRF
-  bool depth = false;       ///< measured depth of the pixels
-  bool probability = false; ///< of the labels in the images
-  std::string scans;        ///< folder of laser scans to label; empty = none
+  bool centres = false;       ///< the points of the map are the centres of its voxels
+  bool measured = false;      ///< labels of the fused measurements, before the CRF
+  bool depth = false;         ///< measured depth of the pixels
+  bool probabilities = false; ///< of the classes, where labels_at_depth has labels
+  std::string scans;          ///< folder of laser scans to label; empty = none
   Eigen::Isometry3d T_camera_scanner = Eigen::Isometry3d::Identity();
   double within = 0.0; ///< also: a point takes the nearest voxel so far away [m]
 };
@@ -88,6 +89,7 @@ private:
   std::string folder_;
   MappingRun run_;
   std::vector<FrameRecord> frames_;
+  bool centres_;
   std::unique_ptr<ExtraOutput> extra_;
   std::unique_ptr<FolderLock> lock_;
   bool replaced_ = false; // an earlier run's files are gone
