@@ -4,6 +4,7 @@
 #include "kernels/column_products.h"
 #include "kernels/column_sums.h"
 #include "kernels/soft_max.h"
+#include "parallel_loops.h"
 
 #include <algorithm>
 #include <array>

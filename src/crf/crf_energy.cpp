@@ -147,30 +147,4 @@ energy(const CrfModel& model, const Labels& x, const Labels& y)
   return sum;
 }
 
-Labels
-bestCliqueLabels(const CrfModel& model, const Labels& x)
-{
-  validate(model, x);
-  Labels y;
-  for (const CliquePotential& potential : model.cliques) {
-    if (potential.type == CliquePotential::Type::pn_potts)
-      continue;
-    if (!potential.kernels.empty())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "kernels between cliques: the best labels of cliques depend "
-                          "on each other, expected none");
-    for (std::size_t c = 0; c < potential.cliques->size(); ++c) {
-      const std::vector<double> costs = robustCosts(model, potential, c, x);
-      y.push_back(int(std::min_element(costs.begin(), costs.end()) - costs.begin()));
-    }
-  }
-  return y;
-}
-
-double
-energy(const CrfModel& model, const Labels& x)
-{
-  return energy(model, x, bestCliqueLabels(model, x));
-}
-
 } // namespace pcl_semantic

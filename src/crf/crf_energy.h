@@ -20,14 +20,4 @@ namespace pcl_semantic {
 double energy(const CrfModel& model, const std::vector<int>& x,
               const std::vector<int>& y);
 
-/** \brief The labels y of least energy for given labels x (of equal ones the first):
- * the minimum of eq. (7) in every clique. \throws InvalidParameterException as
- * energy(); if there are kernels between cliques, which make the minimum a search over
- * all y at once */
-std::vector<int> bestCliqueLabels(const CrfModel& model, const std::vector<int>& x);
-
-/** \brief The energy of a labelling with the best labels of the cliques.
- * \throws InvalidParameterException as bestCliqueLabels() */
-double energy(const CrfModel& model, const std::vector<int>& x);
-
 } // namespace pcl_semantic

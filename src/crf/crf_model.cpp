@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "finite.h"
+#include "requirements.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/crf_model.h>

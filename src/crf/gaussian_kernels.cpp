@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "finite.h"
 #include "lattice_kernel.h"
+#include "requirements.h"
 #include "truncated_kernel.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -48,20 +48,25 @@ validate(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "positions have " << positions.rows()
                                           << " coordinates, expected 1 to 3");
-  if (!areFinite(positions))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a position is not finite");
-  if (!(options.radius > 0.0f) || !std::isfinite(options.radius))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "kernel radius is "
-                                                       << options.radius
-                                                       << ", expected more than 0");
+  requireFinite(positions, "a position is not finite");
+  requirePositive(options.radius, "kernel radius");
   for (const float deviation : deviations)
-    if (!(deviation > 0.0f) || !std::isfinite(deviation))
-      PCL_THROW_EXCEPTION(InvalidParameterException, "position deviation is "
-                                                         << deviation
-                                                         << ", expected more than 0");
+    requirePositive(deviation, "position deviation");
 }
 
 } // namespace
+
+void
+GaussianTerm::validate(Eigen::Index points) const
+{
+  requirePositive(position_deviation, "position deviation");
+  requireWeight(weight);
+  if (features.size() > 0 && features.cols() != points)
+    PCL_THROW_EXCEPTION(InvalidParameterException,
+                        "features have " << features.cols() << " columns, expected "
+                                         << points);
+  requireFinite(features, "a feature is not finite");
+}
 
 GaussianKernels::GaussianKernels(const Eigen::MatrixXf& positions,
                                  const std::vector<float>& deviations,

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lattice_structure.h"
-#include "core/parallel_guard.h"
-#include "kernels/lattice_embedding.h"
 #include "kernels/lattice_filter.h"
 #include "kernels/lattice_search.h"
+#include "parallel_loops.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -19,6 +18,7 @@ namespace pcl_semantic {
 namespace {
 
 __extension__ typedef unsigned __int128 LongLatticeKey;
+using Features = Eigen::Ref<const Eigen::MatrixXf>;
 
 /** \brief How many bits the coordinates of vertices take, from their bounds.
  *
@@ -305,72 +305,43 @@ partsOf(std::size_t count)
   return (count + part_size - 1) / part_size;
 }
 
-struct Bounds {
-  float low[kernels::max_dimensions];
-  float high[kernels::max_dimensions];
-  bool finite;
-};
-
-Bounds
-boundsOf(const LatticeFeatures& features, std::size_t begin, std::size_t end)
-{
-  const auto d = std::size_t(features.rows());
-  Bounds bounds;
-  float zero = 0.0f;
-  std::copy_n(features.col(Eigen::Index(begin)).data(), d, bounds.low);
-  std::copy_n(bounds.low, d, bounds.high);
-  for (std::size_t i = begin; i < end; ++i) {
-    const float* const feature = features.col(Eigen::Index(i)).data();
-    for (std::size_t k = 0; k < d; ++k) {
-      bounds.low[k] = std::min(bounds.low[k], feature[k]);
-      bounds.high[k] = std::max(bounds.high[k], feature[k]);
-      zero += 0.0f * feature[k]; // not a number, if one is not or is infinite
-    }
-  }
-  bounds.finite = zero == 0.0f;
-  return bounds;
-}
-
 /** \brief Numbers 0 ... count - 1 sorted by their bucket, those of one bucket in their
  * order. */
 struct LatticeBuckets {
-  LatticeArray<std::int32_t> members;
+  AlignedArray<std::int32_t> members;
   std::vector<std::size_t> begins; ///< of each bucket, with an end
 
-  LatticeBuckets(const LatticeArray<std::int32_t>& bucket_of, std::size_t buckets);
-};
-
-LatticeBuckets::LatticeBuckets(const LatticeArray<std::int32_t>& bucket_of,
-                               std::size_t buckets)
-    : members(bucket_of.size()), begins(buckets + 1, 0)
-{
-  const std::size_t count = bucket_of.size(), parts = partsOf(count);
-  // Members of each bucket in each part, then where the first of them goes.
-  std::vector<std::size_t> indices(parts * buckets, 0);
+  LatticeBuckets(const AlignedArray<std::int32_t>& bucket_of, std::size_t buckets)
+      : members(bucket_of.size()), begins(buckets + 1, 0)
+  {
+    const std::size_t count = bucket_of.size(), parts = partsOf(count);
+    // Members of each bucket in each part, then where the first of them goes.
+    std::vector<std::size_t> indices(parts * buckets, 0);
 #pragma omp parallel for schedule(static)
-  for (std::size_t p = 0; p < parts; ++p)
-    for (std::size_t i = p * part_size; i < std::min(count, (p + 1) * part_size); ++i)
-      ++indices[p * buckets + std::size_t(bucket_of[i])];
-  std::size_t sum = 0;
-  for (std::size_t b = 0; b < buckets; ++b) {
-    begins[b] = sum;
-    for (std::size_t p = 0; p < parts; ++p) {
-      const std::size_t members_here = indices[p * buckets + b];
-      indices[p * buckets + b] = sum;
-      sum += members_here;
+    for (std::size_t p = 0; p < parts; ++p)
+      for (std::size_t i = p * part_size; i < std::min(count, (p + 1) * part_size); ++i)
+        ++indices[p * buckets + std::size_t(bucket_of[i])];
+    std::size_t sum = 0;
+    for (std::size_t b = 0; b < buckets; ++b) {
+      begins[b] = sum;
+      for (std::size_t p = 0; p < parts; ++p) {
+        const std::size_t members_here = indices[p * buckets + b];
+        indices[p * buckets + b] = sum;
+        sum += members_here;
+      }
     }
-  }
-  begins[buckets] = sum;
+    begins[buckets] = sum;
 #pragma omp parallel for schedule(static)
-  for (std::size_t p = 0; p < parts; ++p)
-    for (std::size_t i = p * part_size; i < std::min(count, (p + 1) * part_size); ++i)
-      members[indices[p * buckets + std::size_t(bucket_of[i])]++] = std::int32_t(i);
-}
+    for (std::size_t p = 0; p < parts; ++p)
+      for (std::size_t i = p * part_size; i < std::min(count, (p + 1) * part_size); ++i)
+        members[indices[p * buckets + std::size_t(bucket_of[i])]++] = std::int32_t(i);
+  }
+};
 
 /** \brief The least features and the extents from there to the largest.
  * \throws InvalidParameterException as buildLattice() */
 kernels::LatticeFrame
-frameOf(const LatticeFeatures& features, double* extents)
+frameOf(const Features& features, double* extents)
 {
   const auto d = std::size_t(features.rows());
   if (d < 1 || d > std::size_t(kernels::max_dimensions))
@@ -378,20 +349,23 @@ frameOf(const LatticeFeatures& features, double* extents)
                         "points have " << d << " features, expected 1 to "
                                        << kernels::max_dimensions);
   const auto count = std::size_t(features.cols()), parts = partsOf(count);
-  std::vector<Bounds> bounds(parts);
-#pragma omp parallel for schedule(static)
-  for (std::size_t p = 0; p < parts; ++p)
-    bounds[p] = boundsOf(features, p * part_size, std::min(count, (p + 1) * part_size));
+  Eigen::ArrayXXf lows(d, parts), highs(d, parts);
+  bool finite = true;
+#pragma omp parallel for schedule(static) reduction(&& : finite)
+  for (std::size_t p = 0; p < parts; ++p) {
+    const std::size_t begin = p * part_size, size = std::min(part_size, count - begin);
+    const auto part = features.middleCols(Eigen::Index(begin), Eigen::Index(size));
+    lows.col(Eigen::Index(p)) = part.rowwise().minCoeff();
+    highs.col(Eigen::Index(p)) = part.rowwise().maxCoeff();
+    finite = finite && part.allFinite();
+  }
+  if (!finite)
+    PCL_THROW_EXCEPTION(InvalidParameterException, "a feature is not finite");
   kernels::LatticeFrame frame = {};
   frame.dimensions = int(d);
   for (std::size_t k = 0; k < d; ++k) {
-    float low = parts > 0 ? bounds[0].low[k] : 0.0f, high = low;
-    for (const Bounds& part : bounds) {
-      if (!part.finite)
-        PCL_THROW_EXCEPTION(InvalidParameterException, "a feature is not finite");
-      low = std::min(low, part.low[k]);
-      high = std::max(high, part.high[k]);
-    }
+    const float low = parts > 0 ? lows.row(Eigen::Index(k)).minCoeff() : 0.0f;
+    const float high = parts > 0 ? highs.row(Eigen::Index(k)).maxCoeff() : 0.0f;
     // Features often lie on a grid: with its corner at that of the lattice they would
     // lie between simplices, and rounding would choose.
     const double offset = std::fmod(0.618033988749895 * double(k + 1), 1.0);
@@ -410,8 +384,8 @@ frameOf(const LatticeFeatures& features, double* extents)
 /** \brief An order in which points that lie together follow each other: tiles of the
  * first two features (an image's pixels would come row by row), where those of a tile
  * keep their order. */
-LatticeArray<std::int32_t>
-orderInTiles(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
+AlignedArray<std::int32_t>
+orderInTiles(const Features& features, const kernels::LatticeFrame& frame,
              const double* extents)
 {
   const auto count = std::size_t(features.cols());
@@ -429,7 +403,7 @@ orderInTiles(const LatticeFeatures& features, const kernels::LatticeFrame& frame
     return extents[k] > 0.0 ? std::min(std::int32_t(index), std::int32_t(number) - 1)
                             : 0;
   };
-  LatticeArray<std::int32_t> tile_of(count);
+  AlignedArray<std::int32_t> tile_of(count);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < count; ++i) {
     const float* const feature = features.col(Eigen::Index(i)).data();
@@ -442,11 +416,11 @@ orderInTiles(const LatticeFeatures& features, const kernels::LatticeFrame& frame
 /** \brief The vertices of a lattice. */
 template <typename Key> struct LatticeVertices {
   LatticeKeys<Key> arithmetic;
-  LatticeArray<Key> keys; ///< by number
+  AlignedArray<Key> keys; ///< by number
 
   /** \brief From each corner of a simplex to the next: (d + 1) x 64 for every 64 sorted
    * points. */
-  LatticeArray<std::uint8_t> directions;
+  AlignedArray<std::uint8_t> directions;
 };
 
 /** \brief Keys are sorted into partitions by bits of their hash, for the threads. */
@@ -464,38 +438,31 @@ template <typename Key> struct ChunkKeys {
 template <typename Key> class Numbering {
 public:
   Numbering(LatticeVertices<Key>& vertices, LatticeStructure& structure)
-      : vertices_(vertices), structure_(structure), chunks_(structure.pointChunks())
+      : vertices_(vertices), structure_(structure), chunks_(structure.chunks())
   {
     structure.corner_rows =
-        LatticeArray<std::int32_t>(structure.points * structure.corners);
-    structure.weights = LatticeArray<float>(structure.points * structure.corners);
+        AlignedArray<std::int32_t>(structure.points * structure.corners);
+    structure.weights = AlignedArray<float>(structure.points * structure.corners);
     structure.row_ends.resize(batches());
-    vertices.directions = LatticeArray<std::uint8_t>(batches() * structure.corners *
+    vertices.directions = AlignedArray<std::uint8_t>(batches() * structure.corners *
                                                      kernels::batch_points);
   }
 
   // Fills in weights and directions; corner_rows with numbers of keys of the chunk.
   void
-  embed(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
-        SimdTier tier)
+  embed(const Features& features, const kernels::LatticeFrame& frame, SimdTier tier)
   {
-    ParallelGuard guard;
-#pragma omp parallel
-    guard.run([&] {
-      LatticeTable<Key> table(tier);
-#pragma omp for schedule(dynamic, 1) nowait
-      for (std::size_t c = 0; c < chunks_.size(); ++c)
-        guard.run([&] {
-          table.reset(2 * structure_.chunk_points);
-          const std::size_t end = endOf(c);
-          for (std::size_t i = c * structure_.chunk_points; i < end;
-               i += kernels::batch_points)
-            embedBatch(features, frame, tier, i,
-                       std::min(end, i + kernels::batch_points), table);
-          sortByPartition(table.keys(), table.size(), chunks_[c]);
-        });
-    });
-    guard.rethrow();
+    const auto embed_chunk = [&](std::size_t c, LatticeTable<Key>& table) {
+      table.reset(2 * structure_.chunk_points);
+      const std::size_t end = endOf(c);
+      for (std::size_t i = c * structure_.chunk_points; i < end;
+           i += kernels::batch_points)
+        embedBatch(features, frame, tier, i, std::min(end, i + kernels::batch_points),
+                   table);
+      sortByPartition(table.keys(), table.size(), chunks_[c]);
+    };
+    forEachInParallel(
+        chunks_.size(), [&] { return LatticeTable<Key>(tier); }, embed_chunk);
   }
 
   // Finds for every key of every chunk the first chunk that has it.
@@ -507,28 +474,25 @@ public:
       chunk.first = sum;
       sum += chunk.keys.size();
     }
-    rows_ = LatticeArray<std::int32_t>(sum);
-    ParallelGuard guard;
-#pragma omp parallel for schedule(dynamic, 1)
-    for (std::size_t p = 0; p < partitions; ++p)
-      guard.run([&] {
-        LatticeTable<Key> table(tier);
-        table.reset(rows_.size() / partitions);
-        std::vector<std::int32_t> firsts, numbers;
-        for (const ChunkKeys<Key>& chunk : chunks_) {
-          const std::uint32_t begin = chunk.begins[p], end = chunk.begins[p + 1];
-          numbers.resize(end - begin);
-          table.insert(chunk.keys.data() + begin, end - begin, numbers.data());
-          for (std::uint32_t k = begin; k < end; ++k) {
-            const auto number = std::size_t(numbers[k - begin]);
-            const auto here = std::int32_t(chunk.first + k);
-            if (number == firsts.size())
-              firsts.push_back(here);
-            rows_[std::size_t(here)] = firsts[number];
-          }
+    rows_ = AlignedArray<std::int32_t>(sum);
+    const auto find_in_partition = [&](std::size_t p, LatticeTable<Key>& table) {
+      table.reset(rows_.size() / partitions);
+      std::vector<std::int32_t> firsts, numbers;
+      for (const ChunkKeys<Key>& chunk : chunks_) {
+        const std::uint32_t begin = chunk.begins[p], end = chunk.begins[p + 1];
+        numbers.resize(end - begin);
+        table.insert(chunk.keys.data() + begin, end - begin, numbers.data());
+        for (std::uint32_t k = begin; k < end; ++k) {
+          const auto number = std::size_t(numbers[k - begin]);
+          const auto here = std::int32_t(chunk.first + k);
+          if (number == firsts.size())
+            firsts.push_back(here);
+          rows_[std::size_t(here)] = firsts[number];
         }
-      });
-    guard.rethrow();
+      }
+    };
+    forEachInParallel(
+        partitions, [&] { return LatticeTable<Key>(tier); }, find_in_partition);
   }
 
   // Numbers the vertices by chunk, and the partial rows behind them.
@@ -549,8 +513,8 @@ public:
     structure_.vertices = structure_.first_rows.back();
     structure_.rows = structure_.vertices + structure_.first_partials.back();
     structure_.represents =
-        LatticeArray<std::int32_t>(structure_.first_partials.back());
-    vertices_.keys = LatticeArray<Key>(structure_.vertices);
+        AlignedArray<std::int32_t>(structure_.first_partials.back());
+    vertices_.keys = AlignedArray<Key>(structure_.vertices);
     // First the vertices: the others look up their number, through its negative.
 #pragma omp parallel for schedule(static)
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
@@ -608,13 +572,13 @@ private:
   }
 
   void
-  embedBatch(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
+  embedBatch(const Features& features, const kernels::LatticeFrame& frame,
              SimdTier tier, std::size_t begin, std::size_t end,
              LatticeTable<Key>& table)
   {
     std::int32_t columns[kernels::batch_points];
     for (std::size_t i = 0; i < kernels::batch_points; ++i)
-      columns[i] = (*structure_.columns)[std::min(begin + i, end - 1)];
+      columns[i] = structure_.columns[std::min(begin + i, end - 1)];
     kernels::LatticeBatch batch;
     kernels::latticeEmbedding(tier).embed(frame, features.data(), columns, batch);
     const std::size_t corners = structure_.corners;
@@ -715,7 +679,7 @@ private:
   LatticeVertices<Key>& vertices_;
   LatticeStructure& structure_;
   std::vector<ChunkKeys<Key>> chunks_;
-  LatticeArray<std::int32_t> rows_; // of all keys of all chunks: first key; -1 - vertex
+  AlignedArray<std::int32_t> rows_; // of all keys of all chunks: first key; -1 - vertex
 };
 
 /** \brief Finds the simplices of the sorted points and numbers their vertices: fills in
@@ -723,7 +687,7 @@ private:
  * self-responses. */
 template <typename Key>
 LatticeVertices<Key>
-numberVertices(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
+numberVertices(const Features& features, const kernels::LatticeFrame& frame,
                const LatticeKeyBits& bits, SimdTier tier, LatticeStructure& structure)
 {
   LatticeVertices<Key> vertices{LatticeKeys<Key>(bits), {}, {}};
@@ -848,7 +812,7 @@ findRuns(const LatticeVertices<Key>& vertices, SimdTier tier,
   const int corners = int(structure.corners), size = groupSize(corners - 1);
   const std::size_t buckets =
       std::min(max_buckets, structure.vertices / bucket_vertices + 1);
-  LatticeArray<std::int32_t> bucket_of(structure.vertices);
+  AlignedArray<std::int32_t> bucket_of(structure.vertices);
   for (int begin = 0; begin < corners; begin += size) {
     const int end = std::min(corners, begin + size);
     const SheetNumber<Key> sheet(vertices.arithmetic, corners - 1, begin, end);
@@ -857,19 +821,13 @@ findRuns(const LatticeVertices<Key>& vertices, SimdTier tier,
       bucket_of[v] = std::int32_t(sheet(vertices.keys[v]) * buckets >> 32);
     const LatticeBuckets sorted(bucket_of, buckets);
     structure.groups.push_back({begin, std::vector<LatticeBucket>(buckets)});
-    ParallelGuard guard;
-#pragma omp parallel
-    guard.run([&] {
-      LatticeTable<Key> table(tier);
-#pragma omp for schedule(dynamic, 1) nowait
-      for (std::size_t b = 0; b < buckets; ++b)
-        guard.run([&] {
-          structure.groups.back().buckets[b] =
-              makeBucket(vertices, sorted.members.data() + sorted.begins[b],
-                         sorted.begins[b + 1] - sorted.begins[b], begin, end, table);
-        });
-    });
-    guard.rethrow();
+    const auto make_bucket = [&](std::size_t b, LatticeTable<Key>& table) {
+      structure.groups.back().buckets[b] =
+          makeBucket(vertices, sorted.members.data() + sorted.begins[b],
+                     sorted.begins[b + 1] - sorted.begins[b], begin, end, table);
+    };
+    forEachInParallel(
+        buckets, [&] { return LatticeTable<Key>(tier); }, make_bucket);
   }
 }
 
@@ -952,11 +910,11 @@ private:
 
   const LatticeStructure& structure_;
   std::size_t words_;
-  LatticeArray<std::uint64_t> sets_; // a row: those ahead, then those back
+  AlignedArray<std::uint64_t> sets_; // a row: those ahead, then those back
 };
 
 void
-respondBySets(const LatticeArray<std::uint8_t>& directions, SimdTier tier,
+respondBySets(const AlignedArray<std::uint8_t>& directions, SimdTier tier,
               LatticeStructure& structure)
 {
   const PathSets sets(structure);
@@ -980,7 +938,7 @@ respondBySets(const LatticeArray<std::uint8_t>& directions, SimdTier tier,
     float responses[kernels::batch_points];
     loops.selfResponse(paths, responses);
     for (std::size_t i = 0; i < count; ++i)
-      structure.self_responses[std::size_t((*structure.columns)[begin + i])] =
+      structure.self_responses[std::size_t(structure.columns[begin + i])] =
           responses[i];
   }
 }
@@ -1054,7 +1012,7 @@ void
 findSelfResponses(const LatticeVertices<Key>& vertices, SimdTier tier,
                   LatticeStructure& structure)
 {
-  structure.self_responses = LatticeArray<float>(structure.points);
+  structure.self_responses = AlignedArray<float>(structure.points);
   if (int(structure.corners) - 1 <= max_dimensions_of_sets) {
     respondBySets(vertices.directions, tier, structure);
     return;
@@ -1062,7 +1020,7 @@ findSelfResponses(const LatticeVertices<Key>& vertices, SimdTier tier,
   const Walker<Key> walker(vertices, int(structure.corners), tier);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t i = 0; i < structure.points; ++i)
-    structure.self_responses[std::size_t((*structure.columns)[i])] =
+    structure.self_responses[std::size_t(structure.columns[i])] =
         walker.respond(structure, i);
 }
 
@@ -1076,7 +1034,7 @@ chunkPoints(std::size_t points)
 
 template <typename Key>
 void
-build(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
+build(const Features& features, const kernels::LatticeFrame& frame,
       const LatticeKeyBits& bits, SimdTier tier, LatticeStructure& structure)
 {
   const LatticeVertices<Key> vertices =
@@ -1088,7 +1046,7 @@ build(const LatticeFeatures& features, const kernels::LatticeFrame& frame,
 } // namespace
 
 LatticeStructure
-buildLattice(const LatticeFeatures& features, const LatticeOrder& order, SimdTier tier)
+buildLattice(const Features& features, SimdTier tier)
 {
   double extents[kernels::max_dimensions] = {};
   const kernels::LatticeFrame frame = frameOf(features, extents);
@@ -1109,29 +1067,12 @@ buildLattice(const LatticeFeatures& features, const LatticeOrder& order, SimdTie
                             << features.rows() << " dimensions: keys of lattice "
                             << "vertices would take " << bits.bits
                             << " bits, expected at most 128");
-  structure.columns = order ? order
-                            : std::make_shared<const LatticeArray<std::int32_t>>(
-                                  orderInTiles(features, frame, extents));
+  structure.columns = orderInTiles(features, frame, extents);
   if (bits.bits <= 64)
     build<std::uint64_t>(features, frame, bits, tier, structure);
   else
     build<LongLatticeKey>(features, frame, bits, tier, structure);
   return structure;
-}
-
-std::size_t
-LatticeStructure::memory() const
-{
-  std::size_t bytes = columns->bytes() + corner_rows.bytes() + weights.bytes() +
-                      represents.bytes() + self_responses.bytes() +
-                      row_ends.size() * sizeof(std::int32_t) +
-                      shared.size() * 2 * sizeof(std::int32_t) +
-                      shared_rows.size() * sizeof(std::int32_t);
-  for (const LatticeGroup& group : groups)
-    for (const LatticeBucket& bucket : group.buckets)
-      bytes +=
-          (bucket.steps.capacity() + 2 * bucket.begins.size()) * sizeof(std::int32_t);
-  return bytes;
 }
 
 } // namespace pcl_semantic

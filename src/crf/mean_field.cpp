@@ -2,6 +2,7 @@
 #include "clique_term.h"
 #include "kernels/label_mix.h"
 #include "kernels/soft_max.h"
+#include "parallel_loops.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/mean_field.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "aligned_array.h"
+
 #include <pcl_semantic/core/abi_check.h>
 
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <memory>
-#include <new>
 
 namespace pcl_semantic {
 
@@ -20,8 +20,7 @@ public:
   /** \brief Values are not set: who sets them first decides where they live. */
   PaddedColumns(Eigen::Index rows, Eigen::Index columns)
       : rows_(rows), stride_(rows <= 8 ? 8 : (rows + 15) / 16 * 16), columns_(columns),
-        values_(static_cast<float*>(::operator new(
-            std::size_t(stride_* columns) * sizeof(float), std::align_val_t(64))))
+        values_(std::size_t(stride_ * columns))
   {}
 
   Eigen::Index
@@ -46,26 +45,26 @@ public:
   float*
   column(Eigen::Index i)
   {
-    return values_.get() + i * stride_;
+    return values_.data() + i * stride_;
   }
 
   const float*
   column(Eigen::Index i) const
   {
-    return values_.get() + i * stride_;
+    return values_.data() + i * stride_;
   }
 
   /** \brief With padding. */
   Eigen::Map<Eigen::MatrixXf>
   view()
   {
-    return {values_.get(), stride_, columns_};
+    return {values_.data(), stride_, columns_};
   }
 
   Eigen::Map<const Eigen::MatrixXf>
   view() const
   {
-    return {values_.get(), stride_, columns_};
+    return {values_.data(), stride_, columns_};
   }
 
   /** \brief Copies a column and sets its padding. */
@@ -96,36 +95,10 @@ public:
   }
 
 private:
-  struct Delete {
-    void
-    operator()(float* values) const
-    {
-      ::operator delete(values, std::align_val_t(64));
-    }
-  };
-
   Eigen::Index rows_ = 0;
   Eigen::Index stride_ = 0;
   Eigen::Index columns_ = 0;
-  std::unique_ptr<float[], Delete> values_;
+  AlignedArray<float> values_;
 };
-
-/** \brief Sum of \a term(i) for 0 <= i < count, in parallel and always in the same
- * order.
- * \param[in] block terms that a thread adds up at once */
-template <typename Term>
-double
-orderedSum(Eigen::Index count, Eigen::Index block, Term&& term)
-{
-  Eigen::VectorXd parts = Eigen::VectorXd::Zero((count + block - 1) / block);
-#pragma omp parallel for schedule(dynamic, 1) if (count > block)
-  for (Eigen::Index b = 0; b < parts.size(); ++b)
-    for (Eigen::Index i = b * block; i < std::min(count, (b + 1) * block); ++i)
-      parts[b] += term(i);
-  double sum = 0.0;
-  for (Eigen::Index b = 0; b < parts.size(); ++b)
-    sum += parts[b];
-  return sum;
-}
 
 } // namespace pcl_semantic

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "truncated_kernel.h"
-
-#include "core/parallel_guard.h"
-#include "finite.h"
+#include "aligned_array.h"
 #include "kernels/run_search.h"
 #include "kernels/truncated_sums.h"
-#include "padded_columns.h"
+#include "parallel_loops.h"
 #include "point_rows.h"
+#include "requirements.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/crf/gaussian_term.h>
+#include <pcl_semantic/crf/gaussian_kernels.h>
 
 #include <algorithm>
 #include <atomic>
@@ -17,7 +16,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <new>
 #include <vector>
 
 namespace pcl_semantic {
@@ -30,11 +28,8 @@ void
 validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& terms,
          float radius)
 {
-  if (!(radius > 0.0f) || !std::isfinite(radius))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "kernel radius is " << radius << ", expected more than 0");
-  if (!areFinite(positions))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a position is not finite");
+  requirePositive(radius, "kernel radius");
+  requireFinite(positions, "a position is not finite");
   for (const GaussianTerm& term : terms) {
     term.validate(positions.cols());
     if (term.position_deviation != terms[0].position_deviation)
@@ -45,33 +40,23 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
   }
 }
 
-/** \brief Memory of a thread that its next task may use again, at a multiple of 64
- * bytes. */
+constexpr std::size_t padding = 16; // the loops read as many values behind the last
+constexpr float log2_e = 1.44269504f;
+
+/** \brief Memory of a thread that its next task may use again. */
 class Scratch {
 public:
   /** \brief At least so many floats; what they hold is not defined. */
   float*
   floats(std::size_t count)
   {
-    if (count > size_) {
-      floats_.reset(static_cast<float*>(
-          ::operator new(count * sizeof(float), std::align_val_t(64))));
-      size_ = count;
-    }
-    return floats_.get();
+    if (count > floats_.size())
+      floats_ = AlignedArray<float>(count);
+    return floats_.data();
   }
 
 private:
-  struct Delete {
-    void
-    operator()(float* floats) const
-    {
-      ::operator delete(floats, std::align_val_t(64));
-    }
-  };
-
-  std::unique_ptr<float[], Delete> floats_;
-  std::size_t size_ = 0;
+  AlignedArray<float> floats_;
 };
 
 } // namespace
@@ -86,7 +71,37 @@ public:
   SortedPoints(const Eigen::Matrix3Xf& positions,
                const std::vector<std::int32_t>& order,
                const std::vector<GaussianTerm>& terms, float squared_radius,
-               float variance);
+               float variance)
+      : stride_(order.size() + padding)
+  {
+    std::size_t arrays = 3;
+    for (const GaussianTerm& term : terms) {
+      terms_.push_back({int(term.features.rows()), arrays});
+      arrays += std::size_t(term.features.rows());
+    }
+    arrays_.resize((arrays + terms.size()) * stride_);
+    left_.resize(terms.size() * stride_);
+    for (std::size_t m = 0; m < terms.size(); ++m)
+      left_arrays_.push_back(left(m));
+    view_ = {arrays_.data(),
+             stride_,
+             arrays,
+             squared_radius,
+             log2_e / (2.0f * variance),
+             terms_.data(),
+             int(terms_.size()),
+             left_arrays_.data()};
+    const auto copyRows = [&](const auto& matrix, std::size_t first, float scale) {
+#pragma omp parallel for schedule(static)
+      for (std::size_t i = 0; i < order.size(); ++i)
+        for (Eigen::Index row = 0; row < matrix.rows(); ++row)
+          arrays_[(first + std::size_t(row)) * stride_ + i] =
+              scale * matrix(row, order[i]);
+    };
+    copyRows(positions, 0, 1.0f);
+    for (std::size_t m = 0; m < terms.size(); ++m)
+      copyRows(terms[m].features, terms_[m].first, std::sqrt(log2_e / 2.0f));
+  }
   SortedPoints(const SortedPoints&) = delete; // views point into it
   SortedPoints& operator=(const SortedPoints&) = delete;
 
@@ -119,48 +134,6 @@ private:
   kernels::PointsView view_;
 };
 
-namespace {
-
-constexpr std::size_t padding = 16; // the loops read as many values behind the last
-constexpr float log2_e = 1.44269504f;
-
-} // namespace
-
-SortedPoints::SortedPoints(const Eigen::Matrix3Xf& positions,
-                           const std::vector<std::int32_t>& order,
-                           const std::vector<GaussianTerm>& terms, float squared_radius,
-                           float variance)
-    : stride_(order.size() + padding)
-{
-  std::size_t arrays = 3;
-  for (const GaussianTerm& term : terms) {
-    terms_.push_back({int(term.features.rows()), arrays});
-    arrays += std::size_t(term.features.rows());
-  }
-  arrays_.resize((arrays + terms.size()) * stride_);
-  left_.resize(terms.size() * stride_);
-  for (std::size_t m = 0; m < terms.size(); ++m)
-    left_arrays_.push_back(left(m));
-  view_ = {arrays_.data(),
-           stride_,
-           arrays,
-           squared_radius,
-           log2_e / (2.0f * variance),
-           terms_.data(),
-           int(terms_.size()),
-           left_arrays_.data()};
-  const auto copyRows = [&](const auto& matrix, std::size_t first, float scale) {
-#pragma omp parallel for schedule(static)
-    for (std::size_t i = 0; i < order.size(); ++i)
-      for (Eigen::Index row = 0; row < matrix.rows(); ++row)
-        arrays_[(first + std::size_t(row)) * stride_ + i] =
-            scale * matrix(row, order[i]);
-  };
-  copyRows(positions, 0, 1.0f);
-  for (std::size_t m = 0; m < terms.size(); ++m)
-    copyRows(terms[m].features, terms_[m].first, std::sqrt(log2_e / 2.0f));
-}
-
 /** \brief The neighbours of some sorted points, by groups of these. */
 struct TruncatedKernel::Chunk {
   static constexpr std::size_t max_points = 256;
@@ -173,7 +146,23 @@ struct TruncatedKernel::Chunk {
   std::size_t longest = 0;                  // points in the runs of a group
   std::size_t first = 0;                    // point
 
-  void find(const PointRows& rows, std::size_t begin);
+  void
+  find(const PointRows& rows, std::size_t begin)
+  {
+    first = begin;
+    groups = rows.findRuns(begin, std::min(rows.size(), begin + max_points));
+    groups.runs.shrink_to_fit();
+    std::size_t run = 0;
+    for (std::size_t g = 0; g < groups.run_ends.size(); ++g) {
+      std::size_t length = 0;
+      for (; run < groups.run_ends[g]; ++run)
+        length += groups.runs[run] & kernels::run_length_mask;
+      lengths.push_back(std::uint32_t(length));
+      longest = std::max(longest, length);
+      pairs += std::size_t(view(g).points) * kernels::strideOf(length);
+      pair_ends.push_back(std::uint32_t(pairs)); // a chunk with more is refused
+    }
+  }
 
   std::size_t
   size() const
@@ -196,24 +185,6 @@ struct TruncatedKernel::Chunk {
     return weights.get() + (g == 0 ? 0 : pair_ends[g - 1]) / 2;
   }
 };
-
-void
-TruncatedKernel::Chunk::find(const PointRows& rows, std::size_t begin)
-{
-  first = begin;
-  groups = rows.findRuns(begin, std::min(rows.size(), begin + max_points));
-  groups.runs.shrink_to_fit();
-  std::size_t run = 0;
-  for (std::size_t g = 0; g < groups.run_ends.size(); ++g) {
-    std::size_t length = 0;
-    for (; run < groups.run_ends[g]; ++run)
-      length += groups.runs[run] & kernels::run_length_mask;
-    lengths.push_back(std::uint32_t(length));
-    longest = std::max(longest, length);
-    pairs += std::size_t(view(g).points) * kernels::strideOf(length);
-    pair_ends.push_back(std::uint32_t(pairs)); // a chunk with more is refused
-  }
-}
 
 TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
                                  const std::vector<GaussianTerm>& terms, float radius,
@@ -245,14 +216,9 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
   chunks_.resize((rows.size() + Chunk::max_points - 1) / Chunk::max_points);
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   std::atomic<std::size_t> pairs{0};
-  ParallelGuard guard;
-#pragma omp parallel
-  {
-    Scratch scratch;
-    std::vector<float> sums(terms.size() * kernels::max_points);
-#pragma omp for schedule(dynamic, 1)
-    for (std::size_t c = 0; c < chunks_.size(); ++c)
-      guard.run([&] {
+  forEachInParallel(
+      chunks_.size(), [] { return Scratch(); },
+      [&](std::size_t c, Scratch& scratch) {
         Chunk& chunk = chunks_[c];
         if (pairs < max_pairs)
           chunk.find(rows, c * Chunk::max_points);
@@ -261,6 +227,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
         chunk.weights.reset(new std::uint32_t[chunk.pairs / 2]);
         float* const gathered = scratch.floats(
             kernels::scratchSize(chunk.longest, 1 + points.view().features_end));
+        std::vector<float> sums(terms.size() * kernels::max_points);
         for (std::size_t g = 0; g < chunk.size(); ++g) {
           const kernels::GroupView group = chunk.view(g);
           loops.sumTerms(points.view(), group, gathered, sums.data(),
@@ -269,8 +236,6 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
             normalize(points, terms, group.point + p, sums.data() + p, normalization);
         }
       });
-  }
-  guard.rethrow();
   if (pairs >= max_pairs)
     PCL_THROW_EXCEPTION(InvalidParameterException,
                         "too many pairs of points lie within the radius, expected less "
@@ -301,21 +266,15 @@ TruncatedKernel::makeWeights(const SortedPoints& points)
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
   const std::size_t arrays =
       1 + points.view().features_end + std::size_t(points.view().count);
-  ParallelGuard guard;
-#pragma omp parallel
-  {
-    Scratch scratch;
-#pragma omp for schedule(dynamic, 1)
-    for (std::size_t c = 0; c < chunks_.size(); ++c)
-      guard.run([&] {
-        Chunk& chunk = chunks_[c];
+  forEachInParallel(
+      chunks_.size(), [] { return Scratch(); },
+      [&](std::size_t c, Scratch& scratch) {
+        const Chunk& chunk = chunks_[c];
         float* const gathered =
             scratch.floats(kernels::scratchSize(chunk.longest, arrays));
         for (std::size_t g = 0; g < chunk.size(); ++g)
           loops.makeWeights(points.view(), chunk.view(g), gathered, chunk.weightsOf(g));
       });
-  }
-  guard.rethrow();
 }
 
 float
@@ -341,15 +300,6 @@ TruncatedKernel::fastestOrder(const Eigen::Matrix3Xf& positions, float radius,
   return PointRows::orderOf(positions, radius * deviation, deviation / 2.0f);
 }
 
-std::size_t
-TruncatedKernel::memory() const
-{
-  std::size_t bytes = order_.size() * 4 + std::size_t(diagonal_.size()) * 4;
-  for (const Chunk& chunk : chunks_)
-    bytes += chunk.groups.runs.capacity() * 4 + chunk.size() * 16 + chunk.pairs * 2;
-  return bytes;
-}
-
 void
 TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                             Eigen::Ref<Eigen::MatrixXf> result) const
@@ -371,17 +321,15 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
   const float* const from = direct ? values.data() : copy.data();
   const bool in_place = direct && std::size_t(result.outerStride()) == stride;
   const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
-  ParallelGuard guard;
-#pragma omp parallel
-  {
-    Scratch scratch;
-    PaddedColumns sums(Eigen::Index(stride), kernels::max_points);
-#pragma omp for schedule(dynamic, 1)
-    for (std::size_t c = 0; c < chunks_.size(); ++c)
-      guard.run([&] {
+  forEachInParallel(
+      chunks_.size(), [] { return Scratch(); },
+      [&](std::size_t c, Scratch& scratch) {
         const Chunk& chunk = chunks_[c];
-        float* const weights = scratch.floats(
-            kernels::scratchSize(chunk.longest, 1 + kernels::max_points));
+        const std::size_t size =
+            kernels::scratchSize(chunk.longest, 1 + kernels::max_points);
+        const std::size_t sums_size = stride * kernels::max_points;
+        float* const sums = scratch.floats(sums_size + size);
+        float* const weights = sums + sums_size;
         for (std::size_t g = 0; g < chunk.size(); ++g) {
           const kernels::GroupView group = chunk.view(g);
           if (in_place) {
@@ -389,18 +337,15 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                              result.col(Eigen::Index(group.point)).data());
             continue;
           }
-          std::fill_n(sums.column(0), stride * kernels::max_points, 0.0f);
-          loops.addProduct(group, chunk.weightsOf(g), from, stride, weights,
-                           sums.column(0));
-          for (int p = 0; p < group.points; ++p) {
-            const std::size_t point = group.point + std::size_t(p);
+          std::fill_n(sums, sums_size, 0.0f);
+          loops.addProduct(group, chunk.weightsOf(g), from, stride, weights, sums);
+          for (std::size_t p = 0; p < std::size_t(group.points); ++p) {
+            const std::size_t point = group.point + p;
             result.col(sorted ? Eigen::Index(point) : Eigen::Index(order_[point])) +=
-                sums.view().col(p).head(values.rows());
+                Eigen::Map<const Eigen::VectorXf>(sums + p * stride, values.rows());
           }
         }
       });
-  }
-  guard.rethrow();
 }
 
 } // namespace pcl_semantic

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/crf/gaussian_term.h>
+#include <pcl_semantic/crf/gaussian_kernels.h>
 #include <pcl_semantic/crf/pairwise_kernel.h>
 
 #include <cstdint>
@@ -60,9 +60,6 @@ public:
   /** \brief Whether positions lie near enough to each other: 2^19 deviations along each
    * axis. */
   static bool canHold(const Eigen::Matrix3Xf& positions, float deviation);
-
-  /** \brief Bytes that the kernel keeps. */
-  std::size_t memory() const;
 
   /** \brief An order of points in which a kernel over them works fastest: numbers of
    * the columns of \a positions. \param[in] deviation of positions */

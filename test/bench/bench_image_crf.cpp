@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The dense CRF over the pixels of an image, against a plain single-thread
-// permutohedral mean field: same kernels (3 px; 40 px and 4 grey levels), weights,
-// blur and self-interaction on both sides; ours on two threads. Then the lattice over
-// positions and colours of voxels.
+// permutohedral mean field: same kernels (3 px; 40 px and 4 grey levels), weights and
+// self-interaction on both sides; ours summed as ImageCRF does, on two threads. Then
+// the lattice over positions and colours of voxels.
 
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"
@@ -12,7 +12,7 @@
 #include "support/street_scans.h"
 
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/crf/mean_field.h>
+#include <pcl_semantic/filters/image_crf.h>
 
 #include <cstdio>
 
@@ -24,6 +24,8 @@ constexpr int updates = 5;
 constexpr float weights[2] = {3.0f, 8.0f};
 
 struct LabelledImage {
+  cv::Mat image;
+  LabelDistributions distributions;
   Eigen::MatrixXf unary;
   Eigen::MatrixXf features[2]; // of the pixels, row by row
 };
@@ -33,6 +35,8 @@ labelledImage(const cv::Mat& image, const LabelDistributions& distributions)
 {
   const Eigen::Index count = distributions.size();
   LabelledImage result;
+  result.image = image;
+  result.distributions = distributions;
   result.unary = -distributions.matrix().array().max(1e-6f).log();
   result.features[0].resize(2, count);
   result.features[1].resize(5, count);
@@ -46,25 +50,17 @@ labelledImage(const cv::Mat& image, const LabelDistributions& distributions)
   return result;
 }
 
-CrfModel
-ourModel(const LabelledImage& image, LatticeBlur blur)
-{
-  CrfModel model;
-  model.unary = image.unary;
-  model.self_interaction = true;
-  model.kernels.push_back(std::make_shared<LatticeKernel>(
-      std::vector<LatticeTerm>{{image.features[0], weights[0]},
-                               {image.features[1], weights[1]}},
-      Normalization::symmetric, blur));
-  return model;
-}
-
 Eigen::MatrixXf
-runOurs(const LabelledImage& image, LatticeBlur blur)
+runOurs(const LabelledImage& image)
 {
-  MeanField inference(ourModel(image, blur));
-  inference.run(updates);
-  return inference.marginals();
+  ImageCRF crf;
+  SemanticCRFParameters parameters = SemanticCRFParameters::forImages();
+  parameters.smoothness_weight = double(weights[0]);
+  parameters.appearance_weight = double(weights[1]);
+  parameters.iterations = updates;
+  parameters.self_interaction = true;
+  crf.setParameters(parameters);
+  return crf.refine(image.image, image.distributions).matrix();
 }
 
 Eigen::MatrixXf
@@ -91,24 +87,17 @@ printAgreement(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b)
 
 // Where the time goes: set-up of a kernel, and its product with the labels.
 void
-printParts(const char* name, const std::vector<LatticeTerm>& terms, Eigen::Index labels,
-           LatticeBlur blur)
+printParts(const char* name, const Eigen::MatrixXf& features, Eigen::Index labels)
 {
-  const auto make = [&] {
-    return LatticeKernel(terms, Normalization::symmetric, blur);
-  };
-  const double set_up = medianSeconds(5, [&] { make(); });
-  const LatticeKernel kernel = make();
+  const double set_up = medianSeconds(5, [&] { LatticeKernel kernel(features); });
+  const LatticeKernel kernel(features);
   const Eigen::Index rows = (labels + 15) / 16 * 16; // as the engine pads them
   const Eigen::MatrixXf values = Eigen::MatrixXf::Constant(rows, kernel.size(), 0.1f);
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(rows, kernel.size());
   const double product = medianSeconds(9, [&] { kernel.addProduct(values, result); });
-  std::printf("  %s, %s blur: %ld points, %ld vertices; set-up %.1f ms, product %.1f "
-              "ms, %.0f bytes a point\n",
-              name, blur == LatticeBlur::forward ? "forward" : "symmetric",
-              long(kernel.size()), long(kernel.lattice(terms.size() - 1).vertices()),
-              1e3 * set_up, 1e3 * product,
-              double(kernel.memory()) / double(kernel.size()));
+  std::printf("  %s: %ld points, %ld vertices; set-up %.1f ms, product %.1f ms\n", name,
+              long(kernel.size()), long(kernel.lattice().vertices()), 1e3 * set_up,
+              1e3 * product);
 }
 
 void
@@ -117,22 +106,16 @@ compare(const std::string& name, const LabelledImage& image)
   std::printf("%s: %ld pixels, %ld labels\n", name.c_str(), long(image.unary.cols()),
               long(image.unary.rows()));
   const Eigen::Index labels = image.unary.rows();
-  for (const LatticeBlur blur : {LatticeBlur::forward, LatticeBlur::symmetric}) {
-    printParts("3 px", {{image.features[0], weights[0]}}, labels, blur);
-    printParts("40 px and 4 levels", {{image.features[1], weights[1]}}, labels, blur);
-    printParts("both",
-               {{image.features[0], weights[0]}, {image.features[1], weights[1]}},
-               labels, blur);
-  }
+  printParts("3 px", image.features[0], labels);
+  printParts("40 px and 4 levels", image.features[1], labels);
   const double plain_set_up = medianSeconds(1, [&] { runPlain(image, 0); });
   const double plain = medianSeconds(1, [&] { runPlain(image, updates); });
-  const double symmetric =
-      medianSeconds(5, [&] { runOurs(image, LatticeBlur::symmetric); });
-  const double ours = medianSeconds(5, [&] { runOurs(image, LatticeBlur::forward); });
-  std::printf("  %d updates, set-up included: ours %.3f s (symmetric blur %.3f s), "
-              "plain lattice %.3f s (%.3f s of it set-up)\n",
-              updates, ours, symmetric, plain, plain_set_up);
-  printAgreement(runOurs(image, LatticeBlur::forward), runPlain(image, updates));
+  const double ours = medianSeconds(5, [&] { runOurs(image); });
+  std::printf(
+      "  %d updates, set-up included: ours %.3f s, plain lattice %.3f s (%.3f s "
+      "of it set-up)\n",
+      updates, ours, plain, plain_set_up);
+  printAgreement(runOurs(image), runPlain(image, updates));
   printRatio("image_crf_" + name + "_vs_plain_lattice", plain / ours, 5);
 }
 
@@ -167,9 +150,7 @@ printVoxels(const char* name, const VoxelCloud& voxels)
         float(point.r) / 8.0f, float(point.g) / 8.0f, float(point.b) / 8.0f;
   }
   std::printf("%s\n", name);
-  for (const LatticeBlur blur : {LatticeBlur::forward, LatticeBlur::symmetric})
-    printParts("0.2 m and 8 levels", {{features, 1.0f}}, voxels.measured.classes(),
-               blur);
+  printParts("0.2 m and 8 levels", features, voxels.measured.classes());
 }
 
 } // namespace

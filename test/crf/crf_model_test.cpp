@@ -2,8 +2,8 @@
 
 // Models that must be refused, and the parts they are made of.
 
-#include "crf/matrix_kernel.h"
 #include "support/brute_force_crf.h"
+#include "support/plain_crf.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -128,32 +128,6 @@ TEST(LabelCompatibility, RefusesWhatIsNone)
     costs(1, 2) = bad;
     EXPECT_TRUE(holds(refusal(costs), "labels 1 and 2"));
   }
-}
-
-TEST(MatrixKernel, IsItsMatrixWithoutTheDiagonal)
-{
-  const Eigen::MatrixXf matrix = makeRandomMatrix(9, 9, -1.0f, 1.0f, 1);
-  const MatrixKernel kernel(matrix);
-  EXPECT_EQ(kernel.size(), 9);
-  EXPECT_EQ(kernel.diagonal(4), matrix(4, 4));
-  const Eigen::MatrixXf values = makeRandomMatrix(5, 9, 0.0f, 1.0f, 2);
-  Eigen::MatrixXd without = matrix.cast<double>();
-  without.diagonal().setZero();
-  const Eigen::MatrixXd expected =
-      values.cast<double>() * without.transpose() + Eigen::MatrixXd::Ones(5, 9);
-  Eigen::MatrixXf result = Eigen::MatrixXf::Ones(5, 9); // products are added
-  kernel.addProduct(values, result);
-  EXPECT_LT((result.cast<double>() - expected).cwiseAbs().maxCoeff(), 1e-5);
-}
-
-TEST(MatrixKernel, RefusesWhatIsNoKernel)
-{
-  const auto refusal = [](const Eigen::MatrixXf& matrix) {
-    return thrownMessage<InvalidParameterException>([&] { MatrixKernel{matrix}; });
-  };
-  EXPECT_TRUE(holds(refusal(Eigen::MatrixXf::Zero(3, 4)), "3 x 4"));
-  for (const float bad : {float(NAN), INFINITY})
-    EXPECT_TRUE(holds(refusal(Eigen::MatrixXf::Constant(2, 2, bad)), "not finite"));
 }
 
 } // namespace

@@ -12,22 +12,16 @@
 namespace {
 
 using namespace pcl_semantic;
-using Scales = PermutohedralLattice::Scales;
-
-Scales
-onesAndZero(Eigen::Index count)
-{
-  return {Eigen::ArrayXf::Ones(count), Eigen::ArrayXf::Ones(count),
-          Eigen::ArrayXf::Zero(count)};
-}
 
 Eigen::MatrixXf
-filtered(const PermutohedralLattice& lattice, const Eigen::MatrixXf& values,
-         LatticeBlur blur)
+filtered(const PermutohedralLattice& lattice, const Eigen::MatrixXf& values)
 {
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(values.rows(), values.cols());
-  const Scales scales = onesAndZero(lattice.size());
-  PermutohedralLattice::addFiltered(values, {{&lattice, &scales}}, result, blur);
+  const Eigen::Index count = lattice.size();
+  lattice.addFiltered(values,
+                      {Eigen::ArrayXf::Ones(count), Eigen::ArrayXf::Ones(count),
+                       Eigen::ArrayXf::Zero(count)},
+                      result);
   return result;
 }
 
@@ -83,14 +77,9 @@ TEST(PermutohedralLattice, EqualsThePlainOne)
       const Eigen::MatrixXf forward = plainlyFiltered(plain, values, false);
       const Eigen::MatrixXf reverse = plainlyFiltered(plain, values, true);
       const float tolerance = 5e-5f * forward.cwiseAbs().maxCoeff();
-      const auto largest = [](const Eigen::MatrixXf& error) {
-        return error.cwiseAbs().maxCoeff();
-      };
-      EXPECT_LT(largest(filtered(lattice, values, LatticeBlur::forward) - forward),
-                tolerance);
-      EXPECT_LT(largest(filtered(lattice, values, LatticeBlur::symmetric) -
-                        0.5f * (forward + reverse)),
-                tolerance);
+      const Eigen::MatrixXf error =
+          filtered(lattice, values) - 0.5f * (forward + reverse);
+      EXPECT_LT(error.cwiseAbs().maxCoeff(), tolerance);
     }
   }
 }
@@ -101,31 +90,23 @@ TEST(PermutohedralLattice, SelfResponsesAreWhatOnesSendBack)
     for (const Cloud& cloud : cloudsOf(d, 300)) {
       SCOPED_TRACE(std::string(cloud.name) + ", d " + std::to_string(d));
       const PermutohedralLattice lattice(cloud.features);
-      for (const LatticeBlur blur : {LatticeBlur::forward, LatticeBlur::symmetric}) {
-        const Eigen::MatrixXf sent =
-            filtered(lattice, Eigen::MatrixXf::Identity(300, 300), blur);
-        const Eigen::ArrayXf error = lattice.selfResponses() - sent.diagonal().array();
-        EXPECT_LT((error / sent.diagonal().array()).abs().maxCoeff(), 1e-5f);
-      }
+      const Eigen::MatrixXf sent =
+          filtered(lattice, Eigen::MatrixXf::Identity(300, 300));
+      const Eigen::ArrayXf error = lattice.selfResponses() - sent.diagonal().array();
+      EXPECT_LT((error / sent.diagonal().array()).abs().maxCoeff(), 1e-5f);
       PlainLattice plain = plainLatticeLike(lattice, cloud.features);
       const Eigen::ArrayXf plain_responses = plain.selfResponse() / plain.gain();
       EXPECT_LT((lattice.selfResponses() - plain_responses).abs().maxCoeff(), 2e-5f);
     }
 }
 
-TEST(PermutohedralLattice, SymmetricBlurIsSymmetricAndForwardBlurIsNot)
+TEST(PermutohedralLattice, IsASymmetricMap)
 {
   for (const Eigen::Index d : {2, 3, 5, 6}) {
     const PermutohedralLattice lattice(makeNormalCloud(d, 400, 2.0f, 7));
-    const auto asymmetry = [&](LatticeBlur blur) {
-      const Eigen::MatrixXf matrix =
-          filtered(lattice, Eigen::MatrixXf::Identity(400, 400), blur);
-      return (matrix - matrix.transpose()).norm() / matrix.norm();
-    };
-    EXPECT_LT(asymmetry(LatticeBlur::symmetric), 1e-6f) << "d " << d;
-    // What forward costs: 1 % to two fifths.
-    EXPECT_GT(asymmetry(LatticeBlur::forward), 0.005f) << "d " << d;
-    EXPECT_LT(asymmetry(LatticeBlur::forward), 0.4f) << "d " << d;
+    const Eigen::MatrixXf matrix =
+        filtered(lattice, Eigen::MatrixXf::Identity(400, 400));
+    EXPECT_LT((matrix - matrix.transpose()).norm(), 1e-6f * matrix.norm()) << "d " << d;
   }
 }
 
@@ -135,8 +116,7 @@ TEST(PermutohedralLattice, GainMakesSumsThoseOfTheGaussian)
     // So many points that every vertex exists where the sum is looked at.
     const Eigen::MatrixXf features = 4.0f * Eigen::MatrixXf::Random(d, 4000);
     const PermutohedralLattice lattice(features);
-    const Eigen::MatrixXf sums =
-        filtered(lattice, Eigen::MatrixXf::Ones(1, 4000), LatticeBlur::symmetric);
+    const Eigen::MatrixXf sums = filtered(lattice, Eigen::MatrixXf::Ones(1, 4000));
     const Eigen::MatrixXd exact = makeGaussianMatrix(features);
     double ratio = 0.0, inside = 0.0;
     for (Eigen::Index i = 0; i < 4000; ++i)
@@ -158,15 +138,13 @@ TEST(PermutohedralLattice, MovedFeaturesGiveTheSameSums)
     const Eigen::MatrixXf values = makeNormalCloud(8, 2000, 1.0f, 9);
     const PermutohedralLattice here(features), there(moved);
     EXPECT_EQ(here.vertices(), there.vertices());
-    EXPECT_TRUE(filtered(here, values, LatticeBlur::symmetric) ==
-                filtered(there, values, LatticeBlur::symmetric));
+    EXPECT_TRUE(filtered(here, values) == filtered(there, values));
     // By a distance after which features are rounded to 2^-13 of a deviation.
     moved = makeNormalCloud(d, 2000, 1.0f, 10);
     const PermutohedralLattice near(moved);
     moved.array() += 1234.567f;
-    const Eigen::MatrixXf sums = filtered(near, values, LatticeBlur::symmetric);
-    const Eigen::MatrixXf error =
-        filtered(PermutohedralLattice(moved), values, LatticeBlur::symmetric) - sums;
+    const Eigen::MatrixXf sums = filtered(near, values);
+    const Eigen::MatrixXf error = filtered(PermutohedralLattice(moved), values) - sums;
     EXPECT_LT(error.norm(), 5e-3f * sums.norm());
   }
 }
@@ -176,11 +154,9 @@ TEST(PermutohedralLattice, PermutedPointsGiveTheSameSums)
   const Eigen::Index count = 3000;
   const Eigen::MatrixXf features = makeVoxelSurface(5, count, 11);
   const Eigen::MatrixXf values = makeNormalCloud(3, count, 1.0f, 12);
-  const Eigen::MatrixXf sums =
-      filtered(PermutohedralLattice(features), values, LatticeBlur::symmetric);
-  const Eigen::MatrixXf reversed =
-      filtered(PermutohedralLattice(features.rowwise().reverse()),
-               values.rowwise().reverse(), LatticeBlur::symmetric);
+  const Eigen::MatrixXf sums = filtered(PermutohedralLattice(features), values);
+  const Eigen::MatrixXf reversed = filtered(
+      PermutohedralLattice(features.rowwise().reverse()), values.rowwise().reverse());
   EXPECT_LT((sums - reversed.rowwise().reverse()).cwiseAbs().maxCoeff(),
             1e-5f * sums.cwiseAbs().maxCoeff());
 }
@@ -195,47 +171,23 @@ TEST(PermutohedralLattice, KeysOf128BitsGiveTheSameSumsAsThoseOf64)
   Eigen::MatrixXf near = features;
   near.col(count).setConstant(30.0f);
   const Eigen::MatrixXf values = makeNormalCloud(2, count + 1, 1.0f, 14);
-  const Eigen::MatrixXf wide =
-      filtered(PermutohedralLattice(features), values, LatticeBlur::symmetric);
-  const Eigen::MatrixXf narrow =
-      filtered(PermutohedralLattice(near), values, LatticeBlur::symmetric);
+  const Eigen::MatrixXf wide = filtered(PermutohedralLattice(features), values);
+  const Eigen::MatrixXf narrow = filtered(PermutohedralLattice(near), values);
   EXPECT_TRUE(wide.leftCols(count) == narrow.leftCols(count));
 }
 
 TEST(PermutohedralLattice, NoPointsOnePointAndPointsInOnePlace)
 {
   EXPECT_EQ(PermutohedralLattice(Eigen::MatrixXf(3, 0)).size(), 0);
-  filtered(PermutohedralLattice(Eigen::MatrixXf(3, 0)), Eigen::MatrixXf(2, 0),
-           LatticeBlur::symmetric);
+  filtered(PermutohedralLattice(Eigen::MatrixXf(3, 0)), Eigen::MatrixXf(2, 0));
   for (const Eigen::Index count : {1, 2, 63, 64, 65, 5000}) {
     const PermutohedralLattice lattice(Eigen::MatrixXf::Constant(3, count, 7.0f));
     EXPECT_EQ(lattice.vertices(), 4);
-    const Eigen::MatrixXf sums =
-        filtered(lattice, Eigen::MatrixXf::Ones(1, count), LatticeBlur::symmetric);
+    const Eigen::MatrixXf sums = filtered(lattice, Eigen::MatrixXf::Ones(1, count));
     for (Eigen::Index i = 0; i < count; ++i)
       EXPECT_NEAR(sums(0, i), lattice.selfResponses()[i] * float(count),
                   2e-5f * sums(0, 0));
   }
-}
-
-TEST(PermutohedralLattice, OnlyLatticesMadeTogetherAreFilteredTogether)
-{
-  const Eigen::MatrixXf features = makeNormalCloud(3, 500, 1.0f, 15);
-  const PermutohedralLattice first(features), stranger(features);
-  const PermutohedralLattice neighbour(features.topRows(1), first);
-  const Scales scales = onesAndZero(500);
-  const Eigen::MatrixXf values = makeNormalCloud(11, 500, 1.0f, 16);
-  Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(11, 500);
-  EXPECT_THROW(PermutohedralLattice::addFiltered(
-                   values, {{&first, &scales}, {&stranger, &scales}}, sum),
-               InvalidParameterException);
-  EXPECT_THROW(PermutohedralLattice(features.leftCols(400), first),
-               InvalidParameterException);
-  PermutohedralLattice::addFiltered(values, {{&first, &scales}, {&neighbour, &scales}},
-                                    sum);
-  const Eigen::MatrixXf expected = filtered(first, values, LatticeBlur::symmetric) +
-                                   filtered(neighbour, values, LatticeBlur::symmetric);
-  EXPECT_TRUE(sum == expected);
 }
 
 TEST(PermutohedralLattice, RefusesWhatHasNoKeys)

@@ -6,8 +6,6 @@
 
 #pragma once
 
-#include "crf/matrix_kernel.h"
-
 #include <pcl_semantic/crf/crf_model.h>
 
 #include <algorithm>
@@ -69,6 +67,37 @@ struct PlainCrf {
   {
     return labels() + (cliques_.free_label ? 1 : 0);
   }
+};
+
+/** A kernel given as a matrix, weights included; it need not be symmetric. */
+class MatrixKernel : public PairwiseKernel {
+public:
+  explicit MatrixKernel(Eigen::MatrixXf matrix) : matrix_(std::move(matrix)) {}
+
+  Eigen::Index
+  size() const override
+  {
+    return matrix_.rows();
+  }
+
+  float
+  diagonal(Eigen::Index i) const override
+  {
+    return matrix_(i, i);
+  }
+
+  void
+  addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
+             Eigen::Ref<Eigen::MatrixXf> result) const override
+  {
+    for (Eigen::Index i = 0; i < size(); ++i)
+      for (Eigen::Index j = 0; j < size(); ++j)
+        if (j != i)
+          result.col(i) += matrix_(i, j) * values.col(j);
+  }
+
+private:
+  Eigen::MatrixXf matrix_;
 };
 
 /** The same for the engine. */

@@ -187,13 +187,13 @@ addToResult(const LatticeColumns& columns, std::size_t column, const Row<width>&
     result[r] = result[r] + some[r];
 }
 
-template <std::size_t width, int halves>
+template <std::size_t width>
 void
 slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice,
       std::size_t half)
 {
   using Values = Row<width>;
-  for (std::size_t h = 0; h < halves; ++h)
+  for (std::size_t h = 0; h < 2; ++h)
     for (std::size_t p = 0; p < points.partials; ++p)
       Values(lattice + std::size_t(points.represents[p]) * width + h * half)
           .store(lattice + (points.first_partial + p) * width + h * half);
@@ -205,10 +205,8 @@ slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice
     Values sum = Values::zero();
     for (std::size_t k = i * points.corners; k < (i + 1) * points.corners; ++k) {
       const float* const row = lattice + std::size_t(points.rows[k]) * width;
-      Values part(row);
-      if (halves == 2)
-        part = (part + Values(row + half)) * 0.5f;
-      sum = sum + part * points.weights[k];
+      const Values mean = (Values(row) + Values(row + half)) * 0.5f;
+      sum = sum + mean * points.weights[k];
     }
     addToResult<width>(columns, column,
                        sum * columns.slice_scale[column] -
@@ -217,13 +215,10 @@ slice(const LatticePoints& points, const LatticeColumns& columns, float* lattice
   }
 }
 
-template <std::size_t width, int halves>
-constexpr LatticeFilter loops = {splat<width>, merge<width>, blur<width>,
-                                 slice<width, halves>};
+template <std::size_t width>
+constexpr LatticeFilter loops = {splat<width>, merge<width>, blur<width>, slice<width>};
 
-constexpr LatticeFilter filters[2][4] = {
-    {loops<1, 1>, loops<4, 1>, loops<8, 1>, loops<16, 1>},
-    {loops<1, 2>, loops<4, 2>, loops<8, 2>, loops<16, 2>}};
+constexpr LatticeFilter filters[4] = {loops<1>, loops<4>, loops<8>, loops<16>};
 
 } // namespace
 
@@ -234,10 +229,10 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_semantic::kernels {
 
 const LatticeFilter&
-latticeFilter(SimdTier tier, std::size_t width, std::size_t halves)
+latticeFilter(SimdTier tier, std::size_t width)
 {
   const int number = width == 1 ? 0 : width == 4 ? 1 : width == 8 ? 2 : 3;
-  return PCL_SEMANTIC_OF_TIER(tier, filters)[halves - 1][number];
+  return PCL_SEMANTIC_OF_TIER(tier, filters)[number];
 }
 
 } // namespace pcl_semantic::kernels

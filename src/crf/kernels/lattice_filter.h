@@ -63,15 +63,14 @@ struct LatticeFilter {
   void (*blur)(const std::int32_t* steps, std::size_t count, float* lattice);
 
   /** \brief Fills the partial rows, and adds slice_scale times the weighted sum around
-   * a point less diagonal times its value to its result. \param[in] half with two
-   * halves, where the rows are once more, blurred otherwise: means are sliced */
+   * a point less diagonal times its value to its result. \param[in] half where the rows
+   * are once more, blurred in the reverse order: means of both are sliced */
   void (*slice)(const LatticePoints& points, const LatticeColumns& columns,
                 float* lattice, std::size_t half);
 };
 
-/** \brief The loops for a tier, a width (1, 4, 8 or 16) and 1 or 2 halves. All tiers
- * give the same bits. */
-const LatticeFilter& latticeFilter(SimdTier tier, std::size_t width,
-                                   std::size_t halves);
+/** \brief The loops for a tier and a width (1, 4, 8 or 16). All tiers give the same
+ * bits. */
+const LatticeFilter& latticeFilter(SimdTier tier, std::size_t width);
 
 } // namespace pcl_semantic::kernels
