@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
+
 #include <pcl_semantic/cliques/clique_generator.h>
-#include <pcl_semantic/core/exceptions.h>
 
 namespace pcl_semantic {
 
@@ -8,7 +9,7 @@ void
 CliqueGenerator::extract(std::vector<pcl::PointIndices>& cliques)
 {
   if (!input_)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "cliques: there is no input cloud");
+    badParameter("cliques: there is no input cloud");
   if (!indices_ || fake_indices_) {
     cliques = generate(*input_);
   }
@@ -16,10 +17,8 @@ CliqueGenerator::extract(std::vector<pcl::PointIndices>& cliques)
     Cloud chosen;
     for (const pcl::index_t i : *indices_) {
       if (i < 0 || std::size_t(i) >= input_->size())
-        PCL_THROW_EXCEPTION(InvalidParameterException, "cliques: index "
-                                                           << i << " is beyond the "
-                                                           << input_->size()
-                                                           << " points of the cloud");
+        badParameter("cliques: index ", i, " is beyond the ", input_->size(),
+                     " points of the cloud");
       chosen.push_back((*input_)[std::size_t(i)]);
     }
     cliques = generate(chosen);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
+
 #include <pcl_semantic/cliques/cube_cliques.h>
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <pcl/common/point_tests.h>
@@ -31,10 +32,8 @@ cubeOf(const pcl::PointXYZRGB& point, double edge, std::size_t index)
   for (int axis = 0; axis < 3; ++axis) {
     const double cell = double(point.data[axis]) / edge;
     if (!(std::abs(cell) <= kMaxVoxelIndex))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          "point " << index << " lies at " << point.data[axis]
-                                   << " m, expected at most " << kMaxVoxelIndex
-                                   << " cubes of " << edge << " m from the origin");
+      badInput("point ", index, " lies at ", point.data[axis], " m, expected at most ",
+               kMaxVoxelIndex, " cubes of ", edge, " m from the origin");
     const auto truncated = static_cast<std::int32_t>(cell); // std::floor is a call
     cube[axis] = truncated - (truncated > cell ? 1 : 0);
   }
@@ -74,9 +73,7 @@ groupByCube(const CliqueGenerator::Cloud& cloud, double edge)
 CubeCliques::CubeCliques(double edge) : edge_(edge)
 {
   if (!std::isfinite(edge) || edge <= 0.0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cube cliques: edge is " << edge
-                                                 << " m, expected a positive number");
+    badParameter("cube cliques: edge is ", edge, " m, expected a positive number");
 }
 
 std::vector<pcl::PointIndices>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/disjoint_sets.h"
+#include "core/fail.h"
 #include "core/parallel_guard.h"
 
 #include <pcl_semantic/cliques/depth_jumps.h>
-#include <pcl_semantic/core/exceptions.h>
 
 #include <pcl/common/point_tests.h>
 
@@ -162,9 +162,7 @@ DepthJumps::validate() const
   for (const auto& [name, value] : {std::pair("passing distance", passing_distance),
                                     std::pair("near distance", near)})
     if (!(value >= 0.0 && value <= 1e6))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "depth jumps: " << name << " is " << value
-                                          << " m, expected 0 to 1e6");
+      badParameter("depth jumps: ", name, " is ", value, " m, expected 0 to 1e6");
 }
 
 SurfaceParts
@@ -174,10 +172,8 @@ splitAtDepthJumps(const cv::Mat& segments, const CliqueGenerator::Cloud& cloud,
   jumps.validate();
   if (segments.type() != CV_32SC1 || segments.total() != cloud.size() ||
       segments.cols != int(cloud.width))
-    PCL_THROW_EXCEPTION(BadInputException, "depth jumps: segments of "
-                                               << segments.cols << " x "
-                                               << segments.rows << " for a cloud of "
-                                               << cloud.width << " x " << cloud.height);
+    badInput("depth jumps: segments of ", segments.cols, " x ", segments.rows,
+             " for a cloud of ", cloud.width, " x ", cloud.height);
   return Splitter(segments, cloud, jumps).split();
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/disjoint_sets.h"
+#include "core/fail.h"
 #include "kernels/slic_assignment.h"
 
 #include <pcl_semantic/cliques/slic.h>
-#include <pcl_semantic/core/exceptions.h>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -172,9 +172,7 @@ void
 require(bool valid, const char* name, T value, const char* expected)
 {
   if (!valid)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "SLIC: " << name << " is " << value
-                                                            << ", expected "
-                                                            << expected);
+    badParameter("SLIC: ", name, " is ", value, ", expected ", expected);
 }
 
 // An image of channels that the clustering compares, 0..255 each.
@@ -320,8 +318,7 @@ slicSuperpixels(const cv::Mat& image, const SlicParameters& parameters)
 {
   parameters.validate();
   if (image.empty() || (image.type() != CV_8UC3 && image.type() != CV_8UC1))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "SLIC: expected an image of 8-bit grey or 8-bit colour");
+    badInput("SLIC: expected an image of 8-bit grey or 8-bit colour");
   const LabImage lab = smallLabImage(image, parameters.downscale);
   cv::Mat labels;
   std::vector<SlicCentre> centres = gridCentres(lab, parameters.superpixels, labels);

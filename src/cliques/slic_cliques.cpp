@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slic_cliques.h"
+#include "core/fail.h"
 
 #include <pcl_semantic/cliques/depth_jumps.h>
-#include <pcl_semantic/core/exceptions.h>
 
 namespace pcl_semantic {
 
@@ -10,10 +10,9 @@ void
 requireOrganized(const CliqueGenerator::Cloud& cloud)
 {
   if (!cloud.empty() && !cloud.isOrganized())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "superpixels need an organized cloud, an image of points; this "
-                        "one is a list of "
-                            << cloud.size());
+    badInput("superpixels need an organized cloud, an image of points; this "
+             "one is a list of ",
+             cloud.size());
 }
 
 cv::Mat

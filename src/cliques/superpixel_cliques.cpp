@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "core/voxel_table.h"
 #include "slic_cliques.h"
 
 #include <pcl_semantic/cliques/depth_jumps.h>
 #include <pcl_semantic/cliques/superpixel_cliques.h>
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <Eigen/Geometry>
@@ -151,9 +151,7 @@ SuperpixelParameters::validate() const
   slic.validate();
   DepthJumps{passing_distance, 0.0}.validate();
   if (min_voxels < 1)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "superpixels: min_voxels is "
-                                                       << min_voxels
-                                                       << ", expected 1 or more");
+    badParameter("superpixels: min_voxels is ", min_voxels, ", expected 1 or more");
 }
 
 SuperpixelCliques::SuperpixelCliques(const SuperpixelParameters& parameters)
@@ -167,8 +165,7 @@ SuperpixelCliques::setFrame(const Cloud::ConstPtr& cloud,
                             const Eigen::Isometry3d& T_world_camera)
 {
   if (!T_world_camera.matrix().allFinite())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "superpixels: the pose of the frame is not finite");
+    badInput("superpixels: the pose of the frame is not finite");
   if (cloud)
     requireOrganized(*cloud);
   frame_ = cloud;
@@ -179,9 +176,7 @@ void
 SuperpixelCliques::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
 {
   if (!(voxel_size > 0.0 && std::isfinite(voxel_size)))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "superpixels: voxel size is "
-                                                       << voxel_size
-                                                       << " m, expected more than 0");
+    badParameter("superpixels: voxel size is ", voxel_size, " m, expected more than 0");
   voxels_ = indices;
   voxel_size_ = voxel_size;
 }
@@ -197,9 +192,8 @@ std::vector<pcl::PointIndices>
 SuperpixelCliques::generate(const Cloud& cloud)
 {
   if (cloud.size() != voxels_.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "superpixels: " << voxels_.size() << " voxels for a cloud of "
-                                        << cloud.size() << " points");
+    badParameter("superpixels: ", voxels_.size(), " voxels for a cloud of ",
+                 cloud.size(), " points");
   std::vector<int> parts(voxels_.size(), kNone);
   if (frame_ && !frame_->empty() && !voxels_.empty())
     parts = partsOfVoxels(

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "core/parallel_guard.h"
 
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
-#include <pcl_semantic/core/exceptions.h>
 
 #include <pcl/common/point_tests.h>
 #include <pcl/kdtree/kdtree_flann.h>
@@ -115,9 +115,7 @@ void
 require(bool holds, const char* name, double value, const char* expected)
 {
   if (!holds)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "supervoxels: " << name << " is " << value << ", expected "
-                                        << expected);
+    badParameter("supervoxels: ", name, " is ", value, ", expected ", expected);
 }
 
 template <typename Point>
@@ -195,10 +193,8 @@ SupervoxelCliques::groupByCube(const Cloud& cloud) const
       continue;
     const Eigen::Array3d cells = point.getVector3fMap().cast<double>() / edge;
     if (!(cells.abs() <= kMaxVoxelIndex).all())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          "point " << i << " lies at "
-                                   << point.getVector3fMap().transpose()
-                                   << " m, too far from the origin for supervoxels");
+      badInput("point ", i, " lies at ", point.getVector3fMap().transpose(),
+               " m, too far from the origin for supervoxels");
     const VoxelIndex cube = cells.floor().cast<int>();
     const auto [entry, is_new] = numbers.try_emplace(cube, groups.size());
     if (is_new)

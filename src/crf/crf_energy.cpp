@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "crf_energy.h"
-
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
 
 #include <algorithm>
 
@@ -26,17 +25,13 @@ validate(const CrfModel& model, const Labels& x)
 {
   model.validate();
   if (!model.compatibility.isSymmetric())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "an energy needs a symmetric label compatibility");
+    badParameter("an energy needs a symmetric label compatibility");
   if (Eigen::Index(x.size()) != model.unary.cols())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        x.size() << " labels, expected " << model.unary.cols());
+    badParameter(x.size(), " labels, expected ", model.unary.cols());
   for (std::size_t i = 0; i < x.size(); ++i)
     if (x[i] < 0 || x[i] >= model.unary.rows())
-      PCL_THROW_EXCEPTION(InvalidParameterException, "the label of variable "
-                                                         << i << " is " << x[i]
-                                                         << ", expected 0 to less than "
-                                                         << model.unary.rows());
+      badParameter("the label of variable ", i, " is ", x[i],
+                   ", expected 0 to less than ", model.unary.rows());
 }
 
 // Sum over pairs of k_ij mu(x_i, x_j); labels beyond L pay nothing.
@@ -115,9 +110,7 @@ energy(const CrfModel& model, const Labels& x, const Labels& y)
 {
   validate(model, x);
   if (y.size() != cliqueVariables(model))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        y.size() << " labels of cliques, expected "
-                                 << cliqueVariables(model));
+    badParameter(y.size(), " labels of cliques, expected ", cliqueVariables(model));
   double sum = pairCosts(
       model.kernels, x.data(), model.unary.rows(), model.unary.cols(),
       [&](Eigen::Index l, Eigen::Index k) { return model.compatibility.cost(l, k); });
@@ -134,10 +127,8 @@ energy(const CrfModel& model, const Labels& x, const Labels& y)
     for (std::size_t c = 0; c < count; ++c) {
       const std::vector<double> costs = robustCosts(model, potential, c, x);
       if (label[c] < 0 || std::size_t(label[c]) >= costs.size())
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "the label of clique " << c << " is " << label[c]
-                                                   << ", expected 0 to less than "
-                                                   << costs.size());
+        badParameter("the label of clique ", c, " is ", label[c],
+                     ", expected 0 to less than ", costs.size());
       sum += costs[std::size_t(label[c])];
     }
     sum += pairCosts(potential.kernels, label, model.unary.rows(), Eigen::Index(count),

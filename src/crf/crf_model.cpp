@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "requirements.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/crf_model.h>
 
 #include <algorithm>
@@ -14,18 +14,14 @@ namespace pcl_semantic {
 LabelCompatibility::LabelCompatibility(Eigen::MatrixXf costs) : costs_(std::move(costs))
 {
   if (costs_.rows() != costs_.cols() || costs_.rows() == 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the label compatibility is "
-                                                       << costs_.rows() << " x "
-                                                       << costs_.cols()
-                                                       << ", expected L x L");
+    badParameter("the label compatibility is ", costs_.rows(), " x ", costs_.cols(),
+                 ", expected L x L");
   for (Eigen::Index k = 0; k < labels(); ++k)
     for (Eigen::Index l = 0; l < labels(); ++l) {
       // Beyond that sums of messages would leave the range of floats.
       if (!(std::abs(costs_(l, k)) <= 1e9f))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "the compatibility of labels "
-                                << l << " and " << k << " (from 0) is " << costs_(l, k)
-                                << ", expected -1e9 to 1e9");
+        badParameter("the compatibility of labels ", l, " and ", k, " (from 0) is ",
+                     costs_(l, k), ", expected -1e9 to 1e9");
       is_potts_ = is_potts_ && costs_(l, k) == float(l != k);
       is_symmetric_ = is_symmetric_ && costs_(l, k) == costs_(k, l);
     }
@@ -41,16 +37,13 @@ validate(const std::vector<std::int32_t>& members, std::size_t clique,
          std::vector<std::int32_t>& last_clique)
 {
   if (members.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "clique " << clique << " is empty");
+    badParameter("clique ", clique, " is empty");
   for (const std::int32_t i : members) {
     if (i < 0 || std::size_t(i) >= last_clique.size())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "clique " << clique << " has the member " << i
-                                    << ", expected 0 to less than "
-                                    << last_clique.size());
+      badParameter("clique ", clique, " has the member ", i,
+                   ", expected 0 to less than ", last_clique.size());
     if (last_clique[std::size_t(i)] == std::int32_t(clique))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "clique " << clique << " has the member " << i << " twice");
+      badParameter("clique ", clique, " has the member ", i, " twice");
     last_clique[std::size_t(i)] = std::int32_t(clique);
   }
 }
@@ -78,10 +71,8 @@ CliqueSet::CliqueSet(const std::vector<std::vector<std::int32_t>>& cliques,
                      std::size_t variables)
 {
   if (variables > largest || cliques.size() > largest)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        cliques.size()
-                            << " cliques over " << variables
-                            << " variables, expected less than 2^31 of each");
+    badParameter(cliques.size(), " cliques over ", variables,
+                 " variables, expected less than 2^31 of each");
   std::vector<std::int32_t> last_clique(variables, -1);
   members_.starts.reserve(cliques.size() + 1);
   for (std::size_t c = 0; c < cliques.size(); ++c) {
@@ -102,31 +93,24 @@ validateWeights(const Eigen::MatrixXf& weights, Eigen::Index labels,
 {
   if ((weights.rows() != 1 && weights.rows() != labels) ||
       (weights.cols() != 1 && weights.cols() != cliques))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "clique weights are " << weights.rows() << " x "
-                                              << weights.cols() << ", expected 1 or "
-                                              << labels << " labels x 1 or " << cliques
-                                              << " cliques");
+    badParameter("clique weights are ", weights.rows(), " x ", weights.cols(),
+                 ", expected 1 or ", labels, " labels x 1 or ", cliques, " cliques");
   for (Eigen::Index c = 0; c < weights.cols(); ++c)
     for (Eigen::Index l = 0; l < weights.rows(); ++l)
       if (!(weights(l, c) >= 0.0f && weights(l, c) <= 1e9f))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "the weight of clique " << c << " is " << weights(l, c)
-                                                    << ", expected 0 to 1e9");
+        badParameter("the weight of clique ", c, " is ", weights(l, c),
+                     ", expected 0 to 1e9");
 }
 
 void
 validateUnary(const Eigen::MatrixXf& unary, Eigen::Index labels, Eigen::Index cliques)
 {
   if (unary.rows() != labels || unary.cols() != cliques)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the unary costs of the cliques are "
-                                                       << unary.rows() << " x "
-                                                       << unary.cols() << ", expected "
-                                                       << labels << " x " << cliques);
+    badParameter("the unary costs of the cliques are ", unary.rows(), " x ",
+                 unary.cols(), ", expected ", labels, " x ", cliques);
   for (Eigen::Index c = 0; c < cliques; ++c)
     if (!unary.col(c).allFinite())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "a unary cost of clique " << c << " is not finite");
+      badParameter("a unary cost of clique ", c, " is not finite");
 }
 
 } // namespace
@@ -135,34 +119,28 @@ void
 CliquePotential::validate(Eigen::Index labels, Eigen::Index variables) const
 {
   if (!cliques)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a clique potential has no cliques");
+    badParameter("a clique potential has no cliques");
   const auto count = Eigen::Index(cliques->size());
   if (Eigen::Index(cliques->variables()) != variables)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques are over " << cliques->variables()
-                                            << " variables, expected " << variables);
+    badParameter("cliques are over ", cliques->variables(), " variables, expected ",
+                 variables);
   validateWeights(weights, labels, count);
   if (!(truncation > 0.0f && truncation <= 1.0f))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "truncation is " << truncation
-                                         << ", expected more than 0 and up to 1");
+    badParameter("truncation is ", truncation, ", expected more than 0 and up to 1");
   if (type == Type::pn_potts && (unary.size() > 0 || !kernels.empty()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "P^n Potts cliques have no variables: unary costs of them and "
-                        "kernels between them need the robust potential");
+    badParameter("P^n Potts cliques have no variables: unary costs of them and "
+                 "kernels between them need the robust potential");
   if (!update_from_members && !kernels.empty())
-    PCL_THROW_EXCEPTION(
-        InvalidParameterException,
+    badParameter(
         "kernels between cliques need cliques that are updated from their members");
   if (unary.size() > 0)
     validateUnary(unary, labels, count);
   for (const auto& kernel : kernels)
     if (!kernel || kernel->size() != count)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "a kernel between cliques is "
-                              << (kernel ? "over " + std::to_string(kernel->size())
-                                         : std::string("missing"))
-                              << ", expected one over " << count << " cliques");
+      badParameter(
+          "a kernel between cliques is ",
+          (kernel ? "over " + std::to_string(kernel->size()) : std::string("missing")),
+          ", expected one over ", count, " cliques");
 }
 
 namespace {
@@ -193,25 +171,19 @@ CrfModel::validate() const
 {
   const Eigen::Index labels = unary.rows(), variables = unary.cols();
   if (labels < 1 || labels > 255)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "unary costs are of " << labels
-                                              << " classes, expected 1 to 255");
+    badParameter("unary costs are of ", labels, " classes, expected 1 to 255");
   const Eigen::Index bad = firstNotFinite(unary);
   if (bad < variables)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a unary cost of variable " << bad << " is not finite");
+    badParameter("a unary cost of variable ", bad, " is not finite");
   if (compatibility.labels() != 0 && compatibility.labels() != labels)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the label compatibility is of "
-                                                       << compatibility.labels()
-                                                       << " classes, expected "
-                                                       << labels);
+    badParameter("the label compatibility is of ", compatibility.labels(),
+                 " classes, expected ", labels);
   for (const auto& kernel : kernels)
     if (!kernel || kernel->size() != variables)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "a kernel is "
-                              << (kernel ? "over " + std::to_string(kernel->size())
-                                         : std::string("missing"))
-                              << ", expected one over " << variables << " variables");
+      badParameter(
+          "a kernel is ",
+          (kernel ? "over " + std::to_string(kernel->size()) : std::string("missing")),
+          ", expected one over ", variables, " variables");
   for (const CliquePotential& potential : cliques)
     potential.validate(labels, variables);
 }

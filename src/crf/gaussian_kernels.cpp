@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "lattice_kernel.h"
 #include "requirements.h"
 #include "truncated_kernel.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/gaussian_kernels.h>
 
 #include <algorithm>
@@ -45,9 +45,7 @@ validate(const Eigen::MatrixXf& positions, const std::vector<float>& deviations,
          const GaussianKernelOptions& options)
 {
   if (positions.rows() < 1 || positions.rows() > 3)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "positions have " << positions.rows()
-                                          << " coordinates, expected 1 to 3");
+    badParameter("positions have ", positions.rows(), " coordinates, expected 1 to 3");
   requireFinite(positions, "a position is not finite");
   requirePositive(options.radius, "kernel radius");
   for (const float deviation : deviations)
@@ -62,9 +60,7 @@ GaussianTerm::validate(Eigen::Index points) const
   requirePositive(position_deviation, "position deviation");
   requireWeight(weight);
   if (features.size() > 0 && features.cols() != points)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "features have " << features.cols() << " columns, expected "
-                                         << points);
+    badParameter("features have ", features.cols(), " columns, expected ", points);
   requireFinite(features, "a feature is not finite");
 }
 
@@ -100,8 +96,7 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
                       const std::vector<GaussianTerm>& terms) const
 {
   if (terms.size() != methods_.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        terms.size() << " terms, expected " << methods_.size());
+    badParameter(terms.size(), " terms, expected ", methods_.size());
   List kernels;
   // By deviation: a kernel is widened by what its radius cuts off.
   std::map<float, std::vector<GaussianTerm>> truncated;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lattice_structure.h"
+#include "core/fail.h"
 #include "kernels/lattice_filter.h"
 #include "kernels/lattice_search.h"
 #include "parallel_loops.h"
@@ -345,9 +346,8 @@ frameOf(const Features& features, double* extents)
 {
   const auto d = std::size_t(features.rows());
   if (d < 1 || d > std::size_t(kernels::max_dimensions))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "points have " << d << " features, expected 1 to "
-                                       << kernels::max_dimensions);
+    badParameter("points have ", d, " features, expected 1 to ",
+                 kernels::max_dimensions);
   const auto count = std::size_t(features.cols()), parts = partsOf(count);
   Eigen::ArrayXXf lows(d, parts), highs(d, parts);
   bool finite = true;
@@ -360,7 +360,7 @@ frameOf(const Features& features, double* extents)
     finite = finite && part.allFinite();
   }
   if (!finite)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a feature is not finite");
+    badParameter("a feature is not finite");
   kernels::LatticeFrame frame = {};
   frame.dimensions = int(d);
   for (std::size_t k = 0; k < d; ++k) {
@@ -374,9 +374,8 @@ frameOf(const Features& features, double* extents)
     frame.scale[k + 1] = std::sqrt(2.0 / (3.0 * double(k + 1) * double(k + 2)));
     constexpr double most = double(1 << 28);
     if (extents[k] > most)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "feature " << k << " spans " << extents[k]
-                                     << " deviations, expected at most " << most);
+      badParameter("feature ", k, " spans ", extents[k],
+                   " deviations, expected at most ", most);
   }
   return frame;
 }
@@ -1057,16 +1056,13 @@ buildLattice(const Features& features, SimdTier tier)
   structure.chunk_points = chunkPoints(structure.points);
   if (structure.points >
       std::size_t(std::numeric_limits<std::int32_t>::max()) / structure.corners)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        structure.points << " points with " << features.rows()
-                                         << " features are too many for a lattice");
+    badParameter(structure.points, " points with ", features.rows(),
+                 " features are too many for a lattice");
   const LatticeKeyBits bits(frame, extents);
   if (bits.bits > 128)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "features span too many deviations in "
-                            << features.rows() << " dimensions: keys of lattice "
-                            << "vertices would take " << bits.bits
-                            << " bits, expected at most 128");
+    badParameter("features span too many deviations in ", features.rows(),
+                 " dimensions: keys of lattice ", "vertices would take ", bits.bits,
+                 " bits, expected at most 128");
   structure.columns = orderInTiles(features, frame, extents);
   if (bits.bits <= 64)
     build<std::uint64_t>(features, frame, bits, tier, structure);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "clique_term.h"
+#include "core/fail.h"
 #include "kernels/label_mix.h"
 #include "kernels/soft_max.h"
 #include "parallel_loops.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/mean_field.h>
 
 #include <algorithm>
@@ -130,19 +130,14 @@ void
 MeanField::Engine::start(const Eigen::MatrixXf& initial)
 {
   if (initial.rows() != marginals_.rows() || initial.cols() != marginals_.columns())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "marginals to start from are "
-                            << initial.rows() << " x " << initial.cols()
-                            << ", expected " << marginals_.rows() << " x "
-                            << marginals_.columns());
+    badParameter("marginals to start from are ", initial.rows(), " x ", initial.cols(),
+                 ", expected ", marginals_.rows(), " x ", marginals_.columns());
   for (Eigen::Index i = 0; i < initial.cols(); ++i) {
     double sum = 0.0;
     for (Eigen::Index l = 0; l < initial.rows(); ++l) {
       if (!(initial(l, i) >= 0.0f) || !std::isfinite(initial(l, i)))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "marginals to start from: one of variable "
-                                << i << " is " << initial(l, i)
-                                << ", expected 0 or more");
+        badParameter("marginals to start from: one of variable ", i, " is ",
+                     initial(l, i), ", expected 0 or more");
       sum += double(initial(l, i));
     }
     for (Eigen::Index l = 0; l < initial.rows() && sum > 0.0; ++l) {
@@ -201,8 +196,7 @@ double
 MeanField::Engine::freeEnergy() const
 {
   if (!compatibility_.isSymmetric())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a free energy needs a symmetric label compatibility");
+    badParameter("a free energy needs a symmetric label compatibility");
   PaddedColumns messages(marginals_.rows(), marginals_.columns());
   messages.setZero();
   for (const auto& kernel : kernels_)
@@ -247,11 +241,9 @@ int
 MeanField::run(int max_updates, double tolerance)
 {
   if (max_updates < 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "updates are " << max_updates << ", expected 0 or more");
+    badParameter("updates are ", max_updates, ", expected 0 or more");
   if (!(tolerance >= 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the tolerance is " << tolerance << ", expected 0 or more");
+    badParameter("the tolerance is ", tolerance, ", expected 0 or more");
   for (int i = 1; i <= max_updates; ++i)
     if (update() <= tolerance && tolerance > 0.0)
       return i;
@@ -269,9 +261,7 @@ MeanField::cliqueMarginals(std::size_t potential) const
 {
   const PaddedColumns* const marginals = engine_->cliqueMarginals(potential);
   if (!marginals)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "clique potential " << potential
-                                            << " has no variables of its own");
+    badParameter("clique potential ", potential, " has no variables of its own");
   return marginals->matrix();
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "point_rows.h"
+#include "core/fail.h"
 #include "kernels/run_search.h"
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <algorithm>
 #include <cmath>
@@ -95,21 +94,17 @@ void
 PointRows::sort(const Eigen::Matrix3Xf& positions)
 {
   if (positions.cols() >= Eigen::Index(max_points))
-    PCL_THROW_EXCEPTION(InvalidParameterException, positions.cols()
-                                                       << " points, expected less than "
-                                                       << max_points);
+    badParameter(positions.cols(), " points, expected less than ", max_points);
   if (positions.cols() == 0)
     return;
   Eigen::Array3f high;
   std::tie(low_, high) = boundsOf(positions);
   const Eigen::Array3d extent = (high - low_).cast<double>() / double(cell_);
   if (!(extent < max_cells).all())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "positions lie " << extent.maxCoeff() * double(cell_)
-                                         << " apart, expected at most "
-                                         << max_cells * double(cell_)
-                                         << " for truncated kernels: take lattices, or "
-                                            "leave out what lies far off");
+    badParameter("positions lie ", extent.maxCoeff() * double(cell_),
+                 " apart, expected at most ", max_cells * double(cell_),
+                 " for truncated kernels: take lattices, or "
+                 "leave out what lies far off");
   sortPoints(positions, high);
 }
 

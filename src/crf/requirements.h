@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/fail.h"
+
 #include <pcl_semantic/core/exceptions.h>
 
 #include <Eigen/Core>
@@ -30,7 +32,7 @@ requireFinite(const Eigen::Matrix<float, rows, Eigen::Dynamic>& matrix,
               const char* message)
 {
   if (!areFinite(matrix.data(), matrix.size()))
-    PCL_THROW_EXCEPTION(InvalidParameterException, message);
+    badParameter(message);
 }
 
 /** \throws InvalidParameterException that names the value and its range */
@@ -38,8 +40,7 @@ inline void
 requirePositive(float value, const char* name)
 {
   if (!(value > 0.0f) || !std::isfinite(value))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << " is " << value << ", expected more than 0");
+    badParameter(name, " is ", value, ", expected more than 0");
 }
 
 /** \throws InvalidParameterException that names the value and its range */
@@ -47,8 +48,7 @@ inline void
 requireWeight(float weight)
 {
   if (!(weight >= 0.0f) || !std::isfinite(weight))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "kernel weight is " << weight << ", expected 0 or more");
+    badParameter("kernel weight is ", weight, ", expected 0 or more");
 }
 
 } // namespace pcl_semantic

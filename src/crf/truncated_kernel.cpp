@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "truncated_kernel.h"
 #include "aligned_array.h"
+#include "core/fail.h"
 #include "kernels/run_search.h"
 #include "kernels/truncated_sums.h"
 #include "parallel_loops.h"
 #include "point_rows.h"
 #include "requirements.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/crf/gaussian_kernels.h>
 
 #include <algorithm>
@@ -33,10 +33,9 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
   for (const GaussianTerm& term : terms) {
     term.validate(positions.cols());
     if (term.position_deviation != terms[0].position_deviation)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "terms of a truncated kernel have position deviations of "
-                              << terms[0].position_deviation << " and "
-                              << term.position_deviation << ", expected the same");
+      badParameter("terms of a truncated kernel have position deviations of ",
+                   terms[0].position_deviation, " and ", term.position_deviation,
+                   ", expected the same");
   }
 }
 
@@ -237,10 +236,9 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
         }
       });
   if (pairs >= max_pairs)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "too many pairs of points lie within the radius, expected less "
-                        "than "
-                            << max_pairs << ": take a smaller radius or fewer points");
+    badParameter("too many pairs of points lie within the radius, expected less "
+                 "than ",
+                 max_pairs, ": take a smaller radius or fewer points");
 }
 
 // Divides by D_i, the sums over all j of k_ij, i included, of each term.

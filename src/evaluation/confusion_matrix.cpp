@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/report_text.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 
 #include <nlohmann/json.hpp>
@@ -27,17 +27,14 @@ void
 checkImage(const cv::Mat& image, const cv::Mat& truth, int largest, const char* name)
 {
   if (image.type() != CV_8UC1)
-    PCL_THROW_EXCEPTION(BadInputException, name << " is no 8-bit grey image");
+    badInput(name, " is no 8-bit grey image");
   if (image.size() != truth.size())
-    PCL_THROW_EXCEPTION(BadInputException, name << " has " << image.cols << " x "
-                                                << image.rows
-                                                << " pixels, the ground truth "
-                                                << truth.cols << " x " << truth.rows);
+    badInput(name, " has ", image.cols, " x ", image.rows, " pixels, the ground truth ",
+             truth.cols, " x ", truth.rows);
   double highest = 0.0;
   cv::minMaxLoc(image, nullptr, &highest);
   if (highest > largest)
-    PCL_THROW_EXCEPTION(BadInputException, name << " holds the label " << highest
-                                                << ", expected 0 to " << largest);
+    badInput(name, " holds the label ", highest, ", expected 0 to ", largest);
 }
 
 ClassScores
@@ -85,8 +82,7 @@ meanOf(const std::vector<ClassScores>& classes, double ClassScores::*figure,
 ConfusionMatrix::ConfusionMatrix(int classes) : classes_(classes)
 {
   if (classes < 1 || classes > 255)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "number of classes is " << classes << ", expected 1 to 255");
+    badParameter("number of classes is ", classes, ", expected 1 to 255");
   counts_.assign(std::size_t(classes + 1) * (classes + 1), 0);
 }
 
@@ -113,9 +109,8 @@ void
 ConfusionMatrix::add(Label truth, Label prediction, std::uint64_t count)
 {
   if (truth > classes_ || prediction > classes_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "labels are " << int(truth) << " and " << int(prediction)
-                                      << ", expected 0 to " << classes_);
+    badParameter("labels are ", int(truth), " and ", int(prediction),
+                 ", expected 0 to ", classes_);
   counts_[std::size_t(truth) * (classes_ + 1) + prediction] += count;
 }
 
@@ -123,10 +118,8 @@ ConfusionMatrix&
 ConfusionMatrix::operator+=(const ConfusionMatrix& other)
 {
   if (other.classes_ != classes_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a confusion matrix of "
-                            << other.classes_ << " classes cannot be added to one of "
-                            << classes_);
+    badParameter("a confusion matrix of ", other.classes_,
+                 " classes cannot be added to one of ", classes_);
   std::transform(other.counts_.begin(), other.counts_.end(), counts_.begin(),
                  counts_.begin(), std::plus<>());
   return *this;
@@ -137,10 +130,8 @@ computeScores(const ConfusionMatrix& confusion, const std::vector<Label>& evalua
 {
   for (const Label label : evaluated)
     if (label == kUnlabelled || label > confusion.classes())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "class " << int(label)
-                                   << " cannot be evaluated, expected 1 to "
-                                   << confusion.classes());
+      badParameter("class ", int(label), " cannot be evaluated, expected 1 to ",
+                   confusion.classes());
   Scores scores;
   std::uint64_t right = 0;
   double weighted = 0.0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/bytes.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -24,15 +24,13 @@ readPointDepths(const std::string& path)
 {
   const std::vector<std::uint8_t> bytes = readBytes(path);
   if (bytes.empty() || bytes.size() % sizeof(float) != 0)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has " << bytes.size()
-                                                << " bytes, expected float32 a point");
+    badInput(path, ": has ", bytes.size(), " bytes, expected float32 a point");
   cv::Mat1f depths(1, static_cast<int>(bytes.size() / sizeof(float)));
   std::memcpy(depths.data, bytes.data(), bytes.size());
   for (int i = 0; i < depths.cols; ++i)
     if (!(depths(0, i) >= 0.0f) || std::isinf(depths(0, i)))
-      PCL_THROW_EXCEPTION(BadInputException, path << ": point " << i << " has depth "
-                                                  << depths(0, i)
-                                                  << ", expected 0 or more");
+      badInput(path, ": point ", i, " has depth ", depths(0, i),
+               ", expected 0 or more");
   return depths;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/evaluation/lidar_truth.h>
 
 #include <limits>
@@ -26,9 +27,7 @@ projectLidarTruth(const pcl::PointCloud<pcl::PointXYZI>& scan,
                   const VisibilityParameters& parameters)
 {
   if (labels.size() != scan.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "there are " << labels.size() << " labels for " << scan.size()
-                                     << " points");
+    badParameter("there are ", labels.size(), " labels for ", scan.size(), " points");
   const std::vector<SeenPoint> seen =
       seenPoints(pointsInCamera(scan, T_camera_scanner), camera, parameters);
   cv::Mat1b truth(camera.height, camera.width, kUnlabelled);

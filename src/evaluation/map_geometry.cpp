@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/report_text.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/evaluation/map_geometry.h>
 
@@ -24,8 +24,7 @@ checkedBands(const std::vector<double>& bands)
   if (bands.size() < 2 || !(bands.front() >= 0.0) ||
       std::adjacent_find(bands.begin(), bands.end(),
                          [](double a, double b) { return !(b > a); }) != bands.end())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "borders of the bands have to grow from 0 or more");
+    badParameter("borders of the bands have to grow from 0 or more");
   return bands;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/report_text.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/reliability.h>
 
 #include <nlohmann/json.hpp>
@@ -35,8 +35,7 @@ Reliability::Reliability(int classes, const std::vector<Label>& evaluated)
 {
   for (const Label label : evaluated) {
     if (label == kUnlabelled || int(label) > classes)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "class " << int(label) << ", expected 1 to " << classes);
+      badParameter("class ", int(label), ", expected 1 to ", classes);
     is_evaluated_[label] = true;
   }
 }
@@ -46,10 +45,8 @@ Reliability::add(const cv::Mat& truth, const LabelDistributions& predicted)
 {
   if (truth.type() != CV_8UC1 || !truth.isContinuous() ||
       std::size_t(predicted.size()) != truth.total() || predicted.classes() != classes_)
-    PCL_THROW_EXCEPTION(BadInputException, "the distributions are "
-                                               << predicted.classes() << " x "
-                                               << predicted.size() << ", expected "
-                                               << classes_ << " x " << truth.total());
+    badInput("the distributions are ", predicted.classes(), " x ", predicted.size(),
+             ", expected ", classes_, " x ", truth.total());
   for (Eigen::Index i = 0; i < predicted.size(); ++i) {
     const Label label = truth.data[i];
     const Label likeliest = predicted.mapLabel(i);
@@ -66,8 +63,7 @@ Reliability&
 Reliability::operator+=(const Reliability& other)
 {
   if (other.classes_ != classes_ || other.evaluated_ != evaluated_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "reliabilities of different classes cannot be pooled");
+    badParameter("reliabilities of different classes cannot be pooled");
   for (std::size_t c = 0; c < curves_.size(); ++c)
     for (std::size_t b = 0; b < curves_[c].size(); ++b) {
       curves_[c][b].pixels += other.curves_[c][b].pixels;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/report_text.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/trajectory_error.h>
 
 #include <nlohmann/json.hpp>
@@ -18,9 +18,8 @@ void
 requirePairs(const Trajectory& truth, const Trajectory& estimate)
 {
   if (truth.size() != estimate.size() || truth.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "trajectories of " << truth.size() << " and " << estimate.size()
-                                           << " poses cannot be compared");
+    badParameter("trajectories of ", truth.size(), " and ", estimate.size(),
+                 " poses cannot be compared");
 }
 
 // Way from the first pose to each.
@@ -89,16 +88,13 @@ kittiErrors(const Trajectory& truth, const Trajectory& estimate,
 {
   requirePairs(truth, estimate);
   if (step < 1)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "step of KITTI's errors: " << step << ", expected 1 or more");
+    badParameter("step of KITTI's errors: ", step, ", expected 1 or more");
   const std::vector<double> ways = waysAlong(truth);
   std::vector<SegmentErrors> errors;
   SegmentErrors all;
   for (const double length : lengths) {
     if (!(length > 0.0) || std::isinf(length))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "length of a piece: " << length
-                                                << " m, expected more than 0");
+      badParameter("length of a piece: ", length, " m, expected more than 0");
     const SegmentErrors sum = sumOfErrors(truth, estimate, ways, length, step);
     all.segments += sum.segments;
     all.translation += sum.translation;

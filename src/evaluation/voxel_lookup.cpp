@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "map/cube_renderer.h"
 #include "map/ray_traversal.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 
 #include <algorithm>
@@ -157,8 +157,7 @@ labelsAtDepth(const SemanticVoxelMap& map,
               const Eigen::Isometry3d& T_world_camera, double max_depth)
 {
   if (!cloud.isOrganized())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "looking labels up at depth needs an organized cloud");
+    badParameter("looking labels up at depth needs an organized cloud");
   const int width = static_cast<int>(cloud.width);
   const int height = static_cast<int>(cloud.height);
   cv::Mat labels = cv::Mat::zeros(height, width, CV_8UC1);
@@ -180,10 +179,8 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
              const Eigen::Isometry3d& T_world_camera, double max_depth)
 {
   if (!voxels.cloud || voxels.cloud->size() != voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the voxels have " << voxels.size() << " indices, their cloud "
-                                           << (voxels.cloud ? voxels.cloud->size() : 0)
-                                           << " points");
+    badParameter("the voxels have ", voxels.size(), " indices, their cloud ",
+                 (voxels.cloud ? voxels.cloud->size() : 0), " points");
   std::vector<Eigen::Array3f> surface(voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const Eigen::Vector3f from_centre =

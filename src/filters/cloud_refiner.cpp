@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "point_spacing.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/cloud_refiner.h>
 
 #include <algorithm>
@@ -27,9 +27,8 @@ validPoints(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices,
   std::vector<std::uint8_t> chosen(std::size_t(positions.cols()), 0);
   for (const pcl::index_t index : indices) {
     if (index < 0 || index >= positions.cols())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "the index " << index << " is beyond the cloud of "
-                                       << positions.cols() << " points");
+      badParameter("the index ", index, " is beyond the cloud of ", positions.cols(),
+                   " points");
     chosen[std::size_t(index)] = 1;
   }
   pcl::Indices valid;
@@ -78,9 +77,8 @@ void
 requireSize(const char* what, std::size_t size, std::size_t points)
 {
   if (size != points)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "SemanticCRF has " << what << " of " << size
-                                           << " points for a cloud of " << points);
+    badParameter("SemanticCRF has ", what, " of ", size, " points for a cloud of ",
+                 points);
 }
 
 } // namespace
@@ -89,11 +87,9 @@ void
 CloudRefiner::setLabelConfidence(double confidence, int classes)
 {
   if (!(confidence >= 0.0 && confidence <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "label confidence is " << confidence << ", expected 0 to 1");
+    badParameter("label confidence is ", confidence, ", expected 0 to 1");
   if (classes < 1 || classes > 255)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "labels are of " << classes << " classes, expected 1 to 255");
+    badParameter("labels are of ", classes, " classes, expected 1 to 255");
   measured_ = LabelDistributions();
   label_confidence_ = confidence;
   label_classes_ = classes;
@@ -103,8 +99,7 @@ void
 CloudRefiner::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
 {
   if (!indices.empty() && !(voxel_size > 0.0 && std::isfinite(voxel_size)))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "voxel size is " << voxel_size << " m, expected more than 0");
+    badParameter("voxel size is ", voxel_size, " m, expected more than 0");
   voxels_ = indices;
   voxel_size_ = voxel_size;
 }
@@ -120,10 +115,8 @@ CloudRefiner::measurements(const Fields& fields, const pcl::Indices& indices) co
   LabelDistributions distributions(label_classes_, Eigen::Index(count));
   for (const pcl::index_t i : indices)
     if (fields.labels[std::size_t(i)] > std::uint32_t(label_classes_))
-      PCL_THROW_EXCEPTION(BadInputException, "point " << i << " has the label "
-                                                      << fields.labels[std::size_t(i)]
-                                                      << ", expected 0 to "
-                                                      << label_classes_);
+      badInput("point ", i, " has the label ", fields.labels[std::size_t(i)],
+               ", expected 0 to ", label_classes_);
   for (std::size_t i = 0; i < count; ++i)
     if (fields.labels[i] <= std::uint32_t(label_classes_))
       distributions.setLabel(Eigen::Index(i), Label(fields.labels[i]),
@@ -167,8 +160,7 @@ CloudRefiner::makeCliques(const Fields& fields)
 {
   const bool has_colours = fields.colours.size() > 0;
   if (generator_->usesColour() && !has_colours)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "these cliques need points with colour");
+    badParameter("these cliques need points with colour");
   CliqueGenerator::Cloud cloud(fields.width, fields.height);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f position = fields.positions.col(Eigen::Index(i));

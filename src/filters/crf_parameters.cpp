@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/filters/crf_parameters.h>
 
 #include <algorithm>
@@ -13,8 +14,7 @@ void
 require(bool holds, const char* name, double value, const char* expected)
 {
   if (!holds || !std::isfinite(value))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << " is " << value << ", expected " << expected);
+    badParameter(name, " is ", value, ", expected ", expected);
 }
 
 void

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/filters/image_crf.h>
 
 #include <opencv2/core.hpp>
@@ -27,8 +28,7 @@ ImageCRF::setSegments(const cv::Mat& segments)
 {
   const int type = segments.type();
   if (type != CV_8UC1 && type != CV_16UC1 && type != CV_32SC1)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "an image of segments needs one channel of whole numbers");
+    badParameter("an image of segments needs one channel of whole numbers");
   cv::Mat1i numbers;
   segments.convertTo(numbers, CV_32S);
   std::map<int, pcl::Indices> members;
@@ -36,9 +36,8 @@ ImageCRF::setSegments(const cv::Mat& segments)
     for (int x = 0; x < numbers.cols; ++x) {
       const int number = numbers(y, x);
       if (number < 0)
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "pixel (" << x << ", " << y << ") has the segment "
-                                      << number << ", expected 0 or more");
+        badParameter("pixel (", x, ", ", y, ") has the segment ", number,
+                     ", expected 0 or more");
       if (number > 0)
         members[number].push_back(y * numbers.cols + x);
     }
@@ -55,20 +54,14 @@ LabelDistributions
 ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
 {
   if (image.type() != CV_8UC3 && image.type() != CV_8UC1)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the image is of another type than CV_8UC3 or CV_8UC1");
+    badParameter("the image is of another type than CV_8UC3 or CV_8UC1");
   if (std::size_t(measured.size()) != image.total())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "there are label distributions of "
-                            << measured.size() << " pixels for an image of "
-                            << image.cols << " x " << image.rows);
+    badParameter("there are label distributions of ", measured.size(),
+                 " pixels for an image of ", image.cols, " x ", image.rows);
   if (segments_width_ > 0 &&
       (segments_width_ != image.cols || segments_height_ != image.rows))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "there are segments of "
-                            << segments_width_ << " x " << segments_height_
-                            << " pixels for an image of " << image.cols << " x "
-                            << image.rows);
+    badParameter("there are segments of ", segments_width_, " x ", segments_height_,
+                 " pixels for an image of ", image.cols, " x ", image.rows);
   const Eigen::Index channels = image.channels(), width = image.cols;
   Elements elements;
   elements.total = image.total();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "label_fields.h"
-
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
 
 #include <algorithm>
 #include <cstring>
@@ -41,8 +40,7 @@ void (*writerOf(const pcl::PCLPointField& field))(std::uint8_t*, std::uint32_t)
   case Field::FLOAT64:
     return writeAs<double>;
   default:
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cloud: the field 'label' has a type that cannot hold 255");
+    badParameter("cloud: the field 'label' has a type that cannot hold 255");
   }
 }
 
@@ -57,8 +55,7 @@ LabelFields::LabelFields(const pcl::PCLPointCloud2& cloud)
   };
   const auto label = find("label"), probability = find("probability");
   if (label == cloud.fields.end())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cloud: has no field 'label' to write the result to");
+    badParameter("cloud: has no field 'label' to write the result to");
   label_ = *label;
   write_label_ = writerOf(label_);
   if (probability != cloud.fields.end() &&

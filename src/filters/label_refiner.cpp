@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "crf/crf_energy.h"
 #include "crf/lattice_kernel.h"
 #include "kernels/negative_logs.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/crf/crf_model.h>
 #include <pcl_semantic/crf/mean_field.h>
@@ -177,9 +177,8 @@ keptColumns(const Eigen::MatrixXf& matrix, std::size_t cliques,
             const std::vector<int>& kept, const char* what)
 {
   if (matrix.size() > 0 && std::size_t(matrix.cols()) != cliques)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "there are clique " << what << " of " << matrix.cols()
-                                            << " cliques, expected " << cliques);
+    badParameter("there are clique ", what, " of ", matrix.cols(),
+                 " cliques, expected ", cliques);
   return matrix.size() > 0 ? gather(matrix, kept) : matrix;
 }
 
@@ -235,10 +234,8 @@ LabelRefiner::Builder::kernels() const
   GaussianKernels::List kernels = gaussian_kernels_.make(elements_.positions, terms());
   for (const GaussianTerm& kernel : refiner_.kernels_) {
     if (std::size_t(kernel.features.cols()) != elements_.total)
-      PCL_THROW_EXCEPTION(InvalidParameterException, "a kernel has features of "
-                                                         << kernel.features.cols()
-                                                         << " points, expected "
-                                                         << elements_.total);
+      badParameter("a kernel has features of ", kernel.features.cols(),
+                   " points, expected ", elements_.total);
     if (kernel.weight > 0.0f)
       kernels.push_back(
           std::make_shared<LatticeKernel>(gather(kernel.features, elements_.indices),
@@ -255,11 +252,8 @@ LabelRefiner::Builder::initial() const
     return {};
   if (std::size_t(initial.size()) != elements_.total ||
       initial.classes() != measured_.classes())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "initial distributions are " << initial.classes() << " x "
-                                                     << initial.size() << ", expected "
-                                                     << measured_.classes() << " x "
-                                                     << elements_.total);
+    badParameter("initial distributions are ", initial.classes(), " x ", initial.size(),
+                 ", expected ", measured_.classes(), " x ", elements_.total);
   return gather(initial.matrix(), elements_.indices);
 }
 
@@ -276,13 +270,10 @@ LabelRefiner::Builder::cliquesOfElements(std::vector<int>& kept) const
     std::vector<std::int32_t> members;
     for (const pcl::index_t index : refiner_.cliques_[c].indices) {
       if (index < 0 || std::size_t(index) >= elements_.total)
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "clique " << c << " has the index " << index
-                                      << ", expected 0 to "
-                                      << std::int64_t(elements_.total) - 1);
+        badParameter("clique ", c, " has the index ", index, ", expected 0 to ",
+                     std::int64_t(elements_.total) - 1);
       if (last_clique[std::size_t(index)] == std::int32_t(c))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "clique " << c << " has the index " << index << " twice");
+        badParameter("clique ", c, " has the index ", index, " twice");
       last_clique[std::size_t(index)] = std::int32_t(c);
       if (columns[std::size_t(index)] >= 0)
         members.push_back(columns[std::size_t(index)]);
@@ -299,8 +290,7 @@ void
 LabelRefiner::Builder::addCliques(CrfModel& model)
 {
   if (!refiner_.has_cliques_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "this model needs cliques: set them, or a generator");
+    badParameter("this model needs cliques: set them, or a generator");
   std::vector<int> kept;
   const auto cliques = cliquesOfElements(kept);
   refiner_.report_.cliques = cliques.size();
@@ -369,10 +359,9 @@ checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indice
     unlabelled += column.isZero(0.0f);
   }
   if (bad < count)
-    PCL_THROW_EXCEPTION(BadInputException, "the label distribution of point "
-                                               << indices[std::size_t(bad)]
-                                               << " has a negative or "
-                                                  "non-finite probability");
+    badInput("the label distribution of point ", indices[std::size_t(bad)],
+             " has a negative or "
+             "non-finite probability");
   return std::size_t(unlabelled);
 }
 
@@ -445,13 +434,10 @@ void
 LabelRefiner::addKernel(const Eigen::MatrixXf& features, float weight)
 {
   if (!(weight >= 0.0f && weight <= greatest_weight))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "kernel weight is "
-                                                       << weight << ", expected 0 to "
-                                                       << greatest_weight);
+    badParameter("kernel weight is ", weight, ", expected 0 to ", greatest_weight);
   if (features.rows() < 1 || !features.allFinite())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the features of a kernel are "
-                            << (features.rows() < 1 ? "missing" : "not all finite"));
+    badParameter("the features of a kernel are ",
+                 (features.rows() < 1 ? "missing" : "not all finite"));
   kernels_.push_back({weight, 1.0f, features});
 }
 
@@ -466,7 +452,7 @@ LabelRefiner::setCliques(const std::vector<pcl::PointIndices>& cliques)
 {
   for (std::size_t c = 0; c < cliques.size(); ++c)
     if (cliques[c].indices.empty())
-      PCL_THROW_EXCEPTION(InvalidParameterException, "clique " << c << " is empty");
+      badParameter("clique ", c, " is empty");
   cliques_ = cliques;
   has_cliques_ = true;
 }
@@ -477,10 +463,8 @@ LabelRefiner::setCliqueWeights(const Eigen::MatrixXf& weights)
   for (Eigen::Index c = 0; c < weights.cols(); ++c)
     for (Eigen::Index l = 0; l < weights.rows(); ++l)
       if (!(weights(l, c) >= 0.0f && weights(l, c) <= greatest_weight))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "the weight of clique " << c << " is " << weights(l, c)
-                                                    << ", expected 0 to "
-                                                    << greatest_weight);
+        badParameter("the weight of clique ", c, " is ", weights(l, c),
+                     ", expected 0 to ", greatest_weight);
   clique_weights_ = weights;
 }
 
@@ -488,7 +472,7 @@ void
 LabelRefiner::setCliqueCosts(const Eigen::MatrixXf& costs)
 {
   if (!costs.allFinite())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "a clique cost is not finite");
+    badParameter("a clique cost is not finite");
   clique_costs_ = costs;
 }
 
@@ -497,9 +481,8 @@ LabelRefiner::setInitialDistributions(const LabelDistributions& distributions)
 {
   for (Eigen::Index i = 0; i < distributions.size(); ++i)
     if (!isDistribution(distributions.matrix().col(i)))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "the initial distribution of point "
-                              << i << " has a negative or non-finite probability");
+      badParameter("the initial distribution of point ", i,
+                   " has a negative or non-finite probability");
   initial_ = distributions;
 }
 
@@ -517,8 +500,7 @@ LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
   report_.spacing = elements.spacing;
   report_.unlabelled = checkMeasurements(distributions, elements.indices);
   if (compute_energies_ && !compatibility_.isSymmetric())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "energies need a symmetric label compatibility");
+    badParameter("energies need a symmetric label compatibility");
   if (elements.indices.empty())
     return;
   if (model_ == CRFModelType::unary)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "label_fields.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
@@ -66,8 +66,7 @@ void
 LabelVoxelGrid::setLeafSize(double edge)
 {
   if (!(edge > 0.0 && std::isfinite(edge)))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "voxel size is " << edge << " m, expected more than 0");
+    badParameter("voxel size is ", edge, " m, expected more than 0");
   edge_ = edge;
 }
 
@@ -75,8 +74,7 @@ void
 LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
 {
   if (!(edge_ > 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "LabelVoxelGrid needs a voxel size: setLeafSize()");
+    badParameter("LabelVoxelGrid needs a voxel size: setLeafSize()");
   const LabelFields label_fields(*input_);
   PcdTable table;
   fromPCLPointCloud2(*input_, table);
@@ -89,10 +87,8 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
     const Eigen::Array3d voxel =
         (cloud[std::size_t(i)].getArray3fMap().cast<double>() / edge_).floor();
     if (!(voxel.abs() < double(kMaxVoxelIndex)).all())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "point " << i << " is more than " << kMaxVoxelIndex
-                                   << " voxels of " << edge_
-                                   << " m from the origin; take larger ones");
+      badParameter("point ", i, " is more than ", kMaxVoxelIndex, " voxels of ", edge_,
+                   " m from the origin; take larger ones");
     members.push_back({voxel.cast<int>(), i});
   }
   std::sort(members.begin(), members.end(), isBefore);

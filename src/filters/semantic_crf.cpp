@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "label_fields.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/semantic_crf.h>
@@ -40,9 +40,8 @@ SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
   const bool reads_measurements = !hasMeasurements();
   const bool reads_cliques = usesCliques() && !hasCliqueSource();
   if (reads_measurements && labelled.distributions.classes() == 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cloud: has no field 'probability'; call setLabelConfidence() "
-                        "to start from its labels");
+    badParameter("cloud: has no field 'probability'; call setLabelConfidence() "
+                 "to start from its labels");
   const AtEnd undo([&] {
     if (reads_measurements)
       setLabelDistributions(LabelDistributions());

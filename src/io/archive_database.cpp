@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_database.h"
 #include "block_encoding.h"
+#include "core/fail.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -44,12 +45,11 @@ requireReadableFile(const std::string& path)
 {
   std::error_code error;
   if (fs::is_directory(path, error))
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is a folder, expected a file");
+    badInput(path, ": is a folder, expected a file");
   // Not by opening it: closing it again would drop the locks that SQLite holds on the
   // file in this process.
   if (::access(path.c_str(), R_OK) != 0)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path << ": cannot be read: " << std::strerror(errno));
+    badInput(path, ": cannot be read: ", std::strerror(errno));
 }
 
 void
@@ -57,11 +57,10 @@ refuseExisting(const std::string& path)
 {
   std::error_code error;
   if (fs::exists(path, error))
-    PCL_THROW_EXCEPTION(OutputException, path << ": is there already");
+    fail<OutputException>(path, ": is there already");
   for (const char* const ending : {"-wal", "-journal"})
     if (fs::exists(path + ending, error))
-      PCL_THROW_EXCEPTION(OutputException,
-                          path + ending << ": is left of an earlier archive of that "
+      fail<OutputException>(path + ending, ": is left of an earlier archive of that "
                                            "name; remove it");
 }
 
@@ -76,8 +75,7 @@ rename(const std::string& from, const std::string& to)
     result = ::rename(from.c_str(), to.c_str());
   }
   if (result != 0)
-    PCL_THROW_EXCEPTION(OutputException,
-                        to << ": cannot be written: " << std::strerror(errno));
+    fail<OutputException>(to, ": cannot be written: ", std::strerror(errno));
 }
 
 // Removes what was made if it has not got its name.
@@ -131,7 +129,7 @@ makeArchiveFile(const std::string& path,
     const std::size_t at = message.find(temporary.name);
     if (at != std::string::npos)
       message.replace(at, temporary.name.size(), path);
-    PCL_THROW_EXCEPTION(OutputException, message);
+    fail<OutputException>(message);
   }
   rename(temporary.name, path);
   synchronizeFolderOf(path);
@@ -174,8 +172,7 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path, Access access)
     database_.run("BEGIN");
   else {
     if (!database_.splitLog())
-      PCL_THROW_EXCEPTION(OutputException,
-                          path << ": another program is using it; try again when it "
+      fail<OutputException>(path, ": another program is using it; try again when it "
                                   "has finished");
     database_.run("PRAGMA synchronous = FULL; PRAGMA wal_autocheckpoint = 1000; PRAGMA "
                   "journal_size_limit = 67108864; BEGIN IMMEDIATE");
@@ -190,22 +187,18 @@ ArchiveDatabase::checkTables()
 {
   const std::int64_t mark = database_.number("PRAGMA application_id");
   if (mark != SqliteDatabase::whole && mark != SqliteDatabase::with_log)
-    PCL_THROW_EXCEPTION(BadInputException, path() << ": is no map archive");
+    badInput(path(), ": is no map archive");
   const std::int64_t version = database_.number("PRAGMA user_version");
   if (version > kVersion || version == 1)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path()
-                            << ": is an archive of version " << version << ", "
-                            << (version > kVersion ? "newer" : "older")
-                            << " than this program, which reads version " << kVersion);
+    badInput(path(), ": is an archive of version ", version, ", ",
+             (version > kVersion ? "newer" : "older"),
+             " than this program, which reads version ", kVersion);
   SqliteStatement schema(
       database_, "SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY name");
   std::vector<std::string> found;
   schema.forEachRow([&] { found.emplace_back(schema.bytes(0)); });
   if (version != kVersion || found != tables)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path() << ": is damaged: its tables are not those of version "
-                               << kVersion);
+    badInput(path(), ": is damaged: its tables are not those of version ", kVersion);
 }
 
 void
@@ -230,8 +223,7 @@ ArchiveDatabase::putMeta(const std::string& name, const Bytes& content)
   writer.putText(name);
   writer.putBytes(content);
   if (writer.bytes().size() > kMaxMeta)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        path() << ": '" << name << "' is too large");
+    badParameter(path(), ": '", name, "' is too large");
   SqliteStatement(database_, "INSERT OR REPLACE INTO meta VALUES(?, ?)")
       .run(name, statements_->sealer.seal(writer.bytes()));
 }
@@ -246,13 +238,12 @@ ArchiveDatabase::getMeta(const std::string& name,
     content = unseal(row.bytes(0), kMaxMeta);
     ByteReader reader(*content);
     if (reader.getText() != name)
-      PCL_THROW_EXCEPTION(BadInputException, "holds something else");
+      badInput("holds something else");
     decode(reader.getRest());
   };
   row.forEachRow([&] { readAt(path() + ": '" + name + "'", read); }, name);
   if (!content)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        path() << ": is damaged: has no '" << name << "'");
+    badInput(path(), ": is damaged: has no '", name, "'");
 }
 
 void
@@ -287,7 +278,7 @@ ArchiveDatabase::forEachFrame(const std::function<void(int, const Bytes&)>& visi
       const Bytes content = unseal(row.bytes(1), kMaxFrame);
       ByteReader reader(content);
       if (reader.get<std::int64_t>() != number || int(number) != number)
-        PCL_THROW_EXCEPTION(BadInputException, "holds another frame");
+        badInput("holds another frame");
       visit(int(number), reader.getRest());
     });
   });
@@ -322,9 +313,8 @@ ArchiveDatabase::keyOf(const SqliteStatement& row) const
   const std::int64_t zyx[] = {row.integer(0), row.integer(1), row.integer(2)};
   for (const std::int64_t value : zyx)
     if (value < -kMaxVoxelIndex || value > kMaxVoxelIndex)
-      PCL_THROW_EXCEPTION(BadInputException, path() << ": is damaged: has a block at "
-                                                    << zyx[2] << " " << zyx[1] << " "
-                                                    << zyx[0]);
+      badInput(path(), ": is damaged: has a block at ", zyx[2], " ", zyx[1], " ",
+               zyx[0]);
   return {int(zyx[2]), int(zyx[1]), int(zyx[0])};
 }
 

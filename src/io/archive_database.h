@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/fail.h"
 #include "files/bytes.h"
 #include "sqlite_database.h"
 
@@ -109,7 +110,7 @@ readAt(const std::string& where, Read&& read)
     return read();
   }
   catch (const BadInputException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, where << ": " << error.what());
+    badInput(where, ": ", error.what());
   }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_database.h"
+#include "core/fail.h"
 #include "map/voxel_fusion.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/map/semantic_voxel.h>
@@ -165,8 +165,7 @@ void
 requireSame(const MapArchive& first, const MapArchive& other)
 {
   const auto fail = [&](const char* what) {
-    PCL_THROW_EXCEPTION(BadInputException, other.path() << ": has another " << what
-                                                        << " than " << first.path());
+    badInput(other.path(), ": has another ", what, " than ", first.path());
   };
   const MapParameters &p = first.header().parameters, &q = other.header().parameters;
   if (p.voxel_size != q.voxel_size)
@@ -255,8 +254,7 @@ mergeArchives(const std::vector<std::string>& inputs, const std::string& output,
               const BlockProgress& progress)
 {
   if (inputs.size() < 2)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "expected two or more archives to merge");
+    badParameter("expected two or more archives to merge");
   Archives archives;
   for (const std::string& input : inputs) {
     archives.push_back(std::make_unique<MapArchive>(input, ArchiveAccess::read));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "archive_meta.h"
+#include "core/fail.h"
 
 #include <map>
 #include <optional>
@@ -33,8 +34,7 @@ void
 requireEnd(const ByteReader& reader)
 {
   if (reader.left() > 0)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "has " << reader.left() << " bytes behind its end");
+    badInput("has ", reader.left(), " bytes behind its end");
 }
 
 // What cannot be is the file's fault here, not the caller's.
@@ -46,7 +46,7 @@ makeOrRefuse(Make&& make)
     return make();
   }
   catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, error.what());
+    badInput(error.what());
   }
 }
 
@@ -124,7 +124,7 @@ decodeParameters(const Bytes& bytes)
   requireEnd(reader);
   missing.erase("clearing");
   if (!missing.empty())
-    PCL_THROW_EXCEPTION(BadInputException, "lacks " << missing.begin()->first);
+    badInput("lacks ", missing.begin()->first);
   parameters.fusion.pixel_fusion =
       pixel_fusion == 0.0 ? PixelFusion::mean : PixelFusion::product;
   parameters.fusion.per_ray_counting = per_ray_counting != 0.0;
@@ -164,7 +164,7 @@ decodeState(const Bytes& bytes)
   state.last_frame = reader.get<std::int64_t>();
   requireEnd(reader);
   if (!state.cloud_origin.allFinite())
-    PCL_THROW_EXCEPTION(BadInputException, "has an origin that is not finite");
+    badInput("has an origin that is not finite");
   return state;
 }
 
@@ -216,9 +216,8 @@ readBlockKeys(ArchiveDatabase& database, const ArchiveState& state)
   std::optional<VoxelIndex> last;
   database.forEachBlockKey([&](const VoxelIndex& index) {
     if (last && !VoxelIndexLess()(*last, index))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          database.path() << ": is damaged: " << nameOfBlock(index)
-                                          << " is not in its place");
+      badInput(database.path(), ": is damaged: ", nameOfBlock(index),
+               " is not in its place");
     last = index;
     blocks.insert(index);
   });
@@ -231,10 +230,8 @@ checkBlockKeys(const std::string& path, const BlockIndexSet& blocks,
                const ArchiveState& state)
 {
   if (blocks.size() != state.blocks || blocks.keySum() != state.key_sum)
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is damaged: has " << blocks.size()
-                                                << " blocks that are not the "
-                                                << state.blocks
-                                                << " it was committed with");
+    badInput(path, ": is damaged: has ", blocks.size(), " blocks that are not the ",
+             state.blocks, " it was committed with");
 }
 
 void
@@ -242,11 +239,9 @@ checkFrameCount(ArchiveDatabase& database, const ArchiveState& state)
 {
   const std::uint64_t frames = database.countFrames();
   if (frames != state.frames || database.lastFrame() != state.last_frame)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        database.path()
-                            << ": is damaged: has " << frames << " frames, the last "
-                            << database.lastFrame() << ", expected " << state.frames
-                            << " up to " << state.last_frame);
+    badInput(database.path(), ": is damaged: has ", frames, " frames, the last ",
+             database.lastFrame(), ", expected ", state.frames, " up to ",
+             state.last_frame);
 }
 
 } // namespace pcl_semantic

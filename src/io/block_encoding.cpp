@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "block_encoding.h"
+#include "core/fail.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,15 +29,12 @@ checkBlock(const VoxelBlock& block, int classes)
   if (records > kBlockVoxels || std::size_t(marked) != records ||
       block.measured.size() != floats || block.refined.size() != floats ||
       (records > 0 && block.record_of.size() != kBlockVoxels))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a block of "
-                            << records << " records and " << block.measured.size()
-                            << " values does not fit " << classes << " classes");
+    badParameter("a block of ", records, " records and ", block.measured.size(),
+                 " values does not fit ", classes, " classes");
   for (const std::vector<float>* const values : {&block.measured, &block.refined})
     if (!std::all_of(values->begin(), values->end(),
                      [](float value) { return std::isfinite(value); }))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "a block holds a value that is not finite");
+      badParameter("a block holds a value that is not finite");
 }
 
 // The numbers of a record, in the order of their columns.
@@ -69,7 +67,7 @@ getDistributions(ByteReader& reader, std::size_t records, int classes)
     const std::vector<float> column = reader.getColumn<float>(records);
     for (std::size_t i = 0; i < records; ++i) {
       if (!std::isfinite(column[i]))
-        PCL_THROW_EXCEPTION(BadInputException, "holds a value that is not finite");
+        badInput("holds a value that is not finite");
       values[i * std::size_t(classes) + k] = column[i];
     }
   }
@@ -117,8 +115,7 @@ getRecords(ByteReader& reader, std::size_t records, int classes, VoxelBlock& blo
       block.record_of[std::size_t(offset)] = static_cast<std::int16_t>(next++);
   }
   if (next != records)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "marks " << next << " voxels, expected " << records);
+    badInput("marks ", next, " voxels, expected ", records);
   block.records.resize(records);
   for (std::size_t c = 0; c < kRecordNumbers; ++c) {
     const Numbers column = reader.getColumn<std::uint32_t>(records);
@@ -153,7 +150,7 @@ constexpr int kCompressionLevel = 3;
 [[noreturn]] void
 failDamaged(const char* why)
 {
-  PCL_THROW_EXCEPTION(BadInputException, "is damaged: " << why);
+  badInput("is damaged: ", why);
 }
 
 // The frame's descriptor is its fifth byte; bit 2 says that a checksum follows.
@@ -200,17 +197,14 @@ decodeBlock(const Bytes& bytes, const VoxelIndex& index, int classes)
   const auto y = reader.get<std::int32_t>();
   const auto x = reader.get<std::int32_t>();
   if (VoxelIndex(x, y, z) != index)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "holds the block " << x << " " << y << " " << z);
+    badInput("holds the block ", x, " ", y, " ", z);
   const int stored_classes = reader.get<std::uint8_t>();
   const std::size_t records = reader.get<std::uint16_t>();
   if (stored_classes != classes)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "has " << stored_classes << " classes, expected " << classes);
+    badInput("has ", stored_classes, " classes, expected ", classes);
   if (records > kBlockVoxels || bytes.size() != encodedBlockSize(records, classes))
-    PCL_THROW_EXCEPTION(BadInputException, "has " << bytes.size()
-                                                  << " bytes, which are not those of "
-                                                  << records << " records");
+    badInput("has ", bytes.size(), " bytes, which are not those of ", records,
+             " records");
   auto block = std::make_unique<VoxelBlock>();
   const std::vector<StoredLogOdds> log_odds =
       reader.getColumn<StoredLogOdds>(kBlockVoxels);

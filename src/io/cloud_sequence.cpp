@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/file_pattern.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/cloud_sequence.h>
@@ -49,17 +49,15 @@ distributionsOf(const LabelledCloud& read, const std::string& path, int classes,
     return {};
   if (const int found = read.distributions.classes(); found > 0) {
     if (found != classes)
-      PCL_THROW_EXCEPTION(BadInputException, path << ": has probabilities of " << found
-                                                  << " classes, expected " << classes);
+      badInput(path, ": has probabilities of ", found, " classes, expected ", classes);
     return read.distributions;
   }
   LabelDistributions distributions(classes, Eigen::Index(read.cloud->size()));
   for (std::size_t i = 0; i < read.cloud->size(); ++i) {
     const std::uint32_t label = (*read.cloud)[i].label;
     if (label > std::uint32_t(classes))
-      PCL_THROW_EXCEPTION(BadInputException, path << ": point " << i << " has label "
-                                                  << label << ", expected 0 to "
-                                                  << classes << ", or a label mapping");
+      badInput(path, ": point ", i, " has label ", label, ", expected 0 to ", classes,
+               ", or a label mapping");
     distributions.setLabel(Eigen::Index(i), Label(label), confidence);
   }
   return distributions;
@@ -89,9 +87,8 @@ CloudSequence::CloudSequence(const std::string& pattern, const std::string& time
   times_.clear();
   for (const int number : numbers_) {
     if (!times.empty() && std::size_t(number) >= rows.size())
-      PCL_THROW_EXCEPTION(BadInputException, times << ": has " << rows.size()
-                                                   << " times, but frame " << number
-                                                   << " is there (row = frame number)");
+      badInput(times, ": has ", rows.size(), " times, but frame ", number,
+               " is there (row = frame number)");
     times_.push_back(times.empty() ? 0.1 * number : rows[std::size_t(number)]);
   }
 }

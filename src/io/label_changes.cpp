@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "label_changes.h"
-
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
 
 #include <algorithm>
 
@@ -12,9 +11,8 @@ countLabelChanges(const std::vector<Label>& before, const std::vector<Label>& af
                   const std::vector<Label>& truth)
 {
   if (before.size() != after.size() || (!truth.empty() && truth.size() != after.size()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "labels of " << before.size() << " and " << after.size()
-                                     << " positions, truth of " << truth.size());
+    badParameter("labels of ", before.size(), " and ", after.size(),
+                 " positions, truth of ", truth.size());
   LabelChanges changes;
   std::vector<std::size_t> counts(256 * 256, 0);
   for (std::size_t i = 0; i < after.size(); ++i) {

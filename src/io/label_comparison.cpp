@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "core/grey_image.h"
 #include "label_changes.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/drawing.h>
 #include <pcl_semantic/io/label_comparison.h>
 #include <pcl_semantic/io/map_images.h>
@@ -158,26 +158,20 @@ validate(const cv::Mat& image, const std::vector<NamedLabels>& labels,
          const cv::Mat& truth, const LabelSet& label_set, int width)
 {
   if (width < 320 || width > 16384)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a figure " << width << " pixels wide, expected 320 to 16384");
+    badParameter("a figure ", width, " pixels wide, expected 320 to 16384");
   if (labels.empty() || image.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a figure needs an image and labels");
+    badParameter("a figure needs an image and labels");
   std::vector<NamedLabels> all = labels;
   if (!truth.empty())
     all.push_back({"truth", truth});
   for (const NamedLabels& each : all) {
     if (each.labels.type() != CV_8UC1 || each.labels.size() != image.size())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          each.name << ": has " << each.labels.cols << " x "
-                                    << each.labels.rows << " pixels, the image "
-                                    << image.cols << " x " << image.rows);
+      badParameter(each.name, ": has ", each.labels.cols, " x ", each.labels.rows,
+                   " pixels, the image ", image.cols, " x ", image.rows);
     for (const Label label : listOf(each.labels))
       if (label > label_set.size())
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            each.name << ": label " << int(label) << " is beyond the "
-                                      << label_set.size()
-                                      << " classes of the label set");
+        badParameter(each.name, ": label ", int(label), " is beyond the ",
+                     label_set.size(), " classes of the label set");
   }
 }
 

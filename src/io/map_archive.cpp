@@ -2,6 +2,7 @@
 #include "archive_database.h"
 #include "archive_meta.h"
 #include "block_encoding.h"
+#include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "files/bytes.h"
 
@@ -71,8 +72,7 @@ struct MapArchive::Implementation {
   requireWritable() const
   {
     if (!writable)
-      PCL_THROW_EXCEPTION(OutputException,
-                          database.path() << ": is not, or no more, open for writing");
+      fail<OutputException>(database.path(), ": is not, or no more, open for writing");
   }
 
   // Runs what writes; after a failure the transaction may be gone, so that a later
@@ -203,8 +203,7 @@ MapArchive::get(const VoxelIndex& block) const
     return nullptr;
   const std::optional<Bytes> content = my.database.getBlock(block);
   if (!content)
-    PCL_THROW_EXCEPTION(BadInputException, my.database.path() << ": is damaged: lacks "
-                                                              << nameOfBlock(block));
+    badInput(my.database.path(), ": is damaged: lacks ", nameOfBlock(block));
   return my.decode(block, *content);
 }
 
@@ -248,9 +247,8 @@ MapArchive::forEach(
   for (; next != waiting.end(); ++next)
     visit(next->first, *next->second);
   if (rows != my.stored.size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        my.database.path() << ": is damaged: has " << rows
-                                           << " blocks, expected " << my.stored.size());
+    badInput(my.database.path(), ": is damaged: has ", rows, " blocks, expected ",
+             my.stored.size());
 }
 
 void

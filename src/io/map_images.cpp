@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "core/grey_image.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/drawing.h>
 #include <pcl_semantic/io/map_images.h>
 
@@ -111,8 +111,7 @@ cv::Mat
 blendLabels(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
 {
   if (image.size() != labels.size() || labels.type() != CV_8UC1)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "an overlay needs an image and labels of the same size");
+    badParameter("an overlay needs an image and labels of the same size");
   cv::Mat picture;
   cv::cvtColor(greyImage(image), picture, cv::COLOR_GRAY2BGR);
   cv::Mat blended;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/io/occupancy_grid.h>
 
@@ -23,13 +24,10 @@ requireHeights(const OccupancyGridParameters& parameters)
 {
   if (!(parameters.min_height >= 0.0 && parameters.max_height > parameters.min_height &&
         std::isfinite(parameters.max_height)))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the heights are " << parameters.min_height << " and "
-                                           << parameters.max_height
-                                           << " m, expected 0 <= lower < upper");
+    badParameter("the heights are ", parameters.min_height, " and ",
+                 parameters.max_height, " m, expected 0 <= lower < upper");
   if (!(parameters.reach >= 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the reach of the ground is " << parameters.reach << " m");
+    badParameter("the reach of the ground is ", parameters.reach, " m");
 }
 
 // The box of voxels that a scene fills.
@@ -41,13 +39,11 @@ boxOf(const VoxelScene& scene)
   for (const VoxelIndex& voxel : scene.voxels.indices)
     box.extend(voxel);
   if (box.isEmpty())
-    PCL_THROW_EXCEPTION(BadInputException, "the map has no voxel");
+    badInput("the map has no voxel");
   const Eigen::Array3d cells = box.sizes().cast<double>().array() + 1.0;
   if (cells.x() * cells.y() > max_cells || cells.z() > max_cells)
-    PCL_THROW_EXCEPTION(BadInputException, "the map is "
-                                               << cells.x() << " x " << cells.y()
-                                               << " columns large, expected at most "
-                                               << max_cells << " in all");
+    badInput("the map is ", cells.x(), " x ", cells.y(),
+             " columns large, expected at most ", max_cells, " in all");
   return box;
 }
 
@@ -125,8 +121,7 @@ private:
     label = cv::Mat::zeros(own.size(), CV_8UC1);
     const std::vector<std::size_t> rows = groundVoxels();
     if (rows.empty())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          "the map has no voxel of the classes of the ground");
+      badInput("the map has no voxel of the classes of the ground");
     // The top of the lowest stretch of ground in each column.
     for (const std::size_t row : rows) {
       const VoxelIndex& voxel = scene_.voxels.indices[row];

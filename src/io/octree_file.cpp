@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/io/octree_file.h>
 
@@ -39,8 +40,7 @@ firstVoxel(const VoxelScene& scene)
 {
   const Eigen::Array3d cells = (scene.grid.corner + scene.origin) / scene.grid.size;
   if (!(cells.abs() < double(kMaxVoxelIndex)).all())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "the map is too far from the origin for an octree");
+    badInput("the map is too far from the origin for an octree");
   return cells.round().cast<int>();
 }
 
@@ -52,10 +52,8 @@ keyOf(const VoxelIndex& voxel, const VoxelIndex& first)
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t cell = std::int64_t(voxel[axis]) + first[axis];
     if (cell < -half || cell >= half)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          "the map reaches "
-                              << cell << " voxels from the origin, an octree holds "
-                              << half << " to each side");
+      badInput("the map reaches ", cell, " voxels from the origin, an octree holds ",
+               half, " to each side");
     key[unsigned(axis)] = static_cast<octomap::key_type>(cell + half);
   }
   return key;
@@ -112,9 +110,7 @@ writeColourOctree(const std::string& path, const VoxelScene& scene,
                   const std::vector<cv::Vec3b>& colours)
 {
   if (colours.size() != scene.voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException, colours.size() << " colours for "
-                                                                  << scene.voxels.size()
-                                                                  << " voxels");
+    badParameter(colours.size(), " colours for ", scene.voxels.size(), " voxels");
   AtomicFile file(path);
   ExactColourTree tree(scene.grid.size);
   fill(tree, scene, [&](octomap::ColorOcTreeNode& node, std::size_t i) {

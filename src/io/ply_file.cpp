@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/bytes.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/io/ply_file.h>
 #include <pcl_semantic/map/voxel_set.h>
@@ -51,9 +51,7 @@ void
 requireColours(const VoxelScene& scene, const std::vector<cv::Vec3b>& colours)
 {
   if (colours.size() != scene.voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException, colours.size() << " colours for "
-                                                                  << scene.voxels.size()
-                                                                  << " voxels");
+    badParameter(colours.size(), " colours for ", scene.voxels.size(), " voxels");
 }
 
 void
@@ -109,8 +107,7 @@ blockyMesh(const VoxelScene& scene, const std::vector<cv::Vec3b>& colours)
     const auto [found, is_new] = numbers.try_emplace({corner, look}, number);
     if (is_new) {
       if (number == std::uint32_t(std::numeric_limits<std::int32_t>::max()))
-        PCL_THROW_EXCEPTION(InvalidParameterException,
-                            "the mesh has more than " << number << " vertices");
+        badParameter("the mesh has more than ", number, " vertices");
       mesh.corners.push_back(corner);
       mesh.voxels.push_back(static_cast<std::uint32_t>(row));
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "map/cube_renderer.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/scene_image.h>
 #include <pcl_semantic/io/scene_view.h>
 #include <pcl_semantic/map/voxel_set.h>
@@ -307,17 +307,15 @@ void
 validate(const VoxelScene& scene, const VoxelColours& colours, const SceneView& view)
 {
   if (scene.voxels.size() == 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "there is no voxel to draw");
+    badParameter("there is no voxel to draw");
   if (colours.colours.size() != scene.voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        colours.colours.size()
-                            << " colours for " << scene.voxels.size() << " voxels");
+    badParameter(colours.colours.size(), " colours for ", scene.voxels.size(),
+                 " voxels");
   const Eigen::Array3d cell =
       (view.T_world_camera.translation() / scene.grid.size).array().floor();
   for (const VoxelIndex& index : scene.voxels.indices)
     if ((index.cast<double>().array() == cell).all())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "the camera is inside a voxel: it would see nothing");
+      badParameter("the camera is inside a voxel: it would see nothing");
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/io/scene_view.h>
 
 #include <Eigen/Eigenvalues>
@@ -124,9 +125,8 @@ StereoCamera
 pinhole(double focal_length, cv::Size size)
 {
   if (size.width < 16 || size.height < 16 || size.width > 16384 || size.height > 16384)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a picture of " << size.width << " x " << size.height
-                                        << " pixels, expected 16 to 16384");
+    badParameter("a picture of ", size.width, " x ", size.height,
+                 " pixels, expected 16 to 16384");
   StereoCamera camera;
   camera.fx = camera.fy = focal_length;
   camera.cx = 0.5 * (size.width - 1);
@@ -187,13 +187,11 @@ lookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target, double field_
        cv::Size size)
 {
   if (!(field_of_view > 0.0 && field_of_view < kPi))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a field of view of " << field_of_view * 180.0 / kPi
-                                              << " degrees, expected 0 to 180");
+    badParameter("a field of view of ", field_of_view * 180.0 / kPi,
+                 " degrees, expected 0 to 180");
   const Eigen::Vector3d way = target - from;
   if (!(way.norm() > 1e-9) || !way.allFinite())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the position to look from is the one to look at");
+    badParameter("the position to look from is the one to look at");
   const Eigen::Vector3d forward = way.normalized();
   Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ());
   if (right.norm() < 1e-6) // straight down: the world's x is up in the picture

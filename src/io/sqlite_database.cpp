@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sqlite_database.h"
+#include "core/fail.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -127,11 +128,9 @@ SqliteDatabase::requireLog() const
     if (std::filesystem::exists(log, error))
       return;
     if (attempt == 4)
-      PCL_THROW_EXCEPTION(
-          BadInputException,
-          path_ << ": lacks " << log
-                << ", which holds what was written last: copy both (if it is lost, "
-                   "an empty file of that name lets the rest be read)");
+      badInput(path_, ": lacks ", log,
+               ", which holds what was written last: copy both (if it is lost, "
+               "an empty file of that name lets the rest be read)");
     waitALittle();
   }
 }
@@ -189,23 +188,19 @@ SqliteDatabase::fail(int code) const
     throw std::bad_alloc();
   if (kind == SQLITE_BUSY || kind == SQLITE_LOCKED) {
     if (access_ == Access::read)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          path_ << ": cannot be read: another program has locked it");
-    PCL_THROW_EXCEPTION(OutputException, path_ << ": another program is writing it");
+      badInput(path_, ": cannot be read: another program has locked it");
+    fail<OutputException>(path_, ": another program is writing it");
   }
   const char* const why = sqlite3_errstr(code);
   if (access_ != Access::read && isOutputFailure(code))
-    PCL_THROW_EXCEPTION(OutputException,
-                        path_ << ": cannot be written: " << why
-                              << (kind == SQLITE_IOERR ? " (is the disk full?)" : ""));
+    fail<OutputException>(path_, ": cannot be written: ", why,
+                          (kind == SQLITE_IOERR ? " (is the disk full?)" : ""));
   if (kind == SQLITE_CANTOPEN || kind == SQLITE_READONLY || kind == SQLITE_PERM)
-    PCL_THROW_EXCEPTION(
-        BadInputException,
-        path_ << ": cannot be read: " << why
-              << " (what a killed run left needs a folder that can be written)");
+    badInput(path_, ": cannot be read: ", why,
+             " (what a killed run left needs a folder that can be written)");
   if (kind == SQLITE_NOTADB)
-    PCL_THROW_EXCEPTION(BadInputException, path_ << ": is no map archive: " << why);
-  PCL_THROW_EXCEPTION(BadInputException, path_ << ": is damaged: " << why);
+    badInput(path_, ": is no map archive: ", why);
+  badInput(path_, ": is damaged: ", why);
 }
 
 SqliteStatement::SqliteStatement(SqliteDatabase& database, const std::string& sql)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/pcd_file.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 
 #include <algorithm>
@@ -91,9 +91,8 @@ void
 VoxelCloudWriter::commit()
 {
   if (missing_ != 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "another number of voxels was announced, by "
-                            << static_cast<std::int64_t>(missing_));
+    badParameter("another number of voxels was announced, by ",
+                 static_cast<std::int64_t>(missing_));
   file_.commit();
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "label_changes.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/voxel_colours.h>
 
 #include <opencv2/imgproc.hpp>
@@ -92,9 +92,7 @@ void
 requireField(bool is_there, const char* what, const char* field)
 {
   if (!is_there)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the points have no "
-                                                       << what << ", expected a field "
-                                                       << field);
+    badParameter("the points have no ", what, ", expected a field ", field);
 }
 
 } // namespace
@@ -106,9 +104,8 @@ classColours(const VoxelScene& scene, const LabelSet& label_set)
   std::array<std::size_t, 256> counts{};
   for (const Label label : labelsOf(scene)) {
     if (label > label_set.size())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "label " << int(label) << " is beyond the "
-                                   << label_set.size() << " classes of the label set");
+      badParameter("label ", int(label), " is beyond the ", label_set.size(),
+                   " classes of the label set");
     ++counts[label];
     result.colours.push_back(solidColour(label_set, label));
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "map/block_reader.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/io/voxel_scene.h>
 #include <pcl_semantic/map/voxel_set.h>
@@ -38,7 +38,7 @@ finitePoints(const std::string& path, const PcdTable& table)
     points.rows.push_back(i);
   }
   if (points.rows.empty())
-    PCL_THROW_EXCEPTION(BadInputException, path << ": has no point");
+    badInput(path, ": has no point");
   return points;
 }
 
@@ -94,9 +94,8 @@ findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions)
   for (const Eigen::Vector3d& position : positions) {
     const Eigen::Array3d cells = (position - grid.corner).array() / grid.size - 0.5;
     if (!((cells - cells.round()).abs() < 0.1).all())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          path << ": its points are not the centres of voxels; say "
-                                  "how large they are, with --voxel-size");
+      badInput(path, ": its points are not the centres of voxels; say "
+                     "how large they are, with --voxel-size");
   }
   // As our maps lie, as far as single precision tells.
   const Eigen::Array3d first = grid.corner.array() / grid.size;
@@ -114,10 +113,8 @@ indicesOf(const std::string& path, const std::vector<Eigen::Vector3d>& positions
   for (const Eigen::Vector3d& position : positions) {
     const Eigen::Array3d cell = ((position - grid.corner).array() / grid.size).floor();
     if (!(cell.abs() < double(kMaxVoxelIndex)).all())
-      PCL_THROW_EXCEPTION(BadInputException, path << ": a point lies "
-                                                  << position.norm()
-                                                  << " m away, too far for voxels of "
-                                                  << grid.size << " m");
+      badInput(path, ": a point lies ", position.norm(),
+               " m away, too far for voxels of ", grid.size, " m");
     indices.emplace_back(cell.cast<int>());
   }
   return indices;
@@ -254,9 +251,8 @@ labelsAtVoxels(const VoxelScene& scene, const VoxelScene& other)
       (other.grid.corner - scene.grid.corner).array() / scene.grid.size;
   if (std::abs(other.grid.size - scene.grid.size) > 1e-6 * scene.grid.size ||
       !((shift - shift.round()).abs() < 0.01).all())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the maps have different voxels, of "
-                                                       << scene.grid.size << " m and "
-                                                       << other.grid.size << " m");
+    badParameter("the maps have different voxels, of ", scene.grid.size, " m and ",
+                 other.grid.size, " m");
   std::unordered_map<VoxelIndex, Label, VoxelIndexHash> labels;
   labels.reserve(other.voxels.size());
   const VoxelIndex step = shift.round().cast<int>();

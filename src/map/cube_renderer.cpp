@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cube_renderer.h"
 
+#include "core/fail.h"
 #include "core/parallel_guard.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <algorithm>
@@ -303,24 +303,17 @@ void
 validate(const View& view)
 {
   if (!(view.voxels.empty() || view.voxel_size > 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "voxel size is "
-                                                       << view.voxel_size
-                                                       << " m, expected more than 0");
+    badParameter("voxel size is ", view.voxel_size, " m, expected more than 0");
   if (view.voxels.size() > std::size_t(std::numeric_limits<int>::max()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        view.voxels.size() << " voxels, expected fewer than 2^31");
+    badParameter(view.voxels.size(), " voxels, expected fewer than 2^31");
   view.camera.validate();
   if (view.camera.width <= 0 || view.camera.height <= 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "the camera has no image size");
+    badParameter("the camera has no image size");
   if (!view.surface.empty() && view.surface.size() != view.voxels.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "there are surfaces in "
-                                                       << view.surface.size()
-                                                       << " voxels, expected "
-                                                       << view.voxels.size());
+    badParameter("there are surfaces in ", view.surface.size(), " voxels, expected ",
+                 view.voxels.size());
   if (!(view.max_depth > 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "largest depth is "
-                                                       << view.max_depth
-                                                       << " m, expected more than 0");
+    badParameter("largest depth is ", view.max_depth, " m, expected more than 0");
 }
 
 } // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "directed_ray.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/map_parameters.h>
 
 #include <algorithm>
@@ -23,23 +23,16 @@ void
 MapParameters::validate() const
 {
   if (!(voxel_size >= 1e-3 && voxel_size <= 100.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "voxel_size is " << voxel_size << " m, expected 0.001 to 100");
+    badParameter("voxel_size is ", voxel_size, " m, expected 0.001 to 100");
   if (!window.isZero(0.0) &&
       !((window.array() >= voxel_size).all() && (window.array() <= 1e5).all()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "window is "
-                            << window.transpose()
-                            << " m, expected at least a voxel and at most 1e5");
+    badParameter("window is ", window.transpose(),
+                 " m, expected at least a voxel and at most 1e5");
   if (!(max_range > 0.0 && max_range <= 1e4))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "max_range is " << max_range
-                                        << " m, expected more than 0, at most 1e4");
+    badParameter("max_range is ", max_range, " m, expected more than 0, at most 1e4");
   if (max_range > kMaxRayVoxels * voxel_size)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "max_range is " << max_range << " m, with voxels of "
-                                        << voxel_size << " m expected at most "
-                                        << kMaxRayVoxels * voxel_size);
+    badParameter("max_range is ", max_range, " m, with voxels of ", voxel_size,
+                 " m expected at most ", kMaxRayVoxels * voxel_size);
   fusion.validate();
 }
 

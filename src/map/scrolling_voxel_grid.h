@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/fail.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/voxel_index.h>
 
@@ -26,10 +28,9 @@ public:
   {
     const double slots = size.cast<double>().prod();
     if ((size.array() <= 0).any() || slots > double(1 << 28))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "a window of " << size.transpose()
-                                         << " blocks is empty or too large; take a "
-                                            "smaller window or larger voxels");
+      badParameter("a window of ", size.transpose(),
+                   " blocks is empty or too large; take a "
+                   "smaller window or larger voxels");
     blocks_.resize(static_cast<std::size_t>(slots));
   }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "core/voxel_table.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/map/seen_through.h>
 
@@ -116,19 +116,14 @@ check(const Cloud& cloud, const StereoCamera& camera,
       const Eigen::Isometry3d& T_world_camera, double voxel_size, double fraction)
 {
   if (int(cloud.width) != camera.width || int(cloud.height) != camera.height)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the cloud has " << cloud.width << " x " << cloud.height
-                                         << " points, expected the camera's "
-                                         << camera.width << " x " << camera.height);
+    badParameter("the cloud has ", cloud.width, " x ", cloud.height,
+                 " points, expected the camera's ", camera.width, " x ", camera.height);
   if (!(voxel_size > 0.0 && std::isfinite(voxel_size)))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "voxel_size is " << voxel_size << ", expected more than 0");
+    badParameter("voxel_size is ", voxel_size, ", expected more than 0");
   if (!(fraction >= 0.0 && fraction <= 1.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "fraction is " << fraction << ", expected 0 to 1");
+    badParameter("fraction is ", fraction, ", expected 0 to 1");
   if (!T_world_camera.matrix().allFinite())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the pose of the camera is not finite");
+    badParameter("the pose of the camera is not finite");
 }
 
 } // namespace

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "block_reader.h"
 #include "block_update.h"
+#include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "ray_caster.h"
 #include "ray_traversal.h"
 #include "read_write_lock.h"
 #include "scrolling_voxel_grid.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
@@ -69,32 +69,27 @@ void
 checkScan(const Scan& scan, int classes)
 {
   if (scan.points.size() >> 31)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a scan of " << scan.points.size() << " points is too large");
+    badParameter("a scan of ", scan.points.size(), " points is too large");
   if (scan.distributions &&
       (scan.distributions->classes() != classes ||
        std::size_t(scan.distributions->size()) != scan.points.size()))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the label distributions are "
-                            << scan.distributions->classes() << " x "
-                            << scan.distributions->size() << ", expected " << classes
-                            << " x " << scan.points.size());
+    badParameter("the label distributions are ", scan.distributions->classes(), " x ",
+                 scan.distributions->size(), ", expected ", classes, " x ",
+                 scan.points.size());
   if (scan.deviations && scan.deviations->size() != scan.points.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "there are " << scan.deviations->size()
-                                     << " deviations, expected " << scan.points.size());
+    badParameter("there are ", scan.deviations->size(), " deviations, expected ",
+                 scan.points.size());
 }
 
 void
 checkPose(const Eigen::Isometry3d& pose)
 {
   if (!pose.matrix().allFinite())
-    PCL_THROW_EXCEPTION(BadInputException, "the pose of the sensor is not finite");
+    badInput("the pose of the sensor is not finite");
   const Eigen::Matrix3d R = pose.linear();
   constexpr double tolerance = 1e-3; // rotations are read from texts of few digits
   if (!(R.transpose() * R).isIdentity(tolerance) || R.determinant() < 0.0)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "the pose of the sensor is no rotation and translation");
+    badInput("the pose of the sensor is no rotation and translation");
 }
 
 // Puts a block into the store unless that has it as it is.
@@ -142,10 +137,8 @@ SemanticVoxelMap::State::centreWindow(const Eigen::Vector3d& sensor)
 {
   const double farthest = 0.5 * kMaxVoxelIndex * parameters.voxel_size;
   if (!((sensor.array().abs() <= farthest).all()))
-    PCL_THROW_EXCEPTION(BadInputException, "the sensor is at "
-                                               << sensor.transpose()
-                                               << " m, expected at most " << farthest
-                                               << " m from the origin");
+    badInput("the sensor is at ", sensor.transpose(), " m, expected at most ", farthest,
+             " m from the origin");
   if (!has_cloud_origin)
     cloud_origin = nearbyOrigin(sensor);
   has_cloud_origin = true;
@@ -271,8 +264,7 @@ void
 SemanticVoxelMap::setCloudOrigin(const Eigen::Vector3d& origin)
 {
   if (!origin.allFinite())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the origin of the clouds is not finite");
+    badParameter("the origin of the clouds is not finite");
   const auto writing = state_->lock.write();
   state_->cloud_origin = origin;
   state_->has_cloud_origin = true;
@@ -295,15 +287,12 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
 {
   const int classes = state_->label_set.size();
   if (std::size_t(refined.size()) != voxels.size() || refined.classes() != classes)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "refined distributions are "
-                            << refined.classes() << " x " << refined.size()
-                            << ", expected " << classes << " x " << voxels.size());
+    badParameter("refined distributions are ", refined.classes(), " x ", refined.size(),
+                 ", expected ", classes, " x ", voxels.size());
   const auto isProbability = [](float p) { return p >= 0.0f && p <= 1.001f; };
   const auto& values = refined.matrix();
   if (!std::all_of(values.data(), values.data() + values.size(), isProbability))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a refined distribution holds a value that is no probability");
+    badParameter("a refined distribution holds a value that is no probability");
   const auto writing = state_->lock.write();
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const VoxelIndex& voxel = voxels.indices[i];
@@ -432,8 +421,7 @@ VoxelIndex
 SemanticVoxelMap::voxelOf(const Eigen::Vector3d& point) const
 {
   if (!isNear(point, state_->parameters.voxel_size))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a point at " << point.transpose() << " m lies in no voxel");
+    badParameter("a point at ", point.transpose(), " m lies in no voxel");
   return pcl_semantic::voxelOf(quantize(point, state_->parameters.voxel_size));
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxel_fusion.h"
+#include "core/fail.h"
 #include "kernels/log_sums.h"
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,9 +17,8 @@ void
 requireBetween(double value, double low, double high, const char* name)
 {
   if (!(value > low && value < high))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << " is " << value << ", expected more than " << low
-                             << " and less than " << high);
+    badParameter(name, " is ", value, ", expected more than ", low, " and less than ",
+                 high);
 }
 
 } // namespace
@@ -37,13 +35,11 @@ FusionParameters::validate() const
   requireBetween(occupied_probability, min_probability, max_probability,
                  "occupied_probability");
   if (per_ray_counting && clearing == Clearing::none)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "per_ray_counting counts rays that clear space, but clearing "
-                        "is none");
+    badParameter("per_ray_counting counts rays that clear space, but clearing "
+                 "is none");
   requireBetween(label_min_probability, 0.0, 0.5, "label_min_probability");
   if (!(dynamic_decay >= 0.0 && dynamic_decay <= 7.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "dynamic_decay is " << dynamic_decay << ", expected 0 to 7");
+    badParameter("dynamic_decay is ", dynamic_decay, ", expected 0 to 7");
   requireBetween(label_max_ratio, 1.0, std::numeric_limits<double>::infinity(),
                  "label_max_ratio");
 }

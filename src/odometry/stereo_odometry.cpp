@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "circle_tracker.h"
+#include "core/fail.h"
 #include "core/grey_image.h"
 #include "keyframe_window.h"
 #include "pose_ransac.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
 #include <algorithm>
@@ -93,22 +93,16 @@ private:
   {
     const cv::Mat &left = frame.left, &right = frame.right;
     if (left.empty() || left.size() != right.size() || left.type() != right.type())
-      PCL_THROW_EXCEPTION(
-          BadInputException,
-          "frame " << frame.number << ": the left image has " << left.cols << " x "
-                   << left.rows << " pixels, the right one " << right.cols << " x "
-                   << right.rows << ", expected two of one size and type");
+      badInput("frame ", frame.number, ": the left image has ", left.cols, " x ",
+               left.rows, " pixels, the right one ", right.cols, " x ", right.rows,
+               ", expected two of one size and type");
     if (left.type() != CV_8UC1 && left.type() != CV_8UC3)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          "frame "
-                              << frame.number
-                              << ": the images are neither grey nor BGR of 8 bits");
+      badInput("frame ", frame.number,
+               ": the images are neither grey nor BGR of 8 bits");
     if ((camera_.width > 0 && left.cols != camera_.width) ||
         (camera_.height > 0 && left.rows != camera_.height))
-      PCL_THROW_EXCEPTION(BadInputException,
-                          "frame " << frame.number << ": the images have " << left.cols
-                                   << " x " << left.rows << " pixels, expected "
-                                   << camera_.width << " x " << camera_.height);
+      badInput("frame ", frame.number, ": the images have ", left.cols, " x ",
+               left.rows, " pixels, expected ", camera_.width, " x ", camera_.height);
     camera_.width = left.cols; // the next frames' size, where it was not known
     camera_.height = left.rows;
     tracker_.push(greyImage(left), greyImage(right));
@@ -310,8 +304,7 @@ StereoOdometry::Parameters::validate() const
       {"offset_drift", offset_drift, 0, 100, "0 to 100 px"}};
   for (const auto& [name, value, min, max, expected] : ranges)
     if (!(value >= min && value <= max))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          name << " is " << value << ", expected " << expected);
+      badParameter(name, " is ", value, ", expected ", expected);
 }
 
 StereoOdometry::StereoOdometry(const StereoCamera& camera,
@@ -332,9 +325,8 @@ StereoOdometry::pose(const SensorFrame& frame)
 {
   const auto* const pair = std::get_if<StereoFrame>(&frame);
   if (!pair)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "frame " << timeOf(frame).number
-                                 << " is a cloud; odometry needs a stereo pair");
+    badInput("frame ", timeOf(frame).number,
+             " is a cloud; odometry needs a stereo pair");
   return process(*pair).T_world_camera;
 }
 

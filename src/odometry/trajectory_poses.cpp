@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 
@@ -20,7 +21,7 @@ StoredPoses::pose(const SensorFrame& frame)
   const FrameTime& time = timeOf(frame);
   const Eigen::Isometry3d* const found = find(time);
   if (!found)
-    PCL_THROW_EXCEPTION(BadInputException, lackOf(time));
+    badInput(lackOf(time));
   return worldFromFirstCamera() * *found * T_camera0_camera_;
 }
 
@@ -30,10 +31,8 @@ StoredPoses::requirePoses(const std::vector<FrameTime>& frames) const
   const auto lacks = [&](const FrameTime& frame) { return !find(frame); };
   const auto first = std::find_if(frames.begin(), frames.end(), lacks);
   if (first != frames.end())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        lackOf(*first)
-                            << "; " << std::count_if(first, frames.end(), lacks)
-                            << " of " << frames.size() << " frames lack one");
+    badInput(lackOf(*first), "; ", std::count_if(first, frames.end(), lacks), " of ",
+             frames.size(), " frames lack one");
 }
 
 TimedPoses::TimedPoses(TimedTrajectory trajectory,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "frame_calibration.h"
 #include "map_cliques.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
@@ -42,9 +42,8 @@ CalibrationSequence::CalibrationSequence(const CalibrationFolders& folders, int 
 {
   const std::string poses = sequence_.posesPath();
   if (poses.empty())
-    PCL_THROW_EXCEPTION(BadInputException, folders.sequence
-                                               << ": has no poses.txt; write it with "
-                                                  "pcl_semantic_odometry");
+    badInput(folders.sequence, ": has no poses.txt; write it with "
+                               "pcl_semantic_odometry");
   trajectory_ = readKittiTrajectory(poses);
   const std::vector<std::size_t> chosen = selectFrames(sequence_, folders.frames);
   for (const std::size_t i : chosen)
@@ -70,17 +69,14 @@ CalibrationSequence::readTruth()
     double largest = 0.0;
     cv::minMaxLoc(truth, nullptr, &largest);
     if (truth.size() != frame->left.size() || largest > classes_)
-      PCL_THROW_EXCEPTION(BadInputException,
-                          file.path << ": " << truth.cols << " x " << truth.rows
-                                    << " pixels with labels up to " << largest
-                                    << ", expected " << frame->left.cols << " x "
-                                    << frame->left.rows << " up to " << classes_);
+      badInput(file.path, ": ", truth.cols, " x ", truth.rows,
+               " pixels with labels up to ", largest, ", expected ", frame->left.cols,
+               " x ", frame->left.rows, " up to ", classes_);
     has_truth = true;
   }
   if (!has_truth)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        folders_.truth << ": has no ground truth image of a frame of "
-                                       << folders_.sequence);
+    badInput(folders_.truth, ": has no ground truth image of a frame of ",
+             folders_.sequence);
 }
 
 std::unique_ptr<LabelPredictor>
@@ -245,7 +241,7 @@ tryCalibration(const std::vector<CalibrationSamples>& sequences,
                const std::vector<Label>& ground, const CalibrationOptions& options)
 {
   if (sequences.empty())
-    PCL_THROW_EXCEPTION(BadInputException, "calibration: no sequence");
+    badInput("calibration: no sequence");
   const int classes = sequences.front().network.classes();
   CalibrationTrial trial{{},
                          {},

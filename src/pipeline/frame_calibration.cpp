@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame_calibration.h"
+#include "core/fail.h"
 #include "stereo/cloud_features.h"
-
-#include <pcl_semantic/core/exceptions.h>
 
 namespace pcl_semantic {
 
@@ -11,10 +10,8 @@ frameGround(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
             const LabelDistributions& distributions, const std::vector<Label>& ground)
 {
   if (Eigen::Index(cloud.size()) != distributions.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "frame features: " << distributions.size()
-                                           << " distributions for " << cloud.size()
-                                           << " points");
+    badParameter("frame features: ", distributions.size(), " distributions for ",
+                 cloud.size(), " points");
   constexpr float sure = 0.5f;
   std::vector<std::uint8_t> is_ground(cloud.size());
 #pragma omp parallel for

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_cliques.h"
+#include "core/fail.h"
 #include "frame_calibration.h"
 #include "stereo/cloud_features.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 
 #include <Eigen/Eigenvalues>
@@ -121,10 +121,8 @@ MapCliques::setCalibration(LabelCalibration calibration)
 {
   calibration.validate();
   if (calibration.classes() != classes_)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "clique calibration of "
-                                                       << calibration.classes()
-                                                       << " classes for a map of "
-                                                       << classes_);
+    badParameter("clique calibration of ", calibration.classes(),
+                 " classes for a map of ", classes_);
   ground_ = calibration.ground;
   calibration_ = std::move(calibration);
 }

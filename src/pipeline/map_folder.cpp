@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
@@ -20,22 +21,20 @@ readSummary(const std::string& path, MapFolder& map)
       nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
   try {
     if (!summary.at("finished").get<bool>())
-      PCL_THROW_EXCEPTION(BadInputException, path << ": the map is not finished");
+      badInput(path, ": the map is not finished");
     map.frames = summary.at("frame_numbers").get<std::vector<int>>();
     map.voxels.voxel_size = summary.at("voxel_size").get<double>();
     const auto origin = summary.at("map_origin").get<std::vector<double>>();
     map.voxels.origin << origin.at(0), origin.at(1), origin.at(2);
   }
   catch (const nlohmann::json::exception&) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": is no summary of a map");
+    badInput(path, ": is no summary of a map");
   }
   catch (const std::out_of_range&) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": map_origin has no three numbers");
+    badInput(path, ": map_origin has no three numbers");
   }
   if (!(map.voxels.voxel_size > 0.0))
-    PCL_THROW_EXCEPTION(BadInputException, path << ": voxel_size is "
-                                                << map.voxels.voxel_size
-                                                << ", expected more than 0");
+    badInput(path, ": voxel_size is ", map.voxels.voxel_size, ", expected more than 0");
 }
 
 } // namespace
@@ -53,16 +52,14 @@ readMapFolder(const std::string& folder)
         point.getVector3fMap().cast<double>() + voxels.origin;
     const Eigen::Array3d index = (centre.array() / voxels.voxel_size).floor();
     if (!(index.abs() <= kMaxVoxelIndex).all())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          folder << "/map.pcd: a point is no centre of a voxel");
+      badInput(folder, "/map.pcd: a point is no centre of a voxel");
     voxels.indices.push_back(index.cast<int>());
   }
   for (const Eigen::Isometry3d& pose : readKittiTrajectory(folder + "/trajectory.txt"))
     map.T_world_camera0.push_back(worldFromFirstCamera() * pose);
   for (const int frame : map.frames)
     if (frame < 0 || std::size_t(frame) >= map.T_world_camera0.size())
-      PCL_THROW_EXCEPTION(BadInputException,
-                          folder << "/trajectory.txt: has no pose of frame " << frame);
+      badInput(folder, "/trajectory.txt: has no pose of frame ", frame);
   return map;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cliques/slic_cliques.h"
+#include "core/fail.h"
 #include "files/yaml_config.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
@@ -26,8 +27,7 @@ parseInteger(const std::string& text, const std::string& where)
 {
   const double value = parseNumber(text, where);
   if (value != std::floor(value) || std::abs(value) > 1e9)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": '" << text << "' is no integer up to 1e9");
+    badInput(where, ": '", text, "' is no integer up to 1e9");
   return static_cast<int>(value);
 }
 
@@ -37,8 +37,7 @@ parseVector(std::string text, const std::string& where)
   std::replace(text.begin(), text.end(), ',', ' ');
   const std::vector<double> numbers = parseNumbers(text, where);
   if (numbers.size() != 3)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": '" << text << "' is no X,Y,Z triple");
+    badInput(where, ": '", text, "' is no X,Y,Z triple");
   return {numbers[0], numbers[1], numbers[2]};
 }
 
@@ -56,8 +55,7 @@ parseChoice(const std::string& text, const std::vector<std::string>& words,
 {
   const auto word = std::find(words.begin(), words.end(), text);
   if (word == words.end())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        where << ": '" << text << "', expected " << joinWords(words));
+    badInput(where, ": '", text, "', expected ", joinWords(words));
   return int(word - words.begin());
 }
 
@@ -105,7 +103,7 @@ readConfig(const std::string& path, Config& config)
     config.validate();
   }
   catch (const InvalidParameterException& error) {
-    PCL_THROW_EXCEPTION(BadInputException, path << ": " << error.what());
+    badInput(path, ": ", error.what());
   }
 }
 
@@ -114,8 +112,7 @@ void
 require(bool is_valid, const char* name, T value, const char* expected)
 {
   if (!is_valid)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << " is " << value << ", expected " << expected);
+    badParameter(name, " is ", value, ", expected ", expected);
 }
 
 void
@@ -217,7 +214,7 @@ numberAfterColon(const std::string& text)
     return parseNumber(text.substr(text.find(':') + 1), "cliques '" + text + "'");
   }
   catch (const BadInputException& error) {
-    PCL_THROW_EXCEPTION(InvalidParameterException, error.what());
+    badParameter(error.what());
   }
 }
 
@@ -232,9 +229,7 @@ parseSuperpixels(const std::string& text, const std::string& word,
     return false;
   const double number = numberAfterColon(text);
   if (!(number >= 1.0 && number <= 65536.0) || number != std::floor(number))
-    PCL_THROW_EXCEPTION(InvalidParameterException, "cliques are '"
-                                                       << text << "', expected " << word
-                                                       << ":N with N 1 to 65536");
+    badParameter("cliques are '", text, "', expected ", word, ":N with N 1 to 65536");
   parameters.superpixels = int(number);
   return true;
 }
@@ -304,11 +299,9 @@ makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
       supervoxel.seed_resolution = numberAfterColon(text);
     return std::make_shared<SupervoxelCliques>(supervoxel);
   }
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      "cliques are '"
-                          << text
-                          << "', expected cubes[:SIZE], slic, superpixel or "
-                             "supervoxel");
+  badParameter("cliques are '", text,
+               "', expected cubes[:SIZE], slic, superpixel or "
+               "supervoxel");
 }
 
 namespace {
@@ -398,11 +391,10 @@ CRFConfig::requireFittingCliques() const
   const bool needed =
       model == CRFModelType::pn_potts || model == CRFModelType::hierarchical;
   if (needed != (cliques != "none"))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        (needed ? "the models pn-potts and hierarchical need cliques: "
-                                : "cliques are for the models pn-potts and "
-                                  "hierarchical, not with: ")
-                            << "--cliques " << cliques);
+    badParameter((needed ? "the models pn-potts and hierarchical need cliques: "
+                         : "cliques are for the models pn-potts and "
+                           "hierarchical, not with: "),
+                 "--cliques ", cliques);
 }
 
 ConfigParameters
@@ -438,8 +430,7 @@ requireChoice(const char* name, const std::string& value,
 {
   const auto word = std::find(words.begin(), words.end(), value);
   if (word == words.end())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << " is '" << value << "', expected " << joinWords(words));
+    badParameter(name, " is '", value, "', expected ", joinWords(words));
   return int(word - words.begin());
 }
 
@@ -455,14 +446,11 @@ MapperConfig::validate()
   requireChoice("crf", crf, crf_models);
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // is for organized clouds
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques are '"
-                            << cliques
-                            << "', expected cubes:SIZE, superpixel or supervoxel");
+    badParameter("cliques are '", cliques,
+                 "', expected cubes:SIZE, superpixel or supervoxel");
   makeCliqueGenerator(cliques, clique_parameters);
   if (!(map.max_range > 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "max_depth is " << map.max_range << " m, expected more than 0");
+    badParameter("max_depth is ", map.max_range, " m, expected more than 0");
   map.validate();
   crf_parameters.validate();
   makeDisparityEstimator(stereo, disparities); // checks both
@@ -567,8 +555,7 @@ listedLabels(const std::string& names, const LabelSet& label_set,
   for (std::string name; std::getline(stream, name, ',');) {
     labels.push_back(label_set.find(name));
     if (labels.back() == kUnlabelled)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          what << ": class '" << name << "' is not in the label set");
+      badParameter(what, ": class '", name, "' is not in the label set");
   }
   return labels;
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
@@ -12,9 +14,8 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
 {
   if (!options_.path.empty() && run.config.cliques.rfind("superpixel", 0) == 0 &&
       run.config.clique_parameters.superpixel.keep)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "--archive does not go with --superpixel-keep: what frames "
-                        "before a kill saw of the superpixels would be lost");
+    badParameter("--archive does not go with --superpixel-keep: what frames "
+                 "before a kill saw of the superpixels would be lost");
   if (!run.frames.empty())
     last_frame_ = run.frames.back();
   if (options_.path.empty())
@@ -22,9 +23,8 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
   std::error_code error;
   const bool is_there = std::filesystem::exists(options_.path, error);
   if (is_there && !options_.resume)
-    PCL_THROW_EXCEPTION(OutputException, options_.path
-                                             << ": is there already: go on with it by "
-                                                "--resume, or remove it");
+    fail<OutputException>(options_.path, ": is there already: go on with it by "
+                                         "--resume, or remove it");
   if (is_there) {
     requireSameRun(run); // before it is touched
     archive_ = std::make_shared<MapArchive>(options_.path, ArchiveAccess::write);
@@ -62,8 +62,7 @@ MappingArchive::requireSameRun(const MappingRun& run) const
   const std::string change =
       changeOfRun(archive.header().configuration, describeRun(run));
   if (!change.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        options_.path << ": is the archive of another run: " << change);
+    badInput(options_.path, ": is the archive of another run: ", change);
 }
 
 std::shared_ptr<BlockStore>

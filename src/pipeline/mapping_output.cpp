@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "extra_output.h"
 #include "files/folder_lock.h"
 #include "files/report_text.h"
@@ -126,10 +127,9 @@ MappingOutput::refuseForeignImages() const
   for (const std::string& name : names())
     if (std::filesystem::is_directory(path(name), error) &&
         !listFrameFiles(path(name), {".png", ".label"}).empty())
-      PCL_THROW_EXCEPTION(OutputException,
-                          path(name)
-                              << ": holds images, but no summary.json lies beside "
-                                 "it: not a map; choose another folder");
+      fail<OutputException>(path(name),
+                            ": holds images, but no summary.json lies beside "
+                            "it: not a map; choose another folder");
 }
 
 // Frames of two runs must not lie in one folder: a summary that says so marks it until
@@ -170,9 +170,8 @@ MappingOutput::requireImages() const
     for (const char* name : frame_folders) {
       const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");
       if (!std::filesystem::exists(image))
-        PCL_THROW_EXCEPTION(BadInputException,
-                            image << ": is missing; a run goes on in the folder that "
-                                     "the interrupted one wrote to");
+        badInput(image, ": is missing; a run goes on in the folder that "
+                        "the interrupted one wrote to");
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "files/bytes.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/version.h>
@@ -205,7 +205,7 @@ decodeFrameRecord(int number, const std::vector<std::uint8_t>& bytes)
   if (reader.left() > 0)
     record.domain_shift = reader.get<double>();
   if (reader.left() > 0 || !record.T_world_camera.matrix().allFinite())
-    PCL_THROW_EXCEPTION(BadInputException, "is no record of a frame");
+    badInput("is no record of a frame");
   return record;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "frame_calibration.h"
 #include "map_cliques.h"
 
@@ -28,18 +29,15 @@ void
 requireNothingOfStereo(const MapperConfig& config, bool has_camera)
 {
   if (config.deviation_scale > 0.0 || config.max_deviation > 0.0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "max_deviation and deviation_scale are for stereo: clouds do "
-                        "not say how sure they are");
+    badParameter("max_deviation and deviation_scale are for stereo: clouds do "
+                 "not say how sure they are");
   if (!has_camera && config.min_hit_ratio > 0.0 &&
       config.min_hit_ratio != MapperConfig().min_hit_ratio)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "min_hit_ratio is for images: it counts the pixels that look "
-                        "past a voxel");
+    badParameter("min_hit_ratio is for images: it counts the pixels that look "
+                 "past a voxel");
   if (!has_camera && config.crf == "hierarchical" &&
       config.cliques.rfind("superpixel", 0) == 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "superpixels are for clouds of a camera");
+    badParameter("superpixels are for clouds of a camera");
 }
 
 } // namespace
@@ -61,8 +59,7 @@ SemanticMapper::SemanticMapper(const LabelSet& label_set, MapperConfig config,
   else if (camera_)
     stereo_ = makeDisparityEstimator(config_.stereo, config_.disparities);
   else
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "stereo pairs, which a predictor is for, need their camera");
+    badParameter("stereo pairs, which a predictor is for, need their camera");
 }
 
 SemanticMapper::~SemanticMapper() = default;
@@ -72,13 +69,10 @@ SemanticMapper::setLabelCalibration(LabelCalibration calibration)
 {
   calibration.validate();
   if (!camera_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a label calibration is for frames of a camera");
+    badParameter("a label calibration is for frames of a camera");
   if (calibration.classes() != map_.labelSet().size())
-    PCL_THROW_EXCEPTION(InvalidParameterException, "label calibration of "
-                                                       << calibration.classes()
-                                                       << " classes for a map of "
-                                                       << map_.labelSet().size());
+    badParameter("label calibration of ", calibration.classes(),
+                 " classes for a map of ", map_.labelSet().size());
   calibration_ = std::move(calibration);
 }
 
@@ -86,12 +80,10 @@ void
 SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
 {
   if (config_.crf != "hierarchical")
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a clique calibration is for the model hierarchical, not "
-                            << config_.crf);
+    badParameter("a clique calibration is for the model hierarchical, not ",
+                 config_.crf);
   if (!camera_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "a clique calibration is for frames of a camera");
+    badParameter("a clique calibration is for frames of a camera");
   cliques_->setCalibration(std::move(calibration));
 }
 
@@ -131,8 +123,7 @@ void
 SemanticMapper::readPair(const StereoFrame& frame, MappedFrame& mapped)
 {
   if (!stereo_)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "this mapper was made for clouds alone");
+    badParameter("this mapper was made for clouds alone");
   StageTimes& times = mapped.times;
   mapped.frame = frame;
   mapped.disparity = times.measure(
@@ -151,11 +142,9 @@ SemanticMapper::readCloud(const CloudFrame& frame, MappedFrame& mapped) const
   const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *frame.cloud;
   if (camera_ &&
       (int(cloud.width) != camera_->width || int(cloud.height) != camera_->height))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "frame " << frame.number << ": the cloud is " << cloud.width
-                                 << " x " << cloud.height
-                                 << ", expected that of the camera, " << camera_->width
-                                 << " x " << camera_->height);
+    badInput("frame ", frame.number, ": the cloud is ", cloud.width, " x ",
+             cloud.height, ", expected that of the camera, ", camera_->width, " x ",
+             camera_->height);
   if (camera_)
     mapped.frame.left = imageOfCloud(cloud);
   mapped.cloud = frame.cloud;
@@ -233,8 +222,7 @@ SemanticMapper::integrate(const MappedFrame& mapped)
     return counts;
   }
   catch (const BadInputException& error) { // a map knows nothing of frames
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "frame " << mapped.frame.number << ": " << error.what());
+    badInput("frame ", mapped.frame.number, ": ", error.what());
   }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_features.h"
-
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -140,9 +139,8 @@ fitGroundPlane(const Cloud& cloud, const std::vector<std::uint8_t>& is_ground,
                double max_distance)
 {
   if (is_ground.size() != cloud.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "ground plane: " << is_ground.size() << " flags for "
-                                         << cloud.size() << " points");
+    badParameter("ground plane: ", is_ground.size(), " flags for ", cloud.size(),
+                 " points");
   const std::vector<Eigen::Vector3d> points =
       groundPoints(cloud, is_ground, max_distance);
   if (points.size() < min_points)
@@ -168,8 +166,7 @@ cloudFeatures(const Cloud& cloud,
               const std::optional<Eigen::Hyperplane<double, 3>>& ground)
 {
   if (!cloud.isOrganized() && !cloud.empty())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "normals from neighbours need an organized cloud");
+    badParameter("normals from neighbours need an organized cloud");
   std::vector<PointFeatures> features(cloud.size());
 #pragma omp parallel for
   for (std::size_t i = 0; i < cloud.size(); ++i)

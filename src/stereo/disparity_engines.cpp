@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/fail.h"
 #include "core/grey_image.h"
 #include "elas.h"
 #include "image_pair.h"
 #include "semi_global_matcher.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <opencv2/calib3d.hpp>
@@ -97,9 +97,8 @@ cv::Mat
 drawDisparity(const cv::Mat& disparity, double nearest)
 {
   if (disparity.type() != CV_32FC1 || !(nearest > 0.0))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "drawDisparity: expected an image of floats and a disparity "
-                        "of more than 0");
+    badParameter("drawDisparity: expected an image of floats and a disparity "
+                 "of more than 0");
   // The root, so that the far half of a street is not all of one colour.
   cv::Mat fraction, levels, image;
   cv::sqrt(cv::max(disparity, 0.0) / nearest, fraction);
@@ -128,14 +127,11 @@ makeDisparityEstimator(const std::string& name, int disparities)
       std::find_if(std::begin(engines), std::end(engines),
                    [&](const Engine& each) { return each.name == name; });
   if (engine == std::end(engines))
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the stereo engine is '" << name
-                                                 << "', expected sgm, elas or sgbm");
+    badParameter("the stereo engine is '", name, "', expected sgm, elas or sgbm");
   if (disparities <= 0 || disparities > engine->largest ||
       disparities % engine->step != 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        engine->title << ": disparities is " << disparities
-                                      << ", expected " << engine->expected);
+    badParameter(engine->title, ": disparities is ", disparities, ", expected ",
+                 engine->expected);
   return engine->make(disparities);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
+
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <opencv2/imgproc.hpp>
@@ -15,22 +16,16 @@ void
 checkImages(const cv::Mat& disparity, const cv::Mat& image, const StereoCamera& camera)
 {
   if (disparity.empty() || disparity.type() != CV_32FC1)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "disparity image: expected one channel of 32-bit floats");
+    badInput("disparity image: expected one channel of 32-bit floats");
   if (image.type() != CV_8UC1 && image.type() != CV_8UC3)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "image of a disparity: expected 8-bit grey or 8-bit colour");
+    badInput("image of a disparity: expected 8-bit grey or 8-bit colour");
   if (image.size() != disparity.size())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "image is " << image.cols << " x " << image.rows
-                                    << " pixels, its disparity " << disparity.cols
-                                    << " x " << disparity.rows);
+    badInput("image is ", image.cols, " x ", image.rows, " pixels, its disparity ",
+             disparity.cols, " x ", disparity.rows);
   const bool known = camera.width != 0 || camera.height != 0;
   if (known && (camera.width != image.cols || camera.height != image.rows))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "image is " << image.cols << " x " << image.rows
-                                    << " pixels, the camera's " << camera.width << " x "
-                                    << camera.height);
+    badInput("image is ", image.cols, " x ", image.rows, " pixels, the camera's ",
+             camera.width, " x ", camera.height);
 }
 
 } // namespace
@@ -56,9 +51,8 @@ disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
       point.r = colour[2];
       const float d = disparity.at<float>(v, u);
       if (!std::isfinite(d) || d < 0.0f)
-        PCL_THROW_EXCEPTION(BadInputException, "disparity of pixel ("
-                                                   << u << ", " << v << ") is " << d
-                                                   << ", expected 0 or more");
+        badInput("disparity of pixel (", u, ", ", v, ") is ", d,
+                 ", expected 0 or more");
       if (d > 0.0f)
         point.getVector3fMap() = camera.unproject(u, v, camera.depth(d)).cast<float>();
       else
@@ -85,9 +79,8 @@ distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
   if (disparity_deviation.type() != CV_32FC1 ||
       disparity_deviation.cols != int(cloud.width) ||
       disparity_deviation.rows != int(cloud.height))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "the deviations of the disparities are no 32-bit image of "
-                            << cloud.width << " x " << cloud.height << " pixels");
+    badInput("the deviations of the disparities are no 32-bit image of ", cloud.width,
+             " x ", cloud.height, " pixels");
   const float fraction = float(scale / (camera.fx * camera.baseline));
   std::vector<float> deviations(cloud.size(), 0.0f);
   for (std::size_t i = 0; i < cloud.size(); ++i)

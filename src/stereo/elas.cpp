@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "elas.h"
+#include "core/fail.h"
 #include "core/grey_image.h"
 #include "core/parallel_guard.h"
 #include "disparity_cleaning.h"
@@ -8,8 +9,6 @@
 #include "parallel_bands.h"
 #include "plane_prior.h"
 #include "support_points.h"
-
-#include <pcl_semantic/core/exceptions.h>
 
 #include <algorithm>
 #include <array>
@@ -155,10 +154,8 @@ Elas::estimate(const cv::Mat& left, const cv::Mat& right)
 {
   requireImagePair(left, right);
   if (std::max(left.cols, left.rows) > largest_image)
-    PCL_THROW_EXCEPTION(BadInputException, "left image is "
-                                               << left.cols << " x " << left.rows
-                                               << " pixels, expected at most "
-                                               << largest_image << " across");
+    badInput("left image is ", left.cols, " x ", left.rows,
+             " pixels, expected at most ", largest_image, " across");
   const Images images = {GradientImage(greyImage(left)),
                          GradientImage(greyImage(right))};
   const std::vector<SupportPoint> points =

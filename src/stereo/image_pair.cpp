@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "image_pair.h"
-
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
 
 namespace pcl_semantic {
 
@@ -9,18 +8,13 @@ void
 requireImagePair(const cv::Mat& left, const cv::Mat& right)
 {
   if (left.empty() || (left.type() != CV_8UC1 && left.type() != CV_8UC3))
-    PCL_THROW_EXCEPTION(BadInputException,
-                        "left image: expected 8-bit grey or 8-bit colour");
+    badInput("left image: expected 8-bit grey or 8-bit colour");
   if (left.size() != right.size())
-    PCL_THROW_EXCEPTION(BadInputException, "right image is "
-                                               << right.cols << " x " << right.rows
-                                               << " pixels, the left one " << left.cols
-                                               << " x " << left.rows);
+    badInput("right image is ", right.cols, " x ", right.rows, " pixels, the left one ",
+             left.cols, " x ", left.rows);
   if (left.type() != right.type())
-    PCL_THROW_EXCEPTION(BadInputException, "right image has "
-                                               << right.channels()
-                                               << " channel(s), the left one "
-                                               << left.channels());
+    badInput("right image has ", right.channels(), " channel(s), the left one ",
+             left.channels());
 }
 
 } // namespace pcl_semantic
