@@ -31,8 +31,8 @@ struct LatticeKeyBits {
   int dimensions = 0;
   int remainder_bits = 0;
   std::int64_t low[kernels::max_dimensions + 1] = {};
-  int shift[kernels::max_dimensions + 1] = {};
-  int bits = 0; ///< of a key
+  int shift[kernels::max_dimensions + 2] = {}; ///< and, behind the last, all bits
+  int bits = 0;                                ///< of a key
 
   /** \param[in] extents of the features from frame.low */
   LatticeKeyBits(const kernels::LatticeFrame& frame, const double* extents)
@@ -51,6 +51,7 @@ struct LatticeKeyBits {
       const std::int64_t cells = std::int64_t(high) + margin - low[j];
       while ((std::int64_t(1) << (bits - shift[j])) <= cells)
         ++bits;
+      shift[j + 1] = bits;
     }
   }
 };
@@ -64,10 +65,8 @@ public:
     for (int j = 1; j <= d; ++j)
       wrap_ += Key(1) << bits.shift[j];
     wrap_ -= Key(d + 1);
-    for (int j = 1; j <= d; ++j) {
-      const int end = j < d ? bits.shift[j + 1] : bits.bits;
-      cell_masks_[j] = (std::uint64_t(1) << (end - bits.shift[j])) - 1;
-    }
+    for (int j = 1; j <= d; ++j)
+      cell_masks_[j] = (std::uint64_t(1) << (bits.shift[j + 1] - bits.shift[j])) - 1;
     for (int j = 0; j <= d; ++j)
       steps_[j] = Key(1) - (j > 0 ? Key(1) << bits.shift[j] : Key(0));
   }
