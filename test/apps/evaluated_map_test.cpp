@@ -8,6 +8,7 @@
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/evaluation/lidar_truth.h>
+#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/map_folder.h>
 
@@ -83,7 +84,8 @@ protected:
     copyStreet(street());
     addScans(street());
     mapStreet(street(), folder_->path("map"),
-              "--crf dense --also measured,depth,scans --scan-within 0.3 "
+              "--crf dense --also measured,depth,probabilities,scans "
+              "--scan-within 0.3 "
               "--voxel-size 0.2");
   }
 
@@ -124,13 +126,13 @@ plainScanLabels(const std::string& street, const MapFolder& map, int frame,
     const Eigen::Vector3d p = T_world_velodyne * point.getVector3fMap().cast<double>();
     Label label = kUnlabelled;
     double least = within + 1e-9;
-    for (const pcl::PointXYZRGBL& centre : *map.voxels.cloud) {
-      const Eigen::Array3d offset = p - centre.getVector3fMap().cast<double>();
+    for (std::size_t i = 0; i < map.voxels.size(); ++i) {
+      const Eigen::Array3d offset = p - map.voxels.centre(i).cast<double>();
       const double distance =
           (offset.abs() - 0.5 * map.voxels.voxel_size).max(0.0).matrix().norm();
       if (distance < least) {
         least = distance;
-        label = Label(centre.label);
+        label = Label((*map.voxels.cloud)[i].label);
       }
     }
     labels.push_back(label);
@@ -229,6 +231,58 @@ TEST_F(EvaluatedMap, DepthIsThatOfTheStereoPair)
     }
   EXPECT_GT(all, depth.rows * depth.cols / 3);
   EXPECT_GT(near, all * 3 / 4);
+}
+
+TEST_F(EvaluatedMap, ProbabilitiesAreThoseOfTheLabelsAndAreJudged)
+{
+  const cv::Mat labels = imageOf(map("labels_at_depth/000001.png"));
+  const LabelDistributions probabilities = readDistributions(
+      map("probabilities_at_depth/000001.npy"), labels.cols, labels.rows, 11, 1.0f);
+  int different = 0;
+  for (Eigen::Index i = 0; i < probabilities.size(); ++i)
+    different += probabilities.mapLabel(i) != labels.data[i];
+  EXPECT_LT(different, 10); // half precision makes a tie now and then
+  const std::string command = "evaluate --prediction " +
+                              map("labels_at_depth --truth ") + street() +
+                              "/gt --label-set " PCL_SEMANTIC_SOURCE_DIR
+                              "/data/label_sets/kitti11.yaml --probabilities ";
+  const std::string text = succeed(command + map("probabilities_at_depth") +
+                                   " --output " + folder_->path("judged"));
+  EXPECT_TRUE(holds(text, "expected calibration error\n  most probable class"));
+  const auto json = readJson(folder_->path("judged/reliability.json"));
+  const auto metrics = readJson(folder_->path("judged/metrics.json"));
+  std::uint64_t pixels = 0;
+  double right = 0.0;
+  for (const auto& bin : json["confidence"]["bins"])
+    if (bin["pixels"] > 0) {
+      pixels += std::uint64_t(bin["pixels"]);
+      right += double(bin["pixels"]) * double(bin["frequency"]);
+    }
+  EXPECT_EQ(pixels, std::uint64_t(metrics["mean"]["covered_pixels"]));
+  EXPECT_NEAR(right / double(pixels), metrics["global_accuracy"], 1e-4);
+  EXPECT_FALSE(
+      readPng(folder_->path("judged/reliability.png"), ImageKind::grey_or_colour)
+          .empty());
+  expectFails(command + map("depth"), 3, "000000.npy: is missing");
+}
+
+// The points of a map lie in their voxels; their centres are an option.
+TEST_F(EvaluatedMap, CentresOfVoxelsAreAnOption)
+{
+  const std::string centres = folder_->path("centres");
+  mapStreet(street(), centres, "--crf dense --voxel-size 0.2 --centres");
+  const MapFolder at_centres = readMapFolder(centres);
+  const MapFolder on_surface = readMapFolder(folder_->path("map"));
+  EXPECT_EQ(at_centres.voxels.indices, on_surface.voxels.indices);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < at_centres.voxels.size(); ++i) {
+    const Eigen::Vector3f centre = at_centres.voxels.centre(i);
+    EXPECT_EQ((*at_centres.voxels.cloud)[i].getVector3fMap(), centre);
+    moved += (*on_surface.voxels.cloud)[i].getVector3fMap() != centre;
+  }
+  EXPECT_GT(moved, on_surface.voxels.size() / 2);
+  EXPECT_EQ(bytesOf(centres + "/final_labels/000001.png"),
+            bytesOf(map("final_labels/000001.png")));
 }
 
 TEST_F(EvaluatedMap, GeometryIsExactWhereTheLaserSawTheVoxelsThemselves)
