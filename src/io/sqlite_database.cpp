@@ -76,7 +76,7 @@ SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
   const int code = sqlite3_open_v2(absolute.c_str(), &connection_, flags, nullptr);
   try {
     if (code != SQLITE_OK)
-      fail(code);
+      throwError(code);
     requireLog();
     // FILE-wal goes with the last connection otherwise, and nobody can tell any more
     // whether it was lost.
@@ -86,7 +86,7 @@ SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
     sqlite3_limit(connection_, SQLITE_LIMIT_LENGTH, kMaxRow);
     // SQLite opens what it may not write without a word.
     if (access != Access::read && sqlite3_db_readonly(connection_, "main") == 1)
-      fail(SQLITE_READONLY);
+      throwError(SQLITE_READONLY);
     run("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON");
     if (access == Access::read)
       run("PRAGMA query_only = ON");
@@ -106,7 +106,7 @@ void
 SqliteDatabase::run(const std::string& sql)
 {
   if (!runUnlessBusy(sql))
-    fail(SQLITE_BUSY);
+    throwError(SQLITE_BUSY);
 }
 
 bool
@@ -114,7 +114,7 @@ SqliteDatabase::runUnlessBusy(const std::string& sql)
 {
   const int code = sqlite3_exec(connection_, sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY)
-    fail(code);
+    throwError(code);
   return code == SQLITE_OK;
 }
 
@@ -181,7 +181,7 @@ SqliteDatabase::number(const std::string& sql)
 }
 
 void
-SqliteDatabase::fail(int code) const
+SqliteDatabase::throwError(int code) const
 {
   const int kind = code & 0xFF;
   if (kind == SQLITE_NOMEM)
@@ -210,7 +210,7 @@ SqliteStatement::SqliteStatement(SqliteDatabase& database, const std::string& sq
       sqlite3_prepare_v3(database_.connection_, sql.c_str(), int(sql.size()) + 1,
                          SQLITE_PREPARE_PERSISTENT, &statement_, nullptr);
   if (code != SQLITE_OK)
-    database_.fail(code);
+    database_.throwError(code);
 }
 
 SqliteStatement::~SqliteStatement()
@@ -227,7 +227,7 @@ void
 SqliteStatement::bind(int parameter, std::int64_t value)
 {
   if (const int code = sqlite3_bind_int64(statement_, parameter, value))
-    database_.fail(code);
+    database_.throwError(code);
 }
 
 void
@@ -235,7 +235,7 @@ SqliteStatement::bind(int parameter, const std::string& text)
 {
   if (const int code = sqlite3_bind_text(statement_, parameter, text.data(),
                                          int(text.size()), SQLITE_STATIC))
-    database_.fail(code);
+    database_.throwError(code);
 }
 
 void
@@ -243,7 +243,7 @@ SqliteStatement::bind(int parameter, const std::vector<std::uint8_t>& bytes)
 {
   if (const int code = sqlite3_bind_blob64(statement_, parameter, bytes.data(),
                                            bytes.size(), SQLITE_STATIC))
-    database_.fail(code);
+    database_.throwError(code);
 }
 
 bool
@@ -251,7 +251,7 @@ SqliteStatement::step()
 {
   const int code = sqlite3_step(statement_);
   if (code != SQLITE_ROW && code != SQLITE_DONE)
-    database_.fail(code);
+    database_.throwError(code);
   return code == SQLITE_ROW;
 }
 

@@ -61,7 +61,7 @@ private:
   friend class SqliteStatement;
 
   /** \brief Throws what belongs to a result code of SQLite. */
-  [[noreturn]] void fail(int code) const;
+  [[noreturn]] void throwError(int code) const;
 
   /** \brief As run(), but says whether a lock of another program was in the way. */
   bool runUnlessBusy(const std::string& sql);
