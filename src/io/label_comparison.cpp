@@ -22,6 +22,8 @@ const cv::Vec3b green(70, 190, 40), red(50, 40, 235), yellow(60, 200, 250);
 std::vector<Label>
 listOf(const cv::Mat& labels)
 {
+  if (labels.empty()) // has no iterators
+    return {};
   return {labels.begin<Label>(), labels.end<Label>()};
 }
 

@@ -143,7 +143,7 @@ TEST(RenderLabels, EqualsBruteForceFromAnywhere)
   Eigen::Isometry3d pose = forwardPose();
   pose.translation() << -9.0, 0.013, -0.027; // no ray along an edge
   const RenderedLabels result = renderLabels(voxels, smallCamera(), pose, 100.0);
-  EXPECT_GT(cv::countNonZero(result.labels), 100);
+  EXPECT_GT(cv::countNonZero(result.labels), 30);
   expectEqual(result, bruteForce(voxels, smallCamera(), pose, 100.0));
 }
 
@@ -163,7 +163,7 @@ TEST(RenderLabels, DoesNotDependOnTheOrderOfVoxels)
   EXPECT_EQ(cv::countNonZero(one.depth != other.depth), 0);
 }
 
-TEST(RenderLabels, FreeFacesAreInsetAndSharedOnesAreNot)
+TEST(RenderLabels, FreeFacesLieAroundTheSurfaceAndSharedOnesStay)
 {
   StereoCamera camera = smallCamera();
   camera.cx = 32.0;
@@ -173,26 +173,26 @@ TEST(RenderLabels, FreeFacesAreInsetAndSharedOnesAreNot)
     return int(renderLabels(makeVoxels(voxels, 1.0), camera, forwardPose(), 40.0)
                    .labels.at<Label>(v, u));
   };
-  // A cube of 1 m from 4 m on, y 0..1 (left) and z 0..1 (up), that is seen as 0.2..0.8
-  // from 4.2 m on: columns 25 to 30, rows 13 to 18.
+  // A cube of 1 m from 4 m on, y 0..1 (left) and z 0..1 (up), that is seen as 0.3..0.7
+  // from 4.3 m on: columns 26 to 29, rows 14 to 17.
   const std::vector<VoxelIndex> one = {{4, 0, 0}};
-  for (const int u : {25, 30})
+  for (const int u : {26, 29})
     EXPECT_EQ(labelAt(one, 15, u), 1) << u;
-  for (const int u : {24, 31})
+  for (const int u : {25, 30})
     EXPECT_EQ(labelAt(one, 15, u), 0) << u;
-  for (const int v : {13, 18})
+  for (const int v : {14, 17})
     EXPECT_EQ(labelAt(one, v, 28), 1) << v;
-  for (const int v : {12, 19})
+  for (const int v : {13, 18})
     EXPECT_EQ(labelAt(one, v, 28), 0) << v;
   EXPECT_EQ(renderLabels(makeVoxels(one, 1.0), camera, forwardPose(), 40.0)
                 .depth.at<float>(15, 28),
-            4.2f);
-  // With another one to its left, y 0.2..1.8: columns 15 to 30, no gap between them.
+            4.3f);
+  // With another one to its left, y 0.3..1.7: columns 17 to 29, no gap between them.
   const std::vector<VoxelIndex> two = {{4, 0, 0}, {4, 1, 0}};
-  EXPECT_EQ(labelAt(two, 15, 14), 0);
-  for (int u = 15; u <= 22; ++u)
+  EXPECT_EQ(labelAt(two, 15, 16), 0);
+  for (int u = 17; u <= 22; ++u)
     EXPECT_EQ(labelAt(two, 15, u), 2) << u;
-  for (int u = 23; u <= 30; ++u)
+  for (int u = 23; u <= 29; ++u)
     EXPECT_EQ(labelAt(two, 15, u), 1) << u;
 }
 
@@ -203,8 +203,8 @@ TEST(RenderLabels, DepthLimitsAndFarFromTheOrigin)
     return cv::countNonZero(
         renderLabels(makeVoxels({voxel}, 0.1), smallCamera(), pose, max_depth).depth);
   };
-  EXPECT_GT(seen({10, 0, 0}, 1.0201), 0); // its face lies at 1.02 m
-  EXPECT_EQ(seen({10, 0, 0}, 1.0199), 0);
+  EXPECT_GT(seen({10, 0, 0}, 1.0301), 0); // its face lies at 1.03 m
+  EXPECT_EQ(seen({10, 0, 0}, 1.0299), 0);
   EXPECT_GT(seen({1, 0, 0}, 40.0), 0);   // at 0.1 m
   EXPECT_EQ(seen({0, 0, 0}, 40.0), 0);   // around the camera
   EXPECT_EQ(seen({-10, 0, 0}, 40.0), 0); // behind it

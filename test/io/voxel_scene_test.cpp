@@ -5,6 +5,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/io/voxel_scene.h>
 
@@ -94,7 +95,7 @@ TEST(VoxelScene, FindsTheGridOfCentres)
   writeVoxelCloud(path, voxels, label_set, VoxelColour::measured);
   PcdTable table = readPcd(path);
   table.voxel_grid = {};
-  writePcd(path, table);
+  writeCloudTable(path, table);
   EXPECT_TRUE(
       holds(thrownMessage<BadInputException>([&] { readVoxelScene(path); }),
             "its points are not the centres of voxels; say how large they are"));
@@ -103,7 +104,7 @@ TEST(VoxelScene, FindsTheGridOfCentres)
   writeVoxelCloud(path, voxels, label_set, VoxelColour::measured);
   table = readPcd(path);
   table.voxel_grid = {};
-  writePcd(path, table);
+  writeCloudTable(path, table);
   const VoxelScene scene = readVoxelScene(path);
   EXPECT_EQ(scene.grid.size, 0.2);
   EXPECT_EQ(scene.grid.corner, Eigen::Vector3d::Zero()); // not 2e-8
