@@ -215,6 +215,7 @@ group(const Arguments& arguments)
   LabelledCloud read = readLabelledCloud(arguments.input);
   if (generator->usesColour() && !read.has_colour)
     fail<BadInputException>(arguments.input, ": this method needs rgb or rgba");
+  moveToVoxelCentres(read);
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*read.cloud, cloud);
   if (auto* const superpixels = dynamic_cast<SuperpixelCliques*>(generator.get()))

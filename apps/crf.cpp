@@ -232,6 +232,7 @@ Results
 filter(const Arguments& arguments, LabelledCloud& input)
 {
   Filter crf;
+  moveToVoxelCentres(input);
   crf.setModel(arguments.parameters.model);
   crf.setParameters(arguments.parameters.parameters);
   setCliques(arguments.parameters.cliques, arguments, input, crf);

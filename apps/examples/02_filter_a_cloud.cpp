@@ -72,6 +72,7 @@ try {
   const SyntheticView view = street.view(0);
   LabelledCloud labelled =
       argc > 1 ? readLabelledCloud(argv[1]) : cloudOfTheStreet(street, view);
+  moveToVoxelCentres(labelled); // a map's, as its own CRF sees it
   const Cloud before = *labelled.cloud;
   refine(labelled);
   std::cout << count(*labelled.cloud,

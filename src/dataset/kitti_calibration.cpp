@@ -99,7 +99,7 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
 
   KittiCalibration calibration;
   const double baseline = t_left.x() - t_right.x();
-  if (!(baseline > 0.0 && baseline <= 10.0))
+  if (baseline <= 0.0 || baseline > 10.0) // what is no number the camera refuses
     fail<BadInputException>(right.where, ": baseline is ", baseline, " m, expected ",
                             baseline > 10.0 ? "at most 10 m; is it in millimetres?"
                                             : "more than 0 (left and right swapped?)");

@@ -391,6 +391,20 @@ tableOf(const LabelledCloud& labelled, const std::string& name)
 }
 
 void
+moveToVoxelCentres(LabelledCloud& labelled)
+{
+  const auto& [size, x, y, z] = labelled.table.voxel_grid;
+  if (!(size > 0.0))
+    return;
+  const Eigen::Array3d corner(x, y, z);
+  for (pcl::PointXYZRGBL& point : *labelled.cloud) {
+    const Eigen::Array3d cell =
+        ((point.getVector3fMap().cast<double>().array() - corner) / size).floor();
+    point.getVector3fMap() = (corner + (cell + 0.5) * size).cast<float>();
+  }
+}
+
+void
 writeLabelledCloud(const std::string& path, const LabelledCloud& labelled)
 {
   writeCloudTable(path, tableOf(labelled, path));

@@ -47,7 +47,9 @@ CliqueGenerator::Cloud
 pointsIn(const std::string& path)
 {
   CliqueGenerator::Cloud cloud;
-  pcl::copyPointCloud(*readLabelledCloud(path).cloud, cloud);
+  LabelledCloud read = readLabelledCloud(path);
+  moveToVoxelCentres(read);
+  pcl::copyPointCloud(*read.cloud, cloud);
   return cloud;
 }
 

@@ -152,6 +152,11 @@ LabelledCloud readLabelledCloud(const std::string& path,
 LabelledCloud labelledCloudOf(PcdTable table, const std::string& name,
                               const LabelMapping* mapping = nullptr);
 
+/** \brief Moves the points of a map's cloud, which says its PcdTable::voxel_grid, to
+ * the centres of their voxels, where the CRF of the map saw them; other clouds stay.
+ * The table keeps the positions of the file. */
+void moveToVoxelCentres(LabelledCloud& labelled);
+
 /** \brief The table that writeLabelledCloud() writes. \param[in] name for messages */
 PcdTable tableOf(const LabelledCloud& labelled, const std::string& name);
 
