@@ -106,8 +106,7 @@ class Map(unittest.TestCase):
         self.assertGreaterEqual(voxels["points"][:, 0].min(), 10)
         np.testing.assert_array_equal(
             voxels["labels"], np.where(voxels["points"][:, 1] > 0, 3, 1))
-        np.testing.assert_allclose(voxels["points"], 0.2 * (voxels["indices"] + 0.5),
-                                   atol=1e-5)
+        np.testing.assert_array_equal(np.floor(voxels["points"] / 0.2), voxels["indices"])
         self.assertEqual(voxels["observations"].max(), 2)
         np.testing.assert_array_equal(voxel_map.labels(voxels["points"]),
                                       voxels["labels"])
