@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "clique_term.h"
 
-#include "kernels/column_products.h"
-#include "kernels/column_sums.h"
-#include "kernels/soft_max.h"
+#include "kernels/inference_loops.h"
 #include "parallel_loops.h"
 
 #include <algorithm>
@@ -16,7 +14,7 @@ namespace pcl_semantic {
 /** \brief The P^n Potts potential (Vineet, Warrell and Torr 2014): member i receives
  * k_c^l prod over the other members j of Q_j(l).
  *
- * Design and paper speak of logarithms; kernels/column_products.h says why double
+ * Design and paper speak of logarithms; kernels/inference_loops.h says why double
  * precision does as well without. */
 class PnPottsTerm : public CliqueTerm {
 public:
@@ -38,7 +36,7 @@ private:
 
   Eigen::Index labels_;
   Eigen::Index stride_;
-  std::vector<double> products_; // k_c^l times those of kernels/column_products.h
+  std::vector<double> products_; // k_c^l times those of kernels/inference_loops.h
 };
 
 /** \brief The robust P^n potential with its variables y_c, eqs. (7)-(10).
@@ -89,10 +87,10 @@ PnPottsTerm::multiplyMembers(Eigen::Index c, const PaddedColumns& marginals)
 {
   const IndexLists& members = potential_.cliques->members();
   const std::size_t begin = members.starts[std::size_t(c)];
-  columnProducts().multiply(members.indices.data() + begin,
-                            members.starts[std::size_t(c) + 1] - begin,
-                            members.indices.size() - begin, marginals.column(0),
-                            std::size_t(stride_), product(c));
+  kernels::inferenceLoops().multiplyColumns(
+      members.indices.data() + begin, members.starts[std::size_t(c) + 1] - begin,
+      members.indices.size() - begin, marginals.column(0), std::size_t(stride_),
+      product(c));
   for (Eigen::Index l = 0; l < stride_; ++l)
     product(c)[l] *= double(weights(c)[l]);
 }
@@ -112,10 +110,10 @@ PnPottsTerm::addMessages(const PaddedColumns& marginals, Eigen::Index begin,
                          Eigen::Index end, PaddedColumns& messages) const
 {
   const IndexLists& cliques = potential_.cliques->cliques();
-  columnProducts().add_without(cliques.starts.data() + begin, cliques.indices.data(),
-                               std::size_t(end - begin), products_.data(),
-                               marginals.column(begin), std::size_t(stride_),
-                               messages.column(begin));
+  kernels::inferenceLoops().addWithout(cliques.starts.data() + begin,
+                                       cliques.indices.data(), std::size_t(end - begin),
+                                       products_.data(), marginals.column(begin),
+                                       std::size_t(stride_), messages.column(begin));
 }
 
 double
@@ -157,8 +155,9 @@ RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
 #pragma omp parallel for schedule(dynamic, 8) if (count > 8)
   for (Eigen::Index c = 0; c < count; ++c)
     setCosts(c, costs);
-  softMax(costs_.column(0), messages_.column(0), marginals_.column(0),
-          std::size_t(count), std::size_t(costs_.stride()));
+  kernels::inferenceLoops().softMax(costs_.column(0), messages_.column(0),
+                                    marginals_.column(0), std::size_t(count),
+                                    std::size_t(costs_.stride()));
   if (!potential_.update_from_members)
     for (Eigen::Index c = 0; c < count; ++c)
       updateCliqueMessage(c);
@@ -181,7 +180,7 @@ RobustTerm::setCosts(Eigen::Index c, const PaddedColumns& costs)
   }
   if (potential_.free_label)
     values[std::size_t(labels_)] = float(potential_.freeCost(c));
-  costs_.setColumn(c, values.data(), kPaddingCost);
+  costs_.setColumn(c, values.data(), kernels::padding_cost);
 }
 
 void
@@ -190,10 +189,10 @@ RobustTerm::sumMembers(Eigen::Index c, const PaddedColumns& marginals,
 {
   const IndexLists& members = potential_.cliques->members();
   const std::size_t begin = members.starts[std::size_t(c)];
-  columnSums().sum(members.indices.data() + begin,
-                   members.starts[std::size_t(c) + 1] - begin,
-                   members.indices.size() - begin, marginals.column(0),
-                   std::size_t(marginals.stride()), sums);
+  kernels::inferenceLoops().sumColumns(
+      members.indices.data() + begin, members.starts[std::size_t(c) + 1] - begin,
+      members.indices.size() - begin, marginals.column(0),
+      std::size_t(marginals.stride()), sums);
 }
 
 void
@@ -237,13 +236,13 @@ RobustTerm::updateClique(Eigen::Index c, const PaddedColumns& marginals)
   const double least = *std::min_element(costs.data(), costs.data() + rows);
   alignas(64) std::array<float, max_labels> shifted;
   for (std::size_t l = 0; l < std::size_t(rows); ++l)
-    shifted[l] = float(std::min(costs[l] - least, double(kPaddingCost)));
+    shifted[l] = float(std::min(costs[l] - least, double(kernels::padding_cost)));
   std::fill(shifted.begin() + rows, shifted.begin() + marginals_.stride(),
-            kPaddingCost);
+            kernels::padding_cost);
   std::fill_n(messages_.column(c), messages_.stride(), 0.0f); // they are in the costs
-  const float change =
-      softMax(shifted.data(), messages_.column(c), marginals_.column(c), 1,
-              std::size_t(marginals_.stride()));
+  const float change = kernels::inferenceLoops().softMax(
+      shifted.data(), messages_.column(c), marginals_.column(c), 1,
+      std::size_t(marginals_.stride()));
   updateCliqueMessage(c);
   return change;
 }
@@ -284,9 +283,10 @@ RobustTerm::addMessages(const PaddedColumns&, Eigen::Index begin, Eigen::Index e
                         PaddedColumns& messages) const
 {
   const IndexLists& cliques = potential_.cliques->cliques();
-  columnSums().add(cliques.starts.data() + begin, cliques.indices.data(),
-                   std::size_t(end - begin), clique_messages_.column(0),
-                   std::size_t(clique_messages_.stride()), messages.column(begin));
+  kernels::inferenceLoops().addColumns(
+      cliques.starts.data() + begin, cliques.indices.data(), std::size_t(end - begin),
+      clique_messages_.column(0), std::size_t(clique_messages_.stride()),
+      messages.column(begin));
 }
 
 double

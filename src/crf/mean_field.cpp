@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "clique_term.h"
 #include "core/fail.h"
-#include "kernels/label_mix.h"
-#include "kernels/soft_max.h"
+#include "kernels/inference_loops.h"
 #include "parallel_loops.h"
 
 #include <pcl_semantic/crf/mean_field.h>
@@ -61,9 +60,9 @@ shiftCosts(const float* costs, Eigen::Index labels, Eigen::Index stride, float* 
   for (Eigen::Index l = 1; l < labels; ++l)
     least = std::min(least, costs[l]);
   for (Eigen::Index l = 0; l < labels; ++l)
-    shifted[l] = std::min(costs[l] - least, kPaddingCost);
+    shifted[l] = std::min(costs[l] - least, kernels::padding_cost);
   for (Eigen::Index l = labels; l < stride; ++l)
-    shifted[l] = kPaddingCost;
+    shifted[l] = kernels::padding_cost;
   return double(least);
 }
 
@@ -100,8 +99,9 @@ MeanField::Engine::setUp(const Eigen::MatrixXf& unary)
               shiftCosts(unary.data() + i * labels, labels, stride, costs_.column(i));
         std::fill_n(messages_.column(begin), size * stride, 0.0f);
         std::fill_n(marginals_.column(begin), size * stride, 0.0f);
-        softMax(costs_.column(begin), messages_.column(begin), marginals_.column(begin),
-                std::size_t(size), std::size_t(stride));
+        kernels::inferenceLoops().softMax(costs_.column(begin), messages_.column(begin),
+                                          marginals_.column(begin), std::size_t(size),
+                                          std::size_t(stride));
         return sum;
       });
 }
@@ -177,13 +177,15 @@ MeanField::Engine::updateMarginals(Eigen::Index begin, Eigen::Index end)
         messages_.column(i)[l] +=
             self_responses_[std::size_t(i)] * marginals_.column(i)[l];
   if (mixing_.columns() > 0) // compatibility transform: sum_k mu(l, k), eq. (5)
-    mixLabels(mixing_.column(0), std::size_t(mixing_.columns()),
-              messages_.column(begin), count, stride);
+    kernels::inferenceLoops().mixLabels(mixing_.column(0),
+                                        std::size_t(mixing_.columns()),
+                                        messages_.column(begin), count, stride);
   for (const auto& term : terms_) // messages of the cliques, eqs. (7)-(8)
     term->addMessages(marginals_, begin, end, messages_);
   // Local update and normalisation: exp(-psi_i(l) + message), eq. (4).
-  return double(softMax(costs_.column(begin), messages_.column(begin),
-                        marginals_.column(begin), count, stride));
+  return double(
+      kernels::inferenceLoops().softMax(costs_.column(begin), messages_.column(begin),
+                                        marginals_.column(begin), count, stride));
 }
 
 const PaddedColumns*

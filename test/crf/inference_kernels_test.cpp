@@ -2,10 +2,7 @@
 
 // The hot loops of inference, every tier against plain sums in double precision.
 
-#include "../../src/crf/kernels/column_products.h"
-#include "../../src/crf/kernels/column_sums.h"
-#include "../../src/crf/kernels/label_mix.h"
-#include "../../src/crf/kernels/soft_max.h"
+#include "../../src/crf/kernels/inference_loops.h"
 #include "../../src/crf/padded_columns.h"
 #include "support/brute_force_crf.h"
 #include "support/supported_tiers.h"
@@ -74,11 +71,11 @@ TEST_P(InferenceKernels, SoftMax)
   const Eigen::MatrixXf costs = steps(makeRandomMatrix(rows, count, 0.0f, 30.0f, 1));
   const Eigen::MatrixXf heard = steps(makeRandomMatrix(rows, count, -60.0f, 60.0f, 2));
   const Eigen::MatrixXf before = makeRandomMatrix(rows, count, 0.0f, 1.0f, 3);
-  const PaddedColumns padded_costs = padded(costs, kPaddingCost);
+  const PaddedColumns padded_costs = padded(costs, kernels::padding_cost);
   PaddedColumns messages = padded(heard), marginals = padded(before);
-  const float change =
-      softMaxFor(tier)(padded_costs.column(0), messages.column(0), marginals.column(0),
-                       std::size_t(count), std::size_t(marginals.stride()));
+  const float change = kernels::inferenceLoops(tier).softMax(
+      padded_costs.column(0), messages.column(0), marginals.column(0),
+      std::size_t(count), std::size_t(marginals.stride()));
   double largest_change = 0.0;
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::VectorXd exponents = (heard.col(i) - costs.col(i)).cast<double>();
@@ -114,15 +111,15 @@ TEST_P(InferenceKernels, SumsOfColumns)
   const auto stride = std::size_t(columns.stride());
   PaddedColumns result = padded(before);
   const Lists lists(60, 90);
-  const ColumnSums& sums = columnSumsFor(tier);
-  sums.add(lists.starts.data(), lists.indices.data(), 60, columns.column(0), stride,
-           result.column(0));
+  const kernels::InferenceLoops& loops = kernels::inferenceLoops(tier);
+  loops.addColumns(lists.starts.data(), lists.indices.data(), 60, columns.column(0),
+                   stride, result.column(0));
   for (std::size_t r = 0; r < 60; ++r) {
     Eigen::VectorXd expected = Eigen::VectorXd::Zero(rows);
     for (std::size_t e = lists.starts[r]; e < lists.starts[r + 1]; ++e)
       expected += values.col(lists.indices[e]).cast<double>();
     std::vector<double> sum(stride, -1.0);
-    sums.sum(
+    loops.sumColumns(
         lists.indices.data() + lists.starts[r], lists.starts[r + 1] - lists.starts[r],
         lists.indices.size() - lists.starts[r], columns.column(0), stride, sum.data());
     for (Eigen::Index l = 0; l < Eigen::Index(stride); ++l) {
@@ -145,7 +142,7 @@ TEST_P(InferenceKernels, ProductsWithoutOneFactor)
   values(0, 3) = 1e-26f;
   const PaddedColumns columns = padded(values);
   const auto stride = std::size_t(columns.stride());
-  const ColumnProducts& products = columnProductsFor(tier);
+  const kernels::InferenceLoops& loops = kernels::inferenceLoops(tier);
   // Products over 0..9, 5..14, ... , each in one list of every factor in it.
   std::vector<double> kept(4 * stride);
   std::vector<std::int32_t> indices(30);
@@ -158,11 +155,11 @@ TEST_P(InferenceKernels, ProductsWithoutOneFactor)
     lists.starts.push_back(lists.indices.size());
   }
   for (std::size_t p = 0; p < 4; ++p)
-    products.multiply(indices.data() + 5 * p, 10, indices.size() - 5 * p,
-                      columns.column(0), stride, &kept[p * stride]);
+    loops.multiplyColumns(indices.data() + 5 * p, 10, indices.size() - 5 * p,
+                          columns.column(0), stride, &kept[p * stride]);
   PaddedColumns result = padded(Eigen::MatrixXf::Ones(rows, 30));
-  products.add_without(lists.starts.data(), lists.indices.data(), 30, kept.data(),
-                       columns.column(0), stride, result.column(0));
+  loops.addWithout(lists.starts.data(), lists.indices.data(), 30, kept.data(),
+                   columns.column(0), stride, result.column(0));
   int alone = 0; // zeros whose product without them is none
   for (int i = 0; i < 30; ++i)
     for (Eigen::Index l = 0; l < rows; ++l) {
@@ -185,12 +182,12 @@ TEST_P(InferenceKernels, ProductsOfManyFactors)
 {
   const auto [tier, rows] = GetParam();
   const PaddedColumns columns = padded(Eigen::MatrixXf::Constant(rows, 1, 0.9f));
-  const ColumnProducts& products = columnProductsFor(tier);
+  const kernels::InferenceLoops& loops = kernels::inferenceLoops(tier);
   std::vector<double> product(std::size_t(columns.stride()));
   const std::vector<std::int32_t> indices(10000, 0);
   for (const int count : {0, 1, 100, 1000, 10000}) {
-    products.multiply(indices.data(), std::size_t(count), indices.size(),
-                      columns.column(0), product.size(), product.data());
+    loops.multiplyColumns(indices.data(), std::size_t(count), indices.size(),
+                          columns.column(0), product.size(), product.data());
     const double expected = std::pow(double(0.9f), count);
     ASSERT_NEAR(product[0], expected > 1e-200 ? expected : 0.0, 1e-11 * expected);
   }
@@ -203,8 +200,9 @@ TEST_P(InferenceKernels, MixedLabels)
   const Eigen::MatrixXf heard = makeRandomMatrix(rows, 20, -1.0f, 1.0f, 10);
   PaddedColumns columns = padded(heard);
   const PaddedColumns costs = padded(matrix);
-  labelMixFor(tier)(costs.column(0), std::size_t(rows), columns.column(0), 20,
-                    std::size_t(columns.stride()));
+  kernels::inferenceLoops(tier).mixLabels(costs.column(0), std::size_t(rows),
+                                          columns.column(0), 20,
+                                          std::size_t(columns.stride()));
   const Eigen::MatrixXd expected = -matrix.cast<double>() * heard.cast<double>();
   EXPECT_LT((columns.matrix().cast<double>() - expected).cwiseAbs().maxCoeff(), 2e-5);
   EXPECT_TRUE((columns.view().bottomRows(columns.stride() - rows).array() == 0).all());
@@ -226,10 +224,10 @@ TEST(SoftMax, ExponentialIsRightToOneMillionth)
     double worst = 0.0;
     for (float a = 0.0f; a < 54.9f; a += 0.0007f) {
       alignas(64) float costs[8], messages[8] = {}, marginals[8] = {};
-      std::fill_n(costs, 8, kPaddingCost);
+      std::fill_n(costs, 8, kernels::padding_cost);
       costs[0] = 0.0f;
       costs[5] = a;
-      softMaxFor(tier)(costs, messages, marginals, 1, 8);
+      kernels::inferenceLoops(tier).softMax(costs, messages, marginals, 1, 8);
       worst = std::max(worst, std::abs(double(marginals[5]) / double(marginals[0]) *
                                            std::exp(double(a)) -
                                        1.0));
