@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "point_rows.h"
 #include "core/fail.h"
-#include "kernels/run_search.h"
+#include "kernels/truncated_loops.h"
 
 #include <algorithm>
 #include <cmath>
@@ -267,7 +267,7 @@ private:
 
 namespace {
 
-// As the searches of kernels/, for runs of any length.
+// As TruncatedLoops::findRuns, for runs of any length.
 void
 appendLongRuns(const kernels::NearRowsView& rows, std::int32_t first, std::int32_t last,
                std::vector<PointRows::Run>& runs)
@@ -292,7 +292,7 @@ PointRows::Groups
 PointRows::findRuns(std::size_t begin, std::size_t end) const
 {
   constexpr int widest_group = 4; // wider, too many pairs would lie beyond the reach
-  const kernels::RunSearch findShortRuns = kernels::runSearch(simdTier());
+  const kernels::TruncatedLoops& loops = kernels::truncatedLoops();
   NearRows search(*this);
   kernels::NearRowsView near{};
   Groups groups;
@@ -307,7 +307,7 @@ PointRows::findRuns(std::size_t begin, std::size_t end) const
       near = search.find(rows_[row_of_[i]]);
     found.resize(near.count + 16);
     const std::size_t count =
-        findShortRuns(near, cell, cells_[last - 1].x(), found.data());
+        loops.findRuns(near, cell, cells_[last - 1].x(), found.data());
     if (count == kernels::run_too_long)
       appendLongRuns(near, cell, cells_[last - 1].x(), groups.runs);
     else

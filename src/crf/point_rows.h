@@ -16,7 +16,7 @@ namespace pcl_semantic {
  * own, hold nothing but neighbours. */
 class PointRows {
 public:
-  /** \brief See kernels/run_search.h. */
+  /** \brief See kernels/truncated_loops.h. */
   using Run = std::uint32_t;
 
   /** \param[in] positions 3 x N, finite

@@ -2,8 +2,7 @@
 #include "truncated_kernel.h"
 #include "aligned_array.h"
 #include "core/fail.h"
-#include "kernels/run_search.h"
-#include "kernels/truncated_sums.h"
+#include "kernels/truncated_loops.h"
 #include "parallel_loops.h"
 #include "point_rows.h"
 #include "requirements.h"
@@ -213,7 +212,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
                           Normalization normalization)
 {
   chunks_.resize((rows.size() + Chunk::max_points - 1) / Chunk::max_points);
-  const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
+  const kernels::TruncatedLoops& loops = kernels::truncatedLoops();
   std::atomic<std::size_t> pairs{0};
   forEachInParallel(
       chunks_.size(), [] { return Scratch(); },
@@ -261,7 +260,7 @@ TruncatedKernel::normalize(SortedPoints& points, const std::vector<GaussianTerm>
 void
 TruncatedKernel::makeWeights(const SortedPoints& points)
 {
-  const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
+  const kernels::TruncatedLoops& loops = kernels::truncatedLoops();
   const std::size_t arrays =
       1 + points.view().features_end + std::size_t(points.view().count);
   forEachInParallel(
@@ -318,7 +317,7 @@ TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
   }
   const float* const from = direct ? values.data() : copy.data();
   const bool in_place = direct && std::size_t(result.outerStride()) == stride;
-  const kernels::TruncatedSums& loops = kernels::truncatedSums(simdTier());
+  const kernels::TruncatedLoops& loops = kernels::truncatedLoops();
   forEachInParallel(
       chunks_.size(), [] { return Scratch(); },
       [&](std::size_t c, Scratch& scratch) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "crf/kernels/run_search.h"
-#include "crf/kernels/truncated_sums.h"
+#include "crf/kernels/truncated_loops.h"
 #include "crf/point_rows.h"
 #include "crf/truncated_kernel.h"
 #include "support/brute_force_crf.h"
@@ -183,7 +182,7 @@ TEST(TruncatedKernel, SameBitsInEveryTier)
     for (const SimdTier tier : {SimdTier::plain, SimdTier::avx2, SimdTier::avx512}) {
       if (tier > simdTier())
         continue;
-      const kernels::TruncatedSums& loops = kernels::truncatedSums(tier);
+      const kernels::TruncatedLoops& loops = kernels::truncatedLoops(tier);
       std::vector<float> sums(2 * kernels::max_points), results(4 * 32, 0.5f);
       std::vector<std::uint32_t> weights(4 * kernels::strideOf(27) / 2);
       loops.sumTerms(points, group, scratch.data(), sums.data(), weights.data());
@@ -220,11 +219,13 @@ TEST(TruncatedKernel, TiersFindTheSameRuns)
                                    arrays[2].data(), arrays[3].data(), 40};
   std::vector<std::uint32_t> expected(56), found(56);
   for (int cell = -3; cell < 40; ++cell) {
-    const std::size_t count =
-        kernels::runSearch(SimdTier::plain)(rows, cell, cell + 2, expected.data());
+    const std::size_t count = kernels::truncatedLoops(SimdTier::plain)
+                                  .findRuns(rows, cell, cell + 2, expected.data());
     for (const SimdTier tier : {SimdTier::avx2, SimdTier::avx512})
       if (tier <= simdTier()) {
-        ASSERT_EQ(kernels::runSearch(tier)(rows, cell, cell + 2, found.data()), count);
+        ASSERT_EQ(
+            kernels::truncatedLoops(tier).findRuns(rows, cell, cell + 2, found.data()),
+            count);
         EXPECT_TRUE(
             std::equal(found.begin(), found.begin() + long(count), expected.begin()));
       }

@@ -6,10 +6,26 @@
 #include <cstddef>
 #include <cstdint>
 
-/** \brief The inner loops of TruncatedKernel, on raw arrays of sorted points. A run is
- * a first point shifted by 5 bits and a length of 1 to 16; every array of the points
- * has 16 values more than there are points. */
+/** \brief The inner loops of TruncatedKernel, on raw arrays of sorted points; every
+ * array has 16 values more than there are points. */
 namespace pcl_semantic::kernels {
+
+/** \brief A run of sorted points packs its first point and its length, 1 to 16. */
+constexpr int run_length_bits = 5;
+constexpr std::uint32_t run_length_mask = (1 << run_length_bits) - 1;
+constexpr std::uint32_t longest_run = 16;
+
+/** \brief Rows of points near a row, one array each, with 16 rows of no cells more. */
+struct NearRowsView {
+  const std::uint32_t* starts;      ///< number of points before each cell of all rows
+  const std::int32_t* first_starts; ///< where in starts a row begins
+  const std::int32_t* first_cells;  ///< of the rows
+  const std::int32_t* cells;        ///< number of them
+  const std::int32_t* widths;       ///< how far to look to each side [cells]
+  std::size_t count;                ///< of the rows
+};
+
+constexpr std::size_t run_too_long = std::size_t(-1);
 
 /** \brief A term, of values 2^-(squared distance of positions * position_scale +
  * squared distance of features). */
@@ -49,7 +65,14 @@ constexpr int max_points = 4;
  * words, the second half in the upper ones. */
 constexpr std::size_t pair_block = 32;
 
-struct TruncatedSums {
+struct TruncatedLoops {
+  /** \brief Writes the runs of points that lie within the width of the cells first to
+   * last in each row, leaving out empty ones.
+   * \param[out] runs with room for count + 16
+   * \return number of runs, or run_too_long if one is longer than longest_run */
+  std::size_t (*findRuns)(const NearRowsView& rows, std::int32_t first,
+                          std::int32_t last, std::uint32_t* runs);
+
   /** \brief Sums of the values of each term over the pairs of each point of a group,
    * that of a point with itself included. \param[in] scratch scratchSize() floats
    * \param[out] sums of term m and point p at m * max_points + p
@@ -84,6 +107,6 @@ strideOf(std::size_t length)
 std::size_t scratchSize(std::size_t length, std::size_t arrays);
 
 /** \brief The loops for a tier; all tiers give the same bits. */
-const TruncatedSums& truncatedSums(SimdTier tier);
+const TruncatedLoops& truncatedLoops(SimdTier tier = simdTier());
 
 } // namespace pcl_semantic::kernels

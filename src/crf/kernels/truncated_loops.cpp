@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "truncated_sums.h"
-
+#include "truncated_loops.h"
 #include "core/simd_choice.h"
-#include "run_search.h"
 
-#define HWY_TARGET_INCLUDE "crf/kernels/truncated_sums.cpp"
+#define HWY_TARGET_INCLUDE "crf/kernels/truncated_loops.cpp"
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -22,10 +20,51 @@ constexpr std::size_t half_block = pair_block / 2; // as many floats as a sum ha
 
 constexpr hn::CappedTag<float, half_block> d;
 constexpr hn::RebindToUnsigned<decltype(d)> du;
+constexpr hn::RebindToSigned<decltype(d)> di;
 constexpr std::size_t lanes = hn::MaxLanes(d);
 constexpr std::size_t vectors = half_block / lanes;
 using Floats = hn::Vec<decltype(d)>;
 using Words = hn::Vec<decltype(du)>;
+
+std::size_t
+findRuns(const NearRowsView& rows, std::int32_t first, std::int32_t last,
+         std::uint32_t* runs)
+{
+  const auto* const table = reinterpret_cast<const std::int32_t*>(rows.starts);
+  std::size_t found = 0;
+  for (std::size_t r = 0; r < rows.count; r += lanes) {
+    const auto starts = hn::LoadU(di, rows.first_starts + r);
+    const auto cells = hn::LoadU(di, rows.cells + r);
+    const auto width = hn::LoadU(di, rows.widths + r);
+    const auto begin = hn::LoadU(di, rows.first_cells + r);
+    // Of the row: before a cell, or before its end.
+    const auto pointsBefore = [&](auto cell) HWY_ATTR {
+      const auto inside = hn::Max(hn::Zero(di), hn::Min(cells, cell));
+      return hn::GatherIndex(di, table, hn::Add(starts, inside));
+    };
+    const auto point = pointsBefore(hn::Sub(hn::Sub(hn::Set(di, first), begin), width));
+    const auto end =
+        pointsBefore(hn::Add(hn::Sub(hn::Set(di, last + 1), begin), width));
+    const auto length = hn::Sub(end, point);
+    if (!hn::AllFalse(di, hn::Gt(length, hn::Set(di, longest_run))))
+      return run_too_long;
+    const auto packed =
+        hn::BitCast(du, hn::Or(hn::ShiftLeft<run_length_bits>(point), length));
+    if (HWY_TARGET == HWY_AVX3) { // else GCC copies a large table for it each time
+      const auto some = hn::Gt(length, hn::Zero(di));
+      hn::StoreU(hn::Compress(packed, hn::RebindMask(du, some)), du, runs + found);
+      found += hn::CountTrue(di, some);
+      continue;
+    }
+    HWY_ALIGN std::uint32_t stored[lanes];
+    hn::Store(packed, du, stored);
+    for (const std::uint32_t run : stored) {
+      runs[found] = run;
+      found += (run & run_length_mask) > 0;
+    }
+  }
+  return found;
+}
 
 // Floats between two arrays of scratch: a run may be written whole at the end of one.
 HWY_INLINE std::size_t
@@ -458,7 +497,7 @@ addProduct(const GroupView& group, const std::uint32_t* packed, const float* val
   }
 }
 
-constexpr TruncatedSums loops = {sumTerms, makeWeights, addProduct};
+constexpr TruncatedLoops loops = {findRuns, sumTerms, makeWeights, addProduct};
 
 } // namespace
 
@@ -474,8 +513,8 @@ scratchSize(std::size_t length, std::size_t arrays)
   return arrays * (strideOf(length) + longest_run);
 }
 
-const TruncatedSums&
-truncatedSums(SimdTier tier)
+const TruncatedLoops&
+truncatedLoops(SimdTier tier)
 {
   return PCL_SEMANTIC_OF_TIER(tier, loops);
 }
