@@ -2,7 +2,6 @@
 #include "lattice_structure.h"
 #include "core/fail.h"
 #include "kernels/lattice_filter.h"
-#include "kernels/lattice_search.h"
 #include "parallel_loops.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -168,7 +167,7 @@ template <typename Key> struct LatticeSlots {
  * its lower bits, and bits of the hash above them. */
 template <typename Key> class LatticeTable {
 public:
-  explicit LatticeTable(SimdTier tier) : search_(kernels::latticeSearch(tier)) {}
+  explicit LatticeTable(SimdTier tier) : loops_(kernels::latticeBuilding(tier)) {}
 
   /** \brief Forgets all keys and makes room for some. */
   void
@@ -254,8 +253,8 @@ private:
   findFirst(const Key* keys, std::size_t count, std::int32_t* numbers) const
   {
     if constexpr (sizeof(Key) == sizeof(std::uint64_t))
-      search_({slots_.data(), keys_.data(), shift_, number_mask_}, keys, count,
-              numbers);
+      loops_.search({slots_.data(), keys_.data(), shift_, number_mask_}, keys, count,
+                    numbers);
     else
       std::fill_n(numbers, count, kernels::not_first);
   }
@@ -288,7 +287,7 @@ private:
     }
   }
 
-  kernels::LatticeSearch search_;
+  const kernels::LatticeBuilding& loops_;
   int shift_ = 64;
   std::uint32_t number_mask_ = 0;
   std::vector<std::uint32_t> slots_; // 0 = free
@@ -578,7 +577,7 @@ private:
     for (std::size_t i = 0; i < kernels::batch_points; ++i)
       columns[i] = structure_.columns[std::min(begin + i, end - 1)];
     kernels::LatticeBatch batch;
-    kernels::latticeEmbedding(tier).embed(frame, features.data(), columns, batch);
+    kernels::latticeBuilding(tier).embed(frame, features.data(), columns, batch);
     const std::size_t corners = structure_.corners;
     std::uint8_t* const directions = vertices_.directions.data() + begin * corners;
     for (std::size_t k = 0; k < corners; ++k)
@@ -916,7 +915,7 @@ respondBySets(const AlignedArray<std::uint8_t>& directions, SimdTier tier,
               LatticeStructure& structure)
 {
   const PathSets sets(structure);
-  const kernels::LatticeEmbedding& loops = kernels::latticeEmbedding(tier);
+  const kernels::LatticeBuilding& loops = kernels::latticeBuilding(tier);
 #pragma omp parallel for schedule(static)
   for (std::size_t begin = 0; begin < structure.points;
        begin += kernels::batch_points) {

@@ -3,7 +3,7 @@
 
 #include "aligned_array.h"
 #include "core/simd.h"
-#include "kernels/lattice_embedding.h"
+#include "kernels/lattice_building.h"
 
 #include <pcl_semantic/core/abi_check.h>
 

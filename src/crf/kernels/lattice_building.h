@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-/** \brief The inner loops that find the simplex around each point, and what a point
- * hears of itself. */
+/** \brief The inner loops that build a lattice: they find the simplex around each
+ * point, vertices by their keys, and what a point hears of itself. */
 namespace pcl_semantic::kernels {
 
 constexpr int max_dimensions = 16;
@@ -45,11 +45,40 @@ struct LatticePaths {
   const std::uint8_t* directions; ///< (d + 1) x 64
 };
 
-struct LatticeEmbedding {
+/** \brief A table of keys with open addressing, of a power of two of slots. A slot is 0
+ * (free) or holds the number of a key + 1 in its lower bits and a part of the hash
+ * above them. */
+struct LatticeTableView {
+  const std::uint32_t* slots;
+  const std::uint64_t* keys; ///< by number
+  int shift;                 ///< from a hash to its slot
+  std::uint32_t number_mask; ///< the lower bits of a slot
+};
+
+/** \brief Of a key that is not in the slot where it is looked for first. */
+constexpr std::int32_t not_first = -2;
+
+constexpr std::uint64_t key_factors[2] = {0x9E3779B97F4A7C15u, 0xBF58476D1CE4E5B9u};
+
+/** \brief Mixes all bits of a key into the upper ones, and those into the lower. */
+inline std::uint64_t
+mixKey(std::uint64_t key)
+{
+  key *= key_factors[0];
+  return (key ^ (key >> 32)) * key_factors[1];
+}
+
+struct LatticeBuilding {
   /** \brief Finds the simplices of 64 points. \param[in] features d a column
    * \param[in] columns of the points */
   void (*embed)(const LatticeFrame& frame, const float* features,
                 const std::int32_t* columns, LatticeBatch& batch);
+
+  /** \brief Looks for keys where they are looked for first, without a branch: many at a
+   * time. \param[out] numbers -1 if they are unknown, not_first if another key is there
+   */
+  void (*search)(const LatticeTableView& table, const std::uint64_t* keys,
+                 std::size_t count, std::int32_t* numbers);
 
   /** \brief What a one at each of 64 points sends back to it through splat, blur and
    * slice. */
@@ -57,6 +86,6 @@ struct LatticeEmbedding {
 };
 
 /** \brief The loops for a tier. All give the same bits. */
-const LatticeEmbedding& latticeEmbedding(SimdTier tier);
+const LatticeBuilding& latticeBuilding(SimdTier tier);
 
 } // namespace pcl_semantic::kernels
