@@ -18,12 +18,48 @@ namespace pcl_semantic {
  * precision does as well without. */
 class PnPottsTerm : public CliqueTerm {
 public:
-  PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals);
+  PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals)
+      : CliqueTerm(std::move(potential), marginals.rows()), labels_(marginals.rows()),
+        stride_(marginals.stride()),
+        products_(std::size_t(stride_) * potential_.cliques->size())
+  {}
 
-  double update(const PaddedColumns& marginals) override;
-  void addMessages(const PaddedColumns& marginals, Eigen::Index begin, Eigen::Index end,
-                   PaddedColumns& messages) const override;
-  double freeEnergy(const PaddedColumns& marginals) const override;
+  double
+  update(const PaddedColumns& marginals) override
+  {
+    const std::size_t count = potential_.cliques->size();
+#pragma omp parallel for schedule(dynamic, 8) if (count > 8)
+    for (std::size_t c = 0; c < count; ++c)
+      multiplyMembers(Eigen::Index(c), marginals);
+    return 0.0;
+  }
+
+  void
+  addMessages(const PaddedColumns& marginals, Eigen::Index begin, Eigen::Index end,
+              PaddedColumns& messages) const override
+  {
+    const IndexLists& cliques = potential_.cliques->cliques();
+    kernels::inferenceLoops().addWithout(
+        cliques.starts.data() + begin, cliques.indices.data(), std::size_t(end - begin),
+        products_.data(), marginals.column(begin), std::size_t(stride_),
+        messages.column(begin));
+  }
+
+  double
+  freeEnergy(const PaddedColumns& marginals) const override
+  {
+    const auto count = Eigen::Index(potential_.cliques->size());
+    return orderedSum(count, 64, [&](Eigen::Index c) {
+      auto cost = double(potential_.largestWeight(c));
+      for (Eigen::Index l = 0; l < labels_; ++l) {
+        auto product = double(weights(c)[l]);
+        for (const std::int32_t i : potential_.cliques->members()[std::size_t(c)])
+          product *= double(marginals.column(i)[l]);
+        cost -= product;
+      }
+      return cost;
+    });
+  }
 
 private:
   double*
@@ -32,7 +68,18 @@ private:
     return products_.data() + c * stride_;
   }
 
-  void multiplyMembers(Eigen::Index c, const PaddedColumns& marginals);
+  void
+  multiplyMembers(Eigen::Index c, const PaddedColumns& marginals)
+  {
+    const IndexLists& members = potential_.cliques->members();
+    const std::size_t begin = members.starts[std::size_t(c)];
+    kernels::inferenceLoops().multiplyColumns(
+        members.indices.data() + begin, members.starts[std::size_t(c) + 1] - begin,
+        members.indices.size() - begin, marginals.column(0), std::size_t(stride_),
+        product(c));
+    for (Eigen::Index l = 0; l < stride_; ++l)
+      product(c)[l] *= double(weights(c)[l]);
+  }
 
   Eigen::Index labels_;
   Eigen::Index stride_;
@@ -46,12 +93,76 @@ private:
 class RobustTerm : public CliqueTerm {
 public:
   RobustTerm(CliquePotential&& potential, bool self_interaction,
-             const PaddedColumns& costs);
+             const PaddedColumns& costs)
+      : CliqueTerm(std::move(potential), costs.rows()),
+        self_interaction_(self_interaction), labels_(costs.rows())
+  {
+    const auto count = Eigen::Index(potential_.cliques->size());
+    const Eigen::Index rows = labels_ + (potential_.free_label ? 1 : 0);
+    costs_ = PaddedColumns(rows, count);
+    marginals_ = PaddedColumns(rows, count);
+    messages_ = PaddedColumns(rows, count);
+    clique_messages_ = PaddedColumns(labels_, count);
+    marginals_.setZero();
+    messages_.setZero();
+    clique_messages_.setZero();
+#pragma omp parallel for schedule(dynamic, 8) if (count > 8)
+    for (Eigen::Index c = 0; c < count; ++c)
+      setCosts(c, costs);
+    kernels::inferenceLoops().softMax(costs_.column(0), messages_.column(0),
+                                      marginals_.column(0), std::size_t(count),
+                                      std::size_t(costs_.stride()));
+    if (!potential_.update_from_members)
+      for (Eigen::Index c = 0; c < count; ++c)
+        updateCliqueMessage(c);
+  }
 
-  double update(const PaddedColumns& marginals) override;
-  void addMessages(const PaddedColumns& marginals, Eigen::Index begin, Eigen::Index end,
-                   PaddedColumns& messages) const override;
-  double freeEnergy(const PaddedColumns& marginals) const override;
+  double
+  update(const PaddedColumns& marginals) override
+  {
+    if (!potential_.update_from_members)
+      return 0.0;
+    passMessages();
+    float change = 0.0f;
+    const Eigen::Index count = marginals_.columns();
+#pragma omp parallel for schedule(dynamic, 8) reduction(max : change) if (count > 8)
+    for (Eigen::Index c = 0; c < count; ++c)
+      change = std::max(change, updateClique(c, marginals));
+    return double(change);
+  }
+
+  void
+  addMessages(const PaddedColumns&, Eigen::Index begin, Eigen::Index end,
+              PaddedColumns& messages) const override
+  {
+    const IndexLists& cliques = potential_.cliques->cliques();
+    kernels::inferenceLoops().addColumns(
+        cliques.starts.data() + begin, cliques.indices.data(), std::size_t(end - begin),
+        clique_messages_.column(0), std::size_t(clique_messages_.stride()),
+        messages.column(begin));
+  }
+
+  double
+  freeEnergy(const PaddedColumns& marginals) const override
+  {
+    PaddedColumns messages(marginals_.rows(), marginals_.columns());
+    messages.setZero();
+    for (const auto& kernel : potential_.kernels)
+      kernel->addProduct(marginals_.view(), messages.view());
+    return orderedSum(marginals_.columns(), 64, [&](Eigen::Index c) {
+      alignas(64) std::array<double, max_labels> sums, costs;
+      sumMembers(c, marginals, sums.data());
+      std::copy_n(costs_.column(c), marginals_.rows(), costs.data());
+      addCosts(c, sums.data(), messages.column(c), 0.5, costs.data()); // each pair once
+      double sum = 0.0;
+      for (Eigen::Index l = 0; l < marginals_.rows(); ++l) {
+        const double q = marginals_.column(c)[l];
+        if (q > 0.0)
+          sum += q * (costs[std::size_t(l)] + std::log(q));
+      }
+      return sum;
+    });
+  }
 
   const PaddedColumns*
   cliqueMarginals() const override
@@ -60,13 +171,107 @@ public:
   }
 
 private:
-  void setCosts(Eigen::Index c, const PaddedColumns& costs);
-  void passMessages();
-  void sumMembers(Eigen::Index c, const PaddedColumns& marginals, double* sums) const;
-  void addCosts(Eigen::Index c, const double* sums, const float* messages,
-                double factor, double* costs) const;
-  float updateClique(Eigen::Index c, const PaddedColumns& marginals);
-  void updateCliqueMessage(Eigen::Index c);
+  static constexpr std::size_t max_labels = 256; // with the free one
+
+  void
+  setCosts(Eigen::Index c, const PaddedColumns& costs)
+  {
+    std::array<float, max_labels> values;
+    if (potential_.unary.size() > 0) {
+      std::copy_n(potential_.unary.col(c).data(), labels_, values.data());
+    }
+    else {
+      std::array<double, max_labels> sums;
+      sumMembers(c, costs, sums.data());
+      const double least = *std::min_element(sums.data(), sums.data() + labels_);
+      const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
+      for (std::size_t l = 0; l < std::size_t(labels_); ++l)
+        values[l] = float((sums[l] - least) / size);
+    }
+    if (potential_.free_label)
+      values[std::size_t(labels_)] = float(potential_.freeCost(c));
+    costs_.setColumn(c, values.data(), kernels::padding_cost);
+  }
+
+  void
+  passMessages()
+  {
+    for (const auto& kernel : potential_.kernels) {
+      kernel->addProduct(marginals_.view(), messages_.view());
+      for (Eigen::Index c = 0; c < marginals_.columns(); ++c)
+        if (self_interaction_)
+          messages_.view().col(c) += kernel->diagonal(c) * marginals_.view().col(c);
+    }
+  }
+
+  void
+  sumMembers(Eigen::Index c, const PaddedColumns& marginals, double* sums) const
+  {
+    const IndexLists& members = potential_.cliques->members();
+    const std::size_t begin = members.starts[std::size_t(c)];
+    kernels::inferenceLoops().sumColumns(
+        members.indices.data() + begin, members.starts[std::size_t(c) + 1] - begin,
+        members.indices.size() - begin, marginals.column(0),
+        std::size_t(marginals.stride()), sums);
+  }
+
+  // Adds the mean costs of the labels of y_c: those of the members, from the sums of
+  // their marginals, and a multiple of those between cliques, from the messages of the
+  // others.
+  void
+  addCosts(Eigen::Index c, const double* sums, const float* messages, double factor,
+           double* costs) const
+  {
+    const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
+    const float* const weight = weights(c);
+    double all = 0.0;
+    for (Eigen::Index l = 0; l < labels_; ++l)
+      all += double(messages[l]);
+    for (Eigen::Index l = 0; l < labels_; ++l)
+      costs[l] +=
+          double(weight[l]) * (size - sums[l]) + factor * (all - double(messages[l]));
+  }
+
+  // Eq. (10). The costs of a large clique are large, and their differences count: they
+  // are taken in double precision until the least is 0.
+  float
+  updateClique(Eigen::Index c, const PaddedColumns& marginals)
+  {
+    const Eigen::Index rows = marginals_.rows();
+    alignas(64) std::array<double, max_labels> sums, costs;
+    sumMembers(c, marginals, sums.data());
+    std::copy_n(costs_.column(c), rows, costs.data());
+    addCosts(c, sums.data(), messages_.column(c), 1.0, costs.data());
+    const double least = *std::min_element(costs.data(), costs.data() + rows);
+    alignas(64) std::array<float, max_labels> shifted;
+    for (std::size_t l = 0; l < std::size_t(rows); ++l)
+      shifted[l] = float(std::min(costs[l] - least, double(kernels::padding_cost)));
+    std::fill(shifted.begin() + rows, shifted.begin() + marginals_.stride(),
+              kernels::padding_cost);
+    std::fill_n(messages_.column(c), messages_.stride(), 0.0f); // they are in the costs
+    const float change = kernels::inferenceLoops().softMax(
+        shifted.data(), messages_.column(c), marginals_.column(c), 1,
+        std::size_t(marginals_.stride()));
+    updateCliqueMessage(c);
+    return change;
+  }
+
+  void
+  updateCliqueMessage(Eigen::Index c)
+  {
+    const float* const q = marginals_.column(c);
+    const float* const weight = weights(c);
+    float* const message = clique_messages_.column(c);
+    if (!potential_.map_messages) {
+      for (Eigen::Index l = 0; l < labels_; ++l)
+        message[l] = weight[l] * q[l];
+      return;
+    }
+    const Eigen::Index map = std::max_element(q, q + marginals_.rows()) - q;
+    std::fill_n(message, labels_, 0.0f);
+    if (map < labels_) // the free label sends no message
+      message[map] = weight[map];
+  }
 
   bool self_interaction_;
   Eigen::Index labels_;
@@ -75,241 +280,6 @@ private:
   PaddedColumns messages_;        // sum over d of k_cd Q_d; zero between updates
   PaddedColumns clique_messages_; // k_c^l Q_c(l), to the members
 };
-
-PnPottsTerm::PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals)
-    : CliqueTerm(std::move(potential), marginals.rows()), labels_(marginals.rows()),
-      stride_(marginals.stride()),
-      products_(std::size_t(stride_) * potential_.cliques->size())
-{}
-
-void
-PnPottsTerm::multiplyMembers(Eigen::Index c, const PaddedColumns& marginals)
-{
-  const IndexLists& members = potential_.cliques->members();
-  const std::size_t begin = members.starts[std::size_t(c)];
-  kernels::inferenceLoops().multiplyColumns(
-      members.indices.data() + begin, members.starts[std::size_t(c) + 1] - begin,
-      members.indices.size() - begin, marginals.column(0), std::size_t(stride_),
-      product(c));
-  for (Eigen::Index l = 0; l < stride_; ++l)
-    product(c)[l] *= double(weights(c)[l]);
-}
-
-double
-PnPottsTerm::update(const PaddedColumns& marginals)
-{
-  const std::size_t count = potential_.cliques->size();
-#pragma omp parallel for schedule(dynamic, 8) if (count > 8)
-  for (std::size_t c = 0; c < count; ++c)
-    multiplyMembers(Eigen::Index(c), marginals);
-  return 0.0;
-}
-
-void
-PnPottsTerm::addMessages(const PaddedColumns& marginals, Eigen::Index begin,
-                         Eigen::Index end, PaddedColumns& messages) const
-{
-  const IndexLists& cliques = potential_.cliques->cliques();
-  kernels::inferenceLoops().addWithout(cliques.starts.data() + begin,
-                                       cliques.indices.data(), std::size_t(end - begin),
-                                       products_.data(), marginals.column(begin),
-                                       std::size_t(stride_), messages.column(begin));
-}
-
-double
-PnPottsTerm::freeEnergy(const PaddedColumns& marginals) const
-{
-  const auto count = Eigen::Index(potential_.cliques->size());
-  return orderedSum(count, 64, [&](Eigen::Index c) {
-    auto cost = double(potential_.largestWeight(c));
-    for (Eigen::Index l = 0; l < labels_; ++l) {
-      auto product = double(weights(c)[l]);
-      for (const std::int32_t i : potential_.cliques->members()[std::size_t(c)])
-        product *= double(marginals.column(i)[l]);
-      cost -= product;
-    }
-    return cost;
-  });
-}
-
-namespace {
-
-constexpr std::size_t max_labels = 256; // with the free one
-
-} // namespace
-
-RobustTerm::RobustTerm(CliquePotential&& potential, bool self_interaction,
-                       const PaddedColumns& costs)
-    : CliqueTerm(std::move(potential), costs.rows()),
-      self_interaction_(self_interaction), labels_(costs.rows())
-{
-  const auto count = Eigen::Index(potential_.cliques->size());
-  const Eigen::Index rows = labels_ + (potential_.free_label ? 1 : 0);
-  costs_ = PaddedColumns(rows, count);
-  marginals_ = PaddedColumns(rows, count);
-  messages_ = PaddedColumns(rows, count);
-  clique_messages_ = PaddedColumns(labels_, count);
-  marginals_.setZero();
-  messages_.setZero();
-  clique_messages_.setZero();
-#pragma omp parallel for schedule(dynamic, 8) if (count > 8)
-  for (Eigen::Index c = 0; c < count; ++c)
-    setCosts(c, costs);
-  kernels::inferenceLoops().softMax(costs_.column(0), messages_.column(0),
-                                    marginals_.column(0), std::size_t(count),
-                                    std::size_t(costs_.stride()));
-  if (!potential_.update_from_members)
-    for (Eigen::Index c = 0; c < count; ++c)
-      updateCliqueMessage(c);
-}
-
-void
-RobustTerm::setCosts(Eigen::Index c, const PaddedColumns& costs)
-{
-  std::array<float, max_labels> values;
-  if (potential_.unary.size() > 0) {
-    std::copy_n(potential_.unary.col(c).data(), labels_, values.data());
-  }
-  else {
-    std::array<double, max_labels> sums;
-    sumMembers(c, costs, sums.data());
-    const double least = *std::min_element(sums.data(), sums.data() + labels_);
-    const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
-    for (std::size_t l = 0; l < std::size_t(labels_); ++l)
-      values[l] = float((sums[l] - least) / size);
-  }
-  if (potential_.free_label)
-    values[std::size_t(labels_)] = float(potential_.freeCost(c));
-  costs_.setColumn(c, values.data(), kernels::padding_cost);
-}
-
-void
-RobustTerm::sumMembers(Eigen::Index c, const PaddedColumns& marginals,
-                       double* sums) const
-{
-  const IndexLists& members = potential_.cliques->members();
-  const std::size_t begin = members.starts[std::size_t(c)];
-  kernels::inferenceLoops().sumColumns(
-      members.indices.data() + begin, members.starts[std::size_t(c) + 1] - begin,
-      members.indices.size() - begin, marginals.column(0),
-      std::size_t(marginals.stride()), sums);
-}
-
-void
-RobustTerm::passMessages()
-{
-  for (const auto& kernel : potential_.kernels) {
-    kernel->addProduct(marginals_.view(), messages_.view());
-    for (Eigen::Index c = 0; c < marginals_.columns(); ++c)
-      if (self_interaction_)
-        messages_.view().col(c) += kernel->diagonal(c) * marginals_.view().col(c);
-  }
-}
-
-// Adds the mean costs of the labels of y_c: those of the members, from the sums of
-// their marginals, and a multiple of those between cliques, from the messages of the
-// others.
-void
-RobustTerm::addCosts(Eigen::Index c, const double* sums, const float* messages,
-                     double factor, double* costs) const
-{
-  const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
-  const float* const weight = weights(c);
-  double all = 0.0;
-  for (Eigen::Index l = 0; l < labels_; ++l)
-    all += double(messages[l]);
-  for (Eigen::Index l = 0; l < labels_; ++l)
-    costs[l] +=
-        double(weight[l]) * (size - sums[l]) + factor * (all - double(messages[l]));
-}
-
-// Eq. (10). The costs of a large clique are large, and their differences count: they
-// are taken in double precision until the least is 0.
-float
-RobustTerm::updateClique(Eigen::Index c, const PaddedColumns& marginals)
-{
-  const Eigen::Index rows = marginals_.rows();
-  alignas(64) std::array<double, max_labels> sums, costs;
-  sumMembers(c, marginals, sums.data());
-  std::copy_n(costs_.column(c), rows, costs.data());
-  addCosts(c, sums.data(), messages_.column(c), 1.0, costs.data());
-  const double least = *std::min_element(costs.data(), costs.data() + rows);
-  alignas(64) std::array<float, max_labels> shifted;
-  for (std::size_t l = 0; l < std::size_t(rows); ++l)
-    shifted[l] = float(std::min(costs[l] - least, double(kernels::padding_cost)));
-  std::fill(shifted.begin() + rows, shifted.begin() + marginals_.stride(),
-            kernels::padding_cost);
-  std::fill_n(messages_.column(c), messages_.stride(), 0.0f); // they are in the costs
-  const float change = kernels::inferenceLoops().softMax(
-      shifted.data(), messages_.column(c), marginals_.column(c), 1,
-      std::size_t(marginals_.stride()));
-  updateCliqueMessage(c);
-  return change;
-}
-
-void
-RobustTerm::updateCliqueMessage(Eigen::Index c)
-{
-  const float* const q = marginals_.column(c);
-  const float* const weight = weights(c);
-  float* const message = clique_messages_.column(c);
-  if (!potential_.map_messages) {
-    for (Eigen::Index l = 0; l < labels_; ++l)
-      message[l] = weight[l] * q[l];
-    return;
-  }
-  const Eigen::Index map = std::max_element(q, q + marginals_.rows()) - q;
-  std::fill_n(message, labels_, 0.0f);
-  if (map < labels_) // the free label sends no message
-    message[map] = weight[map];
-}
-
-double
-RobustTerm::update(const PaddedColumns& marginals)
-{
-  if (!potential_.update_from_members)
-    return 0.0;
-  passMessages();
-  float change = 0.0f;
-  const Eigen::Index count = marginals_.columns();
-#pragma omp parallel for schedule(dynamic, 8) reduction(max : change) if (count > 8)
-  for (Eigen::Index c = 0; c < count; ++c)
-    change = std::max(change, updateClique(c, marginals));
-  return double(change);
-}
-
-void
-RobustTerm::addMessages(const PaddedColumns&, Eigen::Index begin, Eigen::Index end,
-                        PaddedColumns& messages) const
-{
-  const IndexLists& cliques = potential_.cliques->cliques();
-  kernels::inferenceLoops().addColumns(
-      cliques.starts.data() + begin, cliques.indices.data(), std::size_t(end - begin),
-      clique_messages_.column(0), std::size_t(clique_messages_.stride()),
-      messages.column(begin));
-}
-
-double
-RobustTerm::freeEnergy(const PaddedColumns& marginals) const
-{
-  PaddedColumns messages(marginals_.rows(), marginals_.columns());
-  messages.setZero();
-  for (const auto& kernel : potential_.kernels)
-    kernel->addProduct(marginals_.view(), messages.view());
-  return orderedSum(marginals_.columns(), 64, [&](Eigen::Index c) {
-    alignas(64) std::array<double, max_labels> sums, costs;
-    sumMembers(c, marginals, sums.data());
-    std::copy_n(costs_.column(c), marginals_.rows(), costs.data());
-    addCosts(c, sums.data(), messages.column(c), 0.5, costs.data()); // each pair once
-    double sum = 0.0;
-    for (Eigen::Index l = 0; l < marginals_.rows(); ++l) {
-      const double q = marginals_.column(c)[l];
-      if (q > 0.0)
-        sum += q * (costs[std::size_t(l)] + std::log(q));
-    }
-    return sum;
-  });
-}
 
 CliqueTerm::CliqueTerm(CliquePotential&& potential, Eigen::Index labels)
     : potential_(std::move(potential)), weights_(labels, potential_.weights.cols())
