@@ -18,53 +18,10 @@
 
 namespace pcl_semantic {
 
-/** \brief Costs -log p, eq. (4), of some columns of measurements, L x N of any positive
- * scale; one that is all zero has no preference. */
-Eigen::MatrixXf unaryCosts(const Eigen::MatrixXf& measured,
-                           const std::vector<std::int32_t>& columns);
+namespace {
 
-/** \brief Makes the CrfModel of a LabelRefiner over elements. */
-class LabelRefiner::Builder {
-public:
-  /** \brief Brings the elements into the order that suits the kernels.
-   * \param[in] measured of all elements */
-  Builder(LabelRefiner& refiner, Elements& elements,
-          const LabelDistributions& measured);
-
-  /** \throws as LabelRefiner::refine() */
-  CrfModel build();
-
-  /** \brief Marginals to start from, L x n; empty = from the measurements. */
-  Eigen::MatrixXf initial() const;
-
-private:
-  void reorder(const std::vector<std::int32_t>& order);
-
-  std::vector<GaussianTerm> terms() const;
-
-  GaussianKernels::List kernels() const;
-
-  void addCliques(CrfModel& model);
-
-  std::vector<std::vector<std::int32_t>>
-  cliquesOfElements(std::vector<int>& kept) const;
-
-  GaussianKernels::List
-  cliqueKernels(const std::vector<std::vector<std::int32_t>>& cliques) const;
-
-  bool
-  hasColours() const
-  {
-    return elements_.colours.size() > 0;
-  }
-
-  LabelRefiner& refiner_;
-  const SemanticCRFParameters parameters_;
-  Elements& elements_;
-  const LabelDistributions& measured_;
-  GaussianKernels gaussian_kernels_;
-};
-
+// Costs -log p, eq. (4), of some columns of measurements, L x N of any positive scale;
+// one that is all zero has no preference.
 Eigen::MatrixXf
 unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& columns)
 {
@@ -90,8 +47,6 @@ unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& col
   }
   return costs;
 }
-
-namespace {
 
 GaussianKernelOptions
 kernelOptions(const SemanticCRFParameters& parameters)
@@ -184,155 +139,176 @@ keptColumns(const Eigen::MatrixXf& matrix, std::size_t cliques,
 
 } // namespace
 
-LabelRefiner::Builder::Builder(LabelRefiner& refiner, Elements& elements,
-                               const LabelDistributions& measured)
-    : refiner_(refiner), parameters_(resolved(refiner.parameters_, elements.spacing)),
-      elements_(elements), measured_(measured),
-      gaussian_kernels_(elements.positions, deviationsOf(terms()),
-                        kernelOptions(parameters_))
-{
-  if (!gaussian_kernels_.fastestOrder().empty())
-    reorder(gaussian_kernels_.fastestOrder());
-}
-
-std::vector<GaussianTerm>
-LabelRefiner::Builder::terms() const
-{
-  return makeTerms(parameters_.smoothness_weight, parameters_.smoothness_deviation,
-                   parameters_.appearance_weight, parameters_.appearance_deviation,
-                   elements_.colours, parameters_.colour_deviation);
-}
-
-void
-LabelRefiner::Builder::reorder(const std::vector<std::int32_t>& order)
-{
-  pcl::Indices indices(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k)
-    indices[k] = elements_.indices[std::size_t(order[k])];
-  elements_.indices.swap(indices);
-  elements_.positions = gather(elements_.positions, order);
-  if (hasColours())
-    elements_.colours = gather(elements_.colours, order);
-}
-
-CrfModel
-LabelRefiner::Builder::build()
-{
-  CrfModel model;
-  model.kernels = kernels(); // first: they need the most memory while they are made
-  model.unary = unaryCosts(measured_.matrix(), elements_.indices);
-  model.compatibility = refiner_.compatibility_;
-  model.self_interaction = parameters_.self_interaction;
-  if (refiner_.usesCliques())
-    addCliques(model);
-  return model;
-}
-
-GaussianKernels::List
-LabelRefiner::Builder::kernels() const
-{
-  GaussianKernels::List kernels = gaussian_kernels_.make(elements_.positions, terms());
-  for (const GaussianTerm& kernel : refiner_.kernels_) {
-    if (std::size_t(kernel.features.cols()) != elements_.total)
-      badParameter("a kernel has features of ", kernel.features.cols(),
-                   " points, expected ", elements_.total);
-    if (kernel.weight > 0.0f)
-      kernels.push_back(
-          std::make_shared<LatticeKernel>(gather(kernel.features, elements_.indices),
-                                          kernel.weight, parameters_.normalization));
+/** \brief Makes the CrfModel of a LabelRefiner over elements. */
+class LabelRefiner::Builder {
+public:
+  /** \brief Brings the elements into the order that suits the kernels.
+   * \param[in] measured of all elements */
+  Builder(LabelRefiner& refiner, Elements& elements, const LabelDistributions& measured)
+      : refiner_(refiner), parameters_(resolved(refiner.parameters_, elements.spacing)),
+        elements_(elements), measured_(measured),
+        gaussian_kernels_(elements.positions, deviationsOf(terms()),
+                          kernelOptions(parameters_))
+  {
+    if (!gaussian_kernels_.fastestOrder().empty())
+      reorder(gaussian_kernels_.fastestOrder());
   }
-  return kernels;
-}
 
-Eigen::MatrixXf
-LabelRefiner::Builder::initial() const
-{
-  const LabelDistributions& initial = refiner_.initial_;
-  if (initial.empty())
-    return {};
-  if (std::size_t(initial.size()) != elements_.total ||
-      initial.classes() != measured_.classes())
-    badParameter("initial distributions are ", initial.classes(), " x ", initial.size(),
-                 ", expected ", measured_.classes(), " x ", elements_.total);
-  return gather(initial.matrix(), elements_.indices);
-}
+  /** \throws as LabelRefiner::refine() */
+  CrfModel
+  build()
+  {
+    CrfModel model;
+    model.kernels = kernels(); // first: they need the most memory while they are made
+    model.unary = unaryCosts(measured_.matrix(), elements_.indices);
+    model.compatibility = refiner_.compatibility_;
+    model.self_interaction = parameters_.self_interaction;
+    if (refiner_.usesCliques())
+      addCliques(model);
+    return model;
+  }
 
-// The cliques in the elements that take part, and which ones are left.
-std::vector<std::vector<std::int32_t>>
-LabelRefiner::Builder::cliquesOfElements(std::vector<int>& kept) const
-{
-  std::vector<std::int32_t> columns(elements_.total, -1);
-  for (std::size_t k = 0; k < elements_.indices.size(); ++k)
-    columns[std::size_t(elements_.indices[k])] = std::int32_t(k);
-  std::vector<std::vector<std::int32_t>> cliques;
-  std::vector<std::int32_t> last_clique(elements_.total, -1); // that an index was in
-  for (std::size_t c = 0; c < refiner_.cliques_.size(); ++c) {
-    std::vector<std::int32_t> members;
-    for (const pcl::index_t index : refiner_.cliques_[c].indices) {
-      if (index < 0 || std::size_t(index) >= elements_.total)
-        badParameter("clique ", c, " has the index ", index, ", expected 0 to ",
-                     std::int64_t(elements_.total) - 1);
-      if (last_clique[std::size_t(index)] == std::int32_t(c))
-        badParameter("clique ", c, " has the index ", index, " twice");
-      last_clique[std::size_t(index)] = std::int32_t(c);
-      if (columns[std::size_t(index)] >= 0)
-        members.push_back(columns[std::size_t(index)]);
+  /** \brief Marginals to start from, L x n; empty = from the measurements. */
+  Eigen::MatrixXf
+  initial() const
+  {
+    const LabelDistributions& initial = refiner_.initial_;
+    if (initial.empty())
+      return {};
+    if (std::size_t(initial.size()) != elements_.total ||
+        initial.classes() != measured_.classes())
+      badParameter("initial distributions are ", initial.classes(), " x ",
+                   initial.size(), ", expected ", measured_.classes(), " x ",
+                   elements_.total);
+    return gather(initial.matrix(), elements_.indices);
+  }
+
+private:
+  void
+  reorder(const std::vector<std::int32_t>& order)
+  {
+    pcl::Indices indices(order.size());
+    for (std::size_t k = 0; k < order.size(); ++k)
+      indices[k] = elements_.indices[std::size_t(order[k])];
+    elements_.indices.swap(indices);
+    elements_.positions = gather(elements_.positions, order);
+    if (hasColours())
+      elements_.colours = gather(elements_.colours, order);
+  }
+
+  std::vector<GaussianTerm>
+  terms() const
+  {
+    return makeTerms(parameters_.smoothness_weight, parameters_.smoothness_deviation,
+                     parameters_.appearance_weight, parameters_.appearance_deviation,
+                     elements_.colours, parameters_.colour_deviation);
+  }
+
+  GaussianKernels::List
+  kernels() const
+  {
+    GaussianKernels::List kernels =
+        gaussian_kernels_.make(elements_.positions, terms());
+    for (const GaussianTerm& kernel : refiner_.kernels_) {
+      if (std::size_t(kernel.features.cols()) != elements_.total)
+        badParameter("a kernel has features of ", kernel.features.cols(),
+                     " points, expected ", elements_.total);
+      if (kernel.weight > 0.0f)
+        kernels.push_back(
+            std::make_shared<LatticeKernel>(gather(kernel.features, elements_.indices),
+                                            kernel.weight, parameters_.normalization));
     }
-    if (members.empty())
-      continue;
-    cliques.push_back(std::move(members));
-    kept.push_back(int(c));
+    return kernels;
   }
-  return cliques;
-}
 
-void
-LabelRefiner::Builder::addCliques(CrfModel& model)
-{
-  if (!refiner_.has_cliques_)
-    badParameter("this model needs cliques: set them, or a generator");
-  std::vector<int> kept;
-  const auto cliques = cliquesOfElements(kept);
-  refiner_.report_.cliques = cliques.size();
-  refiner_.report_.skipped_cliques = refiner_.cliques_.size() - cliques.size();
-  if (cliques.empty())
-    return;
-  const std::size_t all = refiner_.cliques_.size();
-  CliquePotential potential;
-  potential.cliques =
-      std::make_shared<CliqueSet>(cliques, std::size_t(model.unary.cols()));
-  potential.weights.setConstant(1, 1, float(parameters_.clique_weight));
-  if (refiner_.clique_weights_.cols() == 1) // of all cliques
-    potential.weights = refiner_.clique_weights_;
-  else if (refiner_.clique_weights_.size() > 0)
-    potential.weights = keptColumns(refiner_.clique_weights_, all, kept, "weights");
-  potential.type = CliquePotential::Type::pn_potts;
-  if (refiner_.model_ == CRFModelType::hierarchical) {
-    potential.type = CliquePotential::Type::robust;
-    potential.free_label = parameters_.free_label;
-    potential.truncation = float(parameters_.clique_truncation);
-    potential.update_from_members = parameters_.update_from_members;
-    potential.map_messages = parameters_.map_messages;
-    potential.unary = keptColumns(refiner_.clique_costs_, all, kept, "costs");
-    potential.kernels = cliqueKernels(cliques);
+  void
+  addCliques(CrfModel& model)
+  {
+    if (!refiner_.has_cliques_)
+      badParameter("this model needs cliques: set them, or a generator");
+    std::vector<int> kept;
+    const auto cliques = cliquesOfElements(kept);
+    refiner_.report_.cliques = cliques.size();
+    refiner_.report_.skipped_cliques = refiner_.cliques_.size() - cliques.size();
+    if (cliques.empty())
+      return;
+    const std::size_t all = refiner_.cliques_.size();
+    CliquePotential potential;
+    potential.cliques =
+        std::make_shared<CliqueSet>(cliques, std::size_t(model.unary.cols()));
+    potential.weights.setConstant(1, 1, float(parameters_.clique_weight));
+    if (refiner_.clique_weights_.cols() == 1) // of all cliques
+      potential.weights = refiner_.clique_weights_;
+    else if (refiner_.clique_weights_.size() > 0)
+      potential.weights = keptColumns(refiner_.clique_weights_, all, kept, "weights");
+    potential.type = CliquePotential::Type::pn_potts;
+    if (refiner_.model_ == CRFModelType::hierarchical) {
+      potential.type = CliquePotential::Type::robust;
+      potential.free_label = parameters_.free_label;
+      potential.truncation = float(parameters_.clique_truncation);
+      potential.update_from_members = parameters_.update_from_members;
+      potential.map_messages = parameters_.map_messages;
+      potential.unary = keptColumns(refiner_.clique_costs_, all, kept, "costs");
+      potential.kernels = cliqueKernels(cliques);
+    }
+    model.cliques.push_back(std::move(potential));
   }
-  model.cliques.push_back(std::move(potential));
-}
 
-GaussianKernels::List
-LabelRefiner::Builder::cliqueKernels(
-    const std::vector<std::vector<std::int32_t>>& cliques) const
-{
-  const std::vector<GaussianTerm> terms = makeTerms(
-      parameters_.clique_smoothness_weight, parameters_.clique_smoothness_deviation,
-      parameters_.clique_appearance_weight, parameters_.clique_appearance_deviation,
-      meansOf(elements_.colours, cliques), parameters_.clique_colour_deviation);
-  if (terms.empty())
-    return {};
-  const Eigen::MatrixXf positions = meansOf(elements_.positions, cliques);
-  return GaussianKernels(positions, deviationsOf(terms), kernelOptions(parameters_))
-      .make(positions, terms);
-}
+  // The cliques in the elements that take part, and which ones are left.
+  std::vector<std::vector<std::int32_t>>
+  cliquesOfElements(std::vector<int>& kept) const
+  {
+    std::vector<std::int32_t> columns(elements_.total, -1);
+    for (std::size_t k = 0; k < elements_.indices.size(); ++k)
+      columns[std::size_t(elements_.indices[k])] = std::int32_t(k);
+    std::vector<std::vector<std::int32_t>> cliques;
+    std::vector<std::int32_t> last_clique(elements_.total, -1); // that an index was in
+    for (std::size_t c = 0; c < refiner_.cliques_.size(); ++c) {
+      std::vector<std::int32_t> members;
+      for (const pcl::index_t index : refiner_.cliques_[c].indices) {
+        if (index < 0 || std::size_t(index) >= elements_.total)
+          badParameter("clique ", c, " has the index ", index, ", expected 0 to ",
+                       std::int64_t(elements_.total) - 1);
+        if (last_clique[std::size_t(index)] == std::int32_t(c))
+          badParameter("clique ", c, " has the index ", index, " twice");
+        last_clique[std::size_t(index)] = std::int32_t(c);
+        if (columns[std::size_t(index)] >= 0)
+          members.push_back(columns[std::size_t(index)]);
+      }
+      if (members.empty())
+        continue;
+      cliques.push_back(std::move(members));
+      kept.push_back(int(c));
+    }
+    return cliques;
+  }
+
+  GaussianKernels::List
+  cliqueKernels(const std::vector<std::vector<std::int32_t>>& cliques) const
+  {
+    const std::vector<GaussianTerm> terms = makeTerms(
+        parameters_.clique_smoothness_weight, parameters_.clique_smoothness_deviation,
+        parameters_.clique_appearance_weight, parameters_.clique_appearance_deviation,
+        meansOf(elements_.colours, cliques), parameters_.clique_colour_deviation);
+    if (terms.empty())
+      return {};
+    const Eigen::MatrixXf positions = meansOf(elements_.positions, cliques);
+    return GaussianKernels(positions, deviationsOf(terms), kernelOptions(parameters_))
+        .make(positions, terms);
+  }
+
+  bool
+  hasColours() const
+  {
+    return elements_.colours.size() > 0;
+  }
+
+  LabelRefiner& refiner_;
+  const SemanticCRFParameters parameters_;
+  Elements& elements_;
+  const LabelDistributions& measured_;
+  GaussianKernels gaussian_kernels_;
+};
 
 namespace {
 
