@@ -432,6 +432,9 @@ template <typename Key> struct ChunkKeys {
   std::size_t first = 0;                // keys of earlier chunks
 };
 
+/** \brief Finds the simplices of the sorted points and numbers their vertices: fills in
+ * everything of a structure with columns, corners and chunk_points but its groups and
+ * self-responses. */
 template <typename Key> class Numbering {
 public:
   Numbering(LatticeVertices<Key>& vertices, LatticeStructure& structure)
@@ -445,6 +448,16 @@ public:
                                                      kernels::batch_points);
   }
 
+  void
+  run(const Features& features, const kernels::LatticeFrame& frame, SimdTier tier)
+  {
+    embed(features, frame, tier);
+    findFirst(tier);
+    numberRows();
+    findShared();
+  }
+
+private:
   // Fills in weights and directions; corner_rows with numbers of keys of the chunk.
   void
   embed(const Features& features, const kernels::LatticeFrame& frame, SimdTier tier)
@@ -548,7 +561,6 @@ public:
           std::int32_t(structure_.vertices + p);
   }
 
-private:
   std::size_t
   batches() const
   {
@@ -678,23 +690,6 @@ private:
   std::vector<ChunkKeys<Key>> chunks_;
   AlignedArray<std::int32_t> rows_; // of all keys of all chunks: first key; -1 - vertex
 };
-
-/** \brief Finds the simplices of the sorted points and numbers their vertices: fills in
- * everything of a structure with columns, corners and chunk_points but its groups and
- * self-responses. */
-template <typename Key>
-LatticeVertices<Key>
-numberVertices(const Features& features, const kernels::LatticeFrame& frame,
-               const LatticeKeyBits& bits, SimdTier tier, LatticeStructure& structure)
-{
-  LatticeVertices<Key> vertices{LatticeKeys<Key>(bits), {}, {}};
-  Numbering numbering(vertices, structure);
-  numbering.embed(features, frame, tier);
-  numbering.findFirst(tier);
-  numbering.numberRows();
-  numbering.findShared();
-  return vertices;
-}
 
 // Vertices of a bucket, about: their rows of 16 floats fill a quarter of a 1 MB cache.
 constexpr std::size_t bucket_vertices = 4096;
@@ -1034,8 +1029,8 @@ void
 build(const Features& features, const kernels::LatticeFrame& frame,
       const LatticeKeyBits& bits, SimdTier tier, LatticeStructure& structure)
 {
-  const LatticeVertices<Key> vertices =
-      numberVertices<Key>(features, frame, bits, tier, structure);
+  LatticeVertices<Key> vertices{LatticeKeys<Key>(bits), {}, {}};
+  Numbering<Key>(vertices, structure).run(features, frame, tier);
   findRuns(vertices, tier, structure);
   findSelfResponses(vertices, tier, structure);
 }
@@ -1059,7 +1054,7 @@ buildLattice(const Features& features, SimdTier tier)
   const LatticeKeyBits bits(frame, extents);
   if (bits.bits > 128)
     badParameter("features span too many deviations in ", features.rows(),
-                 " dimensions: keys of lattice ", "vertices would take ", bits.bits,
+                 " dimensions: keys of lattice vertices would take ", bits.bits,
                  " bits, expected at most 128");
   structure.columns = orderInTiles(features, frame, extents);
   if (bits.bits <= 64)
