@@ -35,12 +35,6 @@ public:
     return nullptr;
   }
 
-  const CliquePotential&
-  potential() const
-  {
-    return potential_;
-  }
-
 protected:
   /** \brief k_c^l of all labels. */
   const float*

@@ -192,7 +192,7 @@ private:
       indices[k] = elements_.indices[std::size_t(order[k])];
     elements_.indices.swap(indices);
     elements_.positions = gather(elements_.positions, order);
-    if (hasColours())
+    if (elements_.colours.size() > 0)
       elements_.colours = gather(elements_.colours, order);
   }
 
@@ -295,12 +295,6 @@ private:
     const Eigen::MatrixXf positions = meansOf(elements_.positions, cliques);
     return GaussianKernels(positions, deviationsOf(terms), kernelOptions(parameters_))
         .make(positions, terms);
-  }
-
-  bool
-  hasColours() const
-  {
-    return elements_.colours.size() > 0;
   }
 
   LabelRefiner& refiner_;
