@@ -132,8 +132,7 @@ drawFigure(const Arguments& arguments, const std::vector<std::string>& names,
     figure = drawLabelComparison(image, labels, truth, label_set, arguments.width);
   }
   catch (const InvalidParameterException& error) { // the fault of the images
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.image << below << ": " << error.what());
+    badInput(arguments.image, below, ": ", error.what());
   }
   (arguments.small ? writeSmallPng : writePng)(arguments.output + below, figure);
 }
@@ -151,9 +150,8 @@ compare(const Arguments& arguments)
   const std::vector<FrameFile> frames =
       listFrameFiles(arguments.labels.front(), {".png"});
   if (frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.labels.front()
-                            << ": holds no label images, expected 000000.png ...");
+    badInput(arguments.labels.front(),
+             ": holds no label images, expected 000000.png ...");
   makeOutputFolder(arguments.output);
   tool::ProgressBar progress("drawing", frames.size());
   for (const FrameFile& frame : frames) {

@@ -3,7 +3,6 @@
 #include "render_options.h"
 #include "tool.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/io/scene_image.h>
@@ -105,9 +104,7 @@ coloursOf(const Arguments& arguments, const tool::MapInput& map)
   if (const auto found = known.find(arguments.colour); found != known.end())
     return found->second(map.scene);
   if (!map.scene.has_labels)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.map << ": has no labels, expected a field label or "
-                                         "probability");
+    badInput(arguments.map, ": has no labels, expected a field label or probability");
   if (arguments.compare.empty())
     return classColours(map.scene, map.label_set);
   const VoxelScene other =

@@ -108,10 +108,8 @@ viewOf(const RenderOptions& options, const VoxelScene& scene, const Trajectory& 
                   options.field_of_view, options.size);
   if (options.view == "camera") {
     if (options.frame < 0 || std::size_t(options.frame) >= poses.size())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--view camera: the trajectory has "
-                              << poses.size() << " poses, none for --frame "
-                              << options.frame);
+      badParameter("--view camera: the trajectory has ", poses.size(),
+                   " poses, none for --frame ", options.frame);
     const Eigen::Isometry3d& pose = poses[std::size_t(options.frame)];
     return lookAt(pose.translation(), pose * Eigen::Vector3d::UnitZ(),
                   options.field_of_view, options.size);

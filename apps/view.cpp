@@ -191,8 +191,7 @@ labelsOf(const std::vector<std::string>& names, const LabelSet& label_set)
   for (const std::string& name : names) {
     const Label label = label_set.find(name);
     if (label == kUnlabelled && name != label_set[kUnlabelled].name)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--hide: no class is called '" << name << "'");
+      badParameter("--hide: no class is called '", name, "'");
     labels.insert(label);
   }
   return labels;
@@ -221,9 +220,8 @@ openMap(const Arguments& arguments)
     opened.state.colouring = tool::colouringOf(opened.map, arguments.colour);
   if (!arguments.images.empty()) {
     if (opened.map.path.empty())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--images: where the camera was is not known; name its "
-                          "--trajectory");
+      badParameter(
+          "--images: where the camera was is not known; name its --trajectory");
     opened.map.pictures = tool::imagesOf(arguments.images, opened.map.path,
                                          arguments.follow ? 1 : kMaxImages);
     opened.state.pictures = true;
@@ -337,10 +335,8 @@ view(const Arguments& arguments, char** argv)
   setNumberOfThreads(arguments.threads);
   if (!tool::hasDisplay()) {
     if (arguments.screenshot.empty())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "there is no display with OpenGL to open a window on "
-                          "(DISPLAY); pcl_semantic_view MAP --screenshot OUT.png "
-                          "needs none");
+      badParameter("there is no display with OpenGL to open a window on (DISPLAY); "
+                   "pcl_semantic_view MAP --screenshot OUT.png needs none");
     tool::restartOnVirtualDisplay(argv);
   }
   tool::catchInterrupts();
