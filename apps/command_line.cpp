@@ -183,6 +183,19 @@ setParameters(const po::variables_map& values, ConfigParameters parameters)
 }
 
 void
+setCRFConfig(const po::variables_map& values, const std::string& file, bool print,
+             CRFConfig& config)
+{
+  readCRFConfig(file, config);
+  setParameters(values, parametersOf(config));
+  config.validate();
+  if (!print)
+    return;
+  std::cout << printParameters(parametersOf(config));
+  throw Exit{exit_done};
+}
+
+void
 failUsage(const std::string& message)
 {
   badParameter(message, " (see ", manner().name, " --help)");

@@ -87,6 +87,14 @@ po::variables_map parseCommandLine(int argc, char** argv, const Usage& usage,
  * \throws InvalidParameterException if a value cannot be read */
 void setParameters(const po::variables_map& values, ConfigParameters parameters);
 
+/** \brief Sets a CRF as its tools are told to: by \a file (YAML; empty = none), then by
+ * the options that were given.
+ * \param[in] print the result, as YAML, and end the tool
+ * \throws Exit if it was printed
+ * \throws InvalidParameterException, BadInputException */
+void setCRFConfig(const po::variables_map& values, const std::string& file, bool print,
+                  CRFConfig& config);
+
 /** \brief Throws InvalidParameterException, with a word on where help is. */
 [[noreturn]] void failUsage(const std::string& message);
 
