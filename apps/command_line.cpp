@@ -87,13 +87,11 @@ namesOf(const ConfigParameter& parameter)
          parameter.oldOption();
 }
 
-} // namespace
-
-bool
-parseCommandLine(int argc, char** argv, const Usage& usage,
-                 const po::options_description& options,
-                 const po::positional_options_description& positional,
-                 po::variables_map& values)
+// Parses the options of a tool and those that all have; ends it if it was for help.
+po::variables_map
+parseOptions(int argc, char** argv, const Usage& usage,
+             const po::options_description& options,
+             const po::positional_options_description& positional)
 {
   po::options_description general("General");
   Manner& how = manner();
@@ -107,6 +105,7 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
       "print results as JSON")("man", "print this help as a manual page");
   po::options_description all;
   all.add(options).add(general);
+  po::variables_map values;
   try {
     // No guessing: an abbreviated option would change its meaning when one is added.
     using namespace po::command_line_style;
@@ -120,15 +119,15 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
       std::cout << "Usage: " << usage.name << " " << usage.synopsis << "\n\n"
                 << usage.description << "\n\nExample:\n  " << usage.example << "\n"
                 << all;
-      return false;
+      throw Exit{exit_done};
     }
     if (values.count("man")) {
       std::cout << manualPage(usage, all);
-      return false;
+      throw Exit{exit_done};
     }
     if (values.count("version")) {
       std::cout << usage.name << " " << PCL_SEMANTIC_VERSION << "\n";
-      return false;
+      throw Exit{exit_done};
     }
     po::notify(values);
     refuseIf(how.quiet && how.verbose, "--quiet and --verbose exclude each other");
@@ -140,8 +139,10 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
   catch (const po::error& error) {
     failUsage(error.what());
   }
-  return true;
+  return values;
 }
+
+} // namespace
 
 po::variables_map
 parseCommandLine(int argc, char** argv, const Usage& usage,
@@ -164,10 +165,7 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
     const std::size_t dots = name.find("...");
     order.add(name.substr(0, dots).c_str(), dots == std::string::npos ? 1 : -1);
   }
-  po::variables_map values;
-  if (!parseCommandLine(argc, argv, usage, description, order, values))
-    throw Exit{exit_done};
-  return values;
+  return parseOptions(argc, argv, usage, description, order);
 }
 
 void
@@ -185,15 +183,22 @@ setParameters(const po::variables_map& values, ConfigParameters parameters)
 }
 
 void
-failUsage(const Usage& usage, const std::string& message)
+setCRFConfig(const po::variables_map& values, const std::string& file, bool print,
+             CRFConfig& config)
 {
-  throw InvalidParameterException(message + " (see " + usage.name + " --help)");
+  readCRFConfig(file, config);
+  setParameters(values, parametersOf(config));
+  config.validate();
+  if (!print)
+    return;
+  std::cout << printParameters(parametersOf(config));
+  throw Exit{exit_done};
 }
 
 void
 failUsage(const std::string& message)
 {
-  failUsage({manner().name, {}, {}, {}}, message);
+  badParameter(message, " (see ", manner().name, " --help)");
 }
 
 void

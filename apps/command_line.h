@@ -72,30 +72,12 @@ withDefault(T& value)
   return po::value<T>(&value)->default_value(value, shown(value));
 }
 
-/** \brief Adds an option whose value is its default. */
-template <typename T>
-void
-addOption(po::options_description& options, const char* name, T& value,
-          const char* text)
-{
-  options.add_options()(name, withDefault(value), text);
-}
-
-/** \brief Parses the command line; adds `--help`, `--version`, and `--quiet`,
- * `--verbose` and `--json`, which set manner(). \return false if the help or the
- * version was printed and nothing is left to do \throws InvalidParameterException at
- * unknown options, missing or unreadable values */
-bool parseCommandLine(int argc, char** argv, const Usage& usage,
-                      const po::options_description& options,
-                      const po::positional_options_description& positional,
-                      po::variables_map& values);
-
-/** \brief The same from tables; ends the tool where nothing is left to do.
- * \param[in] options in the order of the help
- * \param[in] positional options that need no name; a last one "files..." takes all that
- * is left
- * \param[in] parameters each an option, too, see setParameters()
- * \throws Exit, InvalidParameterException */
+/** \brief Parses the command line; adds `--help`, `--version` and `--man`, which end
+ * the tool, and `--quiet`, `--verbose` and `--json`, which set manner(). \param[in]
+ * options in the order of the help \param[in] positional options that need no name; a
+ * last one "files..." takes all that is left \param[in] parameters each an option, too,
+ * see setParameters() \throws Exit if help was printed \throws
+ * InvalidParameterException at unknown options, missing or unreadable values */
 po::variables_map parseCommandLine(int argc, char** argv, const Usage& usage,
                                    const std::vector<Option>& options,
                                    const std::vector<std::string>& positional = {},
@@ -105,10 +87,15 @@ po::variables_map parseCommandLine(int argc, char** argv, const Usage& usage,
  * \throws InvalidParameterException if a value cannot be read */
 void setParameters(const po::variables_map& values, ConfigParameters parameters);
 
-/** \brief Throws InvalidParameterException, with a word on where help is. */
-[[noreturn]] void failUsage(const Usage& usage, const std::string& message);
+/** \brief Sets a CRF as its tools are told to: by \a file (YAML; empty = none), then by
+ * the options that were given.
+ * \param[in] print the result, as YAML, and end the tool
+ * \throws Exit if it was printed
+ * \throws InvalidParameterException, BadInputException */
+void setCRFConfig(const po::variables_map& values, const std::string& file, bool print,
+                  CRFConfig& config);
 
-/** \brief The same of the tool that runs. */
+/** \brief Throws InvalidParameterException, with a word on where help is. */
 [[noreturn]] void failUsage(const std::string& message);
 
 /** \brief failUsage() if a condition holds. */

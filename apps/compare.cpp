@@ -9,13 +9,11 @@
 #include <pcl_semantic/io/label_comparison.h>
 
 #include <filesystem>
-#include <sstream>
 
 namespace {
 
 using namespace pcl_semantic;
 namespace fs = std::filesystem;
-namespace po = tool::po;
 
 const tool::Usage usage{
     "pcl_semantic_compare", "--image I --labels A B ... --output OUT [options]",
@@ -38,12 +36,6 @@ struct Arguments {
   bool small = false;
 };
 
-[[noreturn]] void
-fail(const std::string& message)
-{
-  tool::failUsage(usage, message);
-}
-
 bool
 isFolder(const std::string& path)
 {
@@ -54,61 +46,60 @@ isFolder(const std::string& path)
 void
 validate(const Arguments& arguments)
 {
-  if (arguments.image.empty() || arguments.labels.empty() || arguments.output.empty())
-    fail("--image, --labels or --output is missing");
-  if (arguments.width < 320 || arguments.width > 16384)
-    fail("--width is " + std::to_string(arguments.width) + ", expected 320 to 16384");
+  tool::refuseIf(arguments.image.empty() || arguments.labels.empty() ||
+                     arguments.output.empty(),
+                 "--image, --labels or --output is missing");
+  tool::refuseIf(arguments.width < 320 || arguments.width > 16384,
+                 "--width is " + std::to_string(arguments.width) +
+                     ", expected 320 to 16384");
   std::vector<std::string> inputs = arguments.labels;
   inputs.insert(inputs.end(), {arguments.image, arguments.truth, arguments.label_set});
   tool::refuseSameFiles(inputs, {arguments.output});
   for (const std::string& input : inputs)
-    if (!input.empty() && input != arguments.label_set &&
-        isFolder(input) != isFolder(arguments.image))
-      fail(input + " and " + arguments.image + ": expected two files or two folders");
+    tool::refuseIf(!input.empty() && input != arguments.label_set &&
+                       isFolder(input) != isFolder(arguments.image),
+                   input + " and " + arguments.image +
+                       ": expected two files or two folders");
   if (!isFolder(arguments.image))
     tool::requireOutput(arguments.output, ".png");
 }
 
-bool
-parse(int argc, char** argv, Arguments& arguments)
+Arguments
+parse(int argc, char** argv)
 {
-  po::options_description options("Options");
-  options.add_options()("image", po::value(&arguments.image),
-                        "image, or folder of them")(
-      "labels", po::value(&arguments.labels)->multitoken(),
-      "label images (8 bit, 0 = none) or folders of them, in the order of their "
-      "making")("names", po::value(&arguments.names),
-                "what they are called, with commas between; default: their files")(
-      "truth", po::value(&arguments.truth),
-      "ground truth image or folder, 0 = not known; a folder need not have all frames")(
-      "label-set", po::value(&arguments.label_set),
-      "classes (YAML); default: the eleven of KITTI")(
-      "output,o", po::value(&arguments.output), "figure (.png), or folder of figures")(
-      "small", po::bool_switch(&arguments.small),
-      "half the bytes, in fewer shades of colour");
-  tool::addOption(options, "width", arguments.width, "of a figure [px]");
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, options, {}, values))
-    return false;
+  Arguments arguments;
+  tool::parseCommandLine(
+      argc, argv, usage,
+      {{"image", arguments.image, "image, or folder of them"},
+       {"labels", tool::po::value(&arguments.labels)->multitoken(),
+        "label images (8 bit, 0 = none) or folders of them, in the order of their "
+        "making"},
+       {"names", arguments.names,
+        "what they are called, with commas between; default: their files"},
+       {"truth", arguments.truth,
+        "ground truth image or folder, 0 = not known; a folder need not have all "
+        "frames"},
+       {"label-set", arguments.label_set,
+        "classes (YAML); default: the eleven of KITTI"},
+       {"output,o", arguments.output, "figure (.png), or folder of figures"},
+       {"small", arguments.small, "half the bytes, in fewer shades of colour"},
+       {"width", tool::withDefault(arguments.width), "of a figure [px]"}});
   validate(arguments);
-  return true;
+  return arguments;
 }
 
 std::vector<std::string>
 namesOf(const Arguments& arguments)
 {
-  std::vector<std::string> names;
+  std::vector<std::string> names = tool::splitAtCommas(arguments.names);
   if (arguments.names.empty())
     for (const std::string& path : arguments.labels) {
       const fs::path whole = fs::path(path).lexically_normal();
       names.push_back((whole.has_filename() ? whole : whole.parent_path()).stem());
     }
-  std::istringstream words(arguments.names);
-  for (std::string word; std::getline(words, word, ',');)
-    names.push_back(word);
-  if (names.size() != arguments.labels.size())
-    fail("--names has " + std::to_string(names.size()) + " names for " +
-         std::to_string(arguments.labels.size()) + " --labels");
+  tool::refuseIf(names.size() != arguments.labels.size(),
+                 "--names has " + std::to_string(names.size()) + " names for " +
+                     std::to_string(arguments.labels.size()) + " --labels");
   return names;
 }
 
@@ -132,8 +123,7 @@ drawFigure(const Arguments& arguments, const std::vector<std::string>& names,
     figure = drawLabelComparison(image, labels, truth, label_set, arguments.width);
   }
   catch (const InvalidParameterException& error) { // the fault of the images
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.image << below << ": " << error.what());
+    badInput(arguments.image, below, ": ", error.what());
   }
   (arguments.small ? writeSmallPng : writePng)(arguments.output + below, figure);
 }
@@ -151,9 +141,8 @@ compare(const Arguments& arguments)
   const std::vector<FrameFile> frames =
       listFrameFiles(arguments.labels.front(), {".png"});
   if (frames.empty())
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.labels.front()
-                            << ": holds no label images, expected 000000.png ...");
+    badInput(arguments.labels.front(),
+             ": holds no label images, expected 000000.png ...");
   makeOutputFolder(arguments.output);
   tool::ProgressBar progress("drawing", frames.size());
   for (const FrameFile& frame : frames) {
@@ -169,8 +158,5 @@ compare(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run(usage.name, [&] {
-    Arguments arguments;
-    return parse(argc, argv, arguments) ? compare(arguments) : int(tool::exit_done);
-  });
+  return tool::run(usage.name, [&] { return compare(parse(argc, argv)); });
 }

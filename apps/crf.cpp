@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -63,13 +62,7 @@ parse(int argc, char** argv)
        {"print-config", print_config,
         "print the effective parameters as YAML and exit"}},
       {"input", "output"}, parametersOf(arguments.parameters));
-  readCRFConfig(arguments.config, arguments.parameters);
-  setParameters(values, parametersOf(arguments.parameters));
-  arguments.parameters.validate();
-  if (print_config) {
-    std::cout << printParameters(parametersOf(arguments.parameters));
-    throw Exit{exit_done};
-  }
+  setCRFConfig(values, arguments.config, print_config, arguments.parameters);
   return arguments;
 }
 

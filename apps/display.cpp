@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "display.h"
-
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -47,12 +46,10 @@ restartOnVirtualDisplay(char** argv)
 {
   for (const char* const program : {"xvfb-run", "xauth", "Xvfb"})
     if (std::getenv(kStartedAgain) || !isProgram(program))
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--screenshot without a display (DISPLAY) draws under "
-                          "xvfb-run, which "
-                              << (std::getenv(kStartedAgain)
-                                      ? "has none with OpenGL"
-                                      : "is missing: packages xvfb and xauth"));
+      badParameter(
+          "--screenshot without a display (DISPLAY) draws under xvfb-run, which ",
+          std::getenv(kStartedAgain) ? "has none with OpenGL"
+                                     : "is missing: packages xvfb and xauth");
   setenv(kStartedAgain, "1", 1);
   std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
   // A server that begins anew when its last client leaves says so to xvfb-run, which
@@ -67,7 +64,7 @@ restartOnVirtualDisplay(char** argv)
     arguments.push_back(*word);
   arguments.push_back(nullptr);
   execvp(arguments[0], arguments.data());
-  PCL_THROW_EXCEPTION(InvalidParameterException, "xvfb-run cannot be started");
+  badParameter("xvfb-run cannot be started");
 }
 
 } // namespace pcl_semantic::tool

@@ -12,8 +12,6 @@
 #include <pcl_semantic/io/map_images.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
-#include <iostream>
-
 namespace {
 
 using namespace pcl_semantic;
@@ -58,13 +56,7 @@ parse(int argc, char** argv)
        {"print-config", print_config,
         "print the effective parameters as YAML and end"}},
       {"image", "distributions", "output"}, parametersOf(arguments.parameters));
-  readCRFConfig(arguments.config, arguments.parameters);
-  setParameters(values, parametersOf(arguments.parameters));
-  arguments.parameters.validate();
-  if (print_config) {
-    std::cout << printParameters(parametersOf(arguments.parameters));
-    throw Exit{exit_done};
-  }
+  setCRFConfig(values, arguments.config, print_config, arguments.parameters);
   return arguments;
 }
 

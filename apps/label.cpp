@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
+#include "opened_network.h"
 #include "sequence_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -261,11 +262,8 @@ isFolder(const std::string& path)
 std::unique_ptr<LabelPredictor>
 makePredictor(const Arguments& arguments)
 {
-  if (!arguments.network.empty()) {
-    const NetworkDescription network = readNetworkDescription(arguments.network);
-    return std::make_unique<NetworkPredictor>(
-        network, readLabelSet(network.label_set_path), arguments.model);
-  }
+  if (!arguments.network.empty())
+    return openNetwork(arguments.network, arguments.model).predictor;
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   const int classes = label_set.size();
   PixelMapping mapping = readPixelMapping(arguments.label_mapping, label_set);
@@ -439,22 +437,21 @@ labelSequence(const Arguments& options)
 {
   refuseOtherFiles(options, options.format == "ids" ? ".png" : ".npy");
   setNumberOfThreads(options.threads);
-  const NetworkDescription network = readNetworkDescription(options.network);
-  const LabelSet label_set = readLabelSet(network.label_set_path);
   const auto sequence = openSequence(options.sequence);
   const auto frames = chooseFrames(options.sequence, *sequence, options.frames);
-  NetworkPredictor predictor(network, label_set, options.model);
+  const OpenedNetwork network = openNetwork(options.network, options.model);
   makeOutputFolder(options.output);
   {
     PairWatch watch(options.sequence.strict, sequence->camera());
     forEachStep("labelling", frames.size(), [&](std::size_t i) {
       const StereoFrame frame = sequence->frame(frames[i]);
       watch.look(frame);
-      writeLabels(options, frame.number, frame.left.cols, predictor.predict(frame));
+      writeLabels(options, frame.number, frame.left.cols,
+                  network.predictor->predict(frame));
     });
   }
   printResults({{"frames", frames.size()},
-                {"classes", std::size_t(label_set.size())},
+                {"classes", std::size_t(network.label_set.size())},
                 {"label_set", network.label_set_path},
                 {"labels", options.output}});
   return exit_done;

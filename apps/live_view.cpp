@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live_view.h"
-
-#include <pcl_semantic/core/exceptions.h>
+#include "core/fail.h"
 
 #include <filesystem>
 #include <vector>
@@ -53,7 +52,7 @@ openLiveView(const std::string& folder, const std::string& images)
       "pcl_semantic_view";
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "--view: there is no pipe left");
+    badParameter("--view: there is no pipe left");
   std::vector<std::string> words = {program, folder, "--follow"};
   if (!images.empty())
     words.insert(words.end(), {"--images", images});
@@ -63,13 +62,11 @@ openLiveView(const std::string& folder, const std::string& images)
   if (line == "following: " + folder)
     return; // the pipe stays open, so that the viewer may print
   close(ends[0]);
-  PCL_THROW_EXCEPTION(
-      InvalidParameterException,
-      "--view: " << (!is_started
-                         ? program +
-                               " cannot be started; is pcl_semantic_view installed?"
-                     : line.empty() ? "the window did not open"
-                                    : line));
+  badParameter("--view: ",
+               !is_started
+                   ? program + " cannot be started; is pcl_semantic_view installed?"
+               : line.empty() ? "the window did not open"
+                              : line);
 }
 
 } // namespace pcl_semantic::tool

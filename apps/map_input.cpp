@@ -3,13 +3,11 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
-
-#include <nlohmann/json.hpp>
+#include <pcl_semantic/pipeline/map_folder.h>
 
 #include <filesystem>
 
@@ -18,34 +16,6 @@ namespace pcl_semantic::tool {
 namespace {
 
 namespace fs = std::filesystem;
-
-// What the summary of a run says of its map.
-struct Summary {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  double voxel_size = 0.0;
-};
-
-Summary
-readSummary(const std::string& path)
-{
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  try {
-    const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
-    if (!json.at("finished").get<bool>())
-      fail<BadInputException>(path, ": the map is not finished");
-    Summary summary;
-    summary.voxel_size = json.at("voxel_size").get<double>();
-    for (int axis = 0; axis < 3; ++axis)
-      summary.origin[axis] = json.at("map_origin").at(std::size_t(axis)).get<double>();
-    if (!(summary.voxel_size > 0.0) || !summary.origin.allFinite())
-      fail<BadInputException>(path, ": voxel_size or map_origin is no size or place");
-    return summary;
-  }
-  catch (const nlohmann::json::exception&) {
-    fail<BadInputException>(path, ": is no summary of pcl_semantic_map, expected "
-                                  "finished, voxel_size and map_origin");
-  }
-}
 
 bool
 isFolder(const std::string& path)
@@ -59,7 +29,7 @@ readScene(const std::string& path, const MapHints& hints)
 {
   const double voxel_size = hints.voxel_size;
   if (isFolder(path)) {
-    const Summary summary = readSummary(path + "/summary.json");
+    const MapSummary summary = readMapSummary(path);
     // Cube 0 begins at the world's origin, the points are relative to that of the map.
     const double size = voxel_size > 0.0 ? voxel_size : summary.voxel_size;
     VoxelScene scene = readVoxelScene(path + "/map.pcd", {size, -summary.origin});

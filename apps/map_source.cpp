@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_source.h"
 #include "messages.h"
+#include "opened_network.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -11,7 +12,6 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
@@ -135,11 +135,8 @@ Labelling
 makeLabelling(const MapArguments& arguments)
 {
   if (!arguments.network.empty()) {
-    const NetworkDescription network = readNetworkDescription(arguments.network);
-    const LabelSet label_set = readLabelSet(network.label_set_path);
-    return {label_set,
-            std::make_unique<NetworkPredictor>(network, label_set, arguments.model),
-            arguments.model.empty() ? network.model_path : arguments.model};
+    OpenedNetwork network = openNetwork(arguments.network, arguments.model);
+    return {network.label_set, std::move(network.predictor), network.model};
   }
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   return {label_set,

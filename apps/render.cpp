@@ -3,7 +3,6 @@
 #include "render_options.h"
 #include "tool.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/io/scene_image.h>
@@ -14,7 +13,6 @@
 namespace {
 
 using namespace pcl_semantic;
-namespace po = tool::po;
 
 struct Arguments {
   std::string map, output;
@@ -37,61 +35,46 @@ const tool::Usage usage{
     "\\\n"
     "  pcl_semantic_render /tmp/map /tmp/map.png"};
 
-[[noreturn]] void
-fail(const std::string& message)
-{
-  tool::failUsage(usage, message);
-}
-
 void
 validate(const Arguments& arguments)
 {
-  if (arguments.map.empty() || arguments.output.empty())
-    fail("MAP or OUT.png is missing");
+  tool::refuseIf(arguments.map.empty() || arguments.output.empty(),
+                 "MAP or OUT.png is missing");
   tool::requireOutput(arguments.output, ".png");
   tool::refuseSameFiles(
       {arguments.map, arguments.compare, arguments.picture.hints.trajectory},
       {arguments.output});
-  tool::requireOneOf(usage, "--colour", arguments.colour,
+  tool::requireOneOf("--colour", arguments.colour,
                      {"class", "rgb", "entropy", "observations", "clique", "change"});
-  if ((arguments.colour == "change") == arguments.compare.empty())
-    fail("--colour change and --compare belong together");
+  tool::refuseIf((arguments.colour == "change") == arguments.compare.empty(),
+                 "--colour change and --compare belong together");
 }
 
-po::options_description
-optionsOf(Arguments& arguments)
+Arguments
+parse(int argc, char** argv)
 {
-  po::options_description options("Options");
-  options.add_options()("map", po::value(&arguments.map), "the map")(
-      "output", po::value(&arguments.output),
-      "output image (.png)")("compare", po::value(&arguments.compare),
-                             "earlier map; shows where classes changed since")(
-      "small", po::bool_switch(&arguments.small), "palette image of half the size");
-  tool::addRenderOptions(arguments.picture, options);
-  tool::addOption(options, "size", arguments.picture.texts.size,
-                  "size of the image without its legend [px]");
-  tool::addOption(
-      options, "colour", arguments.colour,
-      "class, rgb, entropy, observations, clique, change (needs --compare)");
-  tool::addOption(options, "threads", arguments.threads,
-                  "number of threads; 0 = all processors");
-  return options;
-}
-
-bool
-parse(int argc, char** argv, Arguments& arguments)
-{
-  const po::options_description options = optionsOf(arguments);
-  po::positional_options_description positional;
-  positional.add("map", 1).add("output", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
-    return false;
+  Arguments arguments;
+  const auto values = tool::parseCommandLine(
+      argc, argv, usage,
+      tool::withRenderOptions(
+          arguments.picture,
+          {{"map", arguments.map, "the map"},
+           {"output", arguments.output, "output image (.png)"},
+           {"compare", arguments.compare,
+            "earlier map; shows where classes changed since"},
+           {"small", arguments.small, "palette image of half the size"}},
+          {{"size", tool::withDefault(arguments.picture.texts.size),
+            "size of the image without its legend [px]"},
+           {"colour", tool::withDefault(arguments.colour),
+            "class, rgb, entropy, observations, clique, change (needs --compare)"},
+           {"threads", tool::withDefault(arguments.threads),
+            "number of threads; 0 = all processors"}}),
+      {"map", "output"});
   if (!arguments.compare.empty() && values["colour"].defaulted())
     arguments.colour = "change";
-  tool::readRenderOptions(usage, arguments.picture);
+  tool::readRenderOptions(arguments.picture);
   validate(arguments);
-  return true;
+  return arguments;
 }
 
 VoxelColours
@@ -105,9 +88,7 @@ coloursOf(const Arguments& arguments, const tool::MapInput& map)
   if (const auto found = known.find(arguments.colour); found != known.end())
     return found->second(map.scene);
   if (!map.scene.has_labels)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        arguments.map << ": has no labels, expected a field label or "
-                                         "probability");
+    badInput(arguments.map, ": has no labels, expected a field label or probability");
   if (arguments.compare.empty())
     return classColours(map.scene, map.label_set);
   const VoxelScene other =
@@ -137,8 +118,5 @@ render(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return tool::run("pcl_semantic_render", [&] {
-    Arguments arguments;
-    return parse(argc, argv, arguments) ? render(arguments) : int(tool::exit_done);
-  });
+  return tool::run("pcl_semantic_render", [&] { return render(parse(argc, argv)); });
 }

@@ -12,8 +12,7 @@ namespace pcl_semantic::tool {
 namespace {
 
 std::vector<double>
-numbersOf(const Usage& usage, std::string text, char separator, std::size_t count,
-          const char* option)
+numbersOf(std::string text, char separator, std::size_t count, const char* option)
 {
   std::replace(text.begin(), text.end(), separator, ' ');
   std::vector<double> numbers;
@@ -21,74 +20,75 @@ numbersOf(const Usage& usage, std::string text, char separator, std::size_t coun
     numbers = parseNumbers(text, option);
   }
   catch (const BadInputException& error) {
-    failUsage(usage, error.what());
+    failUsage(error.what());
   }
   if (numbers.size() != count)
-    failUsage(usage, std::string(option) + " has " + std::to_string(numbers.size()) +
-                         " numbers, expected " + std::to_string(count));
+    failUsage(std::string(option) + " has " + std::to_string(numbers.size()) +
+              " numbers, expected " + std::to_string(count));
   return numbers;
 }
 
 cv::Size
-sizeOf(const Usage& usage, const std::string& text)
+sizeOf(const std::string& text)
 {
-  const std::vector<double> sides = numbersOf(usage, text, 'x', 2, "--size");
+  const std::vector<double> sides = numbersOf(text, 'x', 2, "--size");
   for (const double side : sides)
     if (!(side >= 160.0 && side <= 8192.0 && side == std::floor(side)))
-      failUsage(usage,
-                "--size is " + text + ", expected WIDTHxHEIGHT from 160 to 8192");
+      failUsage("--size is " + text + ", expected WIDTHxHEIGHT from 160 to 8192");
   return {int(sides[0]), int(sides[1])};
 }
 
 Eigen::Vector3d
-positionOf(const Usage& usage, const std::string& text, const char* option)
+positionOf(const std::string& text, const char* option)
 {
-  const std::vector<double> position = numbersOf(usage, text, ',', 3, option);
+  const std::vector<double> position = numbersOf(text, ',', 3, option);
   return {position[0], position[1], position[2]};
 }
 
 } // namespace
 
-void
-addRenderOptions(RenderOptions& options, po::options_description& description)
+std::vector<Option>
+withRenderOptions(RenderOptions& options, std::vector<Option> first,
+                  const std::vector<Option>& last)
 {
-  description.add_options()(
-      "trajectory", po::value(&options.hints.trajectory),
-      "trajectory to draw, KITTI or TUM (default: trajectory.txt of the folder)")(
-      "from", po::value(&options.texts.from),
-      "position of the view, X,Y,Z in the frame of the map [m]")(
-      "look-at", po::value(&options.texts.look_at), "point to look at, X,Y,Z [m]")(
-      "label-set", po::value(&options.hints.label_set),
-      "label set (YAML; default: that of the archive, or label_sets/kitti11.yaml)")(
-      "voxel-size", po::value(&options.hints.voxel_size),
-      "voxel size [m] (default: that of the map, or of its points)");
-  addOption(description, "view", options.view,
-            "angle (along the path from above), above, camera");
-  addOption(description, "frame", options.frame,
-            "row of the trajectory for --view camera");
-  addOption(description, "field-of-view", options.texts.degrees,
-            "horizontal field of view of --from and --view camera [degrees]");
+  first.insert(
+      first.end(),
+      {{"trajectory", options.hints.trajectory,
+        "trajectory to draw, KITTI or TUM (default: trajectory.txt of the folder)"},
+       {"from", options.texts.from,
+        "position of the view, X,Y,Z in the frame of the map [m]"},
+       {"look-at", options.texts.look_at, "point to look at, X,Y,Z [m]"},
+       {"label-set", options.hints.label_set,
+        "label set (YAML; default: that of the archive, or label_sets/kitti11.yaml)"},
+       {"voxel-size", options.hints.voxel_size,
+        "voxel size [m] (default: that of the map, or of its points)"},
+       {"view", withDefault(options.view),
+        "angle (along the path from above), above, camera"},
+       {"frame", withDefault(options.frame), "row of the trajectory for --view camera"},
+       {"field-of-view", withDefault(options.texts.degrees),
+        "horizontal field of view of --from and --view camera [degrees]"}});
+  first.insert(first.end(), last.begin(), last.end());
+  return first;
 }
 
 void
-readRenderOptions(const Usage& usage, RenderOptions& options)
+readRenderOptions(RenderOptions& options)
 {
-  options.size = sizeOf(usage, options.texts.size);
+  options.size = sizeOf(options.texts.size);
   options.field_of_view = options.texts.degrees * M_PI / 180.0;
-  if (options.texts.from.empty() != options.texts.look_at.empty())
-    failUsage(usage, "--from and --look-at belong together");
+  refuseIf(options.texts.from.empty() != options.texts.look_at.empty(),
+           "--from and --look-at belong together");
   options.looks_from = !options.texts.from.empty();
   if (options.looks_from) {
-    options.from = positionOf(usage, options.texts.from, "--from");
-    options.look_at = positionOf(usage, options.texts.look_at, "--look-at");
+    options.from = positionOf(options.texts.from, "--from");
+    options.look_at = positionOf(options.texts.look_at, "--look-at");
   }
-  requireOneOf(usage, "--view", options.view, {"angle", "above", "camera"});
-  if (!(options.hints.voxel_size >= 0.0))
-    failUsage(usage, "--voxel-size is less than 0");
+  requireOneOf("--view", options.view, {"angle", "above", "camera"});
+  refuseIf(!(options.hints.voxel_size >= 0.0), "--voxel-size is less than 0");
 }
 
 void
-requireOneOf(const Usage& usage, const char* option, const std::string& value,
+requireOneOf(const char* option, const std::string& value,
              const std::vector<std::string>& known)
 {
   if (std::count(known.begin(), known.end(), value) > 0)
@@ -96,7 +96,7 @@ requireOneOf(const Usage& usage, const char* option, const std::string& value,
   std::string expected = known.front();
   for (std::size_t i = 1; i < known.size(); ++i)
     expected += (i + 1 < known.size() ? ", " : " or ") + known[i];
-  failUsage(usage, std::string(option) + " is '" + value + "', expected " + expected);
+  failUsage(std::string(option) + " is '" + value + "', expected " + expected);
 }
 
 SceneView
@@ -108,10 +108,8 @@ viewOf(const RenderOptions& options, const VoxelScene& scene, const Trajectory& 
                   options.field_of_view, options.size);
   if (options.view == "camera") {
     if (options.frame < 0 || std::size_t(options.frame) >= poses.size())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--view camera: the trajectory has "
-                              << poses.size() << " poses, none for --frame "
-                              << options.frame);
+      badParameter("--view camera: the trajectory has ", poses.size(),
+                   " poses, none for --frame ", options.frame);
     const Eigen::Isometry3d& pose = poses[std::size_t(options.frame)];
     return lookAt(pose.translation(), pose * Eigen::Vector3d::UnitZ(),
                   options.field_of_view, options.size);

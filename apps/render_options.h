@@ -9,6 +9,7 @@
 #include <opencv2/core/types.hpp>
 
 #include <string>
+#include <vector>
 
 namespace pcl_semantic::tool {
 
@@ -29,15 +30,17 @@ struct RenderOptions {
   } texts;
 };
 
-/** \brief Adds --trajectory, --from, --look-at, --label-set, --voxel-size, --view,
- * --frame and --field-of-view; --size is the program's own. */
-void addRenderOptions(RenderOptions& options, po::options_description& description);
+/** \brief The options \a first, then --trajectory, --from, --look-at, --label-set,
+ * --voxel-size, --view, --frame and --field-of-view, then \a last; --size is the
+ * program's own. */
+std::vector<Option> withRenderOptions(RenderOptions& options, std::vector<Option> first,
+                                      const std::vector<Option>& last);
 
 /** \brief Reads what was typed. \throws InvalidParameterException */
-void readRenderOptions(const Usage& usage, RenderOptions& options);
+void readRenderOptions(RenderOptions& options);
 
 /** \brief Refuses any other value. \throws InvalidParameterException */
-void requireOneOf(const Usage& usage, const char* option, const std::string& value,
+void requireOneOf(const char* option, const std::string& value,
                   const std::vector<std::string>& known);
 
 /** \brief The view that the options ask for, in the frame of the scene's indices.

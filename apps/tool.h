@@ -2,12 +2,12 @@
 #pragma once
 
 #include "command_line.h"
+#include "core/fail.h"
 
 #include <pcl_semantic/core/label_set.h>
 
 #include <functional>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -29,16 +29,6 @@ enum ExitCode {
 struct Exit {
   ExitCode code;
 };
-
-/** \brief Throws an \a Error whose message is made of \a parts. */
-template <typename Error, typename... Parts>
-[[noreturn]] void
-fail(const Parts&... parts)
-{
-  std::ostringstream message;
-  (message << ... << parts);
-  throw Error(message.str());
-}
 
 /** \brief Runs the body of a tool and turns what it throws into one line on standard
  * error and the exit code that belongs to it. */

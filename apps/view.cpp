@@ -14,7 +14,6 @@
 #include <filesystem>
 #include <iostream>
 #include <set>
-#include <sstream>
 
 #ifdef __SANITIZE_ADDRESS__
 // What draws without a graphics card never frees 112 bytes. It is no longer loaded when
@@ -29,7 +28,6 @@ __asan_default_options()
 namespace {
 
 using namespace pcl_semantic;
-namespace po = tool::po;
 
 using tool::MapViewer;
 using tool::RenderOptions;
@@ -65,74 +63,52 @@ usageOfView()
       "  pcl_semantic_view /tmp/map --hide vegetation --screenshot /tmp/view.png"};
 }
 
-std::vector<std::string>
-wordsOf(const std::string& text)
+Arguments
+parse(int argc, char** argv)
 {
-  std::vector<std::string> words;
-  std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, ',');)
-    words.push_back(word);
-  return words;
-}
-
-po::options_description
-optionsOf(Arguments& arguments, std::string& hide, std::string& keys)
-{
-  po::options_description options("Options");
-  options.add_options()("map", po::value(&arguments.map), "the map")(
-      "screenshot", po::value(&arguments.screenshot),
-      "write a picture (.png) instead of opening a window")(
-      "colour", po::value(&arguments.colour),
-      "class, rgb, entropy, observations, clique; default: the first that MAP has")(
-      "hide", po::value(&hide), "classes to hide, by name, with commas between them")(
-      "below", po::value(&arguments.state.below),
-      "show only what is below this height [m]")(
-      "above", po::value(&arguments.state.above),
-      "show only what is above this height [m]")(
-      "images", po::value(&arguments.images),
-      "show pictures of this sequence (KITTI's layout) where the camera was")(
-      "keys", po::value(&keys),
-      "keys pressed at the beginning, with commas between them: m,3,Down")(
-      "follow", po::bool_switch(&arguments.follow),
-      "MAP is the output folder of a pcl_semantic_map --view that runs or is about to: "
-      "show the map after each frame; --images shows the newest image")(
-      "small", po::bool_switch(&arguments.small),
-      "half the bytes, in fewer shades of colour");
-  tool::addRenderOptions(arguments.picture, options);
-  tool::addOption(options, "size", arguments.picture.texts.size,
-                  "of the window or picture");
-  tool::addOption(options, "threads", arguments.threads, "0 = all processors");
-  return options;
-}
-
-bool
-parse(int argc, char** argv, Arguments& arguments)
-{
+  Arguments arguments;
   std::string hide, keys;
-  const tool::Usage usage = usageOfView();
-  const po::options_description options = optionsOf(arguments, hide, keys);
-  po::positional_options_description positional;
-  positional.add("map", 1);
-  po::variables_map values;
-  if (!tool::parseCommandLine(argc, argv, usage, options, positional, values))
-    return false;
-  if (arguments.map.empty())
-    tool::failUsage(usage, "MAP is missing");
-  if (arguments.follow && !arguments.screenshot.empty())
-    tool::failUsage(usage, "--follow needs a window, --screenshot has none");
+  tool::parseCommandLine(
+      argc, argv, usageOfView(),
+      tool::withRenderOptions(
+          arguments.picture,
+          {{"map", arguments.map, "the map"},
+           {"screenshot", arguments.screenshot,
+            "write a picture (.png) instead of opening a window"},
+           {"colour", arguments.colour,
+            "class, rgb, entropy, observations, clique; default: the first that MAP "
+            "has"},
+           {"hide", hide, "classes to hide, by name, with commas between them"},
+           {"below", arguments.state.below, "show only what is below this height [m]"},
+           {"above", arguments.state.above, "show only what is above this height [m]"},
+           {"images", arguments.images,
+            "show pictures of this sequence (KITTI's layout) where the camera was"},
+           {"keys", keys,
+            "keys pressed at the beginning, with commas between them: m,3,Down"},
+           {"follow", arguments.follow,
+            "MAP is the output folder of a pcl_semantic_map --view that runs or is "
+            "about to: show the map after each frame; --images shows the newest image"},
+           {"small", arguments.small, "half the bytes, in fewer shades of colour"}},
+          {{"size", tool::withDefault(arguments.picture.texts.size),
+            "of the window or picture"},
+           {"threads", tool::withDefault(arguments.threads), "0 = all processors"}}),
+      {"map"});
+  tool::refuseIf(arguments.map.empty(), "MAP is missing");
+  tool::refuseIf(arguments.follow && !arguments.screenshot.empty(),
+                 "--follow needs a window, --screenshot has none");
   tool::requireOutput(arguments.screenshot, ".png");
   tool::refuseSameFiles({arguments.map, arguments.picture.hints.trajectory,
                          arguments.picture.hints.label_set},
                         {arguments.screenshot});
   if (!arguments.colour.empty())
-    tool::requireOneOf(usage, "--colour", arguments.colour,
+    tool::requireOneOf("--colour", arguments.colour,
                        {"class", "rgb", "entropy", "observations", "clique"});
-  if (!(arguments.state.above < arguments.state.below))
-    tool::failUsage(usage, "--above is not less than --below: nothing would be shown");
-  arguments.hide = wordsOf(hide);
-  arguments.keys = wordsOf(keys);
-  tool::readRenderOptions(usage, arguments.picture);
-  return true;
+  tool::refuseIf(!(arguments.state.above < arguments.state.below),
+                 "--above is not less than --below: nothing would be shown");
+  arguments.hide = tool::splitAtCommas(hide);
+  arguments.keys = tool::splitAtCommas(keys);
+  tool::readRenderOptions(arguments.picture);
+  return arguments;
 }
 
 constexpr std::size_t kMaxImages = 12;
@@ -191,8 +167,7 @@ labelsOf(const std::vector<std::string>& names, const LabelSet& label_set)
   for (const std::string& name : names) {
     const Label label = label_set.find(name);
     if (label == kUnlabelled && name != label_set[kUnlabelled].name)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--hide: no class is called '" << name << "'");
+      badParameter("--hide: no class is called '", name, "'");
     labels.insert(label);
   }
   return labels;
@@ -221,9 +196,8 @@ openMap(const Arguments& arguments)
     opened.state.colouring = tool::colouringOf(opened.map, arguments.colour);
   if (!arguments.images.empty()) {
     if (opened.map.path.empty())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "--images: where the camera was is not known; name its "
-                          "--trajectory");
+      badParameter(
+          "--images: where the camera was is not known; name its --trajectory");
     opened.map.pictures = tool::imagesOf(arguments.images, opened.map.path,
                                          arguments.follow ? 1 : kMaxImages);
     opened.state.pictures = true;
@@ -337,10 +311,8 @@ view(const Arguments& arguments, char** argv)
   setNumberOfThreads(arguments.threads);
   if (!tool::hasDisplay()) {
     if (arguments.screenshot.empty())
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "there is no display with OpenGL to open a window on "
-                          "(DISPLAY); pcl_semantic_view MAP --screenshot OUT.png "
-                          "needs none");
+      badParameter("there is no display with OpenGL to open a window on (DISPLAY); "
+                   "pcl_semantic_view MAP --screenshot OUT.png needs none");
     tool::restartOnVirtualDisplay(argv);
   }
   tool::catchInterrupts();
@@ -352,8 +324,5 @@ view(const Arguments& arguments, char** argv)
 int
 main(int argc, char** argv)
 {
-  return tool::run("pcl_semantic_view", [&] {
-    Arguments arguments;
-    return parse(argc, argv, arguments) ? view(arguments, argv) : int(tool::exit_done);
-  });
+  return tool::run("pcl_semantic_view", [&] { return view(parse(argc, argv), argv); });
 }

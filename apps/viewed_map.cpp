@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewed_map.h"
+#include "core/fail.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/io/drawing.h>
 
@@ -112,9 +112,8 @@ ViewedMap
 viewedMap(const VoxelScene& scene, const LabelSet& label_set, const std::string& title)
 {
   if (!scene.has_labels && !scene.has_colour)
-    PCL_THROW_EXCEPTION(BadInputException,
-                        title << ": has neither labels nor colours, expected a field "
-                                 "label, probability, rgb or rgba");
+    badInput(title, ": has neither labels nor colours, expected a field label, "
+                    "probability, rgb or rgba");
   ViewedMap map;
   map.title = title;
   map.grid = scene.grid;
@@ -146,10 +145,7 @@ colouringOf(const ViewedMap& map, const std::string& name)
       return i;
     known += (i == 0 ? "" : ", ") + map.colourings[i].name;
   }
-  PCL_THROW_EXCEPTION(InvalidParameterException, map.title << ": has nothing for "
-                                                              "--colour "
-                                                           << name << ", only for "
-                                                           << known);
+  badParameter(map.title, ": has nothing for --colour ", name, ", only for ", known);
 }
 
 std::vector<ViewedImage>
@@ -167,9 +163,8 @@ imagesOf(const std::string& sequence, const Trajectory& T_map_camera0, std::size
     posed.push_back(i);
   }
   if (posed.empty())
-    PCL_THROW_EXCEPTION(BadInputException, sequence << ": has no frame within the "
-                                                    << T_map_camera0.size()
-                                                    << " poses of the map");
+    badInput(sequence, ": has no frame within the ", T_map_camera0.size(),
+             " poses of the map");
   std::vector<ViewedImage> pictures;
   const std::size_t count = std::min(most, posed.size());
   for (std::size_t k = 0; k < count; ++k) {

@@ -53,7 +53,7 @@ struct ViewedMap {
   double
   heightOf(std::size_t voxel) const
   {
-    return grid.corner.z() + (indices[voxel].z() + 0.5) * grid.size;
+    return centreOf(grid, indices[voxel]).z();
   }
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
+#include "core/fail.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 
@@ -26,10 +26,8 @@ requireShape(const py::array& array, const char* name, py::ssize_t rows,
   std::string found;
   for (py::ssize_t i = 0; i < array.ndim(); ++i)
     found += (i ? " x " : "") + std::to_string(array.shape(i));
-  PCL_THROW_EXCEPTION(InvalidParameterException,
-                      name << " are " << (found.empty() ? "one number" : found)
-                           << ", expected " << number(rows, "N")
-                           << (columns ? " x " + number(*columns, "L") : ""));
+  badParameter(name, " are ", found.empty() ? "one number" : found, ", expected ",
+               number(rows, "N"), columns ? " x " + number(*columns, "L") : "");
 }
 
 void
@@ -37,25 +35,22 @@ requireIntegers(const py::array& array, const char* name)
 {
   const char kind = array.dtype().kind();
   if (kind != 'i' && kind != 'u' && kind != 'b' && array.size() > 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << " are " << py::str(array.dtype()).cast<std::string>()
-                             << ", expected integers");
+    badParameter(name, " are ", py::str(array.dtype()).cast<std::string>(),
+                 ", expected integers");
 }
 
 void
 requireWithin(std::int64_t value, std::int64_t largest, const char* name)
 {
   if (value < 0 || value > largest)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << " hold " << value << ", expected 0 to " << largest);
+    badParameter(name, " hold ", value, ", expected 0 to ", largest);
 }
 
 void
 requirePcdName(const std::string& path)
 {
   if (std::filesystem::path(path).extension() != ".pcd")
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        path << ": expected a name that ends in .pcd");
+    badParameter(path, ": expected a name that ends in .pcd");
 }
 
 void

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
+#include "core/fail.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <pcl/common/io.h>
@@ -31,9 +31,7 @@ CliqueGenerator::Ptr
 generatorOf(const std::string& kind)
 {
   if (!namesCloudCliques(kind) || kind.rfind("slic", 0) == 0)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "cliques: '"
-                            << kind << "', expected cubes:SIZE or supervoxel:DISTANCE");
+    badParameter("cliques: '", kind, "', expected cubes:SIZE or supervoxel:DISTANCE");
   return makeCliqueGenerator(kind);
 }
 
@@ -46,8 +44,7 @@ setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>&
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const std::int64_t label = labels.data()[i];
     if (label < 0 || label > 255)
-      PCL_THROW_EXCEPTION(BadInputException, "label " << label << " of point " << i
-                                                      << ", expected 0 to 255");
+      badInput("label ", label, " of point ", i, ", expected 0 to 255");
     cloud[i].label = std::uint32_t(label);
     largest = std::max(largest, label);
   }
@@ -62,8 +59,7 @@ refine(const Array<float>& points, const MaybeArray<float>& probabilities,
   const auto labels = maybeIntegersOf<std::int64_t>(given_labels, "labels");
   const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
   if (probabilities.has_value() == labels.has_value())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "expected probabilities or labels, one of them");
+    badParameter("expected probabilities or labels, one of them");
   const auto cloud = cloudOf(points, colours);
   const auto count = py::ssize_t(cloud->size());
   CRFConfig config;
@@ -101,7 +97,7 @@ cliques(const Array<float>& points, const std::string& kind,
   pcl::copyPointCloud(*labelled, cloud);
   const CliqueGenerator::Ptr generator = generatorOf(kind);
   if (generator->usesColour() && !colours)
-    PCL_THROW_EXCEPTION(InvalidParameterException, "'" << kind << "' needs colours");
+    badParameter("'", kind, "' needs colours");
   const auto found = released([&] { return generator->generate(cloud); });
   py::array_t<std::int32_t> numbers((py::ssize_t(cloud.size())));
   std::fill_n(numbers.mutable_data(), cloud.size(), 0);

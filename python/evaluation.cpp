@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
+#include "core/fail.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 
 #include <numeric>
@@ -18,9 +18,8 @@ confusionMatrix(const py::object& given_truth, const py::object& given_predictio
   const auto prediction =
       integersOf<std::uint8_t>(given_prediction, "predicted labels");
   if (truth.size() != prediction.size())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "ground truth of " << truth.size() << " labels, prediction of "
-                                           << prediction.size());
+    badParameter("ground truth of ", truth.size(), " labels, prediction of ",
+                 prediction.size());
   ConfusionMatrix matrix(classes);
   for (py::ssize_t i = 0; i < truth.size(); ++i)
     matrix.add(truth.data()[i], prediction.data()[i], 1);
@@ -37,8 +36,7 @@ scores(const py::object& confusion)
   const auto counts = integersOf<std::uint64_t>(confusion, "counts");
   const py::ssize_t size = counts.ndim() == 2 ? counts.shape(0) : 0;
   if (size < 2 || size > 256)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "expected the matrix that confusion_matrix() gives");
+    badParameter("expected the matrix that confusion_matrix() gives");
   requireShape(counts, "counts", size, size);
   ConfusionMatrix matrix(int(size - 1));
   for (py::ssize_t t = 0; t < size; ++t)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
+#include "core/fail.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
 
 #include <cstring>
@@ -52,10 +52,9 @@ fieldOf(const std::string& name, const py::array& column)
                        column.ndim() == 2 ? int(column.shape(1)) : 1};
   if (std::strchr("fiu", kind) == nullptr || column.ndim() < 1 || column.ndim() > 2 ||
       !field.isValid())
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "'" << name
-                            << "' cannot be a field: expected N, or N x COUNT, floats "
-                               "of 4 or 8 bytes or integers of 1 to 8");
+    badParameter("'", name,
+                 "' cannot be a field: expected N, or N x COUNT, floats of 4 or 8 "
+                 "bytes or integers of 1 to 8");
   return field;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
+#include "core/fail.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/map_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
@@ -164,16 +164,13 @@ StereoCamera
 cameraOf(const std::vector<double>& numbers)
 {
   if (numbers.size() != 7)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        "the camera has " << numbers.size()
-                                          << " numbers, expected seven: fx, fy, cx, cy "
-                                             "[px], baseline [m], width, height [px]");
+    badParameter("the camera has ", numbers.size(),
+                 " numbers, expected seven: fx, fy, cx, cy [px], baseline [m], width, "
+                 "height [px]");
   for (const std::size_t i : {5, 6})
     if (!(numbers[i] >= 2.0 && numbers[i] <= 65536.0))
-      PCL_THROW_EXCEPTION(InvalidParameterException, "the camera's image size is "
-                                                         << numbers[5] << " x "
-                                                         << numbers[6]
-                                                         << ", expected 2 to 65536");
+      badParameter("the camera's image size is ", numbers[5], " x ", numbers[6],
+                   ", expected 2 to 65536");
   return {numbers[0], numbers[1],      numbers[2],     numbers[3],
           numbers[4], int(numbers[5]), int(numbers[6])};
 }
@@ -186,10 +183,8 @@ imageOf(const py::object& values, const StereoCamera& camera, const char* name)
   const bool is_grey = array.ndim() == 2;
   if ((!is_grey && (array.ndim() != 3 || array.shape(2) != 3)) ||
       array.shape(0) != camera.height || array.shape(1) != camera.width)
-    PCL_THROW_EXCEPTION(InvalidParameterException,
-                        name << " is not an image of the camera, expected "
-                             << camera.height << " x " << camera.width
-                             << " or with three colours");
+    badParameter(name, " is not an image of the camera, expected ", camera.height,
+                 " x ", camera.width, " or with three colours");
   cv::Mat image(camera.height, camera.width, is_grey ? CV_8UC1 : CV_8UC3);
   std::memcpy(image.data, array.data(), std::size_t(array.size()));
   if (!is_grey)
@@ -246,8 +241,7 @@ public:
               const Array<double>& pose, const Array<float>& probabilities)
   {
     if (!camera_)
-      PCL_THROW_EXCEPTION(InvalidParameterException,
-                          "stereo pairs need the camera: SemanticMapper(camera=...)");
+      badParameter("stereo pairs need the camera: SemanticMapper(camera=...)");
     StereoFrame frame;
     frame.left = imageOf(left, *camera_, "the left image");
     frame.right = imageOf(right, *camera_, "the right image");

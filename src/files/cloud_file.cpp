@@ -4,6 +4,7 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -396,11 +397,11 @@ moveToVoxelCentres(LabelledCloud& labelled)
   const auto& [size, x, y, z] = labelled.table.voxel_grid;
   if (!(size > 0.0))
     return;
-  const Eigen::Array3d corner(x, y, z);
+  const Eigen::Vector3d corner(x, y, z);
   for (pcl::PointXYZRGBL& point : *labelled.cloud) {
-    const Eigen::Array3d cell =
-        ((point.getVector3fMap().cast<double>().array() - corner) / size).floor();
-    point.getVector3fMap() = (corner + (cell + 0.5) * size).cast<float>();
+    const Eigen::Vector3d voxel =
+        ((point.getVector3fMap().cast<double>() - corner).array() / size).floor();
+    point.getVector3fMap() = (corner + centreOf(voxel, size)).cast<float>();
   }
 }
 

@@ -30,12 +30,6 @@ forEachCloud(const MapArchive& archive, const std::function<void()>& step,
   });
 }
 
-Eigen::Vector3d
-centreOf(const VoxelIndex& voxel, double voxel_size)
-{
-  return (voxel.cast<double>().array() + 0.5).matrix() * voxel_size;
-}
-
 std::vector<bool>
 select(const VoxelSelection& selection, const VoxelCloud& voxels)
 {

@@ -23,7 +23,7 @@ sampleOf(const VoxelScene& scene)
   const std::size_t step = std::max<std::size_t>(1, indices.size() / enough);
   std::vector<Eigen::Vector3d> sample;
   for (std::size_t i = 0; i < indices.size(); i += step)
-    sample.emplace_back((indices[i].cast<double>().array() + 0.5) * scene.grid.size);
+    sample.emplace_back(centreOf(indices[i], scene.grid.size));
   return sample;
 }
 

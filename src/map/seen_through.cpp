@@ -141,9 +141,7 @@ eraseSeenThrough(Cloud& cloud, const StereoCamera& camera,
   for (std::size_t k = 0; k < hit.voxels.size(); ++k) {
     const PixelBox pixels =
         enclosingPixels(hit.voxels[k], voxel_size, camera, T_camera_world);
-    const Eigen::Vector3d centre =
-        (hit.voxels[k].cast<double>().array() + 0.5) * voxel_size;
-    const double z = (T_camera_world * centre).z();
+    const double z = (T_camera_world * centreOf(hit.voxels[k], voxel_size)).z();
     const double gap = smallest_gap + z * voxel_size / sensor_height;
     const int beyond = countBeyond(cloud, pixels, float(z + gap));
     is_seen_through[k] = hit.points[k] < fraction * (hit.points[k] + beyond);

@@ -10,41 +10,42 @@
 
 namespace pcl_semantic {
 
-namespace {
-
-// What of the summary is needed.
-void
-readSummary(const std::string& path, MapFolder& map)
+MapSummary
+readMapSummary(const std::string& folder)
 {
+  const std::string path = folder + "/summary.json";
   const std::vector<std::uint8_t> bytes = readBytes(path);
-  const auto summary =
-      nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  MapSummary summary;
   try {
-    if (!summary.at("finished").get<bool>())
+    const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
+    if (!json.at("finished").get<bool>())
       badInput(path, ": the map is not finished");
-    map.frames = summary.at("frame_numbers").get<std::vector<int>>();
-    map.voxels.voxel_size = summary.at("voxel_size").get<double>();
-    const auto origin = summary.at("map_origin").get<std::vector<double>>();
-    map.voxels.origin << origin.at(0), origin.at(1), origin.at(2);
+    summary.voxel_size = json.at("voxel_size").get<double>();
+    for (int axis = 0; axis < 3; ++axis)
+      summary.origin[axis] = json.at("map_origin").at(std::size_t(axis)).get<double>();
+    if (json.contains("frame_numbers"))
+      summary.frames = json.at("frame_numbers").get<std::vector<int>>();
   }
   catch (const nlohmann::json::exception&) {
-    badInput(path, ": is no summary of a map");
+    badInput(path, ": is no summary of a map, expected finished, voxel_size and "
+                   "map_origin");
   }
-  catch (const std::out_of_range&) {
-    badInput(path, ": map_origin has no three numbers");
-  }
-  if (!(map.voxels.voxel_size > 0.0))
-    badInput(path, ": voxel_size is ", map.voxels.voxel_size, ", expected more than 0");
+  if (!(summary.voxel_size > 0.0))
+    badInput(path, ": voxel_size is ", summary.voxel_size, ", expected more than 0");
+  return summary;
 }
-
-} // namespace
 
 MapFolder
 readMapFolder(const std::string& folder)
 {
   MapFolder map;
-  readSummary(folder + "/summary.json", map);
+  const MapSummary summary = readMapSummary(folder);
+  if (!summary.frames)
+    badInput(folder, "/summary.json: has no frame_numbers; is the map being made?");
+  map.frames = *summary.frames;
   VoxelCloud& voxels = map.voxels;
+  voxels.voxel_size = summary.voxel_size;
+  voxels.origin = summary.origin;
   voxels.cloud = readLabelledCloud(folder + "/map.pcd").cloud;
   for (const auto& point : *voxels.cloud) {
     // The centres are rounded to single precision, far less than half a voxel.

@@ -207,8 +207,12 @@ MappingOutput::writeLive(const MappedFrame& mapped) const
 {
   const std::string live = path(live_folder) + "/";
   makeOutputFolder(live);
-  writeVoxelCloud(live + "map.pcd", mapped.voxels, run_.label_set,
-                  VoxelColour::measured);
+  VoxelCloud voxels = mapped.voxels;
+  if (centres_) {
+    voxels.cloud = voxels.cloud->makeShared(); // the frame keeps its points
+    voxels.moveToCentres();
+  }
+  writeVoxelCloud(live + "map.pcd", voxels, run_.label_set, VoxelColour::measured);
   writeLabelSet(live + "label_set.yaml", run_.label_set);
   writeKittiTrajectory(live + "trajectory.txt", trajectory());
   const Json summary{{"finished", true},

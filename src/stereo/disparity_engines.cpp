@@ -57,13 +57,13 @@ private:
   // Of its matches in KITTI's streets, gross errors aside (doc/stereo.md). [px]
   static constexpr float deviation = 0.5f;
 
-  // So that the first columns are matched too.
+  // So that the first columns are matched too. Isolated: not what lies beside a view.
   cv::Mat
   padded(const cv::Mat& image) const
   {
     cv::Mat result;
     cv::copyMakeBorder(greyImage(image), result, 0, 0, disparities_, 0,
-                       cv::BORDER_REPLICATE);
+                       cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
     return result;
   }
 

@@ -60,8 +60,9 @@ CensusImage::CensusImage(const cv::Mat& grey, Order order, int padding)
     : stride_(std::size_t(grey.cols + padding))
 {
   cv::Mat padded;
+  // Of a view, too, the border is its own, not what lies around it.
   cv::copyMakeBorder(grey, padded, half_height, half_height, half_width, half_width,
-                     cv::BORDER_REPLICATE);
+                     cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
   for (auto& bytes : bytes_)
     bytes.assign(stride_ * std::size_t(grey.rows), 0);
 #pragma omp parallel for schedule(static)

@@ -41,6 +41,13 @@ TEST(VoxelIndex, TheOrderIsZThenYThenX)
   EXPECT_FALSE(less({3, 2, 1}, {3, 2, 1}));
 }
 
+TEST(VoxelIndex, TheCentreIsHalfAVoxelBeyondTheIndex)
+{
+  EXPECT_EQ(centreOf(VoxelIndex(0, -1, 2), 0.5), Eigen::Vector3d(0.25, -0.25, 1.25));
+  EXPECT_EQ(centreOf(Eigen::Vector3d(1e12, 0.0, -1e12), 1.0),
+            Eigen::Vector3d(1e12 + 0.5, 0.5, -1e12 + 0.5)); // beyond VoxelIndex
+}
+
 TEST(VoxelIndex, ANeighbourhoodHasNoEqualHashes)
 {
   std::unordered_set<std::size_t> hashes;

@@ -142,6 +142,42 @@ TEST(LabelledCloudFile, ReadsWhatItWrote)
   }
 }
 
+TEST(LabelledCloudFile, MovesThePointsOfAMapToTheCentresOfVoxels)
+{
+  LabelledCloud labelled =
+      read("# voxel_grid 0.5 -1000.25 0 0.125\n" +
+           pcdText({x, y, z}, "-1000.24 0.5 0.1\n3 -0.01 -7\nnan 1 1\n1e9 0 0\n", 4));
+  const pcl::PointCloud<pcl::PointXYZRGBL>& cloud = *labelled.cloud;
+  const std::vector<std::uint8_t> data = labelled.table.data;
+  moveToVoxelCentres(labelled);
+  // A point on a face belongs to the voxel above it.
+  EXPECT_EQ(cloud[0].getVector3fMap(), Eigen::Vector3f(-1000.0f, 0.75f, -0.125f));
+  EXPECT_EQ(cloud[1].getVector3fMap(), Eigen::Vector3f(3.0f, -0.25f, -7.125f));
+  EXPECT_TRUE(std::isnan(cloud[2].x));
+  EXPECT_EQ(cloud[2].y, 1.25f);
+  EXPECT_EQ(cloud[3].x, 1e9f); // as near as single precision comes
+  EXPECT_EQ(labelled.table.data, data) << "the table keeps the positions of the file";
+}
+
+// Any program may write such a comment: it is no reason to refuse its cloud.
+TEST(LabelledCloudFile, PassesOverAVoxelGridThatIsNone)
+{
+  for (const std::string comment :
+       {"", "# voxel_grid", "# voxel_grid 0.5", "# voxel_grid 0.5 0 0",
+        "# voxel_grid 0 0 0 0", "# voxel_grid -0.5 0 0 0", "# voxel_grid nan 0 0 0",
+        "# voxel_grid 0.5 0 inf 0", "# voxel_grid 0.5 0 0 0m",
+        "# voxel_grid 1e999 0 0 0", "# voxel_grid: 0.5 0 0 0", "#voxel_grid 0.5 0 0 0",
+        "# of a voxel_grid 1 0 0 0"}) {
+    LabelledCloud labelled =
+        read(comment + "\n" + pcdText({x, y, z}, "0.1 0.2 0.3\n", 1));
+    const std::array<double, 4> none{};
+    EXPECT_EQ(labelled.table.voxel_grid, none) << comment;
+    moveToVoxelCentres(labelled);
+    EXPECT_EQ((*labelled.cloud)[0].getVector3fMap(), Eigen::Vector3f(0.1f, 0.2f, 0.3f))
+        << comment;
+  }
+}
+
 TEST(LabelledCloudFile, PclReadsWhatItWrote)
 {
   const TemporaryFolder folder;

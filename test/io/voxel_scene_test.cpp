@@ -113,6 +113,20 @@ TEST(VoxelScene, FindsTheGridOfCentres)
     EXPECT_EQ(scene.voxels.indices[i] + VoxelIndex(25000, 0, 0), voxels.indices[i]);
 }
 
+TEST(VoxelScene, AsksForTheSizeIfTheHeadersGridIsSpoilt)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.write(
+      "a.pcd", "# voxel_grid 0.2 0 x 0\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\n"
+               "TYPE F F F\nWIDTH 3\nHEIGHT 1\nPOINTS 3\nDATA ascii\n"
+               "0.0137 0.0229 0.0571\n0.3313 0.1091 0.0717\n0.5353 0.1879 0.1997\n");
+  const std::string message =
+      thrownMessage<BadInputException>([&] { readVoxelScene(path); });
+  EXPECT_TRUE(holds(message, path));
+  EXPECT_TRUE(holds(message, "say how large they are"));
+  EXPECT_EQ(readVoxelScene(path, {0.2}).voxels.size(), 3u);
+}
+
 TEST(VoxelScene, PassesOverAFieldOfAnotherMeaning)
 {
   const TemporaryFolder folder;

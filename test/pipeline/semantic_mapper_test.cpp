@@ -8,6 +8,7 @@
 #include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
@@ -165,6 +166,31 @@ TEST_F(Street, WhoLooksOnSeesEachFrameUntilTheMapIsFinished)
   }
   output.finish(mapper.map());
   EXPECT_FALSE(fs::exists(live));
+}
+
+TEST_F(Street, WhoLooksOnSeesCentresIfTheMapWillHaveThem)
+{
+  MappingRun run;
+  run.label_set = kitti11();
+  run.frames = {0};
+  run.config.crf = "none";
+  SemanticMapper mapper = makeMapper(run.config);
+  const TemporaryFolder folder;
+  ExtraOptions extra;
+  extra.centres = true;
+  MappingOutput output(folder.path(), run, {}, extra);
+  const MappedFrame mapped = mapper.process(frame(0));
+  output.writeFrame(mapped, mapper.map());
+  output.writeLive(mapped);
+  const auto seen = readLabelledCloud(folder.path("live/map.pcd")).cloud;
+  ASSERT_EQ(seen->size(), mapped.voxels.size());
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < seen->size(); ++i) {
+    const Eigen::Vector3f centre = mapped.voxels.centre(i);
+    EXPECT_EQ((*seen)[i].getVector3fMap(), centre);
+    moved += (*mapped.voxels.cloud)[i].getVector3fMap() != centre;
+  }
+  EXPECT_GT(moved, seen->size() / 2) << "the points of the frame were moved";
 }
 
 TEST_F(Street, TheCallbackSeesEveryFrameAndTheMapAsItStands)

@@ -139,6 +139,19 @@ TEST(DisparityEngines, GiveTheSameForAnyNumberOfThreadsAndForColour)
   }
 }
 
+TEST(DisparityEngines, SeeNothingAroundAView)
+{
+  const Pair pair = makeSquare();
+  const cv::Rect part(90, 20, 180, 80);
+  const cv::Mat left = pair.left(part), right = pair.right(part);
+  for (const std::string& engine : disparityEngines()) {
+    const DisparityImage found = estimate(engine, left, right);
+    const DisparityImage expected = estimate(engine, left.clone(), right.clone());
+    EXPECT_TRUE(isSameImage(found.disparity, expected.disparity)) << engine;
+    EXPECT_TRUE(isSameImage(found.deviation, expected.deviation)) << engine;
+  }
+}
+
 TEST(DisparityEngines, TakeSmallAndBlankImages)
 {
   for (const std::string& engine : disparityEngines())

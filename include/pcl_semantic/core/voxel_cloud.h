@@ -40,8 +40,7 @@ struct VoxelCloud {
   Eigen::Vector3f
   centre(std::size_t i) const
   {
-    const Eigen::Vector3d cell = indices[i].cast<double>().array() + 0.5;
-    return (cell * voxel_size - origin).cast<float>();
+    return (centreOf(indices[i], voxel_size) - origin).cast<float>();
   }
 
   /** \brief Moves all points to the centres of their voxels. */

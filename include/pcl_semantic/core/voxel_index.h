@@ -51,6 +51,16 @@ floorDivide(std::int32_t value, std::int32_t divisor)
   return value >= 0 ? value / divisor : -((-(value + 1)) / divisor) - 1;
 }
 
+/** \brief Centre of a voxel, world frame [m].
+ * \param[in] voxel VoxelIndex, or the whole numbers of one beyond its range
+ * \param[in] voxel_size [m] */
+template <typename Voxel>
+Eigen::Vector3d
+centreOf(const Eigen::MatrixBase<Voxel>& voxel, double voxel_size)
+{
+  return (voxel.template cast<double>().array() + 0.5) * voxel_size;
+}
+
 /** \brief Bits of a voxel's edge that end points are quantised to. */
 constexpr int kQuantizationBits = 10;
 

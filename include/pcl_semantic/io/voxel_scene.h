@@ -38,7 +38,7 @@ struct VoxelScene {
 inline Eigen::Vector3d
 centreOf(const VoxelGrid& grid, const VoxelIndex& voxel)
 {
-  return grid.corner + (voxel.cast<double>().array() + 0.5).matrix() * grid.size;
+  return grid.corner + centreOf(voxel, grid.size);
 }
 
 /** \brief Reads a `.pcd` as readLabelledCloud() does; points that are not finite are

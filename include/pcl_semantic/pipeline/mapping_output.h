@@ -55,8 +55,8 @@ public:
 
   /** \brief The map as it is around the sensor now, for programs that look on while it
    * is made: `live`, a map folder of its own (map.pcd, label_set.yaml, trajectory.txt,
-   * summary.json, which is written last), until finish(). After writeFrame().
-   * \throws OutputException */
+   * summary.json, which is written last), until finish(). Its points are centres if
+   * those of the map will be. After writeFrame(). \throws OutputException */
   void writeLive(const MappedFrame& mapped) const;
 
   /** \brief map.pcd, map_classes.pcd, label_set.yaml, final_labels, top_view.png,

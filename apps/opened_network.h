@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/labelling/label_predictor.h>
+
+#include <memory>
+#include <string>
+
+namespace pcl_semantic::tool {
+
+/** \brief A segmentation network that is ready to label images. */
+struct OpenedNetwork {
+  LabelSet label_set;
+  std::string label_set_path; ///< as its description names it
+  std::string model;          ///< path of the network itself (ONNX)
+  std::unique_ptr<LabelPredictor> predictor;
+};
+
+/** \brief Opens the network of --network and --model.
+ * \param[in] description path (YAML)
+ * \param[in] model path (ONNX); empty = the one the description names
+ * \throws BadInputException, BadModelException, InvalidParameterException as
+ * readNetworkDescription() and NetworkPredictor */
+OpenedNetwork openNetwork(const std::string& description, const std::string& model);
+
+} // namespace pcl_semantic::tool
