@@ -217,6 +217,25 @@ TEST(SourceRules, EverySourceHasItsHeaderOrIsAProgram)
   }
 }
 
+// So a compiler without precompiled headers shows whether a header stands alone.
+TEST(SourceRules, SourcesIncludeTheirHeaderFirst)
+{
+  int checked = 0;
+  for (const auto& [module, path] : codeFiles()) {
+    const fs::path header =
+        "pcl_semantic" /
+        fs::relative(path, source_folder / "src").replace_extension(".h");
+    if (path.extension() != ".cpp" || !fs::exists(source_folder / "include" / header))
+      continue;
+    const std::string text = readText(path);
+    const std::string own = "#include <" + header.string() + ">\n";
+    EXPECT_EQ(text.find("#include"), text.find(own))
+        << path << ": expected first " << own;
+    ++checked;
+  }
+  EXPECT_GT(checked, 90);
+}
+
 TEST(SourceRules, FilesNameTheirLicense)
 {
   for (const auto& [module, path] : codeFiles())

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/cliques/clique_generator.h>
+
+#include "core/fail.h"
 
 namespace pcl_semantic {
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/cliques/cube_cliques.h>
+
 #include "core/fail.h"
 
-#include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <pcl/common/point_tests.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/cliques/depth_jumps.h>
+
 #include "core/disjoint_sets.h"
 #include "core/fail.h"
 #include "core/parallel_guard.h"
-
-#include <pcl_semantic/cliques/depth_jumps.h>
 
 #include <pcl/common/point_tests.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/cliques/slic.h>
+
 #include "core/disjoint_sets.h"
 #include "core/fail.h"
 #include "kernels/slic_assignment.h"
-
-#include <pcl_semantic/cliques/slic.h>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>

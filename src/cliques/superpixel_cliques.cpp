@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/cliques/superpixel_cliques.h>
+
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "core/voxel_table.h"
 #include "slic_cliques.h"
 
 #include <pcl_semantic/cliques/depth_jumps.h>
-#include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <Eigen/Geometry>

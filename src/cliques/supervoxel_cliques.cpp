@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/cliques/supervoxel_cliques.h>
+
 #include "core/fail.h"
 #include "core/parallel_guard.h"
-
-#include <pcl_semantic/cliques/supervoxel_cliques.h>
 
 #include <pcl/common/point_tests.h>
 #include <pcl/kdtree/kdtree_flann.h>

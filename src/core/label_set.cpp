@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fail.h"
-
 #include <pcl_semantic/core/label_set.h>
+
+#include "fail.h"
 
 #include <algorithm>
 #include <set>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fail.h"
-
 #include <pcl_semantic/core/stereo_camera.h>
+
+#include "fail.h"
 
 #include <cmath>
 

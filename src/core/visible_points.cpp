@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fail.h"
-
 #include <pcl_semantic/core/visible_points.h>
+
+#include "fail.h"
 
 #include <opencv2/core/mat.hpp>
 

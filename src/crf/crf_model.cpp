@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/crf/crf_model.h>
+
 #include "core/fail.h"
 #include "requirements.h"
-
-#include <pcl_semantic/crf/crf_model.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/crf/gaussian_kernels.h>
+
 #include "core/fail.h"
 #include "lattice_kernel.h"
 #include "requirements.h"
 #include "truncated_kernel.h"
-
-#include <pcl_semantic/crf/gaussian_kernels.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/crf/mean_field.h>
+
 #include "clique_term.h"
 #include "core/fail.h"
 #include "kernels/inference_loops.h"
 #include "parallel_loops.h"
-
-#include <pcl_semantic/crf/mean_field.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/camera_images.h>
+
 #include "core/fail.h"
 #include "files/file_pattern.h"
 
-#include <pcl_semantic/dataset/camera_images.h>
 #include <pcl_semantic/files/image_file.h>
 
 namespace pcl_semantic {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/image_pair_sequence.h>
+
 #include "core/fail.h"
 #include "files/file_pattern.h"
 #include "stereo_pair_reader.h"
 
-#include <pcl_semantic/dataset/image_pair_sequence.h>
 #include <pcl_semantic/files/image_file.h>
 
 #include <algorithm>

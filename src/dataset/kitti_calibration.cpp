@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/kitti_calibration.h>
+
 #include "core/fail.h"
 
-#include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <map>

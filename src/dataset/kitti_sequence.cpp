@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/kitti_sequence.h>
+
 #include "core/fail.h"
 #include "stereo_pair_reader.h"
 
-#include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 

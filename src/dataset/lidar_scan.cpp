@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/lidar_scan.h>
+
 #include "core/fail.h"
 #include "files/bytes.h"
 
-#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/pinhole_camera.h>
+
 #include "core/fail.h"
 #include "files/yaml_config.h"
-
-#include <pcl_semantic/dataset/pinhole_camera.h>
 
 #include <cmath>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/rectifier.h>
+
 #include "core/fail.h"
 #include "stereo_pair_reader.h"
-
-#include <pcl_semantic/dataset/rectifier.h>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>

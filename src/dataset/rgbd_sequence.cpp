@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/rgbd_sequence.h>
+
 #include "core/fail.h"
 #include "files/file_pattern.h"
 
-#include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 

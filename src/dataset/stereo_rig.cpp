@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/stereo_rig.h>
+
 #include "core/fail.h"
 #include "files/yaml_config.h"
 
-#include <pcl_semantic/dataset/stereo_rig.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <Eigen/Geometry>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/dataset/synthetic_renderer.h>
+
+#include "core/fail.h"
 
 #include "synthetic_materials.h"
 

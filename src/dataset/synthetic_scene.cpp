@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/synthetic_scene.h>
+
 #include "core/fail.h"
 #include "synthetic_street.h"
-
-#include <pcl_semantic/dataset/synthetic_scene.h>
 
 #include <limits>
 

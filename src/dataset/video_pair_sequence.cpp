@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/video_pair_sequence.h>
+
 #include "core/fail.h"
 #include "files/quiet_opencv.h"
 #include "stereo_pair_reader.h"
 
-#include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <opencv2/videoio.hpp>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/evaluation/map_geometry.h>
+
 #include "core/fail.h"
 #include "files/report_text.h"
 
 #include <pcl_semantic/evaluation/lidar_truth.h>
-#include <pcl_semantic/evaluation/map_geometry.h>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>

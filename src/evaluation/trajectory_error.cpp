@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/evaluation/trajectory_error.h>
+
 #include "core/fail.h"
 #include "files/report_text.h"
-
-#include <pcl_semantic/evaluation/trajectory_error.h>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/evaluation/voxel_lookup.h>
+
 #include "core/fail.h"
 #include "map/cube_renderer.h"
 #include "map/ray_traversal.h"
-
-#include <pcl_semantic/evaluation/voxel_lookup.h>
 
 #include <algorithm>
 #include <cmath>

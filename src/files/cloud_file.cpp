@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/files/cloud_file.h>
+
 #include "pcd_file.h"
 #include "ply_file.h"
 
 #include "core/fail.h"
 
 #include <pcl_semantic/core/voxel_index.h>
-#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <boost/algorithm/string/case_conv.hpp>

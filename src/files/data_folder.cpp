@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/files/data_folder.h>
+
+#include "core/fail.h"
 
 #include <dlfcn.h>
 

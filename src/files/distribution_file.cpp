@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/files/distribution_file.h>
+
 #include "core/fail.h"
 
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/npy_file.h>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/files/image_file.h>
+
 #include "quiet_opencv.h"
 
 #include "core/fail.h"
 
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <boost/crc.hpp>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/files/input_file.h>
+
 #include "parse_whole.h"
 
 #include "core/fail.h"
-
-#include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
 #include <cerrno>

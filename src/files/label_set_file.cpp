@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/files/label_set_file.h>
+
 #include "yaml_config.h"
 
 #include "core/fail.h"
@@ -6,7 +8,6 @@
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/label_set_file.h>
 
 #include <iomanip>
 #include <sstream>

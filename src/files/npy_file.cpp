@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/files/npy_file.h>
+
 #include "core/fail.h"
 
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/files/npy_file.h>
 
 #include <Eigen/Core>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/files/point_cloud2.h>
+
+#include "core/fail.h"
 
 #include <algorithm>
 #include <cmath>

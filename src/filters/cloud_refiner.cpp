@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/filters/cloud_refiner.h>
+
 #include "core/fail.h"
 #include "point_spacing.h"
-
-#include <pcl_semantic/filters/cloud_refiner.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/filters/crf_parameters.h>
+
+#include "core/fail.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/filters/image_crf.h>
+
+#include "core/fail.h"
 
 #include <opencv2/core.hpp>
 

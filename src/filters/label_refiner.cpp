@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/filters/label_refiner.h>
+
 #include "core/fail.h"
 #include "crf/crf_energy.h"
 #include "crf/lattice_kernel.h"
@@ -7,7 +9,6 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/crf/crf_model.h>
 #include <pcl_semantic/crf/mean_field.h>
-#include <pcl_semantic/filters/label_refiner.h>
 
 #include <Eigen/Core>
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/filters/label_voxel_grid.h>
+
 #include "core/fail.h"
 #include "label_fields.h"
 
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
-#include <pcl_semantic/filters/label_voxel_grid.h>
 
 #include <pcl/common/point_tests.h>
 

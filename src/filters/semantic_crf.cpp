@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/filters/semantic_crf.h>
+
 #include "core/fail.h"
 #include "label_fields.h"
 
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
-#include <pcl_semantic/filters/semantic_crf.h>
 
 #include <functional>
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/archive_merge.h>
+
 #include "archive_database.h"
 #include "core/fail.h"
 #include "map/voxel_fusion.h"
 
-#include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 

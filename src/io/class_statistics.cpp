@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/class_statistics.h>
+
 #include "files/report_text.h"
 
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/io/class_statistics.h>
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <algorithm>

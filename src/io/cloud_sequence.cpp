@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/cloud_sequence.h>
+
 #include "core/fail.h"
 #include "files/file_pattern.h"
 
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
-#include <pcl_semantic/io/cloud_sequence.h>
 
 #include <pcl/common/io.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
+
+#include <pcl_semantic/files/cloud_file.h>
 
 #include <cstring>
 

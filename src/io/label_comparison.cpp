@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/label_comparison.h>
+
 #include "core/fail.h"
 #include "core/grey_image.h"
 #include "label_changes.h"
 
 #include <pcl_semantic/io/drawing.h>
-#include <pcl_semantic/io/label_comparison.h>
 #include <pcl_semantic/io/map_images.h>
 
 #include <opencv2/imgproc.hpp>

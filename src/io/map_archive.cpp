@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/map_archive.h>
+
 #include "archive_database.h"
 #include "archive_meta.h"
 #include "block_encoding.h"
@@ -7,7 +9,6 @@
 #include "files/bytes.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map/block_reader.h"
-
 #include <pcl_semantic/io/map_export.h>
+
+#include "map/block_reader.h"
 
 #include <algorithm>
 #include <functional>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/map_file.h>
+
 #include "archive_database.h"
 
 #include <pcl_semantic/io/map_archive.h>
-#include <pcl_semantic/io/map_file.h>
 
 namespace pcl_semantic {
 

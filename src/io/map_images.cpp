@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/map_images.h>
+
 #include "core/fail.h"
 #include "core/grey_image.h"
 
 #include <pcl_semantic/io/drawing.h>
-#include <pcl_semantic/io/map_images.h>
 
 #include <opencv2/imgproc.hpp>
 

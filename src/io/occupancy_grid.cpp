@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/occupancy_grid.h>
+
 #include "core/fail.h"
 
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/io/occupancy_grid.h>
 
 #include <opencv2/imgproc.hpp>
 

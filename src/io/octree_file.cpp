@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/octree_file.h>
+
 #include "core/fail.h"
 
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/io/octree_file.h>
 
 // Else a build with assertions tells standard error of every tree that it writes.
 #ifndef OCTOMAP_NODEBUGOUT

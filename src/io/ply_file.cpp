@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/ply_file.h>
+
 #include "core/fail.h"
 #include "files/bytes.h"
 
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/io/ply_file.h>
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <iomanip>

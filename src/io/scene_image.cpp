@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/scene_image.h>
+
 #include "core/fail.h"
 #include "map/cube_renderer.h"
 
-#include <pcl_semantic/io/scene_image.h>
 #include <pcl_semantic/io/scene_view.h>
 #include <pcl_semantic/map/voxel_set.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/io/scene_view.h>
+
+#include "core/fail.h"
 
 #include <Eigen/Eigenvalues>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/voxel_cloud_file.h>
+
 #include "core/fail.h"
 #include "files/pcd_file.h"
-
-#include <pcl_semantic/io/voxel_cloud_file.h>
 
 #include <algorithm>
 #include <cstring>

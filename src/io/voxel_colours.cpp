@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/voxel_colours.h>
+
 #include "core/fail.h"
 #include "label_changes.h"
-
-#include <pcl_semantic/io/voxel_colours.h>
 
 #include <opencv2/imgproc.hpp>
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/io/voxel_scene.h>
+
 #include "core/fail.h"
 #include "map/block_reader.h"
 
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/io/voxel_scene.h>
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/labelling/calibration_fit.h>
+
 #include "calibration_term.h"
 #include "core/fail.h"
 #include "lbfgs.h"
-
-#include <pcl_semantic/labelling/calibration_fit.h>
 
 #include <functional>
 #include <map>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/labelling/carried_labels.h>
+
+#include "core/fail.h"
 
 namespace pcl_semantic {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/labelling/label_calibration.h>
+
 #include "calibration_term.h"
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "files/yaml_config.h"
-
-#include <pcl_semantic/labelling/label_calibration.h>
 
 #include <limits>
 #include <sstream>

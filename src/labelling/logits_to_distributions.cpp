@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/labelling/logits_to_distributions.h>
+
+#include "core/fail.h"
 
 #include <omp.h>
 

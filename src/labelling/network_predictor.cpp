@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/labelling/network_predictor.h>
+
 #include "core/fail.h"
 #include "files/quiet_opencv.h"
 #include "files/yaml_config.h"
@@ -6,7 +8,6 @@
 
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/labelling/network_predictor.h>
 
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/labelling/stored_predictor.h>
+
 #include "core/fail.h"
 
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/labelling/stored_predictor.h>
 
 #include <filesystem>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/map/map_parameters.h>
+
 #include "core/fail.h"
 #include "directed_ray.h"
-
-#include <pcl_semantic/map/map_parameters.h>
 
 #include <algorithm>
 

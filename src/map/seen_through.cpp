@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/map/seen_through.h>
+
 #include "core/fail.h"
 #include "core/voxel_table.h"
 
 #include <pcl_semantic/core/voxel_index.h>
-#include <pcl_semantic/map/seen_through.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/map/semantic_voxel_map.h>
+
 #include "block_reader.h"
 #include "block_update.h"
 #include "core/fail.h"
@@ -9,7 +11,6 @@
 #include "scrolling_voxel_grid.h"
 
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/map/semantic_voxel_map.h>
 
 #include <algorithm>
 #include <cmath>

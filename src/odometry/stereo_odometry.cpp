@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/odometry/stereo_odometry.h>
+
 #include "circle_tracker.h"
 #include "core/fail.h"
 #include "core/grey_image.h"
 #include "keyframe_window.h"
 #include "pose_ransac.h"
-
-#include <pcl_semantic/odometry/stereo_odometry.h>
 
 #include <algorithm>
 #include <cmath>

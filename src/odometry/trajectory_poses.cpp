@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/odometry/trajectory_poses.h>
+
 #include "core/fail.h"
 
 #include <pcl_semantic/core/sensor_frame.h>
-#include <pcl_semantic/odometry/trajectory_poses.h>
 
 #include <algorithm>
 #include <locale>

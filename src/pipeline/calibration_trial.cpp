@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/calibration_trial.h>
+
 #include "core/fail.h"
 #include "frame_calibration.h"
 #include "map_cliques.h"
@@ -8,7 +10,6 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
-#include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/map_folder.h>
+
 #include "core/fail.h"
 
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
-#include <pcl_semantic/pipeline/map_folder.h>
 
 #include <nlohmann/json.hpp>
 

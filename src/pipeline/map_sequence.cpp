@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/map_sequence.h>
+
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
-#include <pcl_semantic/pipeline/map_sequence.h>
 
 namespace pcl_semantic {
 

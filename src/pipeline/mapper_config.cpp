@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/mapper_config.h>
+
 #include "cliques/slic_cliques.h"
 #include "core/fail.h"
 #include "files/yaml_config.h"
@@ -6,7 +8,6 @@
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <algorithm>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/mapping_archive.h>
+
 #include "core/fail.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/pipeline/mapping_archive.h>
 
 #include <filesystem>
 

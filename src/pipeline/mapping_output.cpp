@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/mapping_output.h>
+
 #include "core/fail.h"
 #include "extra_output.h"
 #include "files/folder_lock.h"
@@ -12,7 +14,6 @@
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/io/map_images.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
-#include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/version.h>
 
 #include <nlohmann/json.hpp>

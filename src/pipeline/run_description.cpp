@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/run_description.h>
+
 #include "core/fail.h"
 #include "files/bytes.h"
 
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/version.h>
 
 #include <opencv2/core/version.hpp>

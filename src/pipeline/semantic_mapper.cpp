@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+
 #include "core/fail.h"
 #include "frame_calibration.h"
 #include "map_cliques.h"
@@ -7,7 +9,6 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/map/seen_through.h>
-#include <pcl_semantic/pipeline/semantic_mapper.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/stereo/disparity_engines.h>
+
 #include "core/fail.h"
 #include "core/grey_image.h"
 #include "elas.h"
 #include "image_pair.h"
 #include "semi_global_matcher.h"
-
-#include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>

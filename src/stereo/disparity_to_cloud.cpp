@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/fail.h"
-
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
+
+#include "core/fail.h"
 
 #include <opencv2/imgproc.hpp>
 
