@@ -228,6 +228,8 @@ filter(const Arguments& arguments, LabelledCloud& input)
   moveToVoxelCentres(input);
   crf.setModel(arguments.parameters.model);
   crf.setParameters(arguments.parameters.parameters);
+  if (!arguments.label_set.empty())
+    crf.setThinLabels(readLabelSet(arguments.label_set).thinLabels());
   setCliques(arguments.parameters.cliques, arguments, input, crf);
   setMeasurements(arguments, input, crf);
   crf.setUseColour(input.has_colour);

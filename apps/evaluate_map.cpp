@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
+#include "sequence_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -8,9 +9,11 @@
 #include <pcl_semantic/evaluation/map_geometry.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/io/cloud_sequence.h>
 #include <pcl_semantic/pipeline/map_folder.h>
 
 #include <iostream>
+#include <map>
 
 using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
@@ -18,15 +21,16 @@ using namespace pcl_semantic::tool;
 namespace {
 
 const Usage usage{
-    "pcl_semantic_evaluate_map", "MAP SEQUENCE [options]",
+    "pcl_semantic_evaluate_map", "MAP {SEQUENCE | --clouds PATTERN} [options]",
     R"(Compares the geometry of a finished map (folder of pcl_semantic_map) with the laser scans
-of its frames (velodyne/*.bin of the SEQUENCE): how far voxels lie off the surface, and how
-much of the surface is mapped.)",
+of its frames (velodyne/*.bin of the SEQUENCE, or clouds): how far voxels lie off the surface,
+and how much of the surface is mapped.)",
     R"(pcl_semantic_map sequences/05 --frames 0:1 --labels labels_05 \
     --output /tmp/map_05 && pcl_semantic_evaluate_map /tmp/map_05 sequences/05)"};
 
 struct Options {
-  std::vector<std::string> maps, sequences;
+  std::vector<std::string> maps, sequences, clouds;
+  std::string sensor = "own", calibration;
   std::string bands = "0,10,20,40";
   std::string output, row;
   bool header = false;
@@ -58,6 +62,12 @@ parse(int argc, char** argv)
         "MAP; may be given several times, with as many sequences: they are evaluated "
         "as one"},
        {"sequence", options.sequences, "SEQUENCE of the map"},
+       {"clouds", options.clouds,
+        "clouds of the map instead, a folder or a pattern; may be given several times"},
+       {"sensor", withDefault(options.sensor),
+        "what took the clouds, as pcl_semantic_map --sensor: own or laser"},
+       {"calibration", options.calibration,
+        "of --sensor laser: KITTI's calib.txt, with Tr"},
        {"output,o", options.output, "output file for the figures (.json)"},
        {"row", options.row, "print one row of a Markdown table of this name"},
        {"header", options.header, "print the header of such a table"},
@@ -69,8 +79,18 @@ parse(int argc, char** argv)
        {"behind", withDefault(options.parameters.behind),
         "voxels farther behind the surface are hidden from the laser: not judged [m]"}},
       {"map", "sequence"});
-  refuseIf(options.maps.empty() || options.maps.size() != options.sequences.size(),
-           "expected MAP SEQUENCE, as many of both");
+  const bool has_clouds = !options.clouds.empty();
+  refuseIf(has_clouds && !options.sequences.empty(),
+           "SEQUENCE and --clouds exclude each other");
+  refuseIf(options.maps.empty() ||
+               options.maps.size() !=
+                   (has_clouds ? options.clouds : options.sequences).size(),
+           "expected MAP SEQUENCE, or MAP --clouds PATTERN, as many of both");
+  refuseIf(options.sensor != "own" && options.sensor != "laser",
+           "--sensor is '" + options.sensor + "', expected own or laser");
+  refuseIf((options.sensor == "laser") != !options.calibration.empty(),
+           "--sensor laser and --calibration need each other");
+  refuseIf(!has_clouds && options.sensor == "laser", "--sensor is for --clouds");
   GeometryParameters& parameters = options.parameters;
   refuseIf(!(parameters.within >= 0.0 && parameters.within <= 2.0),
            "--within is " + shown(parameters.within) + ", expected 0 to 2");
@@ -105,13 +125,40 @@ measure(const std::string& map_folder, const std::string& sequence_folder,
   return geometry.samples();
 }
 
+GeometrySamples
+measureClouds(const std::string& map_folder, const std::string& pattern,
+              const Options& options)
+{
+  const MapFolder map = readMapFolder(map_folder);
+  const CloudSequence clouds(pattern);
+  const Eigen::Isometry3d T_camera0_scanner =
+      scannerPose(options.sensor, options.calibration);
+  std::map<int, std::size_t> positions;
+  for (std::size_t i = 0; i < clouds.size(); ++i)
+    positions[clouds.frameNumber(i)] = i;
+  MapGeometry geometry(map.voxels, options.parameters);
+  ProgressBar progress("measuring", map.frames.size());
+  for (const int frame : map.frames) {
+    const auto position = positions.find(frame);
+    if (position == positions.end())
+      fail<BadInputException>(pattern, ": has no cloud of frame ", frame,
+                              ", which is in the map");
+    geometry.addScan(readPositions(clouds.path(position->second)),
+                     map.T_world_camera0[std::size_t(frame)] * T_camera0_scanner);
+    progress.step();
+  }
+  return geometry.samples();
+}
+
 int
 evaluate(const Options& options)
 {
   static_cast<void>(MapGeometry(VoxelCloud(), options.parameters)); // refuses bad bands
   GeometrySamples samples;
   for (std::size_t i = 0; i < options.maps.size(); ++i)
-    samples += measure(options.maps[i], options.sequences[i], options.parameters);
+    samples += options.clouds.empty()
+                   ? measure(options.maps[i], options.sequences[i], options.parameters)
+                   : measureClouds(options.maps[i], options.clouds[i], options);
   const std::string json = geometryJson(samples, options.parameters);
   if (!options.output.empty())
     writeTextFile(options.output, json);

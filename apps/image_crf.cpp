@@ -96,6 +96,7 @@ refine(const Arguments& arguments)
   ImageCRF crf;
   crf.setModel(arguments.parameters.model);
   crf.setParameters(arguments.parameters.parameters);
+  crf.setThinLabels(label_set.thinLabels());
   setCliques(arguments.parameters.cliques, image, crf);
   const LabelDistributions refined = crf.refine(image, measured);
   cv::Mat1b labels(image.size());

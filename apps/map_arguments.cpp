@@ -155,7 +155,7 @@ parseMapArguments(int argc, char** argv)
             "further output for evaluation, separated by commas: measured = labels "
             "before the CRF, depth = depth images, probabilities = those of the "
             "classes at the pixels' depths, scans = the class of each point of the "
-            "sequence's laser scans"},
+            "sequence's laser scans, or of --clouds"},
            {"scan-within", withDefault(arguments.scan_within),
             "maximum distance of a scan point's voxel [m]; 0 = the voxel that contains "
             "it"},

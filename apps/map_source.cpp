@@ -5,8 +5,10 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/dataset/rectifier.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/cloud_file.h>
@@ -17,7 +19,9 @@
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <map>
 
 namespace pcl_semantic::tool {
 
@@ -80,27 +84,29 @@ MapSource::readCalibrations()
 namespace {
 
 void
-addScans(const MapArguments& arguments, const FrameSequence* sequence,
-         const std::vector<std::size_t>& frames, ExtraOptions& extra)
+addScans(const FrameSequence* sequence, const std::vector<std::size_t>& frames,
+         ExtraOptions& extra)
 {
   const auto* const kitti = dynamic_cast<const KittiSequence*>(sequence);
   if (!kitti)
     fail<InvalidParameterException>(
         "--also scans needs a SEQUENCE with laser scans (velodyne)");
-  extra.scans = kitti->folder() + "/velodyne";
-  extra.T_camera_scanner =
+  const std::string folder = kitti->folder() + "/velodyne/";
+  const Eigen::Isometry3d T_camera_scanner =
       kitti->T_camera0_camera().inverse() * kitti->T_camera0_velodyne();
   for (const std::size_t i : frames) {
-    const std::string scan =
-        extra.scans + "/" + frameFileName(kitti->frameNumber(i), ".bin");
+    const std::string scan = folder + frameFileName(kitti->frameNumber(i), ".bin");
     if (!std::filesystem::exists(scan))
       fail<BadInputException>(scan, ": is missing; --also scans needs one a frame");
   }
-  extra.within = arguments.scan_within;
+  extra.scan = [=](int frame) {
+    return pointsInCamera(*readVelodyneScan(folder + frameFileName(frame, ".bin")),
+                          T_camera_scanner);
+  };
 }
 
 // What --also asks for.
-// \param[in] sequence null for clouds, which have no scans beside them
+// \param[in] sequence null for clouds, which are scans themselves: see CloudSource
 ExtraOptions
 makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
            const std::vector<std::size_t>& frames)
@@ -110,6 +116,7 @@ makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
                                     ", expected 0 to 2");
   ExtraOptions extra;
   extra.centres = arguments.centres;
+  extra.within = arguments.scan_within;
   for (const std::string& word : splitAtCommas(arguments.also))
     if (word == "measured")
       extra.measured = true;
@@ -117,9 +124,9 @@ makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
       extra.depth = true;
     else if (word == "probabilities")
       extra.probabilities = true;
-    else if (word == "scans")
-      addScans(arguments, sequence, frames, extra);
-    else
+    else if (word == "scans" && sequence)
+      addScans(sequence, frames, extra);
+    else if (word != "scans")
       fail<InvalidParameterException>(
           "--also: '", word, "', expected measured, depth, probabilities or scans");
   return extra;
@@ -241,14 +248,12 @@ public:
     for (const std::size_t i : positions_)
       run_.frames.push_back(clouds_.frameNumber(i));
     setSensor();
-    if (!run_.camera && !arguments.also.empty())
-      fail<InvalidParameterException>("--also is for frames of a camera");
     setInputs({{"clouds", arguments.clouds},
                {"label_mapping", arguments.label_mapping},
                {"sensor", arguments.sensor},
                {"poses", arguments.poses}});
     readCalibrations();
-    extras_ = makeExtras(arguments, nullptr, positions_);
+    setExtras();
   }
 
   std::unique_ptr<PoseSource>
@@ -280,15 +285,32 @@ private:
     return clouds_.timestamp(position);
   }
 
+  // Scans are the clouds themselves.
+  void
+  setExtras()
+  {
+    extras_ = makeExtras(arguments_, nullptr, positions_);
+    if (!run_.camera && (extras_.depth || extras_.probabilities))
+      fail<InvalidParameterException>(
+          "--also depth and probabilities are for frames of a camera");
+    const std::vector<std::string> words = splitAtCommas(arguments_.also);
+    if (std::count(words.begin(), words.end(), "scans") == 0)
+      return;
+    std::map<int, std::string> paths;
+    for (const std::size_t i : positions_)
+      paths[clouds_.frameNumber(i)] = clouds_.path(i);
+    extras_.scan = [paths = std::move(paths)](int frame) {
+      return readPositions(paths.at(frame));
+    };
+  }
+
   // Where the sensor is in camera 0, and its camera.
   void
   setSensor()
   {
     const ImagePairFiles& files = arguments_.sequence.files;
-    if (arguments_.sensor == "own")
-      run_.T_camera0_camera = worldFromFirstCamera().inverse(); // it looks along x
-    else if (arguments_.sensor == "laser")
-      run_.T_camera0_camera = scannerOf(files.calibration);
+    if (arguments_.sensor == "own" || arguments_.sensor == "laser")
+      run_.T_camera0_camera = scannerPose(arguments_.sensor, files.calibration);
     else {
       const RectifiedPair pair = readRectifiedPair(
           {files.calibration, files.extrinsics}, firstCloud(),
@@ -296,16 +318,6 @@ private:
       run_.camera = pair.camera;
       run_.T_camera0_camera = pair.T_camera0_camera;
     }
-  }
-
-  static Eigen::Isometry3d
-  scannerOf(const std::string& calibration)
-  {
-    const auto read = readKittiCalibration(calibration, KittiCameras::colour);
-    if (!read.T_camera0_velodyne)
-      fail<BadInputException>(
-          calibration, ": has no row 'Tr', expected the pose of the laser scanner");
-    return *read.T_camera0_velodyne;
   }
 
   // Its size is that of the camera's images.

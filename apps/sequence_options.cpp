@@ -2,10 +2,15 @@
 #include "sequence_options.h"
 #include "messages.h"
 
+#include "core/fail.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
+#include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
+#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/odometry/pose_source.h>
 
 #include <cmath>
 #include <sstream>
@@ -100,6 +105,29 @@ chooseClouds(const std::string& name, const CloudSequence& clouds,
   if (positions.empty())
     fail<BadInputException>(name, ": has no frame in ", range);
   return positions;
+}
+
+std::vector<Eigen::Vector3d>
+readPositions(const std::string& path)
+{
+  const LabelledCloud read = readLabelledCloud(path);
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(read.cloud->size());
+  for (const pcl::PointXYZRGBL& point : *read.cloud)
+    points.push_back(point.getVector3fMap().cast<double>());
+  return points;
+}
+
+Eigen::Isometry3d
+scannerPose(const std::string& sensor, const std::string& calibration)
+{
+  if (sensor == "own")
+    return worldFromFirstCamera().inverse();
+  const auto read = readKittiCalibration(calibration, KittiCameras::colour);
+  if (!read.T_camera0_velodyne)
+    fail<BadInputException>(
+        calibration, ": has no row 'Tr', expected the pose of the laser scanner");
+  return *read.T_camera0_velodyne;
 }
 
 std::vector<std::string>

@@ -9,6 +9,8 @@
 #include <pcl_semantic/io/cloud_sequence.h>
 #include <pcl_semantic/stereo/pair_check.h>
 
+#include <Eigen/Geometry>
+
 #include <map>
 #include <memory>
 #include <string>
@@ -53,6 +55,16 @@ std::vector<std::size_t> chooseFrames(const SequenceOptions& options,
 std::vector<std::size_t> chooseClouds(const std::string& name,
                                       const CloudSequence& clouds,
                                       const std::string& range);
+
+/** \brief The points of a cloud alone, as many as it has [m]. \throws
+ * BadInputException as readLabelledCloud() */
+std::vector<Eigen::Vector3d> readPositions(const std::string& path);
+
+/** \brief Where a scanner is in KITTI's camera 0, whose poses maps have: `own`, with
+ * poses of its own in a world with z up, looks along x; `laser` is where the row `Tr`
+ * of a calibration has it. \throws BadInputException if there is no such row */
+Eigen::Isometry3d scannerPose(const std::string& sensor,
+                              const std::string& calibration);
 
 /** \brief The files of numbers that a tool must not write over. */
 std::vector<std::string> textFilesOf(const SequenceOptions& options,

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Maps KITTI sequences with several models, evaluates them, and writes doc/results.md.
-# Called by ./dev results; PCL_SEMANTIC_DATA holds kitti/{15,00,03,05,07,09} and nets/.
+# Called by ./dev results; PCL_SEMANTIC_DATA holds kitti/{15,00,01,03,05,06,07,09} and nets/.
 # Labels of the network are computed once and kept in build/results. To try a change:
 # STREETS="00 05 07" ./dev results takes these alone, three or more, and leaves
 # doc/results.md as it is. ./dev results tables writes the page and the pictures of what
@@ -17,7 +17,7 @@ kitti=$PCL_SEMANTIC_DATA/kitti
 label_set=data/label_sets/kitti11.yaml
 network=data/networks/espnetv2_city_1280x480.yaml
 model_file=$PCL_SEMANTIC_DATA/nets/espnetv2_s2.0_city_1280x480_halfres.onnx
-read -ra streets <<<"${STREETS:-00 03 05 07 09}" # with lidar
+read -ra streets <<<"${STREETS:-00 01 03 05 06 07 09}" # with lidar
 # A street's calibrations come from the others, and the labels of each of these again.
 ((${#streets[@]} >= 3)) ||
   { echo "results: STREETS are ${streets[*]}, expected three or more" >&2; exit 2; }

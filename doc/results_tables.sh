@@ -73,6 +73,40 @@ ablation_table() { # SEQUENCES...
 }
 declare -A view_name=([labels_at_depth]="at depth" [labels]="rendered")
 
+means() { # as scores: mean IoU and global accuracy of the row
+  scores "$@" | awk -F ' *[|] *' '{ print $(NF - 4), $(NF - 3) }'
+}
+
+over() { # IOU ACCURACY IOU ACCURACY: the first less the second
+  awk '{ printf "%+.1f / %+.1f", $1 - $3, $2 - $4 }' <<<"$*"
+}
+
+# answer_row VIEW STREETS...: the network where the map covers, how far maps are above it,
+# and what the CRF adds to the calibrated measurements.
+answer_row() {
+  local view=$1 model row network calibrated
+  sequences=("${@:2}") bands=()
+  row="$(means x dense network_labels truth "$view")"
+  row="| ${row/ / / } |"
+  for model in dense calibrated_dense calibrated_cliques; do
+    network=$(means x "$model" network_labels truth "$view")
+    row+=" $(over "$(means x "$model" "$view" truth)" "$network") |"
+  done
+  calibrated=$(means x calibrated_dense "$view" truth)
+  row+=" $(over "$calibrated" "$(means x calibrated_dense "measured_$view" truth)") |"
+  echo "$row"
+}
+
+answer_table() { # VIEW
+  local street
+  echo "| street | 2D network | map | calibrated | and its cliques | the CRF's part |"
+  echo "|---|---:|---:|---:|---:|---:|"
+  for street in "${streets[@]}"; do
+    echo "| $street $(answer_row "$1" "$street")"
+  done | sort -t '|' -k 5,5g # the worst first
+  echo "| **pooled** $(answer_row "$1" "${streets[@]}")"
+}
+
 mean() { # as scores: the mean of the row
   scores "$@" | awk -F ' *[|] *' '{ print $(NF - 4) }'
 }
@@ -166,11 +200,22 @@ geometry_table() { # SEQUENCES...
 }
 
 write_page() {
-  local drawn
-  read -ra drawn <<<"$(drawn_sequences | xargs)"
   cat doc/results_head.md
+  printf '\n## At depth\n\n'
+  answer_table labels_at_depth
+  printf '\n## Rendered\n\n'
+  answer_table labels
+  printf '\n## Geometry of the finished maps against the lidar\n\n'
+  geometry_table "${streets[@]}"
   printf '\n'
   cat "$out/made.md"
+}
+
+# The tables that one looks up.
+write_appendix() {
+  local drawn
+  read -ra drawn <<<"$(drawn_sequences | xargs)"
+  cat doc/results_appendix_head.md
   printf '\n## Table I, models: sequences %s pooled, lidar ground truth to 40 m\n\n' "${streets[*]}"
   model_table "${streets[@]}"
   printf '\n## Table I, systems: sequences %s pooled\n\n' "${streets[*]}"
@@ -179,14 +224,6 @@ write_page() {
   pixel_table "${drawn[@]}"
   printf '\n## Table III: seconds a frame, 1226 x 370 pixels\n\n'
   grep '^|' "$out/times.md"
-  printf '\n## Geometry of the finished maps against the lidar\n\n'
-  geometry_table "${streets[@]}"
-  printf '\nBy sequence, by distance, in 3D, ablations: [appendix](results_appendix.md).\n'
-}
-
-# The tables that one looks up.
-write_appendix() {
-  printf '# Appendix to the results\n\nMade with [results.md](results.md), which says what the rows and columns are.\n'
   printf '\n## Table I, models: sequence 15, hand-made ground truth of frames 0 and 3\n\n'
   model_table 15
   printf '\n## Table I, systems: sequence 15\n\n'

@@ -29,7 +29,7 @@ LabelSet::LabelSet(std::vector<LabelClass> classes) : classes_(std::move(classes
 const LabelClass&
 LabelSet::operator[](Label label) const
 {
-  static const LabelClass unlabelled{"unlabelled", {0, 0, 0}, false, false};
+  static const LabelClass unlabelled{"unlabelled"};
   if (label == kUnlabelled)
     return unlabelled;
   if (label > size())
@@ -45,6 +45,16 @@ LabelSet::find(const std::string& name) const
     if (classes_[i].name == name)
       return static_cast<Label>(i + 1);
   return kUnlabelled;
+}
+
+std::vector<Label>
+LabelSet::thinLabels() const
+{
+  std::vector<Label> labels;
+  for (int label = 1; label <= size(); ++label)
+    if ((*this)[Label(label)].thin)
+      labels.push_back(Label(label));
+  return labels;
 }
 
 ColourMapping::ColourMapping(const LabelSet& label_set)

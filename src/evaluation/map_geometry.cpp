@@ -106,12 +106,34 @@ MapGeometry::addScan(const pcl::PointCloud<pcl::PointXYZI>& scan,
       seenPoints(camera_points, camera, seen_parameters);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Eigen::Vector3d point = T_world_camera * camera_points[i];
-    const Eigen::Vector3f near = (point - origin_).cast<float>();
-    returns_->push_back(pcl::PointXYZ(near.x(), near.y(), near.z()));
+    addReturn(point);
     if (seen[i].depth > 0.0f)
       countSurface(point, seen[i].depth);
   }
   judgeVoxels(camera_points, camera, T_world_camera.inverse());
+}
+
+void
+MapGeometry::addScan(const std::vector<Eigen::Vector3d>& points,
+                     const Eigen::Isometry3d& T_world_scanner)
+{
+  if (returns_->empty())
+    origin_ = T_world_scanner.translation();
+  for (const Eigen::Vector3d& in_scan : points)
+    if (in_scan.allFinite()) {
+      addReturn(T_world_scanner * in_scan);
+      countSurface(T_world_scanner * in_scan, float(in_scan.norm()));
+    }
+  const Eigen::Vector3d scanner = T_world_scanner.translation();
+  for (std::size_t i = 0; i < judged_.size(); ++i)
+    judged_[i] |= (positions_[i] - scanner).norm() <= parameters_.bands.back();
+}
+
+void
+MapGeometry::addReturn(const Eigen::Vector3d& point)
+{
+  const Eigen::Vector3f near = (point - origin_).cast<float>();
+  returns_->push_back(pcl::PointXYZ(near.x(), near.y(), near.z()));
 }
 
 void

@@ -31,6 +31,7 @@ readClass(const YamlMap& entry)
   }
   entry.get("sky", result.sky);
   entry.get("dynamic", result.dynamic);
+  entry.get("thin", result.thin);
   entry.refuseUnknownKeys();
   return result;
 }
@@ -63,7 +64,8 @@ writeLabelSet(const std::string& path, const LabelSet& label_set)
     text << "  - {name: " << std::quoted(each.name) << ", colour: ["
          << int(each.colour[0]) << ", " << int(each.colour[1]) << ", "
          << int(each.colour[2]) << "]" << (each.sky ? ", sky: true" : "")
-         << (each.dynamic ? ", dynamic: true" : "") << "}\n";
+         << (each.dynamic ? ", dynamic: true" : "") << (each.thin ? ", thin: true" : "")
+         << "}\n";
   }
   writeTextFile(path, text.str());
 }

@@ -50,6 +50,8 @@ SemanticCRFParameters::validate() const
           "more than 0, at most 100");
   require(iterations >= 0, "iterations", iterations, "0 or more");
   require(tolerance >= 0.0, "tolerance", tolerance, "0 or more");
+  require(temperature > 0.0 && temperature <= 1000.0, "temperature", temperature,
+          "more than 0, at most 1000");
   requireWeight("clique_weight", clique_weight);
   require(clique_truncation > 0.0 && clique_truncation <= 1.0, "clique_truncation",
           clique_truncation, "more than 0, at most 1");
@@ -68,6 +70,14 @@ SemanticCRFParameters::automaticDeviation(double spacing)
 }
 
 SemanticCRFParameters
+SemanticCRFParameters::forMaps()
+{
+  SemanticCRFParameters parameters;
+  parameters.temperature = 3.0;
+  return parameters;
+}
+
+SemanticCRFParameters
 SemanticCRFParameters::forImages()
 {
   SemanticCRFParameters parameters;
@@ -75,6 +85,7 @@ SemanticCRFParameters::forImages()
   parameters.appearance_deviation = 40.0;
   parameters.colour_deviation = 4.0;
   parameters.iterations = 5;
+  parameters.keep_thin = false;
   parameters.clique_smoothness_deviation = 40.0;
   parameters.clique_appearance_deviation = 40.0;
   return parameters;

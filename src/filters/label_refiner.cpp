@@ -348,19 +348,39 @@ normalize(const pcl::Indices& indices, LabelDistributions& distributions)
   }
 }
 
-// The marginals for the measurements. An element that is unlabelled and receives no
-// message has a uniform one, of which the first class would be the largest: it stays
-// unlabelled.
+struct ResultOptions {
+  double temperature;
+  std::vector<Label> kept; // what was measured as one of these stays as it was
+};
+
+// The marginals, tempered, for the measurements. An element that is unlabelled and
+// receives no message has a uniform one, of which the first class would be the largest:
+// it stays unlabelled.
 void
 writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
-            LabelDistributions& distributions)
+            const ResultOptions& options, LabelDistributions& distributions)
 {
+  const auto isKept = [&](const auto& measured) {
+    const Label label = mapLabel(measured.data(), int(measured.size()));
+    return std::count(options.kept.begin(), options.kept.end(), label) > 0;
+  };
+  const kernels::NegativeLogs negateLogs = kernels::negativeLogs(simdTier());
+  const int classes = int(marginals.rows());
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < marginals.cols(); ++k) {
     auto column = distributions.matrix().col(indices[std::size_t(k)]);
     const auto marginal = marginals.col(k);
-    if (!column.isZero(0.0f) || marginal.minCoeff() < marginal.maxCoeff())
+    if (column.isZero(0.0f) && !(marginal.minCoeff() < marginal.maxCoeff()))
+      continue;
+    if (!isKept(column))
       column = marginal;
+    else
+      column /= column.sum();
+    if (options.temperature == 1.0)
+      continue;
+    negateLogs(column.data(), std::size_t(classes), 1e-30f);
+    column *= float(-1.0 / options.temperature);
+    distributionFromLog(column.data(), classes, column.data());
   }
 }
 
@@ -489,7 +509,10 @@ LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
     report_.free_energy = inference.freeEnergy();
     report_.energy = energyOfMap(kept, inference);
   }
-  writeResult(inference.marginals(), elements.indices, distributions);
+  writeResult(inference.marginals(), elements.indices,
+              {parameters_.temperature,
+               parameters_.keep_thin ? thin_labels_ : std::vector<Label>()},
+              distributions);
 }
 
 } // namespace pcl_semantic

@@ -155,8 +155,8 @@ areSame(const LabelSet& a, const LabelSet& b)
     return false;
   for (int label = 1; label <= a.size(); ++label) {
     const LabelClass &p = a[Label(label)], &q = b[Label(label)];
-    if (std::tie(p.name, p.colour, p.sky, p.dynamic) !=
-        std::tie(q.name, q.colour, q.sky, q.dynamic))
+    if (std::tie(p.name, p.colour, p.sky, p.dynamic, p.thin) !=
+        std::tie(q.name, q.colour, q.sky, q.dynamic, q.thin))
       return false;
   }
   return true;

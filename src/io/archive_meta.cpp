@@ -61,7 +61,7 @@ encodeLabelSet(const LabelSet& label_set)
     for (const std::uint8_t channel : each.colour)
       writer.put(channel);
     writer.put(static_cast<std::uint8_t>(each.sky));
-    writer.put(static_cast<std::uint8_t>(each.dynamic));
+    writer.put(static_cast<std::uint8_t>(each.dynamic | each.thin << 1));
   }
   return writer.bytes();
 }
@@ -76,7 +76,9 @@ decodeLabelSet(const Bytes& bytes)
     for (std::uint8_t& channel : each.colour)
       channel = reader.get<std::uint8_t>();
     each.sky = reader.get<std::uint8_t>() != 0;
-    each.dynamic = reader.get<std::uint8_t>() != 0;
+    const auto flags = reader.get<std::uint8_t>();
+    each.dynamic = flags & 1;
+    each.thin = flags & 2;
   }
   requireEnd(reader);
   return makeOrRefuse([&] { return LabelSet(std::move(classes)); });

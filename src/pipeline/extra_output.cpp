@@ -43,10 +43,10 @@ constexpr Folder folders[] = {
     {"final_measured_near_scan_labels", true, false, true, true}};
 
 bool
-isWanted(const Folder& folder, const ExtraOptions& options)
+isWanted(const Folder& folder, const ExtraOptions& options, bool has_camera)
 {
-  return (!folder.measured || options.measured) && (!folder.depth || options.depth) &&
-         (!folder.scans || !options.scans.empty()) &&
+  return (folder.scans || has_camera) && (!folder.measured || options.measured) &&
+         (!folder.depth || options.depth) && (!folder.scans || options.scan) &&
          (!folder.near || options.within > 0.0) &&
          (!folder.probabilities || options.probabilities);
 }
@@ -63,13 +63,14 @@ depthOf(const pcl::PointCloud<pcl::PointXYZRGB>& cloud)
 
 } // namespace
 
-ExtraOutput::ExtraOutput(const std::string& folder, const StereoCamera& camera,
-                         double max_depth, ExtraOptions options)
+ExtraOutput::ExtraOutput(const std::string& folder,
+                         const std::optional<StereoCamera>& camera, double max_depth,
+                         ExtraOptions options)
     : folder_(folder), camera_(camera), max_depth_(max_depth),
       options_(std::move(options))
 {
   for (const Folder& each : folders)
-    if (isWanted(each, options_))
+    if (isWanted(each, options_, camera_.has_value()))
       makeOutputFolder((std::filesystem::path(folder_) / each.name).string());
 }
 
@@ -118,7 +119,7 @@ ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendere
   if (!needsLabels())
     return;
   const MapLabels labels(mapped.voxels);
-  if (options_.measured) {
+  if (options_.measured && camera_) {
     writePng(path("measured_labels", frame, ".png"),
              labelsAt(rendered.indices, labels.measured));
     writePng(path("measured_labels_at_depth", frame, ".png"),
@@ -126,7 +127,7 @@ ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendere
   }
   if (options_.probabilities)
     writeProbabilities(mapped, labels);
-  if (options_.scans.empty())
+  if (!options_.scan)
     return;
   writeScan(frame, mapped.T_world_camera, labels, "");
   writeNetworkScan(mapped);
@@ -136,10 +137,10 @@ void
 ExtraOutput::writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
                         const MapLabels& labels, const RenderedLabels& rendered) const
 {
-  if (options_.measured)
+  if (options_.measured && camera_)
     writePng(path("final_measured_labels", frame, ".png"),
              labelsAt(rendered.indices, labels.measured));
-  if (!options_.scans.empty())
+  if (options_.scan)
     writeScan(frame, T_world_camera, labels, "final_");
 }
 
@@ -147,13 +148,9 @@ void
 ExtraOutput::writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
                        const MapLabels& labels, const std::string& prefix) const
 {
-  const auto scan =
-      readVelodyneScan(options_.scans + "/" + frameFileName(frame, ".bin"));
-  const Eigen::Isometry3d T_world_scanner = T_world_camera * options_.T_camera_scanner;
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(scan->size());
-  for (const pcl::PointXYZI& point : *scan)
-    points.push_back(T_world_scanner * point.getVector3fMap().cast<double>());
+  std::vector<Eigen::Vector3d> points = options_.scan(frame);
+  for (Eigen::Vector3d& point : points)
+    point = T_world_camera * point;
   writePoints(frame, labels.lookup.indices(points), labels, prefix, "scan_labels");
   if (options_.within > 0.0)
     writePoints(frame, labels.lookup.indices(points, options_.within), labels, prefix,
@@ -206,17 +203,14 @@ void
 ExtraOutput::writeNetworkScan(const MappedFrame& mapped) const
 {
   const int frame = mapped.frame.number;
-  const auto scan =
-      readVelodyneScan(options_.scans + "/" + frameFileName(frame, ".bin"));
-  std::vector<Label> labels(scan->size(), kUnlabelled);
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const Eigen::Vector3d point =
-        options_.T_camera_scanner * (*scan)[i].getVector3fMap().cast<double>();
-    const auto pixel = pixelOf(point, camera_);
-    if (pixel)
-      labels[i] = mapped.network.mapLabel(Eigen::Index(pixel->y()) * camera_.width +
+  const std::vector<Eigen::Vector3d> points = options_.scan(frame);
+  std::vector<Label> labels(points.size(), kUnlabelled);
+  for (std::size_t i = 0; i < labels.size() && !mapped.network.empty(); ++i)
+    if (!camera_)
+      labels[i] = mapped.network.mapLabel(Eigen::Index(i));
+    else if (const auto pixel = pixelOf(points[i], *camera_))
+      labels[i] = mapped.network.mapLabel(Eigen::Index(pixel->y()) * camera_->width +
                                           pixel->x());
-  }
   writeScanLabels(path("network_scan_labels", frame, ".label"), labels);
 }
 

@@ -5,6 +5,7 @@
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,15 +19,16 @@ namespace pcl_semantic {
  * `probabilities_at_depth` the class probabilities of labels_at_depth (.npy, float16).
  * Each point of a scan has the label of its voxel in `scan_labels`, as the map stood at
  * that frame, and in `final_scan_labels` (`.label`, 0 = no occupied voxel), without CRF
- * in `measured_scan_labels` and `final_measured_scan_labels`; that of the pixel it
- * falls on, hidden or not, in `network_scan_labels`. With \a within there are four
- * more, `near_scan_labels` and so on, of the nearest voxels, see
+ * in `measured_scan_labels` and `final_measured_scan_labels`; in `network_scan_labels`
+ * that of the pixel it falls on, hidden or not, or its own, as it was read. With \a
+ * within there are four more, `near_scan_labels` and so on, of the nearest voxels, see
  * VoxelLookup::nearest(). */
 class ExtraOutput {
 public:
-  /** \throws OutputException if a folder cannot be made */
-  ExtraOutput(const std::string& folder, const StereoCamera& camera, double max_depth,
-              ExtraOptions options);
+  /** \param[in] camera that takes the frames; none = only scans are labelled
+   * \throws OutputException if a folder cannot be made */
+  ExtraOutput(const std::string& folder, const std::optional<StereoCamera>& camera,
+              double max_depth, ExtraOptions options);
 
   /** \brief All folders that any run may write. */
   static const std::vector<std::string>& names();
@@ -36,7 +38,7 @@ public:
   void removeEarlier(const std::vector<int>& kept) const;
 
   /** \brief Files of a frame.
-   * \param[in] rendered the map as it stood at that frame
+   * \param[in] rendered the map as it stood at that frame; without a camera none
    * \throws BadInputException if its scan is missing or damaged */
   void writeFrame(const MappedFrame& mapped, const RenderedLabels& rendered) const;
 
@@ -48,7 +50,7 @@ public:
   bool
   needsLabels() const
   {
-    return options_.measured || options_.probabilities || !options_.scans.empty();
+    return options_.measured || options_.probabilities || options_.scan;
   }
 
 private:
@@ -69,7 +71,7 @@ private:
   void writeNetworkScan(const MappedFrame& mapped) const;
 
   std::string folder_;
-  StereoCamera camera_;
+  std::optional<StereoCamera> camera_;
   double max_depth_;
   ExtraOptions options_;
 };

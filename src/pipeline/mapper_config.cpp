@@ -349,6 +349,14 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
       {"crf_iterations", "maximum number of mean-field updates", &crf.iterations},
       {"crf_tolerance", "stop when no probability changes by more than this; 0 = never",
        &crf.tolerance, "crf_settled"},
+      {"crf_temperature",
+       "temperature of the resulting probabilities: above 1 they are less sure, labels "
+       "stay",
+       &crf.temperature},
+      {"crf_keep_thin",
+       "whether what was measured as a class marked thin in the label set stays one: "
+       "true or false",
+       &crf.keep_thin},
       {"crf_kernels",
        "evaluation of the kernels: automatic, truncated (exact within a radius) or "
        "lattice",

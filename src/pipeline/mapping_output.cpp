@@ -88,8 +88,8 @@ isSummary(const std::string& path)
 MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
                              std::vector<FrameRecord> records, ExtraOptions extra)
     : folder_(folder), run_(run), frames_(std::move(records)), centres_(extra.centres),
-      extra_(std::make_unique<ExtraOutput>(folder, run.camera.value_or(StereoCamera()),
-                                           run.config.map.max_range, std::move(extra)))
+      extra_(std::make_unique<ExtraOutput>(folder, run.camera, run.config.map.max_range,
+                                           std::move(extra)))
 {
   requireImages();
   refuseForeignImages();
@@ -184,6 +184,8 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   replaced_ = true;
   if (run_.camera)
     writeImages(mapped, map);
+  else
+    extra_->writeFrame(mapped, RenderedLabels());
   frames_.push_back(recordOf(mapped));
 }
 
@@ -237,8 +239,7 @@ void
 MappingOutput::finish(const SemanticVoxelMap& map)
 {
   VoxelCloud voxels = map.occupiedEverywhere();
-  if (run_.camera)
-    writeFinalImages(voxels);
+  writeFinalImages(voxels);
   if (centres_)
     voxels.moveToCentres();
   writeVoxelCloud(path("map.pcd"), voxels, run_.label_set, VoxelColour::measured);
@@ -262,10 +263,13 @@ MappingOutput::writeFinalImages(const VoxelCloud& voxels) const
   const MapLabels labels(extra_->needsLabels() ? voxels : no_voxels);
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
-    const RenderedLabels rendered =
-        renderLabels(voxels, *run_.camera, T_world_camera, run_.config.map.max_range);
-    writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
-             rendered.labels);
+    RenderedLabels rendered;
+    if (run_.camera) {
+      rendered =
+          renderLabels(voxels, *run_.camera, T_world_camera, run_.config.map.max_range);
+      writePng(path("final_labels/" + frameFileName(frame.number, ".png")),
+               rendered.labels);
+    }
     extra_->writeFinal(frame.number, T_world_camera, labels, rendered);
   }
 }

@@ -100,7 +100,8 @@ describeLabelSet(const LabelSet& label_set, std::ostream& text)
     text << "class_" << label << ": " << each.name;
     for (const std::uint8_t channel : each.colour)
       text << " " << int(channel);
-    text << (each.sky ? " sky" : "") << (each.dynamic ? " dynamic" : "") << "\n";
+    text << (each.sky ? " sky" : "") << (each.dynamic ? " dynamic" : "")
+         << (each.thin ? " thin" : "") << "\n";
   }
 }
 

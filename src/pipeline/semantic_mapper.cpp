@@ -238,6 +238,7 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
     crf.setCliqueCosts(groups.costs);
   }
   crf.setParameters(config_.crf_parameters);
+  crf.setThinLabels(map_.labelSet().thinLabels());
   crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);
   crf.setLabelDistributions(voxels.measured);

@@ -5,7 +5,9 @@
 #include "support/run_tool.h"
 #include "support/thrown_message.h"
 
+#include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/dataset/synthetic_scene.h>
+#include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
@@ -141,7 +143,8 @@ TEST(CloudTools, TheCrfAsAToolOfItsOwnMakesTheSameLabels)
   const TemporaryFolder folder;
   labelClouds(tinyStreet(), folder);
   succeed(mapOfClouds(folder) + folder.path("raw") + " --crf none");
-  succeed("crf " + folder.path("raw/map.pcd") + " " + folder.path("refined.pcd"));
+  succeed("crf " + folder.path("raw/map.pcd") + " " + folder.path("refined.pcd") +
+          " --crf-temperature 3 --label-set " + label_set);
   mapStreet(tinyStreet(), folder.path("direct"), "");
   const LabelledCloud tools = readLabelledCloud(folder.path("refined.pcd"));
   const LabelledCloud direct = readLabelledCloud(folder.path("direct/map.pcd"));
@@ -195,6 +198,48 @@ TEST_F(Scans, OfAnySensorBecomeTheMapOfTheLibrary)
   EXPECT_TRUE((worldFromFirstCamera() * written[3])
                   .isApprox(T_world_sensor[3] * worldFromFirstCamera(), 1e-9));
   succeed("render " + folder.path("map") + " " + folder.path("map.png"));
+}
+
+TEST_F(Scans, TakeTheLabelsOfTheirMap)
+{
+  succeed(map(folder.path("poses.txt")) + " --also scans,measured");
+  const VoxelCloud voxels = expected();
+  const VoxelLookup lookup(voxels);
+  for (std::size_t frame = 0; frame < scans.size(); ++frame) {
+    const auto read = [&](const std::string& name) {
+      return readScanLabels(
+          folder.path("map/" + name + "/00000" + std::to_string(frame) + ".label"), 11);
+    };
+    const auto& cloud = *scans[frame].cloud;
+    const std::vector<Label> labels = read("final_scan_labels");
+    const std::vector<Label> own = read("network_scan_labels");
+    ASSERT_EQ(labels.size(), cloud.size());
+    ASSERT_EQ(own.size(), cloud.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const std::int32_t voxel =
+          lookup.at(T_world_sensor[frame] * cloud[i].getVector3fMap().cast<double>());
+      EXPECT_EQ(labels[i], voxel < 0 ? 0 : (*voxels.cloud)[std::size_t(voxel)].label);
+      EXPECT_EQ(own[i], cloud[i].label);
+    }
+    EXPECT_EQ(read("final_measured_scan_labels"), labels); // there is no CRF
+    EXPECT_EQ(read("scan_labels").size(), cloud.size());
+  }
+  EXPECT_FALSE(fs::exists(folder.path("map/measured_labels"))); // there are no images
+}
+
+TEST_F(Scans, JudgeTheGeometryOfTheirMap)
+{
+  succeed(map(folder.path("poses.txt")));
+  const std::string command = "evaluate_map " + folder.path("map") + " --clouds " +
+                              folder.path("clouds") + " --output " +
+                              folder.path("geometry.json");
+  succeed(command);
+  const auto json = readJson(folder.path("geometry.json"));
+  EXPECT_GT(double(json["judged"]), 0.99 * double(json["voxels"])); // to 40 m
+  EXPECT_LT(json["distance"]["90 %"], 0.1);                         // a voxel
+  EXPECT_GT(json["surface"][0]["in_voxel"], 0.95);
+  fs::remove(folder.path("clouds/3.pcd"));
+  expectFails(command, 3, "has no cloud of frame 3");
 }
 
 TEST_F(Scans, TimesAndTumPosesFindEachOther)
@@ -336,7 +381,7 @@ TEST_F(Scans, BadInput)
       {"no clouds", 3, "no file matches",
        "map --clouds TEMP/none --output OUT " + poses},
       {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
-      {"scans", 2, "--also is for frames of a camera", all + poses + "--also scans"},
+      {"depth", 2, "are for frames of a camera", all + poses + "--also depth"},
       {"superpixels", 2, "superpixels are for clouds of a camera",
        all + poses + "--crf hierarchical --cliques superpixel"},
       {"deviations", 2, "max_deviation and deviation_scale are for stereo",

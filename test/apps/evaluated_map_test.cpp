@@ -341,6 +341,13 @@ TEST(EvaluateMapTool, BadInput)
         "--labels STREET/labels --output OUT --also scans"},
        {"nothing", 2, "expected MAP SEQUENCE", "evaluate_map"},
        {"no sequence", 2, "as many of both", "evaluate_map OUT"},
+       {"both", 2, "exclude each other", "evaluate_map OUT STREET --clouds STREET"},
+       {"a sensor", 2, "--sensor is 'radar'",
+        "evaluate_map OUT --clouds STREET "
+        "--sensor radar"},
+       {"a laser", 2, "need each other",
+        "evaluate_map OUT --clouds STREET "
+        "--sensor laser"},
        {"no map", 3, "summary.json", "evaluate_map OUT STREET"},
        {"bands", 2, "have to grow", "evaluate_map OUT STREET --bands 0,20,10"},
        {"no bands", 2, "--bands", "evaluate_map OUT STREET --bands 0,x"},

@@ -47,6 +47,7 @@ TEST(LabelSetFile, ThePapersElevenClasses)
   for (int label = 1; label <= 11; ++label) {
     EXPECT_EQ(set[Label(label)].sky, label == 2);
     EXPECT_EQ(set[Label(label)].dynamic, label >= 6 && label <= 8);
+    EXPECT_EQ(set[Label(label)].thin, label >= 10);
   }
 }
 

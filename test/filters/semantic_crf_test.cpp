@@ -74,6 +74,62 @@ TEST(SemanticCRF, PointsOutsideTheIndicesStayAndSendNothing)
   }
 }
 
+TEST(SemanticCRF, ATemperatureMakesProbabilitiesLessSureAndKeepsLabels)
+{
+  const CrfCloud input = makeCrfCloud(300, 4);
+  const auto refine = [&](double temperature) {
+    SemanticCRF<pcl::PointXYZRGBL> crf;
+    SemanticCRFParameters parameters;
+    parameters.temperature = temperature;
+    crf.setParameters(parameters);
+    crf.setInputCloud(input.cloud);
+    crf.setLabelDistributions(input.distributions);
+    Cloud output;
+    crf.filter(output);
+    return crf.getLabelDistributions();
+  };
+  const LabelDistributions sure = refine(1.0), tempered = refine(3.0);
+  for (Eigen::Index i = 0; i < sure.size(); ++i) {
+    Eigen::ArrayXd expected =
+        sure.matrix().col(i).cast<double>().array().max(1e-30).pow(1.0 / 3.0);
+    expected /= expected.sum();
+    EXPECT_LT(
+        (tempered.matrix().col(i).cast<double>().array() - expected).abs().maxCoeff(),
+        1e-5);
+    EXPECT_EQ(tempered.mapLabel(i), sure.mapLabel(i));
+  }
+}
+
+TEST(SemanticCRF, ThinThingsStayWhatTheyWereMeasuredAs)
+{
+  const CrfCloud input = makeCrfCloud(300, 5);
+  const auto refine = [&](const std::vector<Label>& thin, bool keep) {
+    SemanticCRF<pcl::PointXYZRGBL> crf;
+    SemanticCRFParameters parameters;
+    parameters.keep_thin = keep;
+    crf.setParameters(parameters);
+    crf.setThinLabels(thin);
+    crf.setInputCloud(input.cloud);
+    crf.setLabelDistributions(input.distributions);
+    Cloud output;
+    crf.filter(output);
+    return crf.getLabelDistributions();
+  };
+  const LabelDistributions all = refine({}, true), kept = refine({2}, true);
+  EXPECT_TRUE(refine({2}, false).matrix() == all.matrix());
+  int changed = 0;
+  for (Eigen::Index i = 0; i < kept.size(); ++i) {
+    const Eigen::VectorXf measured = input.distributions.matrix().col(i);
+    if (input.distributions.mapLabel(i) != 2) {
+      EXPECT_TRUE(kept.matrix().col(i) == all.matrix().col(i));
+      continue;
+    }
+    EXPECT_LT((kept.matrix().col(i) - measured / measured.sum()).norm(), 1e-6f);
+    changed += all.mapLabel(i) != 2;
+  }
+  EXPECT_GT(changed, 5); // others would have been outvoted
+}
+
 TEST(SemanticCRF, PointsAtNanKeepTheirPlaceWithoutLabel)
 {
   CrfCloud input = makeCrfCloud(100, 3);

@@ -47,6 +47,7 @@ TEST(MapArchive, ManyClassesAndParametersSurvive)
   std::vector<LabelClass> classes(255);
   for (std::size_t i = 0; i < classes.size(); ++i)
     classes[i].name = "class " + std::to_string(i);
+  classes[3].dynamic = classes[4].thin = classes[5].dynamic = classes[5].thin = true;
   ArchiveHeader header{LabelSet(classes), {}, {}};
   header.parameters.window = {1.5, 2.5, 3.5};
   header.parameters.max_range = 17.25;

@@ -286,7 +286,8 @@ TEST_F(Street, EveryModelOfTheCrf)
     MapperConfig config;
     config.crf = model;
     config.crf_parameters.iterations = 3;
-    const MappedFrame mapped = makeMapper(config).process(frame(0));
+    SemanticMapper mapper = makeMapper(config);
+    const MappedFrame mapped = mapper.process(frame(0));
     refined.push_back(mapped.voxels.refined.matrix());
     // The mapper's result is the filter's.
     if (config.crf == "none") {
@@ -296,6 +297,7 @@ TEST_F(Street, EveryModelOfTheCrf)
     SemanticCRF<pcl::PointXYZRGBL> crf;
     crf.setModel(config.crfModel());
     crf.setParameters(config.crf_parameters);
+    crf.setThinLabels(mapper.map().labelSet().thinLabels());
     crf.setCliqueGenerator(std::make_shared<CubeCliques>(1.0));
     crf.setInputCloud(mapped.voxels.cloud);
     crf.setLabelDistributions(mapped.voxels.measured);

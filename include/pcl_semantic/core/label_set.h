@@ -25,6 +25,7 @@ struct LabelClass {
   std::array<std::uint8_t, 3> colour{}; ///< red, green, blue
   bool sky = false;                     ///< has no surface: casts no ray
   bool dynamic = false;                 ///< moves, or may move
+  bool thin = false; ///< thinner than the neighbourhood of a CRF: a pole, a fence
 };
 
 /** \brief The classes of a map: numbers 1..L with names and colours, chosen at run time
@@ -52,6 +53,9 @@ public:
 
   /** \brief The label of a name; kUnlabelled if no class is called so. */
   Label find(const std::string& name) const;
+
+  /** \brief The labels of the classes that are thin. */
+  std::vector<Label> thinLabels() const;
 
 private:
   std::vector<LabelClass> classes_;

@@ -69,12 +69,21 @@ public:
                const Eigen::Isometry3d& T_world_camera,
                const Eigen::Isometry3d& T_camera_scanner);
 
+  /** \brief The same of a scanner without a camera: returns count by their distance,
+   * and voxels no farther than the last band are judged.
+   * \param[in] points in the scanner's frame [m]; others than finite ones are none
+   * \param[in] T_world_scanner its pose in the map */
+  void addScan(const std::vector<Eigen::Vector3d>& points,
+               const Eigen::Isometry3d& T_world_scanner);
+
   /** \brief After the last scan. */
   GeometrySamples samples() const;
 
 private:
   void judgeVoxels(const std::vector<Eigen::Vector3d>& camera_points,
                    const StereoCamera& camera, const Eigen::Isometry3d& T_camera_world);
+
+  void addReturn(const Eigen::Vector3d& point);
 
   void countSurface(const Eigen::Vector3d& point, float depth);
 

@@ -34,6 +34,12 @@ struct SemanticCRFParameters {
 
   int iterations = 1;     ///< mean-field updates, at most
   double tolerance = 0.0; ///< stop when no marginal changed by more; 0 = never
+  /// T: what is returned of the marginals Q is Q^(1/T), normalised. The label stays,
+  /// but it is less sure of itself (Guo et al. 2017); doc/calibration.md.
+  double temperature = 1.0;
+  /// What was measured as a thin thing (LabelRefiner::setThinLabels()) stays one: those
+  /// around it are of other classes and outvote it.
+  bool keep_thin = true;
 
   // The cliques of the last two models; all but the weight: of the hierarchical one.
   double clique_weight = 1.0; ///< k_c, eq. (8)
@@ -57,6 +63,9 @@ struct SemanticCRFParameters {
    * at most ten times the distance of its points; doc/parameters.md.
    * \param[in] spacing CRFReport::spacing; 0 = not known */
   static double automaticDeviation(double spacing);
+
+  /** \brief Defaults for the voxels of a map: a temperature of 3. */
+  static SemanticCRFParameters forMaps();
 
   /** \brief Defaults for images: 3 px; 40 px and 4 grey levels; five updates. */
   static SemanticCRFParameters forImages();

@@ -69,6 +69,14 @@ public:
    * found in the run */
   void setInitialDistributions(const LabelDistributions& distributions);
 
+  /** \brief Classes of things that are thinner than the kernels are wide; see
+   * SemanticCRFParameters::keep_thin. None unless it is set. */
+  void
+  setThinLabels(const std::vector<Label>& labels)
+  {
+    thin_labels_ = labels;
+  }
+
   /** \brief Whether the report has energies; they cost about as much as an update, and
    * need a symmetric compatibility. */
   void setComputeEnergies(bool compute);
@@ -137,6 +145,7 @@ private:
   Eigen::MatrixXf clique_weights_;
   Eigen::MatrixXf clique_costs_;
   LabelDistributions initial_;
+  std::vector<Label> thin_labels_;
   bool compute_energies_ = false;
   CRFReport report_;
 };

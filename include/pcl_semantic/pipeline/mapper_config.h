@@ -153,7 +153,7 @@ struct MapperConfig {
   std::string clique_exclude = "none";   ///< classes with commas between: voxels that
                                          ///< are likely one of them are in no clique
   double clique_exclude_threshold = 0.3; ///< this likely
-  SemanticCRFParameters crf_parameters;
+  SemanticCRFParameters crf_parameters = SemanticCRFParameters::forMaps();
   int threads = 0; ///< 0 = all processors
 
   /** \brief Carries pixel_fusion and clearing into map and checks every value.

@@ -5,6 +5,9 @@
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/pipeline/run_description.h>
 
+#include <Eigen/Core>
+
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,8 +21,9 @@ struct ExtraOptions {
   bool measured = false;      ///< labels of the fused measurements, before the CRF
   bool depth = false;         ///< measured depth of the pixels
   bool probabilities = false; ///< of the classes, where labels_at_depth has labels
-  std::string scans;          ///< folder of laser scans to label; empty = none
-  Eigen::Isometry3d T_camera_scanner = Eigen::Isometry3d::Identity();
+  /// Points of a frame's scan, which is to be labelled, in the frame of the sensor
+  /// whose poses the map has [m]; null = no scans. May throw BadInputException.
+  std::function<std::vector<Eigen::Vector3d>(int frame)> scan;
   double within = 0.0; ///< also: a point takes the nearest voxel so far away [m]
 };
 
