@@ -5,8 +5,9 @@
 # Called by ./dev results; PCL_SEMANTIC_DATA holds kitti/{15,00,01,03,05,06,07,09} and nets/.
 # Labels of the network are computed once and kept in build/results. To try a change:
 # STREETS="00 05 07" ./dev results takes these alone, three or more, and leaves
-# doc/results.md as it is. ./dev results tables writes the page and the pictures of what
-# an earlier run has mapped.
+# doc/results.md as it is. ./dev results page maps what the first page needs, a
+# tenth of it all, and writes that; ./dev results tables writes all pages and the pictures of
+# what an earlier run has mapped.
 # What is mapped is in doc/results_models.sh, what is said of it in doc/results_tables.sh.
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
@@ -119,24 +120,35 @@ pictures() { # SEQUENCES...: maps, changes and sheets of each; they stay untrack
   done
 }
 
-map_everything() {
-  local sequence model load
-  load=$(cut -d' ' -f1 /proc/loadavg) # of other programs: the times suffer from it
-  for sequence in 15 "${streets[@]}"; do
+map_models() { # SEQUENCES MODELS...
+  local sequences sequence model
+  read -ra sequences <<<"$1"
+  for sequence in "${sequences[@]}"; do
     mkdir -p "$out/$sequence"
     label_sequence "$sequence"
     make_truth "$sequence"
   done
   say "calibration of the network"
   learn "$out/calibration" "${streets[*]}"
-  for sequence in 15 "${streets[@]}"; do
+  for sequence in "${sequences[@]}"; do
     learn_cliques "$sequence"
   done
-  for sequence in 15 "${streets[@]}"; do
-    for model in none "${all_models[@]}"; do # none: for the pictures
+  for sequence in "${sequences[@]}"; do
+    for model in "${@:2}"; do
       map_sequence "$sequence" "$model"
     done
   done
+}
+
+say_made() { # LOAD
+  printf 'Made on %s, %s x %s (load at the beginning %s), with the defaults of that day.\n' \
+    "$(date +%Y-%m-%d)" "$(nproc)" \
+    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$1" >"$out/made.md"
+}
+
+map_everything() {
+  local sequence model
+  map_models "15 ${streets[*]}" none "${all_models[@]}" # none: for the pictures
   for sequence in $(drawn_sequences); do
     for model in "${image_models[@]}"; do
       refine_images "$sequence" "$model"
@@ -144,15 +156,19 @@ map_everything() {
   done
   say "times, with the network"
   build/bench/bench_frame >"$out/times.md"
-  printf 'Made on %s, %s x %s (load at the beginning %s), with the defaults of that day.\n' \
-    "$(date +%Y-%m-%d)" "$(nproc)" \
-    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$load" >"$out/made.md"
 }
 
+load=$(cut -d' ' -f1 /proc/loadavg) # of other programs: the times suffer from it
 case ${1:-} in
-  "") map_everything ;;
+  "") map_everything; say_made "$load" ;;
+  page)
+    map_models "${streets[*]}" dense calibrated_dense calibrated_cliques
+    say_made "$load"
+    write_page >"$out/results.md"
+    [[ -n ${STREETS:-} ]] || cp "$out/results.md" doc
+    exit ;;
   tables) [[ -s $out/made.md ]] || { echo "results: no earlier run has ended" >&2; exit 2; } ;;
-  *) echo "results: '$1', expected nothing or tables" >&2; exit 2 ;;
+  *) echo "results: '$1', expected nothing, page or tables" >&2; exit 2 ;;
 esac
 say "tables"
 write_page >"$out/results.md"
