@@ -130,9 +130,11 @@ map_models() { # SEQUENCES MODELS...
   done
   say "calibration of the network"
   learn "$out/calibration" "${streets[*]}"
-  for sequence in "${sequences[@]}"; do
-    learn_cliques "$sequence"
-  done
+  if [[ " ${*:2} " == *" calibrated_cliques "* ]]; then
+    for sequence in "${sequences[@]}"; do
+      learn_cliques "$sequence"
+    done
+  fi
   for sequence in "${sequences[@]}"; do
     for model in "${@:2}"; do
       map_sequence "$sequence" "$model"
@@ -162,7 +164,7 @@ load=$(cut -d' ' -f1 /proc/loadavg) # of other programs: the times suffer from i
 case ${1:-} in
   "") map_everything; say_made "$load" ;;
   page)
-    map_models "${streets[*]}" dense calibrated_dense calibrated_cliques
+    map_models "${streets[*]}" dense calibrated_dense
     say_made "$load"
     write_page >"$out/results.md"
     [[ -n ${STREETS:-} ]] || cp "$out/results.md" doc

@@ -88,7 +88,7 @@ answer_row() {
   sequences=("${@:2}") bands=()
   row="$(means x dense network_labels truth "$view")"
   row="| ${row/ / / } |"
-  for model in dense calibrated_dense calibrated_cliques; do
+  for model in dense calibrated_dense; do
     network=$(means x "$model" network_labels truth "$view")
     row+=" $(over "$(means x "$model" "$view" truth)" "$network") |"
   done
@@ -99,8 +99,8 @@ answer_row() {
 
 answer_table() { # VIEW
   local street
-  echo "| street | 2D network | map | calibrated | and its cliques | the CRF's part |"
-  echo "|---|---:|---:|---:|---:|---:|"
+  echo "| street | 2D network | map | calibrated | the CRF's part |"
+  echo "|---|---:|---:|---:|---:|"
   for street in "${streets[@]}"; do
     echo "| $street $(answer_row "$1" "$street")"
   done | sort -t '|' -k 5,5g # the worst first
