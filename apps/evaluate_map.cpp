@@ -30,7 +30,7 @@ and how much of the surface is mapped.)",
 
 struct Options {
   std::vector<std::string> maps, sequences, clouds;
-  std::string sensor = "own", calibration;
+  std::string calibration;
   std::string bands = "0,10,20,40";
   std::string output, row;
   bool header = false;
@@ -59,25 +59,25 @@ parse(int argc, char** argv)
   parseCommandLine(
       argc, argv, usage,
       {{"map", options.maps,
-        "MAP; may be given several times, with as many sequences: they are evaluated "
-        "as one"},
+        "MAP; may be given several times, with as many sequences or clouds: they are "
+        "evaluated as one"},
        {"sequence", options.sequences, "SEQUENCE of the map"},
        {"clouds", options.clouds,
         "clouds of the map instead, a folder or a pattern; may be given several times"},
-       {"sensor", withDefault(options.sensor),
-        "what took the clouds, as pcl_semantic_map --sensor: own or laser"},
        {"calibration", options.calibration,
-        "of --sensor laser: KITTI's calib.txt, with Tr"},
+        "of clouds mapped with --sensor laser: KITTI's calib.txt, with Tr"},
        {"output,o", options.output, "output file for the figures (.json)"},
        {"row", options.row, "print one row of a Markdown table of this name"},
        {"header", options.header, "print the header of such a table"},
        {"bands", withDefault(options.bands),
-        "limits of the depth bands, separated by commas; points beyond the last do not "
-        "count [m]"},
+        "limits of the bands of depth (of clouds: distance), separated by commas; "
+        "points beyond the last do not count [m]"},
        {"within", withDefault(options.parameters.within),
         "distance of the widest of the shares of the surface [m]"},
        {"behind", withDefault(options.parameters.behind),
-        "voxels farther behind the surface are hidden from the laser: not judged [m]"}},
+        "of a SEQUENCE: voxels farther behind the surface are hidden from the laser: "
+        "not "
+        "judged [m]"}},
       {"map", "sequence"});
   const bool has_clouds = !options.clouds.empty();
   refuseIf(has_clouds && !options.sequences.empty(),
@@ -86,11 +86,8 @@ parse(int argc, char** argv)
                options.maps.size() !=
                    (has_clouds ? options.clouds : options.sequences).size(),
            "expected MAP SEQUENCE, or MAP --clouds PATTERN, as many of both");
-  refuseIf(options.sensor != "own" && options.sensor != "laser",
-           "--sensor is '" + options.sensor + "', expected own or laser");
-  refuseIf((options.sensor == "laser") != !options.calibration.empty(),
-           "--sensor laser and --calibration need each other");
-  refuseIf(!has_clouds && options.sensor == "laser", "--sensor is for --clouds");
+  refuseIf(!has_clouds && !options.calibration.empty(),
+           "--calibration is for --clouds");
   GeometryParameters& parameters = options.parameters;
   refuseIf(!(parameters.within >= 0.0 && parameters.within <= 2.0),
            "--within is " + shown(parameters.within) + ", expected 0 to 2");
@@ -131,8 +128,12 @@ measureClouds(const std::string& map_folder, const std::string& pattern,
 {
   const MapFolder map = readMapFolder(map_folder);
   const CloudSequence clouds(pattern);
-  const Eigen::Isometry3d T_camera0_scanner =
-      scannerPose(options.sensor, options.calibration);
+  const std::string sensor = readMapSummary(map_folder).sensor;
+  if (sensor != "own" && sensor != "laser")
+    fail<BadInputException>(map_folder, ": was not made of a scanner's clouds");
+  refuseIf(sensor == "laser" && options.calibration.empty(),
+           "clouds mapped with --sensor laser need its --calibration");
+  const Eigen::Isometry3d T_camera0_scanner = scannerPose(sensor, options.calibration);
   std::map<int, std::size_t> positions;
   for (std::size_t i = 0; i < clouds.size(); ++i)
     positions[clouds.frameNumber(i)] = i;

@@ -97,7 +97,7 @@ requireRgbd(const MapArguments& arguments)
   refuseIf(files.calibration.empty(),
            "--rgbd needs --calibration, the camera's intrinsics");
   requireTrajectory(arguments, "--rgbd");
-  refuseIf(!arguments.also.empty(), "--also is for stereo");
+  refuseIf(!arguments.also.empty(), "--also and --rgbd exclude each other");
   requireLabels(arguments);
 }
 

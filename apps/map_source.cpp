@@ -90,7 +90,7 @@ addScans(const FrameSequence* sequence, const std::vector<std::size_t>& frames,
   const auto* const kitti = dynamic_cast<const KittiSequence*>(sequence);
   if (!kitti)
     fail<InvalidParameterException>(
-        "--also scans needs a SEQUENCE with laser scans (velodyne)");
+        "--also scans needs a SEQUENCE with laser scans (velodyne), or --clouds");
   const std::string folder = kitti->folder() + "/velodyne/";
   const Eigen::Isometry3d T_camera_scanner =
       kitti->T_camera0_camera().inverse() * kitti->T_camera0_velodyne();
@@ -294,7 +294,11 @@ private:
       fail<InvalidParameterException>(
           "--also depth and probabilities are for frames of a camera");
     const std::vector<std::string> words = splitAtCommas(arguments_.also);
-    if (std::count(words.begin(), words.end(), "scans") == 0)
+    const bool has_scans = std::count(words.begin(), words.end(), "scans") > 0;
+    if (!run_.camera && extras_.measured && !has_scans)
+      fail<InvalidParameterException>(
+          "--also measured of clouds without a camera needs scans, too");
+    if (!has_scans)
       return;
     std::map<int, std::string> paths;
     for (const std::size_t i : positions_)

@@ -142,10 +142,10 @@ map_models() { # SEQUENCES MODELS...
   done
 }
 
-say_made() { # LOAD
+say_made() { # LOAD FILE
   printf 'Made on %s, %s x %s (load at the beginning %s), with the defaults of that day.\n' \
     "$(date +%Y-%m-%d)" "$(nproc)" \
-    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$1" >"$out/made.md"
+    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$1" >"$out/$2.md"
 }
 
 map_everything() {
@@ -162,10 +162,10 @@ map_everything() {
 
 load=$(cut -d' ' -f1 /proc/loadavg) # of other programs: the times suffer from it
 case ${1:-} in
-  "") map_everything; say_made "$load" ;;
+  "") map_everything; say_made "$load" made; cp "$out/made.md" "$out/made_page.md" ;;
   page)
     map_models "${streets[*]}" dense calibrated_dense
-    say_made "$load"
+    say_made "$load" made_page
     write_page >"$out/results.md"
     [[ -n ${STREETS:-} ]] || cp "$out/results.md" doc
     exit ;;

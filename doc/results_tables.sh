@@ -208,7 +208,7 @@ write_page() {
   printf '\n## Geometry of the finished maps against the lidar\n\n'
   geometry_table "${streets[@]}"
   printf '\n'
-  cat "$out/made.md"
+  cat "$out/made_page.md"
 }
 
 # The tables that one looks up.
@@ -216,6 +216,8 @@ write_appendix() {
   local drawn
   read -ra drawn <<<"$(drawn_sequences | xargs)"
   cat doc/results_appendix_head.md
+  printf '\n'
+  cat "$out/made.md"
   printf '\n## Table I, models: sequences %s pooled, lidar ground truth to 40 m\n\n' "${streets[*]}"
   model_table "${streets[@]}"
   printf '\n## Table I, systems: sequences %s pooled\n\n' "${streets[*]}"

@@ -54,7 +54,8 @@ setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>&
 py::tuple
 refine(const Array<float>& points, const MaybeArray<float>& probabilities,
        const py::object& given_labels, const py::object& given_colours,
-       const py::object& cliques, int classes, const py::kwargs& parameters)
+       const py::object& cliques, int classes, const std::vector<int>& thin,
+       const py::kwargs& parameters)
 {
   const auto labels = maybeIntegersOf<std::int64_t>(given_labels, "labels");
   const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
@@ -70,6 +71,7 @@ refine(const Array<float>& points, const MaybeArray<float>& probabilities,
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config.model);
   crf.setParameters(config.parameters);
+  crf.setThinLabels({thin.begin(), thin.end()});
   crf.setUseColour(colours.has_value());
   crf.setNumberOfThreads(config.threads);
   if (probabilities)
@@ -115,13 +117,14 @@ bindClouds(py::module_& module)
   module.def("refine", &refine, py::arg("points"), py::kw_only(),
              py::arg("probabilities") = py::none(), py::arg("labels") = py::none(),
              py::arg("colours") = py::none(), py::arg("cliques") = py::none(),
-             py::arg("classes") = 0,
+             py::arg("classes") = 0, py::arg("thin") = std::vector<int>(),
              "Makes the labels of a cloud consistent, as pcl_semantic_crf does.\n\n"
              "points: N x 3 [m]. probabilities: N x L, column k is class k + 1, or\n"
              "labels: N, 0 = unlabelled, of which classes there are (0: the largest).\n"
              "colours: N x 3, red green blue. cliques: N numbers, 0 = none, or the\n"
-             "word of a generator ('cubes:1'). Other keywords are parameters of\n"
-             "pcl_semantic_crf: crf='hierarchical', smoothness_weight=3.\n"
+             "word of a generator ('cubes:1'). thin: labels that neighbours do\n"
+             "not outvote. Other keywords are parameters of pcl_semantic_crf:\n"
+             " crf='hierarchical', smoothness_weight=3.\n"
              "Returns labels (N) and probabilities (N x L).");
   module.def("cliques", &cliques, py::arg("points"), py::arg("kind") = "cubes:1",
              py::kw_only(), py::arg("colours") = py::none(),

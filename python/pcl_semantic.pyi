@@ -15,6 +15,7 @@ def refine(
     colours: Optional[ArrayLike] = None,  # N x 3, red, green, blue
     cliques: Union[None, str, ArrayLike] = None,  # N numbers, 0 = none; or "cubes:1"
     classes: int = 0,  # L, for labels; 0 = the largest label
+    thin: Sequence[int] = (),  # labels of poles and the like, see crf_keep_thin
     **parameters: Any,  # those of pcl_semantic_crf: smoothness_weight=3.0
 ) -> Tuple[NDArray[np.uint8], NDArray[np.float32]]: ...
 def cliques(

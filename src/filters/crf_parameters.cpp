@@ -50,8 +50,8 @@ SemanticCRFParameters::validate() const
           "more than 0, at most 100");
   require(iterations >= 0, "iterations", iterations, "0 or more");
   require(tolerance >= 0.0, "tolerance", tolerance, "0 or more");
-  require(temperature > 0.0 && temperature <= 1000.0, "temperature", temperature,
-          "more than 0, at most 1000");
+  require(temperature >= 0.01 && temperature <= 1000.0, "temperature", temperature,
+          "0.01 to 1000");
   requireWeight("clique_weight", clique_weight);
   require(clique_truncation > 0.0 && clique_truncation <= 1.0, "clique_truncation",
           clique_truncation, "more than 0, at most 1");

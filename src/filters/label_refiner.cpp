@@ -21,12 +21,13 @@ namespace pcl_semantic {
 
 namespace {
 
+constexpr float smallest_probability = 1e-6f; // of a measurement, eq. (4)
+
 // Costs -log p, eq. (4), of some columns of measurements, L x N of any positive scale;
 // one that is all zero has no preference.
 Eigen::MatrixXf
 unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& columns)
 {
-  constexpr float smallest = 1e-6f;
   constexpr std::size_t block = 64; // logarithms are quicker many at a time
   const kernels::NegativeLogs negateLogs = kernels::negativeLogs(simdTier());
   Eigen::MatrixXf costs(measured.rows(), Eigen::Index(columns.size()));
@@ -44,7 +45,7 @@ unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& col
         costs.col(Eigen::Index(k)).setOnes(); // no cost
     }
     negateLogs(costs.data() + Eigen::Index(begin) * costs.rows(),
-               (end - begin) * std::size_t(costs.rows()), smallest);
+               (end - begin) * std::size_t(costs.rows()), smallest_probability);
   }
   return costs;
 }
@@ -350,7 +351,7 @@ normalize(const pcl::Indices& indices, LabelDistributions& distributions)
 
 struct ResultOptions {
   double temperature;
-  std::vector<Label> kept; // what was measured as one of these stays as it was
+  std::vector<Label> kept; // what was measured as one of these mostly stays so
 };
 
 // The marginals, tempered, for the measurements. An element that is unlabelled and
@@ -360,9 +361,18 @@ void
 writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
             const ResultOptions& options, LabelDistributions& distributions)
 {
-  const auto isKept = [&](const auto& measured) {
-    const Label label = mapLabel(measured.data(), int(measured.size()));
-    return std::count(options.kept.begin(), options.kept.end(), label) > 0;
+  // Unless messages outvote it by more than e^6; doc/crf.md.
+  const auto isKept = [&](const auto& measured, const auto& marginal) {
+    constexpr float e6 = 403.4288f;
+    Eigen::Index before = 0, after = 0;
+    const float largest = measured.maxCoeff(&before);
+    if (!(largest > 0.0f) ||
+        std::count(options.kept.begin(), options.kept.end(), Label(before + 1)) == 0)
+      return false;
+    const float winner = marginal.maxCoeff(&after);
+    const float unary_odds =
+        largest / std::max(measured[after], smallest_probability * measured.sum());
+    return winner * unary_odds <= e6 * marginal[before];
   };
   const kernels::NegativeLogs negateLogs = kernels::negativeLogs(simdTier());
   const int classes = int(marginals.rows());
@@ -372,15 +382,18 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
     const auto marginal = marginals.col(k);
     if (column.isZero(0.0f) && !(marginal.minCoeff() < marginal.maxCoeff()))
       continue;
-    if (!isKept(column))
+    if (!isKept(column, marginal))
       column = marginal;
     else
       column /= column.sum();
     if (options.temperature == 1.0)
       continue;
+    const auto winner = Eigen::Index(mapLabel(column.data(), classes)) - 1;
     negateLogs(column.data(), std::size_t(classes), 1e-30f);
     column *= float(-1.0 / options.temperature);
     distributionFromLog(column.data(), classes, column.data());
+    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // rounding
+      column[winner] = std::nextafter(column.maxCoeff(), 1.0f);
   }
 }
 

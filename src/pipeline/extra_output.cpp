@@ -206,8 +206,10 @@ ExtraOutput::writeNetworkScan(const MappedFrame& mapped) const
   const std::vector<Eigen::Vector3d> points = options_.scan(frame);
   std::vector<Label> labels(points.size(), kUnlabelled);
   for (std::size_t i = 0; i < labels.size() && !mapped.network.empty(); ++i)
-    if (!camera_)
+    if (!camera_ && Eigen::Index(i) < mapped.network.size())
       labels[i] = mapped.network.mapLabel(Eigen::Index(i));
+    else if (!camera_)
+      break;
     else if (const auto pixel = pixelOf(points[i], *camera_))
       labels[i] = mapped.network.mapLabel(Eigen::Index(pixel->y()) * camera_->width +
                                           pixel->x());

@@ -26,6 +26,8 @@ readMapSummary(const std::string& folder)
       summary.origin[axis] = json.at("map_origin").at(std::size_t(axis)).get<double>();
     if (json.contains("frame_numbers"))
       summary.frames = json.at("frame_numbers").get<std::vector<int>>();
+    if (json.contains("inputs") && json["inputs"].contains("sensor"))
+      summary.sensor = json["inputs"]["sensor"].get<std::string>();
   }
   catch (const nlohmann::json::exception&) {
     badInput(path, ": is no summary of a map, expected finished, voxel_size and "

@@ -354,8 +354,8 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        "stay",
        &crf.temperature},
       {"crf_keep_thin",
-       "whether what was measured as a class marked thin in the label set stays one: "
-       "true or false",
+       "whether what was measured as a class marked thin in the label set stays one "
+       "unless much outvoted: true or false",
        &crf.keep_thin},
       {"crf_kernels",
        "evaluation of the kernels: automatic, truncated (exact within a radius) or "

@@ -237,7 +237,10 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
     crf.setCliques(groups.cliques);
     crf.setCliqueCosts(groups.costs);
   }
-  crf.setParameters(config_.crf_parameters);
+  SemanticCRFParameters parameters = config_.crf_parameters;
+  if (config_.crf_write_back)
+    parameters.temperature = 1.0; // the next prior forgets nothing
+  crf.setParameters(parameters);
   crf.setThinLabels(map_.labelSet().thinLabels());
   crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);

@@ -238,6 +238,10 @@ TEST_F(Scans, JudgeTheGeometryOfTheirMap)
   EXPECT_GT(double(json["judged"]), 0.99 * double(json["voxels"])); // to 40 m
   EXPECT_LT(json["distance"]["90 %"], 0.1);                         // a voxel
   EXPECT_GT(json["surface"][0]["in_voxel"], 0.95);
+  mapStreet(tinyStreet(), folder.path("stereo"), "--crf none");
+  expectFails("evaluate_map " + folder.path("stereo") + " --clouds " +
+                  folder.path("clouds"),
+              3, "was not made of a scanner's clouds");
   fs::remove(folder.path("clouds/3.pcd"));
   expectFails(command, 3, "has no cloud of frame 3");
 }
@@ -382,6 +386,7 @@ TEST_F(Scans, BadInput)
        "map --clouds TEMP/none --output OUT " + poses},
       {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
       {"depth", 2, "are for frames of a camera", all + poses + "--also depth"},
+      {"images", 2, "needs scans, too", all + poses + "--also measured"},
       {"superpixels", 2, "superpixels are for clouds of a camera",
        all + poses + "--crf hierarchical --cliques superpixel"},
       {"deviations", 2, "max_deviation and deviation_scale are for stereo",

@@ -342,12 +342,8 @@ TEST(EvaluateMapTool, BadInput)
        {"nothing", 2, "expected MAP SEQUENCE", "evaluate_map"},
        {"no sequence", 2, "as many of both", "evaluate_map OUT"},
        {"both", 2, "exclude each other", "evaluate_map OUT STREET --clouds STREET"},
-       {"a sensor", 2, "--sensor is 'radar'",
-        "evaluate_map OUT --clouds STREET "
-        "--sensor radar"},
-       {"a laser", 2, "need each other",
-        "evaluate_map OUT --clouds STREET "
-        "--sensor laser"},
+       {"of no clouds", 2, "--calibration is for --clouds",
+        "evaluate_map OUT STREET --calibration STREET/calib.txt"},
        {"no map", 3, "summary.json", "evaluate_map OUT STREET"},
        {"bands", 2, "have to grow", "evaluate_map OUT STREET --bands 0,20,10"},
        {"no bands", 2, "--bands", "evaluate_map OUT STREET --bands 0,x"},

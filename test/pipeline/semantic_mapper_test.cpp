@@ -235,8 +235,10 @@ TEST_F(Street, TheCrfRunsEveryNthFrameAndKeepsTheMeasurements)
 TEST_F(Street, TheCrfWritesBackWhatItConcludesOnRequest)
 {
   MapperConfig config;
+  config.crf_parameters.temperature = 1.0;
   SemanticMapper apart = makeMapper(config);
   config.crf_write_back = true;
+  config.crf_parameters.temperature = 3.0; // not of what is written back
   SemanticMapper back = makeMapper(config);
   const MappedFrame first_apart = apart.process(frame(0));
   const MappedFrame first = back.process(frame(0));

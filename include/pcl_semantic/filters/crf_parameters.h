@@ -35,10 +35,11 @@ struct SemanticCRFParameters {
   int iterations = 1;     ///< mean-field updates, at most
   double tolerance = 0.0; ///< stop when no marginal changed by more; 0 = never
   /// T: what is returned of the marginals Q is Q^(1/T), normalised. The label stays,
-  /// but it is less sure of itself (Guo et al. 2017); doc/calibration.md.
+  /// but it is less sure of itself (Guo et al. 2017); doc/calibration.md. The unary
+  /// model has none.
   double temperature = 1.0;
   /// What was measured as a thin thing (LabelRefiner::setThinLabels()) stays one: those
-  /// around it are of other classes and outvote it.
+  /// around it are of other classes and outvote it; unless it is by more than e^6.
   bool keep_thin = true;
 
   // The cliques of the last two models; all but the weight: of the hierarchical one.

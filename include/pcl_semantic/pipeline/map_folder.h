@@ -18,6 +18,7 @@ struct MapSummary {
   /// Numbers of the frames that are in the map; `live`, which is being made, names
   /// none.
   std::optional<std::vector<int>> frames;
+  std::string sensor; ///< what took the clouds it was made of; empty = none did
 };
 
 /** \brief Reads summary.json of a folder.
