@@ -87,7 +87,7 @@ TEST(RgbdMap, BadInput)
         "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses "
         "STREET/world.txt --output OUT"},
        {"sensor", 2, "--sensor is for --clouds", run + "--sensor own"},
-       {"also", 2, "--also is for stereo", run + "--also depth"},
+       {"also", 2, "--also and --rgbd exclude each other", run + "--also depth"},
        {"scale", 2, "--depth-scale is less than 0", run + "--depth-scale -1"},
        {"frames", 3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
        {"layout", 3, "no RGB-D sequence", replaceAll(run, "STREET/rgbd", "STREET/gt"),
