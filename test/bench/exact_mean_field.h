@@ -22,8 +22,14 @@ public:
     std::unordered_map<VoxelIndex, int, VoxelIndexHash> grid;
     for (std::size_t i = 0; i < voxels.size(); ++i)
       grid[voxels.indices[i]] = int(i);
-    const double smooth = voxels.voxel_size / parameters.smoothness_deviation;
-    const double appear = voxels.voxel_size / parameters.appearance_deviation;
+    const auto deviation = [&](double given) {
+      return given > 0.0 ? given
+                         : SemanticCRFParameters::automaticDeviation(voxels.voxel_size);
+    };
+    const double smooth =
+        voxels.voxel_size / deviation(parameters.smoothness_deviation);
+    const double appear =
+        voxels.voxel_size / deviation(parameters.appearance_deviation);
     const int reach = int(5.0 / std::min(smooth, appear) + 1e-9);
     std::vector<std::vector<double>> first(voxels.size()), second(voxels.size());
     std::vector<double> first_sum(voxels.size()), second_sum(voxels.size());
