@@ -19,8 +19,8 @@
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
-#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <map>
 
 namespace pcl_semantic::tool {
@@ -83,11 +83,13 @@ MapSource::readCalibrations()
 
 namespace {
 
-void
-addScans(const FrameSequence* sequence, const std::vector<std::size_t>& frames,
-         ExtraOptions& extra)
+using ScanReader = decltype(ExtraOptions::scan);
+
+// Reads the laser scans beside the images of a sequence.
+ScanReader
+scansOf(const FrameSequence& sequence, const std::vector<std::size_t>& frames)
 {
-  const auto* const kitti = dynamic_cast<const KittiSequence*>(sequence);
+  const auto* const kitti = dynamic_cast<const KittiSequence*>(&sequence);
   if (!kitti)
     fail<InvalidParameterException>(
         "--also scans needs a SEQUENCE with laser scans (velodyne), or --clouds");
@@ -99,17 +101,16 @@ addScans(const FrameSequence* sequence, const std::vector<std::size_t>& frames,
     if (!std::filesystem::exists(scan))
       fail<BadInputException>(scan, ": is missing; --also scans needs one a frame");
   }
-  extra.scan = [=](int frame) {
+  return [=](int frame) {
     return pointsInCamera(*readVelodyneScan(folder + frameFileName(frame, ".bin")),
                           T_camera_scanner);
   };
 }
 
 // What --also asks for.
-// \param[in] sequence null for clouds, which are scans themselves: see CloudSource
+// \param[in] openScans is called if it is for scans
 ExtraOptions
-makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
-           const std::vector<std::size_t>& frames)
+makeExtras(const MapArguments& arguments, const std::function<ScanReader()>& openScans)
 {
   if (!(arguments.scan_within >= 0.0 && arguments.scan_within <= 2.0))
     fail<InvalidParameterException>("--scan-within is ", arguments.scan_within,
@@ -124,9 +125,9 @@ makeExtras(const MapArguments& arguments, const FrameSequence* sequence,
       extra.depth = true;
     else if (word == "probabilities")
       extra.probabilities = true;
-    else if (word == "scans" && sequence)
-      addScans(sequence, frames, extra);
-    else if (word != "scans")
+    else if (word == "scans")
+      extra.scan = openScans();
+    else
       fail<InvalidParameterException>(
           "--also: '", word, "', expected measured, depth, probabilities or scans");
   return extra;
@@ -195,7 +196,7 @@ public:
     run_.T_camera0_camera = sequence_->T_camera0_camera();
     run_.label_set = labelling.label_set;
     predictor_ = std::move(labelling.predictor);
-    extras_ = makeExtras(arguments, sequence_.get(), positions_);
+    extras_ = makeExtras(arguments, [&] { return scansOf(*sequence_, positions_); });
     readCalibrations();
   }
 
@@ -285,27 +286,26 @@ private:
     return clouds_.timestamp(position);
   }
 
-  // Scans are the clouds themselves.
   void
   setExtras()
   {
-    extras_ = makeExtras(arguments_, nullptr, positions_);
+    extras_ = makeExtras(arguments_, [&] { return scans(); });
     if (!run_.camera && (extras_.depth || extras_.probabilities))
       fail<InvalidParameterException>(
           "--also depth and probabilities are for frames of a camera");
-    const std::vector<std::string> words = splitAtCommas(arguments_.also);
-    const bool has_scans = std::count(words.begin(), words.end(), "scans") > 0;
-    if (!run_.camera && extras_.measured && !has_scans)
+    if (!run_.camera && extras_.measured && !extras_.scan)
       fail<InvalidParameterException>(
           "--also measured of clouds without a camera needs scans, too");
-    if (!has_scans)
-      return;
+  }
+
+  // The clouds themselves.
+  ScanReader
+  scans() const
+  {
     std::map<int, std::string> paths;
     for (const std::size_t i : positions_)
       paths[clouds_.frameNumber(i)] = clouds_.path(i);
-    extras_.scan = [paths = std::move(paths)](int frame) {
-      return readPositions(paths.at(frame));
-    };
+    return [paths](int frame) { return readPositions(paths.at(frame)); };
   }
 
   // Where the sensor is in camera 0, and its camera.

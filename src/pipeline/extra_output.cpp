@@ -129,8 +129,9 @@ ExtraOutput::writeFrame(const MappedFrame& mapped, const RenderedLabels& rendere
     writeProbabilities(mapped, labels);
   if (!options_.scan)
     return;
-  writeScan(frame, mapped.T_world_camera, labels, "");
-  writeNetworkScan(mapped);
+  const std::vector<Eigen::Vector3d> points = options_.scan(frame);
+  writeScan(frame, points, mapped.T_world_camera, labels, "");
+  writeNetworkScan(mapped, points);
 }
 
 void
@@ -141,14 +142,14 @@ ExtraOutput::writeFinal(int frame, const Eigen::Isometry3d& T_world_camera,
     writePng(path("final_measured_labels", frame, ".png"),
              labelsAt(rendered.indices, labels.measured));
   if (options_.scan)
-    writeScan(frame, T_world_camera, labels, "final_");
+    writeScan(frame, options_.scan(frame), T_world_camera, labels, "final_");
 }
 
 void
-ExtraOutput::writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
-                       const MapLabels& labels, const std::string& prefix) const
+ExtraOutput::writeScan(int frame, std::vector<Eigen::Vector3d> points,
+                       const Eigen::Isometry3d& T_world_camera, const MapLabels& labels,
+                       const std::string& prefix) const
 {
-  std::vector<Eigen::Vector3d> points = options_.scan(frame);
   for (Eigen::Vector3d& point : points)
     point = T_world_camera * point;
   writePoints(frame, labels.lookup.indices(points), labels, prefix, "scan_labels");
@@ -200,10 +201,9 @@ ExtraOutput::writeProbabilities(const MappedFrame& mapped,
 }
 
 void
-ExtraOutput::writeNetworkScan(const MappedFrame& mapped) const
+ExtraOutput::writeNetworkScan(const MappedFrame& mapped,
+                              const std::vector<Eigen::Vector3d>& points) const
 {
-  const int frame = mapped.frame.number;
-  const std::vector<Eigen::Vector3d> points = options_.scan(frame);
   std::vector<Label> labels(points.size(), kUnlabelled);
   for (std::size_t i = 0; i < labels.size() && !mapped.network.empty(); ++i)
     if (!camera_ && Eigen::Index(i) < mapped.network.size())
@@ -213,7 +213,7 @@ ExtraOutput::writeNetworkScan(const MappedFrame& mapped) const
     else if (const auto pixel = pixelOf(points[i], *camera_))
       labels[i] = mapped.network.mapLabel(Eigen::Index(pixel->y()) * camera_->width +
                                           pixel->x());
-  writeScanLabels(path("network_scan_labels", frame, ".label"), labels);
+  writeScanLabels(path("network_scan_labels", mapped.frame.number, ".label"), labels);
 }
 
 } // namespace pcl_semantic

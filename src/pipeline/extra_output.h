@@ -56,8 +56,9 @@ public:
 private:
   std::string path(const std::string& name, int frame, const char* extension) const;
 
-  void writeScan(int frame, const Eigen::Isometry3d& T_world_camera,
-                 const MapLabels& labels, const std::string& prefix) const;
+  void writeScan(int frame, std::vector<Eigen::Vector3d> points,
+                 const Eigen::Isometry3d& T_world_camera, const MapLabels& labels,
+                 const std::string& prefix) const;
 
   void writePoints(int frame, const std::vector<std::int32_t>& indices,
                    const MapLabels& labels, const std::string& prefix,
@@ -68,7 +69,8 @@ private:
 
   void writeProbabilities(const MappedFrame& mapped, const MapLabels& labels) const;
 
-  void writeNetworkScan(const MappedFrame& mapped) const;
+  void writeNetworkScan(const MappedFrame& mapped,
+                        const std::vector<Eigen::Vector3d>& points) const;
 
   std::string folder_;
   std::optional<StereoCamera> camera_;

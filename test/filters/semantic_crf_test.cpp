@@ -24,6 +24,20 @@ expectedMarginals(const CrfCloud& input, const pcl::Indices& indices, int iterat
   return inference.q;
 }
 
+LabelDistributions
+refinedBy(const SemanticCRFParameters& parameters, const CrfCloud& input,
+          const std::vector<Label>& thin = {})
+{
+  SemanticCRF<pcl::PointXYZRGBL> crf;
+  crf.setParameters(parameters);
+  crf.setThinLabels(thin);
+  crf.setInputCloud(input.cloud);
+  crf.setLabelDistributions(input.distributions);
+  Cloud output;
+  crf.filter(output);
+  return crf.getLabelDistributions();
+}
+
 TEST(SemanticCRF, EqualsThePlainModel)
 {
   const CrfCloud input = makeCrfCloud(400, 1);
@@ -78,15 +92,9 @@ TEST(SemanticCRF, ATemperatureMakesProbabilitiesLessSureAndKeepsLabels)
 {
   const CrfCloud input = makeCrfCloud(300, 4);
   const auto refine = [&](double temperature) {
-    SemanticCRF<pcl::PointXYZRGBL> crf;
     SemanticCRFParameters parameters;
     parameters.temperature = temperature;
-    crf.setParameters(parameters);
-    crf.setInputCloud(input.cloud);
-    crf.setLabelDistributions(input.distributions);
-    Cloud output;
-    crf.filter(output);
-    return crf.getLabelDistributions();
+    return refinedBy(parameters, input);
   };
   const LabelDistributions sure = refine(1.0), tempered = refine(3.0);
   const LabelDistributions hot = refine(1000.0);
@@ -106,17 +114,10 @@ TEST(SemanticCRF, ThinThingsStayWhatTheyWereMeasuredAsUnlessMuchOutvoted)
 {
   const CrfCloud input = makeCrfCloud(300, 5);
   const auto refine = [&](double weight, bool keep, const std::vector<Label>& thin) {
-    SemanticCRF<pcl::PointXYZRGBL> crf;
     SemanticCRFParameters parameters;
     parameters.smoothness_weight = weight;
     parameters.keep_thin = keep;
-    crf.setParameters(parameters);
-    crf.setThinLabels(thin);
-    crf.setInputCloud(input.cloud);
-    crf.setLabelDistributions(input.distributions);
-    Cloud output;
-    crf.filter(output);
-    return crf.getLabelDistributions();
+    return refinedBy(parameters, input, thin);
   };
   int kept_others = 0, outvoted = 0;
   for (const double weight : {3.0, 400.0}) {
