@@ -51,16 +51,28 @@ struct Reach {
   float nearest, fourth; // distances of other points
 };
 
+// Takes the coordinates along each axis as a column: many distances are computed at
+// once.
 Reach
-reachOf(const Eigen::MatrixXf& positions, Eigen::Index point)
+reachOf(const Eigen::MatrixXf& axes, Eigen::Index point)
 {
+  constexpr Eigen::Index chunk = 256;
   std::array<float, neighbours + 1> nearest; // and the point itself
   nearest.fill(std::numeric_limits<float>::max());
-  for (Eigen::Index i = 0; i < positions.cols(); ++i) {
-    float distance = (positions.col(i) - positions.col(point)).squaredNorm();
-    for (float& kept : nearest)
-      if (distance < kept)
-        std::swap(distance, kept);
+  Eigen::Array<float, chunk, 1> squares;
+  for (Eigen::Index begin = 0; begin < axes.rows(); begin += chunk) {
+    const Eigen::Index size = std::min(chunk, axes.rows() - begin);
+    auto part = squares.head(size);
+    part.setZero();
+    for (Eigen::Index axis = 0; axis < axes.cols(); ++axis)
+      part +=
+          (axes.col(axis).segment(begin, size).array() - axes(point, axis)).square();
+    if (part.minCoeff() >= nearest.back())
+      continue;
+    for (float distance : part)
+      for (float& kept : nearest)
+        if (distance < kept)
+          std::swap(distance, kept);
   }
   return {std::sqrt(nearest[1]), std::sqrt(nearest.back())};
 }
@@ -80,14 +92,15 @@ pointSpacing(const Eigen::MatrixXf& positions)
 {
   if (positions.cols() <= neighbours)
     return 0.0f;
-  constexpr Eigen::Index distances = 1 << 25; // the time that it may take
+  constexpr Eigen::Index distances = 1 << 23; // the time that it may take
   const std::vector<Eigen::Index> sample = sampleOf(
       positions,
       std::size_t(std::clamp<Eigen::Index>(distances / positions.cols(), 64, 256)));
+  const Eigen::MatrixXf axes = positions.transpose();
   std::vector<float> nearest(sample.size()), fourth(sample.size());
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t k = 0; k < sample.size(); ++k) {
-    const Reach reach = reachOf(positions, sample[k]);
+    const Reach reach = reachOf(axes, sample[k]);
     nearest[k] = reach.nearest;
     fourth[k] = reach.fourth;
   }

@@ -230,7 +230,8 @@ measure(const std::string& name, const VoxelCloud& voxels, double target_plain,
 int
 main()
 {
-  const VoxelCloud street = makeStreetMap(12);
+  VoxelCloud street = makeStreetMap(12);
+  street.moveToCentres();
   measure("street", street, 8, 40);
   VoxelCloud kitti;
   if (!realDataFolder().empty()) {

@@ -22,7 +22,8 @@ realDataFolder()
 }
 
 /** \brief The fused voxels of all frames of KITTI 15 with the depth cut at \a max_depth
- * [m]: no CRF has seen them. */
+ * [m]: no CRF has seen them. Their points are the centres, as a mapper's CRF sees
+ * them (SemanticCRF::setVoxels). */
 inline VoxelCloud
 makeKittiMap(double max_depth)
 {
@@ -45,7 +46,9 @@ makeKittiMap(double max_depth)
           network, label_set, data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx"));
   for (std::size_t i = 0; i < sequence.size(); ++i)
     mapper.process(sequence.frame(i));
-  return mapper.map().occupied();
+  VoxelCloud voxels = mapper.map().occupied();
+  voxels.moveToCentres();
+  return voxels;
 }
 
 } // namespace pcl_semantic
