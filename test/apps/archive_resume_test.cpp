@@ -8,7 +8,6 @@
 
 #include <pcl_semantic/io/map_archive.h>
 
-#include <chrono>
 #include <random>
 
 namespace pcl_semantic {
@@ -62,10 +61,7 @@ protected:
   void
   SetUp() override
   {
-    const auto start = std::chrono::steady_clock::now();
     const ToolResult result = runTool(mapCommand(whole_, whole_archive_));
-    seconds_ =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ASSERT_EQ(result.code, 0) << result.text;
   }
 
@@ -88,10 +84,25 @@ protected:
     return result;
   }
 
+  // Kills a run some milliseconds after it has written the labels of a frame.
+  // \return whether it had not ended before
+  static bool
+  kill(const std::string& output, const std::string& archive, int frame,
+       int milliseconds, const std::string& more = "--resume")
+  {
+    std::string wait;
+    if (frame >= 0)
+      wait = "while kill -0 $! && ! test -e " + output + "/labels/" +
+             frameFileName(frame, ".png") + "; do sleep 0.01; done; ";
+    const ToolResult result = runShell(
+        "exec 2>&1; " + shellCommand(mapCommand(output, archive, more)) + " & " + wait +
+        "sleep " + std::to_string(0.001 * milliseconds) + "; kill -KILL $!; wait $!");
+    return result.code == 137;
+  }
+
   const TemporaryFolder folder_;
   const std::string whole_ = folder_.path("whole");
   const std::string whole_archive_ = folder_.path("whole.map");
-  double seconds_ = 0.0;
 };
 
 } // namespace
@@ -114,30 +125,21 @@ TEST_F(ArchivedRun, IsTheMapOfARunWithoutArchive)
 
 TEST_F(ArchivedRun, KilledAtAnyMomentItGoesOn)
 {
-  constexpr int wanted = 25;
   std::mt19937 random(1);
   int resumed = 0, killed = 0;
-  double longest = seconds_; // of a run, as far as is known
-  for (int round = 0; killed < wanted || resumed < 8; ++round) {
-    SCOPED_TRACE(round);
-    ASSERT_LT(round, 6 * wanted) << "a run ends before it can be killed, or is killed "
-                                    "before its first commit";
+  for (int frame = -2; frame <= 8; ++frame) { // below 0: of none, as a run begins
+    SCOPED_TRACE(frame);
     const std::string output = folder_.path("out"), archive = folder_.path("run.map");
     fs::remove_all(output);
     fs::remove(archive);
-    // Every third run is killed once more.
-    for (int kill = 0; kill < (round % 3 == 0 ? 2 : 1); ++kill) {
-      const double seconds = longest * double(random() % 1000) / 1000.0;
-      const ToolResult result =
-          runShell("timeout -s KILL " + std::to_string(seconds) + " " +
-                   shellCommand(mapCommand(output, archive, "--resume")) + " 2>&1");
-      killed += result.code == 137;
-      if (kill == 0 && result.code == 0)
-        longest = std::min(longest, seconds); // the machine has become faster
-    }
+    killed += kill(output, archive, frame, int(random() % 50));
+    if (frame % 3 == 0) // once more, some frames later
+      killed += kill(output, archive, frame + 2, int(random() % 50));
     const ToolResult result = expectGoesOn(output, archive);
     resumed += result.text.rfind("resumed_after: ", 0) == 0;
   }
+  EXPECT_GE(killed, 8) << "runs end before they can be killed";
+  EXPECT_GE(resumed, 5) << "runs are killed before their first commit";
 }
 
 TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
@@ -183,8 +185,7 @@ TEST_F(ArchivedRun, AFinishedRunStaysAsItIs)
 TEST_F(ArchivedRun, ADifferentNumberOfThreadsMayGoOn)
 {
   const std::string output = folder_.path("out"), archive = folder_.path("run.map");
-  runShell("timeout -s KILL " + std::to_string(0.7 * seconds_) + " " +
-           shellCommand(mapCommand(output, archive, "--threads 1")) + " 2>&1");
+  EXPECT_TRUE(kill(output, archive, 6, 0, "--threads 1"));
   succeed(mapCommand(output, archive, "--resume --threads 3"));
   EXPECT_TRUE(exportOf(archive) == exportOf(whole_archive_));
 }
@@ -196,8 +197,7 @@ TEST_F(ArchivedRun, WhatTheCrfWroteBackIsInTheArchive)
   succeed(mapCommand(folder_.path("back"), whole, more));
   EXPECT_FALSE(exportOf(whole) == exportOf(whole_archive_));
   const std::string output = folder_.path("out"), archive = folder_.path("run.map");
-  runShell("timeout -s KILL " + std::to_string(0.7 * seconds_) + " " +
-           shellCommand(mapCommand(output, archive, more)) + " 2>&1");
+  EXPECT_TRUE(kill(output, archive, 6, 0, more));
   // On another processor, too: all tiers give the same bits.
   succeed(mapCommand(output, archive, "--resume " + more), "PCL_SEMANTIC_SIMD=plain");
   EXPECT_TRUE(exportOf(archive) == exportOf(whole));
