@@ -204,7 +204,8 @@ compareMemory(const std::vector<BenchFrame>& frames, const char* name,
     map.integrate(*frame.cloud, frame.T_world_camera, frame.distributions);
   const double mebi = 1024.0 * 1024.0;
   const double ours = double(map.memory()) / mebi;
-  const double dense = 61.0 * (parameters.window / parameters.voxel_size).prod() / mebi;
+  const Eigen::Vector3d cells = map.parameters().window / parameters.voxel_size;
+  const double dense = 61.0 * cells.prod() / mebi;
   std::printf(
       "memory of the %s window: %.0f MiB for %zu occupied voxels, wanted at most "
       "%.0f; dense arrays %.0f MiB\n",
