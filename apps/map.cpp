@@ -40,7 +40,7 @@ printOutputs(const MapArguments& arguments, const MapSource& source,
     results.push_back({"resumed_after", archive.records().size()});
   results.push_back({"map", arguments.output + "/map.pcd"});
   results.push_back({"top_view", arguments.output + "/top_view.png"});
-  if (source.run().camera)
+  if (source.run().camera && !arguments.map_only)
     results.push_back({"overlays", arguments.output + "/overlay"});
   results.push_back({"figures", arguments.output + "/summary.json"});
   if (!arguments.archive.path.empty())

@@ -146,6 +146,8 @@ parseMapArguments(int argc, char** argv)
             "KITTI or TUM trajectory file; or sequence = its poses.txt, odometry = "
             "estimate them from the images, auto = poses.txt if there is one, else "
             "odometry"},
+           {"map-only", arguments.map_only,
+            "write the map, its trajectory and summary, but no images of the frames"},
            {"centres", arguments.centres,
             "give the points of map.pcd the centres of their voxels instead of the "
             "mean "
@@ -191,6 +193,8 @@ requireMapArguments(const MapArguments& arguments)
     requireLabels(arguments);
   }
   refuseIf(arguments.output.empty(), "--output is missing");
+  refuseIf(arguments.map_only && !arguments.also.empty(),
+           "--map-only and --also exclude each other");
   refuseIf(arguments.archive.resume && arguments.archive.path.empty(),
            "--resume needs --archive");
   refuseIf(arguments.archive.every < 1, "--archive-every is less than 1");

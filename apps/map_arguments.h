@@ -24,7 +24,8 @@ struct MapArguments {
   std::string frames = ":";
   std::string also; ///< measured, depth, probabilities, scans: see makeExtras()
   double scan_within = 0.0;
-  bool centres = false; ///< the map's points are the centres of its voxels
+  bool map_only = false; ///< no images of the frames
+  bool centres = false;  ///< the map's points are the centres of its voxels
   bool print_config = false;
   bool view = false; ///< a window, see openLiveView()
   MappingArchive::Options archive;

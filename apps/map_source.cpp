@@ -116,6 +116,7 @@ makeExtras(const MapArguments& arguments, const std::function<ScanReader()>& ope
     fail<InvalidParameterException>("--scan-within is ", arguments.scan_within,
                                     ", expected 0 to 2");
   ExtraOptions extra;
+  extra.images = !arguments.map_only;
   extra.centres = arguments.centres;
   extra.within = arguments.scan_within;
   for (const std::string& word : splitAtCommas(arguments.also))
@@ -189,9 +190,13 @@ public:
                {"label_mapping", arguments.label_mapping},
                {"network", arguments.network},
                {"model", labelling.model}});
-    for (const std::size_t i : positions_)
+    std::vector<int> labelled;
+    for (const std::size_t i : positions_) {
+      if (run_.frames.size() % std::size_t(run_.config.network_every) == 0)
+        labelled.push_back(sequence_->frameNumber(i));
       run_.frames.push_back(sequence_->frameNumber(i));
-    labelling.predictor->requireFrames(run_.frames);
+    }
+    labelling.predictor->requireFrames(labelled);
     run_.camera = sequence_->camera();
     run_.T_camera0_camera = sequence_->T_camera0_camera();
     run_.label_set = labelling.label_set;
@@ -369,6 +374,7 @@ public:
     labelling_.predictor->requireFrames(run_.frames);
     run_.camera = sequence_.camera();
     run_.label_set = labelling_.label_set;
+    extras_ = makeExtras(arguments, [] { return ScanReader(); }); // it has no scans
     readCalibrations();
   }
 

@@ -470,6 +470,7 @@ MapperConfig::validate()
        {std::pair("min_hit_ratio", min_hit_ratio),
         std::pair("clique_exclude_threshold", clique_exclude_threshold)})
     require(value >= 0.0 && value <= 1.0, name, value, "0 to 1");
+  require(network_every >= 1, "network_every", network_every, "1 or more");
   require(crf_every >= 1, "crf_every", crf_every, "1 or more");
   requireConfidence(label_confidence);
 }
@@ -495,6 +496,11 @@ parametersOf(MapperConfig& config)
        &config.min_hit_ratio, "hit_share"},
       {"label_confidence", "probability of the class that a .png of --labels gives",
        &config.label_confidence},
+      {"network_every",
+       "label the first stereo pair and every N-th after it; the others bring depth "
+       "and "
+       "colour alone",
+       &config.network_every},
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
       {"window",
        "extent of the window around the sensor: X,Y,Z, world axes [m]; 0,0,0 = as far "

@@ -87,15 +87,19 @@ isSummary(const std::string& path)
 
 MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
                              std::vector<FrameRecord> records, ExtraOptions extra)
-    : folder_(folder), run_(run), frames_(std::move(records)), centres_(extra.centres),
+    : folder_(folder), run_(run), frames_(std::move(records)),
+      has_images_(run.camera && extra.images), centres_(extra.centres),
       extra_(std::make_unique<ExtraOutput>(folder, run.camera, run.config.map.max_range,
                                            std::move(extra)))
 {
+  if (!extra.images && (extra.measured || extra.depth || extra.probabilities))
+    badParameter("measured labels, depth and probabilities need the images of the "
+                 "frames");
   requireImages();
   refuseForeignImages();
   makeOutputFolder(folder_);
   lock_ = std::make_unique<FolderLock>(folder_);
-  if (!run_.camera)
+  if (!has_images_)
     return;
   for (const char* name : frame_folders)
     makeOutputFolder(path(name));
@@ -165,7 +169,7 @@ MappingOutput::path(const std::string& name) const
 void
 MappingOutput::requireImages() const
 {
-  if (!run_.camera)
+  if (!has_images_)
     return;
   for (const FrameRecord& frame : frames_)
     for (const char* name : frame_folders) {
@@ -182,7 +186,7 @@ MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map
   if (!replaced_)
     replaceEarlierRun();
   replaced_ = true;
-  if (run_.camera)
+  if (has_images_)
     writeImages(mapped, map);
   else
     extra_->writeFrame(mapped, RenderedLabels());
@@ -264,7 +268,7 @@ MappingOutput::writeFinalImages(const VoxelCloud& voxels) const
   for (const FrameRecord& frame : frames_) {
     const Eigen::Isometry3d& T_world_camera = frame.T_world_camera;
     RenderedLabels rendered;
-    if (run_.camera) {
+    if (has_images_) {
       rendered =
           renderLabels(voxels, *run_.camera, T_world_camera, run_.config.map.max_range);
       writePng(path("final_labels/" + frameFileName(frame.number, ".png")),

@@ -32,6 +32,8 @@ requireNothingOfStereo(const MapperConfig& config, bool has_camera)
   if (config.deviation_scale > 0.0 || config.max_deviation > 0.0)
     badParameter("max_deviation and deviation_scale are for stereo: clouds do "
                  "not say how sure they are");
+  if (config.network_every != 1)
+    badParameter("network_every is for stereo: clouds bring their labels");
   if (!has_camera && config.min_hit_ratio > 0.0 &&
       config.min_hit_ratio != MapperConfig().min_hit_ratio)
     badParameter("min_hit_ratio is for images: it counts the pixels that look "
@@ -85,6 +87,9 @@ SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
                  config_.crf);
   if (!camera_)
     badParameter("a clique calibration is for frames of a camera");
+  if (config_.network_every != 1)
+    badParameter("a clique calibration needs the labels of every frame, which find "
+                 "the ground: network_every has to be 1");
   cliques_->setCalibration(std::move(calibration));
 }
 
@@ -133,8 +138,9 @@ SemanticMapper::readPair(const StereoFrame& frame, MappedFrame& mapped)
   mapped.cloud = times.measure("cloud", [&] {
     return disparityToCloud(mapped.disparity.disparity, frame.left, *camera_);
   });
-  mapped.network =
-      times.measure("labelling", [&] { return predictor_->predict(frame); });
+  if (frames_ % config_.network_every == 0)
+    mapped.network =
+        times.measure("labelling", [&] { return predictor_->predict(frame); });
 }
 
 void

@@ -57,6 +57,8 @@ TEST(BadUsage, OptionsOfTheMap)
       {"both", 2, "either --labels or --network", labels + "--network x.yaml"},
       {"neither", 2, "either --labels or --network", ""},
       {"model of no network", 2, "--model needs --network", labels + "--model x.onnx"},
+      {"images of what", 2, "--map-only and --also",
+       labels + "--map-only --also measured"},
       {"two label sets", 2, "--label-set is for --labels",
        "--network x.yaml --label-set y.yaml"},
       {"no sequence", 2, "SEQUENCE is missing", "map --output OUT " + labels},

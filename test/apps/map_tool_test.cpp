@@ -41,6 +41,39 @@ TEST(MapTool, FramesKeepTheirNumbers)
             nlohmann::json({0, 2}));
 }
 
+TEST(MapTool, WritesTheMapWithoutImages)
+{
+  const TemporaryFolder folder;
+  mapStreet(tinyStreet(), folder.path("all"), "--crf none");
+  const std::string text = succeed(
+      mapOf(tinyStreet()) + " --crf none --map-only --output " + folder.path("map"));
+  EXPECT_FALSE(holds(text, "overlay"));
+  EXPECT_EQ(filesIn(folder.path("map")), filesOfMap({}));
+  for (const char* const file : {"/map.pcd", "/trajectory.txt", "/top_view.png"})
+    EXPECT_TRUE(bytesOf(folder.path("map") + file) ==
+                bytesOf(folder.path("all") + file))
+        << file;
+}
+
+TEST(MapTool, LabelsEveryNthFrame)
+{
+  const TemporaryFolder folder;
+  copyStreet(folder.path("street"));
+  const std::string labels = folder.path("street/labels/");
+  fs::remove(labels + "000001.bin"); // needs none
+  mapStreet(folder.path("street"), folder.path("out"), "--network-every 2");
+  const auto labelled = [&](const std::string& frame) {
+    return cv::countNonZero(readPng(folder.path("out/network_labels/") + frame + ".png",
+                                    ImageKind::labels));
+  };
+  EXPECT_GT(labelled("000000"), 0);
+  EXPECT_EQ(labelled("000001"), 0);
+  EXPECT_GT(labelled("000002"), 0);
+  EXPECT_GT(cv::countNonZero(
+                readPng(folder.path("out/labels/000001.png"), ImageKind::labels)),
+            1000);
+}
+
 TEST(MapTool, CrfAndThreads)
 {
   const TemporaryFolder folder;

@@ -119,6 +119,7 @@ TEST(MapperConfig, MistakesAreNamedWithTheirLine)
            {"clique_truncation: 0\n", "clique_truncation is 0"},
            {"cliques: slic\n", "expected cubes:SIZE"},
            {"crf_every: 0\n", "crf_every is 0"},
+           {"network_every: 0\n", "network_every is 0"},
            {"label_confidence: 1.5\n", "label_confidence is 1.5"},
            {"hit_probability: 0.4\n", "hit_probability is 0.4"}})
     EXPECT_TRUE(holds(complaintAbout(text), complaint)) << text;

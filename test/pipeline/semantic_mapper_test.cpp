@@ -232,6 +232,31 @@ TEST_F(Street, TheCrfRunsEveryNthFrameAndKeepsTheMeasurements)
   EXPECT_LT(unrefined_after, int(after.size()) / 100);
 }
 
+TEST_F(Street, OnlyEveryNthPairIsLabelled)
+{
+  MapperConfig config;
+  config.crf = "none";
+  SemanticMapper all = makeMapper(config);
+  config.network_every = 3;
+  SemanticMapper some = makeMapper(config);
+  for (int i = 0; i < frames; ++i) {
+    const MappedFrame expected = all.process(frame(i));
+    const MappedFrame mapped = some.process(frame(i));
+    EXPECT_EQ(mapped.network.empty(), i % 3 != 0) << i;
+    // Nothing tells the sky from what is hit.
+    EXPECT_EQ(mapped.counts.sky, i % 3 == 0 ? expected.counts.sky : 0u) << i;
+    EXPECT_GE(mapped.counts.rays, expected.counts.rays) << i;
+    const auto unlabelled = (mapped.voxels.measured.matrix().array() == 0.0f);
+    EXPECT_EQ(unlabelled.colwise().all().any(), i > 0) << i;
+  }
+  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
+                      MapperConfig bad = config;
+                      bad.crf = "hierarchical";
+                      makeMapper(bad).setCliqueCalibration(LabelCalibration());
+                    }),
+                    "network_every has to be 1"));
+}
+
 TEST_F(Street, TheCrfWritesBackWhatItConcludesOnRequest)
 {
   MapperConfig config;

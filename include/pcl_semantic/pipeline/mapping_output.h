@@ -15,8 +15,9 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a run writes beyond the map and its images, for evaluation, and how. */
+/** \brief What a run writes beside the map, for evaluation, and how. */
 struct ExtraOptions {
+  bool images = true;         ///< of each frame, if a camera takes them
   bool centres = false;       ///< the points of the map are the centres of its voxels
   bool measured = false;      ///< labels of the fused measurements, before the CRF
   bool depth = false;         ///< measured depth of the pixels
@@ -37,11 +38,13 @@ class MappingOutput {
 public:
   /** \brief Makes the folders. What an earlier run left in them stays until the first
    * frame is written.
-   * \param[in] run what is mapped; without a camera no images are written. Its inputs
+   * \param[in] run what is mapped; without a camera there are no images. Its inputs
    * go to the summary
    * \param[in] records of the frames that are in the map already, of a run that goes
    * on: images of others are removed with the first frame that is written
-   * \param[in] extra what is written beyond the map and its images
+   * \param[in] extra what is written beside the map
+   * \throws InvalidParameterException if \a extra wants no images but what lies beside
+   * them
    * \throws BadInputException if images of those frames are missing
    * \throws OutputException also if images lie there that no run of ours has left, or
    * another run is writing there */
@@ -93,6 +96,7 @@ private:
   std::string folder_;
   MappingRun run_;
   std::vector<FrameRecord> frames_;
+  bool has_images_; // of the frames
   bool centres_;
   std::unique_ptr<ExtraOutput> extra_;
   std::unique_ptr<FolderLock> lock_;

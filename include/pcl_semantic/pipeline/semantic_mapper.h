@@ -71,7 +71,8 @@ struct MappedFrame {
   DisparityImage disparity; ///< of each pixel, and how sure it is; of a cloud: empty
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< camera frame [m], organized
   bool has_colour = true;                       ///< whether its colours mean anything
-  LabelDistributions network;    ///< L x pixels (or points), as they were labelled
+  LabelDistributions network;    ///< L x pixels (or points), as they were labelled;
+                                 ///< empty where they were not (network_every)
   LabelDistributions calibrated; ///< L x pixels, what the map gets instead; empty if
                                  ///< there is no calibration
   double domain_shift =
