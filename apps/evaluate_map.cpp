@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/report_text.h"
 #include "messages.h"
 #include "sequence_options.h"
 #include "tool.h"
@@ -7,11 +8,18 @@
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/map_geometry.h>
+#include <pcl_semantic/evaluation/occupancy_reliability.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/cloud_sequence.h>
+#include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/map_folder.h>
 
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 #include <iostream>
 #include <map>
 
@@ -29,7 +37,7 @@ and how much of the surface is mapped.)",
     --output /tmp/map_05 && pcl_semantic_evaluate_map /tmp/map_05 sequences/05)"};
 
 struct Options {
-  std::vector<std::string> maps, sequences, clouds;
+  std::vector<std::string> maps, sequences, clouds, archives;
   std::string calibration;
   std::string bands = "0,10,20,40";
   std::string output, row;
@@ -66,6 +74,10 @@ parse(int argc, char** argv)
         "clouds of the map instead, a folder or a pattern; may be given several times"},
        {"calibration", options.calibration,
         "of clouds mapped with --sensor laser: KITTI's calib.txt, with Tr"},
+       {"archive", options.archives,
+        "archive of the map of a SEQUENCE: judges its probabilities of occupancy, too, "
+        "by "
+        "the scans of frames that are not in the map; as many as MAP"},
        {"output,o", options.output, "output file for the figures (.json)"},
        {"row", options.row, "print one row of a Markdown table of this name"},
        {"header", options.header, "print the header of such a table"},
@@ -86,6 +98,11 @@ parse(int argc, char** argv)
                options.maps.size() !=
                    (has_clouds ? options.clouds : options.sequences).size(),
            "expected MAP SEQUENCE, or MAP --clouds PATTERN, as many of both");
+  refuseIf(has_clouds && !options.archives.empty(), "--archive is for a SEQUENCE");
+  refuseIf(!options.archives.empty() && options.archives.size() != options.maps.size(),
+           "expected as many of --archive as of MAP");
+  refuseIf(!options.archives.empty() && (options.header || !options.row.empty()),
+           "--archive and a table in Markdown exclude each other");
   refuseIf(!has_clouds && !options.calibration.empty(),
            "--calibration is for --clouds");
   GeometryParameters& parameters = options.parameters;
@@ -151,6 +168,38 @@ measureClouds(const std::string& map_folder, const std::string& pattern,
   return geometry.samples();
 }
 
+// Of the scans of frames that are not in the map, which the sequence has the poses of.
+Reliability::Curve
+judgeOccupancy(const std::string& map_folder, const std::string& sequence_folder,
+               const std::string& archive_path)
+{
+  const MapArchive archive(archive_path, ArchiveAccess::read);
+  const std::vector<int> mapped = readMapFolder(map_folder).frames;
+  const KittiSequence sequence(sequence_folder);
+  if (sequence.posesPath().empty())
+    fail<BadInputException>(sequence_folder,
+                            ": has no poses.txt, which --archive needs");
+  const Trajectory poses = readKittiTrajectory(sequence.posesPath());
+  OccupancyReliability reliability(archive, archive.header().parameters.voxel_size);
+  int scans = 0;
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    const int frame = sequence.frameNumber(i);
+    if (std::count(mapped.begin(), mapped.end(), frame) > 0)
+      continue;
+    if (std::size_t(frame) >= poses.size())
+      fail<BadInputException>(sequence.posesPath(), ": has no pose of frame ", frame);
+    reliability.addScan(
+        readPositions(sequence_folder + "/velodyne/" + frameFileName(frame, ".bin")),
+        worldFromFirstCamera() * poses[std::size_t(frame)] *
+            sequence.T_camera0_velodyne());
+    ++scans;
+  }
+  if (scans == 0)
+    fail<BadInputException>(map_folder, ": all frames of ", sequence_folder,
+                            " are in the map; map a part of them (--frames)");
+  return reliability.curve();
+}
+
 int
 evaluate(const Options& options)
 {
@@ -160,7 +209,21 @@ evaluate(const Options& options)
     samples += options.clouds.empty()
                    ? measure(options.maps[i], options.sequences[i], options.parameters)
                    : measureClouds(options.maps[i], options.clouds[i], options);
-  const std::string json = geometryJson(samples, options.parameters);
+  Reliability::Curve occupancy(Reliability::kBins);
+  for (std::size_t i = 0; i < options.archives.size(); ++i) {
+    const Reliability::Curve more =
+        judgeOccupancy(options.maps[i], options.sequences[i], options.archives[i]);
+    for (std::size_t bin = 0; bin < more.size(); ++bin)
+      occupancy[bin] += more[bin];
+  }
+  std::string json = geometryJson(samples, options.parameters);
+  std::string table = geometryTable(samples, options.parameters);
+  if (!options.archives.empty()) {
+    auto all = nlohmann::ordered_json::parse(json);
+    all["occupancy"] = nlohmann::ordered_json::parse(occupancyJson(occupancy));
+    json = jsonText(all);
+    table += occupancyTable(occupancy);
+  }
   if (!options.output.empty())
     writeTextFile(options.output, json);
   if (options.header)
@@ -168,7 +231,7 @@ evaluate(const Options& options)
   if (!options.row.empty())
     std::cout << geometryMarkdownRow(samples, options.parameters, options.row);
   if (!options.header && options.row.empty())
-    printFigures(geometryTable(samples, options.parameters), json);
+    printFigures(table, json);
   return exit_done;
 }
 

@@ -14,20 +14,24 @@
 
 namespace pcl_semantic {
 
-namespace {
+Reliability::Bin&
+Reliability::Bin::operator+=(const Bin& other)
+{
+  pixels += other.pixels;
+  right += other.right;
+  probability += other.probability;
+  return *this;
+}
 
 void
-count(float probability, bool is_right, Reliability::Curve& curve)
+Reliability::count(float probability, bool is_right, Curve& curve)
 {
-  const int bin = std::clamp(int(probability * float(Reliability::kBins)), 0,
-                             Reliability::kBins - 1);
-  Reliability::Bin& counted = curve[std::size_t(bin)];
+  const int bin = std::clamp(int(probability * float(kBins)), 0, kBins - 1);
+  Bin& counted = curve[std::size_t(bin)];
   ++counted.pixels;
   counted.right += is_right;
   counted.probability += double(probability);
 }
-
-} // namespace
 
 Reliability::Reliability(int classes, const std::vector<Label>& evaluated)
     : classes_(classes), evaluated_(evaluated), is_evaluated_(256, false),
@@ -65,11 +69,8 @@ Reliability::operator+=(const Reliability& other)
   if (other.classes_ != classes_ || other.evaluated_ != evaluated_)
     badParameter("reliabilities of different classes cannot be pooled");
   for (std::size_t c = 0; c < curves_.size(); ++c)
-    for (std::size_t b = 0; b < curves_[c].size(); ++b) {
-      curves_[c][b].pixels += other.curves_[c][b].pixels;
-      curves_[c][b].right += other.curves_[c][b].right;
-      curves_[c][b].probability += other.curves_[c][b].probability;
-    }
+    for (std::size_t b = 0; b < curves_[c].size(); ++b)
+      curves_[c][b] += other.curves_[c][b];
   return *this;
 }
 

@@ -319,6 +319,26 @@ TEST_F(EvaluatedMap, GeometryOfTwoMapsIsPooled)
   EXPECT_EQ(readJson(folder_->path("twice.json"))["within"], json["within"]);
 }
 
+TEST_F(EvaluatedMap, ProbabilitiesOfOccupancyAreJudgedByScansOfOtherFrames)
+{
+  const std::string part = folder_->path("part"), archive = folder_->path("part.map");
+  mapStreet(street(), part,
+            "--crf none --voxel-size 0.2 --frames 0:2 --archive " + archive);
+  const std::string command =
+      "evaluate_map " + part + " " + street() + " --archive " + archive;
+  EXPECT_TRUE(holds(succeed(command), "error where p is 0.2 to 0.8  0."));
+  const auto bins =
+      nlohmann::json::parse(succeed(command + " --json"))["occupancy"]["bins"];
+  ASSERT_EQ(bins.size(), 15u);
+  // What was found free is free, what was often hit is not.
+  EXPECT_LT(bins[0]["frequency"], 0.2);
+  EXPECT_GT(bins[9]["frequency"], 0.5);
+  EXPECT_GT(bins[9]["voxels"], 100);
+  expectFails("evaluate_map " + folder_->path("map ") + street() + " --archive " +
+                  archive,
+              3, "are in the map; map a part of them");
+}
+
 TEST_F(EvaluatedMap, ALaterRunRemovesWhatItDoesNotWrite)
 {
   const std::string again = folder_->path("again");
@@ -344,6 +364,10 @@ TEST(EvaluateMapTool, BadInput)
        {"both", 2, "exclude each other", "evaluate_map OUT STREET --clouds STREET"},
        {"of no clouds", 2, "--calibration is for --clouds",
         "evaluate_map OUT STREET --calibration STREET/calib.txt"},
+       {"archive of clouds", 2, "--archive is for a SEQUENCE",
+        "evaluate_map OUT --clouds STREET --archive x.map"},
+       {"too many archives", 2, "as many of --archive",
+        "evaluate_map OUT STREET --archive x.map --archive y.map"},
        {"no map", 3, "summary.json", "evaluate_map OUT STREET"},
        {"bands", 2, "have to grow", "evaluate_map OUT STREET --bands 0,20,10"},
        {"no bands", 2, "--bands", "evaluate_map OUT STREET --bands 0,x"},

@@ -38,9 +38,14 @@ public:
     {
       return double(right) / double(pixels);
     }
+
+    Bin& operator+=(const Bin& other);
   };
 
   using Curve = std::vector<Bin>; ///< kBins
+
+  /** \brief Counts a probability that was right, or was not. */
+  static void count(float probability, bool is_right, Curve& curve);
 
   /** \param[in] classes L
    * \param[in] evaluated only pixels whose ground truth is one of them count

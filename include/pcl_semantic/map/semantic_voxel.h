@@ -7,6 +7,7 @@
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -20,6 +21,19 @@ constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge; ///< voxels
 /** \brief Log-odds of occupancy as stored: units of 1/4096. */
 using StoredLogOdds = std::int16_t;
 constexpr float kLogOddsUnit = 1.0f / 4096.0f;
+
+/** \brief Probability of being occupied of what no ray has reached; measured, see
+ * doc/map.md. */
+constexpr float kOccupancyPrior = 0.27f;
+
+/** \brief Probability of being occupied, given the log-odds of a voxel (0 = unknown).
+ * Scans count from even odds, so that one hit makes a voxel occupied; but most of space
+ * is free, and what is as often right as it says begins at kOccupancyPrior. */
+inline float
+occupancyProbability(float log_odds)
+{
+  return 1.0f / (1.0f + (1.0f / kOccupancyPrior - 1.0f) * std::exp(-log_odds));
+}
 
 /** \brief Marks a voxel that no ray has reached: neither free nor occupied. */
 constexpr StoredLogOdds kUnknown = std::numeric_limits<StoredLogOdds>::min();
@@ -93,7 +107,7 @@ enum class Occupancy { unknown, free, occupied };
 struct VoxelState {
   VoxelIndex index = VoxelIndex::Zero(); ///< global
   Occupancy occupancy = Occupancy::unknown;
-  float log_odds = 0.0f; ///< of being occupied; 0 if unknown
+  float log_odds = 0.0f; ///< as counted, 0 if unknown; see occupancyProbability()
   /// Mean position of its hits, world frame [m]; its centre if there were none.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   std::array<std::uint8_t, 3> colour{}; ///< mean red, green, blue; black if never seen
