@@ -103,6 +103,11 @@ readCliqueConfig(const po::variables_map& values, Arguments& options)
   if (!options.clique_config.empty() && options.config.crf != "hierarchical")
     fail<BadInputException>(options.clique_config, ": crf is ", options.config.crf,
                             ", expected hierarchical");
+  if (options.config.network_every != 1)
+    fail<BadInputException>(
+        options.clique_config, ": network_every is ", options.config.network_every,
+        ", expected 1: cliques are learned from the labels of every "
+        "frame");
   refuseIf(options.clique_config.empty() && !options.label_calibration.empty(),
            "--label-calibration is for maps, with --clique-config");
   setParameters(values, parametersWithoutMap(options.config));

@@ -193,8 +193,6 @@ requireMapArguments(const MapArguments& arguments)
     requireLabels(arguments);
   }
   refuseIf(arguments.output.empty(), "--output is missing");
-  refuseIf(arguments.map_only && !arguments.also.empty(),
-           "--map-only and --also exclude each other");
   refuseIf(arguments.archive.resume && arguments.archive.path.empty(),
            "--resume needs --archive");
   refuseIf(arguments.archive.every < 1, "--archive-every is less than 1");

@@ -61,6 +61,16 @@ MapSource::next()
   return read(positions_[next_++]);
 }
 
+std::vector<int>
+MapSource::labelledFrames() const
+{
+  std::vector<int> labelled;
+  for (std::size_t i = 0; i < run_.frames.size();
+       i += std::size_t(run_.config.network_every))
+    labelled.push_back(run_.frames[i]);
+  return labelled;
+}
+
 void
 MapSource::setInputs(const Inputs& more)
 {
@@ -131,6 +141,9 @@ makeExtras(const MapArguments& arguments, const std::function<ScanReader()>& ope
     else
       fail<InvalidParameterException>(
           "--also: '", word, "', expected measured, depth, probabilities or scans");
+  if (!extra.images && (extra.measured || extra.depth || extra.probabilities))
+    fail<InvalidParameterException>("--also measured, depth and probabilities need the "
+                                    "images that --map-only leaves out");
   return extra;
 }
 
@@ -190,13 +203,9 @@ public:
                {"label_mapping", arguments.label_mapping},
                {"network", arguments.network},
                {"model", labelling.model}});
-    std::vector<int> labelled;
-    for (const std::size_t i : positions_) {
-      if (run_.frames.size() % std::size_t(run_.config.network_every) == 0)
-        labelled.push_back(sequence_->frameNumber(i));
+    for (const std::size_t i : positions_)
       run_.frames.push_back(sequence_->frameNumber(i));
-    }
-    labelling.predictor->requireFrames(labelled);
+    labelling.predictor->requireFrames(labelledFrames());
     run_.camera = sequence_->camera();
     run_.T_camera0_camera = sequence_->T_camera0_camera();
     run_.label_set = labelling.label_set;
@@ -371,7 +380,7 @@ public:
                {"label_mapping", arguments.label_mapping},
                {"network", arguments.network},
                {"model", labelling_.model}});
-    labelling_.predictor->requireFrames(run_.frames);
+    labelling_.predictor->requireFrames(labelledFrames());
     run_.camera = sequence_.camera();
     run_.label_set = labelling_.label_set;
     extras_ = makeExtras(arguments, [] { return ScanReader(); }); // it has no scans
@@ -389,6 +398,8 @@ private:
   read(std::size_t position) override
   {
     CloudFrame frame = sequence_.frame(position);
+    if (!isLabelled())
+      return frame;
     StereoFrame image;
     static_cast<FrameTime&>(image) = frame;
     image.left = imageOfCloud(*frame.cloud);

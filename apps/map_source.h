@@ -71,6 +71,16 @@ protected:
   /** \brief Reads the calibrations that are given, for run_.label_set. */
   void readCalibrations();
 
+  /** \brief Those of run_.frames whose labels are used (network_every). */
+  std::vector<int> labelledFrames() const;
+
+  /** \brief Whether the frame that is being read is one of them. */
+  bool
+  isLabelled() const
+  {
+    return (next_ - 1) % std::size_t(run_.config.network_every) == 0;
+  }
+
   /** \brief Reads the frame at a position in the source. */
   virtual SensorFrame read(std::size_t position) = 0;
 

@@ -56,7 +56,7 @@ struct Reach {
 Reach
 reachOf(const Eigen::MatrixXf& axes, Eigen::Index point)
 {
-  constexpr Eigen::Index chunk = 256;
+  constexpr Eigen::Index chunk = 64;
   std::array<float, neighbours + 1> nearest; // and the point itself
   nearest.fill(std::numeric_limits<float>::max());
   Eigen::Array<float, chunk, 1> squares;
@@ -92,7 +92,7 @@ pointSpacing(const Eigen::MatrixXf& positions)
 {
   if (positions.cols() <= neighbours)
     return 0.0f;
-  constexpr Eigen::Index distances = 1 << 23; // the time that it may take
+  constexpr Eigen::Index distances = 1 << 25; // the time that it may take
   const std::vector<Eigen::Index> sample = sampleOf(
       positions,
       std::size_t(std::clamp<Eigen::Index>(distances / positions.cols(), 64, 256)));

@@ -497,9 +497,8 @@ parametersOf(MapperConfig& config)
       {"label_confidence", "probability of the class that a .png of --labels gives",
        &config.label_confidence},
       {"network_every",
-       "label the first stereo pair and every N-th after it; the others bring depth "
-       "and "
-       "colour alone",
+       "use the labels of the first frame and of every N-th after it; the others bring "
+       "depth and colour alone",
        &config.network_every},
       {"voxel_size", "edge of a voxel [m]", &config.map.voxel_size},
       {"window",

@@ -83,18 +83,24 @@ isSummary(const std::string& path)
          summary["versions"].contains("pcl_semantic");
 }
 
+const ExtraOptions&
+checked(const ExtraOptions& extra)
+{
+  if (!extra.images && (extra.measured || extra.depth || extra.probabilities))
+    badParameter("measured labels, depth and probabilities need the images of the "
+                 "frames");
+  return extra;
+}
+
 } // namespace
 
 MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
                              std::vector<FrameRecord> records, ExtraOptions extra)
     : folder_(folder), run_(run), frames_(std::move(records)),
-      has_images_(run.camera && extra.images), centres_(extra.centres),
+      has_images_(run.camera && checked(extra).images), centres_(extra.centres),
       extra_(std::make_unique<ExtraOutput>(folder, run.camera, run.config.map.max_range,
                                            std::move(extra)))
 {
-  if (!extra.images && (extra.measured || extra.depth || extra.probabilities))
-    badParameter("measured labels, depth and probabilities need the images of the "
-                 "frames");
   requireImages();
   refuseForeignImages();
   makeOutputFolder(folder_);
@@ -143,8 +149,9 @@ void
 MappingOutput::replaceEarlierRun() const
 {
   std::set<int> kept;
-  for (const FrameRecord& frame : frames_)
-    kept.insert(frame.number);
+  if (has_images_ || !run_.camera)
+    for (const FrameRecord& frame : frames_)
+      kept.insert(frame.number);
   const auto isGone = [&](int frame) { return kept.count(frame) == 0; };
   std::error_code error;
   for (const char* name : frame_folders)
@@ -153,6 +160,11 @@ MappingOutput::replaceEarlierRun() const
   if (std::filesystem::is_directory(path("final_labels"), error))
     removeFrameFiles(path("final_labels"), ".png");
   extra_->removeEarlier({kept.begin(), kept.end()});
+  if (!has_images_) { // but what else lies there stays
+    for (const char* name : frame_folders)
+      std::filesystem::remove(path(name), error);
+    std::filesystem::remove(path("final_labels"), error);
+  }
   for (const char* name : map_files)
     std::filesystem::remove(path(name), error);
   removeLive();
@@ -175,8 +187,8 @@ MappingOutput::requireImages() const
     for (const char* name : frame_folders) {
       const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");
       if (!std::filesystem::exists(image))
-        badInput(image, ": is missing; a run goes on in the folder that "
-                        "the interrupted one wrote to");
+        badInput(image, ": is missing; a run goes on in the folder that the "
+                        "interrupted one wrote to, and with --map-only if that had it");
     }
 }
 
@@ -242,6 +254,9 @@ MappingOutput::removeLive() const
 void
 MappingOutput::finish(const SemanticVoxelMap& map)
 {
+  if (!replaced_)
+    replaceEarlierRun();
+  replaced_ = true;
   VoxelCloud voxels = map.occupiedEverywhere();
   writeFinalImages(voxels);
   if (centres_)

@@ -32,8 +32,6 @@ requireNothingOfStereo(const MapperConfig& config, bool has_camera)
   if (config.deviation_scale > 0.0 || config.max_deviation > 0.0)
     badParameter("max_deviation and deviation_scale are for stereo: clouds do "
                  "not say how sure they are");
-  if (config.network_every != 1)
-    badParameter("network_every is for stereo: clouds bring their labels");
   if (!has_camera && config.min_hit_ratio > 0.0 &&
       config.min_hit_ratio != MapperConfig().min_hit_ratio)
     badParameter("min_hit_ratio is for images: it counts the pixels that look "
@@ -87,7 +85,7 @@ SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
                  config_.crf);
   if (!camera_)
     badParameter("a clique calibration is for frames of a camera");
-  if (config_.network_every != 1)
+  if (config_.network_every != 1 && !calibration.ground.empty())
     badParameter("a clique calibration needs the labels of every frame, which find "
                  "the ground: network_every has to be 1");
   cliques_->setCalibration(std::move(calibration));
@@ -106,6 +104,13 @@ bool
 SemanticMapper::isRefinedAt(int frame) const
 {
   return config_.crf == "none" || frame % config_.crf_every == 0;
+}
+
+// Whether the labels of the frame are wanted, which counts from 0.
+bool
+SemanticMapper::isLabelledAt(int frame) const
+{
+  return frame % config_.network_every == 0;
 }
 
 MappedFrame
@@ -138,7 +143,7 @@ SemanticMapper::readPair(const StereoFrame& frame, MappedFrame& mapped)
   mapped.cloud = times.measure("cloud", [&] {
     return disparityToCloud(mapped.disparity.disparity, frame.left, *camera_);
   });
-  if (frames_ % config_.network_every == 0)
+  if (isLabelledAt(frames_))
     mapped.network =
         times.measure("labelling", [&] { return predictor_->predict(frame); });
 }
@@ -156,7 +161,8 @@ SemanticMapper::readCloud(const CloudFrame& frame, MappedFrame& mapped) const
     mapped.frame.left = imageOfCloud(cloud);
   mapped.cloud = frame.cloud;
   mapped.has_colour = frame.has_colour;
-  mapped.network = frame.distributions;
+  if (isLabelledAt(frames_))
+    mapped.network = frame.distributions;
 }
 
 // From a labelled cloud with its pose to the map.

@@ -84,19 +84,18 @@ protected:
     return result;
   }
 
-  // Kills a run some milliseconds after it has written the labels of a frame.
-  // \return whether it had not ended before
+  // Kills a run some milliseconds after a file of its output is there; an empty name:
+  // after its start. \return whether it had not ended before
   static bool
-  kill(const std::string& output, const std::string& archive, int frame,
+  kill(const std::string& output, const std::string& archive, const std::string& file,
        int milliseconds, const std::string& more = "--resume")
   {
-    std::string wait;
-    if (frame >= 0)
-      wait = "while kill -0 $! && ! test -e " + output + "/labels/" +
-             frameFileName(frame, ".png") + "; do sleep 0.01; done; ";
-    const ToolResult result = runShell(
-        "exec 2>&1; " + shellCommand(mapCommand(output, archive, more)) + " & " + wait +
-        "sleep " + std::to_string(0.001 * milliseconds) + "; kill -KILL $!; wait $!");
+    const std::string wait = "while kill -0 $! && ! test -e " + output + "/" + file +
+                             "; do sleep 0.01; done; ";
+    const ToolResult result =
+        runShell("exec 2>&1; " + shellCommand(mapCommand(output, archive, more)) +
+                 " & " + (file.empty() ? "" : wait) + "sleep " +
+                 std::to_string(0.001 * milliseconds) + "; kill -KILL $!; wait $!");
     return result.code == 137;
   }
 
@@ -125,21 +124,26 @@ TEST_F(ArchivedRun, IsTheMapOfARunWithoutArchive)
 
 TEST_F(ArchivedRun, KilledAtAnyMomentItGoesOn)
 {
+  std::vector<std::string> files = {"", ""};
+  for (int frame = 0; frame < frames; ++frame)
+    files.push_back("labels/" + frameFileName(frame, ".png"));
+  files.insert(files.end(), {"final_labels/000000.png", "map_classes.pcd"});
   std::mt19937 random(1);
   int resumed = 0, killed = 0;
-  for (int frame = -2; frame <= 8; ++frame) { // below 0: of none, as a run begins
-    SCOPED_TRACE(frame);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    SCOPED_TRACE(files[i]);
     const std::string output = folder_.path("out"), archive = folder_.path("run.map");
     fs::remove_all(output);
     fs::remove(archive);
-    killed += kill(output, archive, frame, int(random() % 50));
-    if (frame % 3 == 0) // once more, some frames later
-      killed += kill(output, archive, frame + 2, int(random() % 50));
+    killed += kill(output, archive, files[i], int(random() % 50));
+    if (i % 5 == 0) // once more, some frames later
+      killed += kill(output, archive, files[std::min(i + 5, files.size() - 1)],
+                     int(random() % 50));
     const ToolResult result = expectGoesOn(output, archive);
     resumed += result.text.rfind("resumed_after: ", 0) == 0;
   }
   EXPECT_GE(killed, 8) << "runs end before they can be killed";
-  EXPECT_GE(resumed, 5) << "runs are killed before their first commit";
+  EXPECT_GE(resumed, 8) << "runs are killed before their first commit";
 }
 
 TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
@@ -185,22 +189,36 @@ TEST_F(ArchivedRun, AFinishedRunStaysAsItIs)
 TEST_F(ArchivedRun, ADifferentNumberOfThreadsMayGoOn)
 {
   const std::string output = folder_.path("out"), archive = folder_.path("run.map");
-  EXPECT_TRUE(kill(output, archive, 6, 0, "--threads 1"));
+  EXPECT_TRUE(kill(output, archive, "labels/000003.png", 0, "--threads 1"));
   succeed(mapCommand(output, archive, "--resume --threads 3"));
   EXPECT_TRUE(exportOf(archive) == exportOf(whole_archive_));
 }
 
 TEST_F(ArchivedRun, WhatTheCrfWroteBackIsInTheArchive)
 {
-  const std::string more = "--crf-write-back true";
+  const std::string more = "--crf-write-back true --network-every 3";
   const std::string whole = folder_.path("back.map");
   succeed(mapCommand(folder_.path("back"), whole, more));
   EXPECT_FALSE(exportOf(whole) == exportOf(whole_archive_));
   const std::string output = folder_.path("out"), archive = folder_.path("run.map");
-  EXPECT_TRUE(kill(output, archive, 6, 0, more));
+  EXPECT_TRUE(kill(output, archive, "labels/000003.png", 0, more));
   // On another processor, too: all tiers give the same bits.
   succeed(mapCommand(output, archive, "--resume " + more), "PCL_SEMANTIC_SIMD=plain");
   EXPECT_TRUE(exportOf(archive) == exportOf(whole));
+}
+
+TEST_F(ArchivedRun, WithoutImagesNoneAreLeft)
+{
+  const std::string output = folder_.path("out"), archive = folder_.path("run.map");
+  EXPECT_TRUE(kill(output, archive, "labels/000003.png", 0));
+  succeed(mapCommand(output, archive, "--resume --map-only"));
+  EXPECT_EQ(filesIn(output), filesOfMap({}));
+  EXPECT_TRUE(bytesOf(output + "/map.pcd") == bytesOf(whole_ + "/map.pcd"));
+  // Also where nothing is left to map.
+  succeed(mapCommand(whole_, whole_archive_, "--resume --map-only"));
+  EXPECT_EQ(filesIn(whole_), filesOfMap({}));
+  expectFails(mapCommand(output, archive, "--resume"), 3,
+              "with --map-only if that had it");
 }
 
 TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
@@ -224,6 +242,7 @@ TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
   refuses("--label-confidence 0.9", "label_confidence was 0.8");
   refuses("--hit-probability 0.70000001", "hit_probability was 0.7");
   refuses("--crf none", "crf was dense, is none");
+  refuses("--network-every 2", "network_every was 1");
   refuses("--frames 0:10", "frames was 11, from 0 to 10, is 10, from 0 to 9");
   fs::copy(street + "/labels", copies.path("labels"), fs::copy_options::recursive);
   const std::string set = copies.path("set.yaml");

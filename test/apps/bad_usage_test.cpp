@@ -57,7 +57,7 @@ TEST(BadUsage, OptionsOfTheMap)
       {"both", 2, "either --labels or --network", labels + "--network x.yaml"},
       {"neither", 2, "either --labels or --network", ""},
       {"model of no network", 2, "--model needs --network", labels + "--model x.onnx"},
-      {"images of what", 2, "--map-only and --also",
+      {"images of what", 2, "images that --map-only leaves out",
        labels + "--map-only --also measured"},
       {"two label sets", 2, "--label-set is for --labels",
        "--network x.yaml --label-set y.yaml"},

@@ -391,8 +391,6 @@ TEST_F(Scans, BadInput)
        all + poses + "--crf hierarchical --cliques superpixel"},
       {"deviations", 2, "max_deviation and deviation_scale are for stereo",
        all + poses + "--max-deviation 1"},
-      {"labels of some", 2, "network_every is for stereo",
-       all + poses + "--network-every 2"},
       {"hit ratio", 2, "min_hit_ratio is for images",
        all + poses + "--min-hit-ratio 0.2"},
       {"over the clouds", 2, "--output holds the clouds",

@@ -322,8 +322,8 @@ TEST_F(EvaluatedMap, GeometryOfTwoMapsIsPooled)
 TEST_F(EvaluatedMap, ProbabilitiesOfOccupancyAreJudgedByScansOfOtherFrames)
 {
   const std::string part = folder_->path("part"), archive = folder_->path("part.map");
-  mapStreet(street(), part,
-            "--crf none --voxel-size 0.2 --frames 0:2 --archive " + archive);
+  succeed(mapOf(street()) + " --crf none --voxel-size 0.2 --frames 0:2 --output " +
+          part + " --archive " + archive);
   const std::string command =
       "evaluate_map " + part + " " + street() + " --archive " + archive;
   EXPECT_TRUE(holds(succeed(command), "error where p is 0.2 to 0.8  0."));
@@ -332,8 +332,8 @@ TEST_F(EvaluatedMap, ProbabilitiesOfOccupancyAreJudgedByScansOfOtherFrames)
   ASSERT_EQ(bins.size(), 15u);
   // What was found free is free, what was often hit is not.
   EXPECT_LT(bins[0]["frequency"], 0.2);
-  EXPECT_GT(bins[9]["frequency"], 0.5);
-  EXPECT_GT(bins[9]["voxels"], 100);
+  EXPECT_GT(bins[6]["voxels"], 100) << "hit once";
+  EXPECT_GT(bins[6]["frequency"], bins[0]["frequency"]);
   expectFails("evaluate_map " + folder_->path("map ") + street() + " --archive " +
                   archive,
               3, "are in the map; map a part of them");

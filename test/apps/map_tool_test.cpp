@@ -45,14 +45,17 @@ TEST(MapTool, WritesTheMapWithoutImages)
 {
   const TemporaryFolder folder;
   mapStreet(tinyStreet(), folder.path("all"), "--crf none");
-  const std::string text = succeed(
-      mapOf(tinyStreet()) + " --crf none --map-only --output " + folder.path("map"));
-  EXPECT_FALSE(holds(text, "overlay"));
+  const std::string more = mapOf(tinyStreet()) + " --crf none --map-only --output ";
+  EXPECT_FALSE(holds(succeed(more + folder.path("map")), "overlay"));
   EXPECT_EQ(filesIn(folder.path("map")), filesOfMap({}));
   for (const char* const file : {"/map.pcd", "/trajectory.txt", "/top_view.png"})
     EXPECT_TRUE(bytesOf(folder.path("map") + file) ==
                 bytesOf(folder.path("all") + file))
         << file;
+  // Nothing of a map with images is left.
+  succeed(more + folder.path("all"));
+  EXPECT_EQ(filesIn(folder.path("all")), filesOfMap({}));
+  EXPECT_FALSE(fs::exists(folder.path("all/labels")));
 }
 
 TEST(MapTool, LabelsEveryNthFrame)

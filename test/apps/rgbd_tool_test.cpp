@@ -5,6 +5,7 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/pipeline/map_folder.h>
 
 #include <opencv2/core.hpp>
 
@@ -70,6 +71,26 @@ TEST(RgbdMap, IsLabelledAsTheImagesAre)
   const int right = cv::countNonZero((truth == labels) & known);
   EXPECT_GT(cv::countNonZero(known), int(truth.total()) / 3);
   EXPECT_GT(right, cv::countNonZero(known) * 3 / 4);
+}
+
+TEST(RgbdMap, LabelsEveryNthFrameAndGivesCentres)
+{
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), out = folder.path("out");
+  copyStreet(street);
+  makeRgbd(street);
+  fs::remove(street + "/labels/000001.bin"); // needs none
+  succeed(replaceAll(replaceAll(run + "--network-every 2 --centres --voxel-size 0.2",
+                                "STREET", street),
+                     "OUT", out));
+  EXPECT_EQ(
+      cv::countNonZero(readPng(out + "/network_labels/000001.png", ImageKind::labels)),
+      0);
+  const MapFolder map = readMapFolder(out);
+  ASSERT_GT(map.voxels.size(), 100u);
+  for (std::size_t i = 0; i < map.voxels.size(); ++i)
+    EXPECT_TRUE(
+        (*map.voxels.cloud)[i].getVector3fMap().isApprox(map.voxels.centre(i), 1e-5f));
 }
 
 TEST(RgbdMap, BadInput)

@@ -28,6 +28,8 @@ using namespace pcl_semantic;
 
 constexpr int street_frames = 10;
 constexpr double camera_rate = 10.0; // [Hz]
+// Of what is wanted, frames a second over that rate: so much time is left to a network.
+constexpr double process_target = 1.6, program_target = 1.2;
 
 // One sequence, however it comes about.
 struct Frames {
@@ -217,7 +219,8 @@ printProcess(const Stages& stages)
   std::printf("SemanticMapper::process, defaults, hierarchical: median %.3f s, 95th "
               "percentile %.3f s\n",
               stages.process, stages.process_percentile_95);
-  printRatio("frame_process_vs_10_hz", 1.0 / stages.process / camera_rate, 1.6);
+  printRatio("frame_process_vs_10_hz", 1.0 / stages.process / camera_rate,
+             process_target);
 }
 
 // Stored labels, decoding included, nothing written but the map. Two runs of different
@@ -239,8 +242,10 @@ printProgram(const Frames& data, const std::string& sequence)
                   " --map-only --crf hierarchical --cliques superpixel --quiet "
                   "--frames 0:" +
                   std::to_string(frames) + " --output " + folder.path("map"));
-      if (result.code != 0)
+      if (result.code != 0) {
         std::printf("%s", result.text.c_str());
+        std::exit(1);
+      }
     });
   };
   const std::size_t frames = data.frames.size(), few = 2;
@@ -250,7 +255,7 @@ printProgram(const Frames& data, const std::string& sequence)
       "pcl_semantic_map: %zu frames in %.2f s, %zu in %.2f s: %.1f more frames a "
       "second\n",
       frames, all, few, begin_and_end, rate);
-  printRatio("frame_program_vs_10_hz", rate / camera_rate, 1.2);
+  printRatio("frame_program_vs_10_hz", rate / camera_rate, program_target);
 }
 
 } // namespace

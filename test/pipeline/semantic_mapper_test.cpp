@@ -252,7 +252,9 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
   EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
                       MapperConfig bad = config;
                       bad.crf = "hierarchical";
-                      makeMapper(bad).setCliqueCalibration(LabelCalibration());
+                      LabelCalibration calibration;
+                      calibration.ground = {1};
+                      makeMapper(bad).setCliqueCalibration(calibration);
                     }),
                     "network_every has to be 1"));
 }

@@ -142,7 +142,7 @@ struct MapperConfig {
   double deviation_scale = 0.0;  ///< of the depth-deviation model; 0 = none
   double min_hit_ratio = 0.33;   ///< see eraseSeenThrough(); 0 = off
   double label_confidence = 0.8; ///< probability of the class a stored `.png` states
-  int network_every = 1; ///< 1 = each stereo pair is labelled, 3 = every third alone
+  int network_every = 1; ///< 1 = the labels of each frame count, 3 = of every third
   SemanticVoxelMap::Parameters map;
   std::string pixel_fusion = "mean"; ///< PixelFusion by name
   std::string clearing = "careful";  ///< Clearing by name

@@ -43,8 +43,8 @@ public:
    * \param[in] records of the frames that are in the map already, of a run that goes
    * on: images of others are removed with the first frame that is written
    * \param[in] extra what is written beside the map
-   * \throws InvalidParameterException if \a extra wants no images but what lies beside
-   * them
+   * \throws InvalidParameterException if \a extra asks for measured labels, depth or
+   * probabilities, but not for images
    * \throws BadInputException if images of those frames are missing
    * \throws OutputException also if images lie there that no run of ours has left, or
    * another run is writing there */
@@ -56,7 +56,8 @@ public:
   /** \brief What is put into the folder: names of files and of folders. */
   static const std::vector<std::string>& names();
 
-  /** \brief labels, labels_at_depth, network_labels and overlay of a frame.
+  /** \brief labels, labels_at_depth, network_labels and overlay of a frame, if there
+   * are images.
    * \throws OutputException */
   void writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map);
 

@@ -74,7 +74,7 @@ struct MappedFrame {
   LabelDistributions network;    ///< L x pixels (or points), as they were labelled;
                                  ///< empty where they were not (network_every)
   LabelDistributions calibrated; ///< L x pixels, what the map gets instead; empty if
-                                 ///< there is no calibration
+                                 ///< there is no calibration, or no labels
   double domain_shift =
       std::numeric_limits<double>::quiet_NaN(); ///< domainShift() of
                                                 ///< the calibration; NaN = not known
@@ -158,6 +158,8 @@ public:
 
 private:
   bool isRefinedAt(int frame) const;
+
+  bool isLabelledAt(int frame) const;
 
   void readPair(const StereoFrame& frame, MappedFrame& mapped);
 
