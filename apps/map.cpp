@@ -71,11 +71,13 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
     const std::optional<SensorFrame> frame = source.next();
     if (!frame)
       break;
-    const MappedFrame mapped = mapper.process(*frame);
-    output.writeFrame(mapped, mapper.map());
-    archive.add(mapped, mapper);
-    if (is_watched)
-      output.writeLive(mapped);
+    MappedFrame mapped = mapper.process(*frame);
+    mapped.times.measure("output", [&] {
+      output.writeFrame(mapped, mapper.map());
+      archive.add(mapped, mapper);
+      if (is_watched)
+        output.writeLive(mapped);
+    });
     noteTimes(mapped);
     progress.step();
     is_empty = is_empty && mapped.voxels.size() == 0;
