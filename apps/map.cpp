@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "live_mapping.h"
 #include "live_view.h"
 #include "map_arguments.h"
 #include "map_source.h"
@@ -145,7 +146,7 @@ main(int argc, char** argv)
   return run("pcl_semantic_map", [&] {
     const MapArguments arguments = parseMapArguments(argc, argv);
     if (!arguments.print_config)
-      return mapSource(arguments);
+      return arguments.live ? mapLive(arguments) : mapSource(arguments);
     std::cout << printMapperConfig(arguments.parameters);
     return int(exit_done);
   });

@@ -3,6 +3,8 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 
@@ -101,6 +103,31 @@ requireRgbd(const MapArguments& arguments)
   requireLabels(arguments);
 }
 
+void
+requireLive(const MapArguments& arguments)
+{
+  const SequenceOptions& sequence = arguments.sequence;
+  for (const auto& [name, is_given] :
+       {std::pair("--clouds", !arguments.clouds.empty()),
+        std::pair("--rgbd", !arguments.rgbd.empty()),
+        std::pair("--archive", !arguments.archive.path.empty()),
+        std::pair("--frames", arguments.frames != ":"),
+        std::pair("--also", !arguments.also.empty()),
+        std::pair("--times", !sequence.files.times.empty()),
+        std::pair("--network-every", arguments.parameters.network_every != 1),
+        std::pair("--clique-calibration", !arguments.clique_calibration.empty())})
+    refuseIf(is_given, std::string("--live and ") + name + " exclude each other");
+  const auto isLive = [](const std::string& name) {
+    return isCapture(name) || isVideo(name);
+  };
+  refuseIf(sequence.hasFiles() &&
+               !(isLive(sequence.files.left) && isLive(sequence.files.right)),
+           "--live needs cameras, streams or videos for --left and --right, or a "
+           "SEQUENCE");
+  refuseIf(arguments.poses == "sequence",
+           "--live and --poses sequence exclude each other");
+}
+
 } // namespace
 
 MapArguments
@@ -166,6 +193,12 @@ parseMapArguments(int argc, char** argv)
            {"archive-every", withDefault(arguments.archive.every),
             "commit to the archive every N frames"},
            {"view", arguments.view, "show the map in a window while it grows"},
+           {"live", arguments.live,
+            "map what comes, until Ctrl-C: SEQUENCE is a folder that another program "
+            "fills, --left and --right are cameras (0, /dev/video0), streams "
+            "(rtsp://...) or videos, or both the same camera, with its sides next to "
+            "each other; takes the newest pair and drops those before it, labels are "
+            "fused when they are ready; no images of the frames are written"},
            {"resume", arguments.archive.resume,
             "resume from the archive; start if there is none"},
            {"config", arguments.config, "parameter file (.yaml); options override it"},
@@ -184,6 +217,8 @@ void
 requireMapArguments(const MapArguments& arguments)
 {
   refuseIf(!(arguments.depth_scale >= 0.0), "--depth-scale is less than 0");
+  if (arguments.live)
+    requireLive(arguments);
   if (!arguments.rgbd.empty())
     requireRgbd(arguments);
   else if (!arguments.clouds.empty())

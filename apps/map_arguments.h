@@ -28,6 +28,7 @@ struct MapArguments {
   bool centres = false;  ///< the map's points are the centres of its voxels
   bool print_config = false;
   bool view = false; ///< a window, see openLiveView()
+  bool live = false; ///< frames as they come, see mapLive()
   MappingArchive::Options archive;
   MapperConfig parameters;
 };

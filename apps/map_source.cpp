@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_source.h"
+#include "map_labelling.h"
 #include "messages.h"
-#include "opened_network.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -14,7 +14,6 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -30,15 +29,6 @@ MapSource::MapSource(const MapArguments& arguments) : arguments_(arguments)
   run_.config = arguments.parameters;
 }
 
-std::vector<FrameTime>
-MapSource::times() const
-{
-  std::vector<FrameTime> times;
-  for (std::size_t i = 0; i < positions_.size(); ++i)
-    times.push_back({run_.frames[i], timestamp(positions_[i])});
-  return times;
-}
-
 std::unique_ptr<SemanticMapper>
 MapSource::makeMapper(std::unique_ptr<PoseSource> poses,
                       std::shared_ptr<BlockStore> store)
@@ -51,24 +41,6 @@ MapSource::makeMapper(std::unique_ptr<PoseSource> poses,
   if (clique_calibration_)
     mapper->setCliqueCalibration(*clique_calibration_);
   return mapper;
-}
-
-std::optional<SensorFrame>
-MapSource::next()
-{
-  if (next_ >= positions_.size())
-    return std::nullopt;
-  return read(positions_[next_++]);
-}
-
-std::vector<int>
-MapSource::labelledFrames() const
-{
-  std::vector<int> labelled;
-  for (std::size_t i = 0; i < run_.frames.size();
-       i += std::size_t(run_.config.network_every))
-    labelled.push_back(run_.frames[i]);
-  return labelled;
 }
 
 void
@@ -92,6 +64,64 @@ MapSource::readCalibrations()
 }
 
 namespace {
+
+// What lies there whole before the first frame is read.
+class RecordedSource : public MapSource {
+public:
+  std::vector<FrameTime>
+  times() const override
+  {
+    std::vector<FrameTime> times;
+    for (std::size_t i = 0; i < positions_.size(); ++i)
+      times.push_back({run_.frames[i], timestamp(positions_[i])});
+    return times;
+  }
+
+  std::optional<SensorFrame>
+  next() override
+  {
+    if (next_ >= positions_.size())
+      return std::nullopt;
+    return read(positions_[next_++]);
+  }
+
+  void
+  skip(std::size_t count) override
+  {
+    next_ += count;
+  }
+
+protected:
+  using MapSource::MapSource;
+
+  /** \brief Those of run_.frames whose labels are used (network_every). */
+  std::vector<int>
+  labelledFrames() const
+  {
+    std::vector<int> labelled;
+    for (std::size_t i = 0; i < run_.frames.size();
+         i += std::size_t(run_.config.network_every))
+      labelled.push_back(run_.frames[i]);
+    return labelled;
+  }
+
+  /** \brief Whether the frame that is being read is one of them. */
+  bool
+  isLabelled() const
+  {
+    return (next_ - 1) % std::size_t(run_.config.network_every) == 0;
+  }
+
+  /** \brief Reads the frame at a position in the source. */
+  virtual SensorFrame read(std::size_t position) = 0;
+
+  virtual double timestamp(std::size_t position) const = 0;
+
+  std::vector<std::size_t> positions_; ///< in the source, of the frames that are mapped
+
+private:
+  std::size_t next_ = 0; // of positions_
+};
 
 using ScanReader = decltype(ExtraOptions::scan);
 
@@ -147,28 +177,6 @@ makeExtras(const MapArguments& arguments, const std::function<ScanReader()>& ope
   return extra;
 }
 
-struct Labelling {
-  LabelSet label_set;
-  std::unique_ptr<LabelPredictor> predictor;
-  std::string model; ///< path; empty without a network
-};
-
-Labelling
-makeLabelling(const MapArguments& arguments)
-{
-  if (!arguments.network.empty()) {
-    OpenedNetwork network = openNetwork(arguments.network, arguments.model);
-    return {network.label_set, std::move(network.predictor), network.model};
-  }
-  const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
-  return {label_set,
-          std::make_unique<StoredPredictor>(
-              arguments.labels, label_set.size(),
-              float(arguments.parameters.label_confidence),
-              readPixelMapping(arguments.label_mapping, label_set)),
-          ""};
-}
-
 // Path of a trajectory, or "odometry".
 std::string
 choosePoses(const MapArguments& arguments, const FrameSequence& sequence)
@@ -189,14 +197,14 @@ choosePoses(const MapArguments& arguments, const FrameSequence& sequence)
   return "odometry";
 }
 
-class SequenceSource : public MapSource {
+class SequenceSource : public RecordedSource {
 public:
   explicit SequenceSource(const MapArguments& arguments)
-      : MapSource(arguments), sequence_(openSequence(arguments.sequence)),
+      : RecordedSource(arguments), sequence_(openSequence(arguments.sequence)),
         watch_(arguments.sequence.strict, sequence_->camera()),
         poses_(choosePoses(arguments, *sequence_))
   {
-    Labelling labelling = makeLabelling(arguments);
+    MapLabelling labelling = makeLabelling(arguments);
     positions_ = chooseFrames(arguments.sequence, *sequence_, arguments.frames);
     setInputs({{"poses", poses_},
                {"labels", arguments.labels},
@@ -243,10 +251,10 @@ private:
   std::string poses_; // path of the trajectory, or "odometry"
 };
 
-class CloudSource : public MapSource {
+class CloudSource : public RecordedSource {
 public:
   explicit CloudSource(const MapArguments& arguments)
-      : MapSource(arguments), clouds_(arguments.clouds, arguments.sequence.files.times)
+      : RecordedSource(arguments), clouds_(arguments.clouds, arguments.sequence.files.times)
   {
     std::error_code error;
     if (std::filesystem::equivalent(arguments.poses,
@@ -356,10 +364,10 @@ private:
 };
 
 // An RGB-D sequence, whose images are labelled as those of pairs are.
-class RgbdSource : public MapSource {
+class RgbdSource : public RecordedSource {
 public:
   explicit RgbdSource(const MapArguments& arguments)
-      : MapSource(arguments),
+      : RecordedSource(arguments),
         sequence_(arguments.rgbd,
                   readPinholeCamera(arguments.sequence.files.calibration),
                   arguments.depth_scale),
@@ -414,7 +422,7 @@ private:
   }
 
   RgbdSequence sequence_;
-  Labelling labelling_;
+  MapLabelling labelling_;
 };
 
 } // namespace

@@ -39,8 +39,9 @@ public:
     return extras_;
   }
 
-  /** \brief The frames that are mapped, as `run().frames`. */
-  std::vector<FrameTime> times() const;
+  /** \brief The frames that will be mapped, as `run().frames`; none if that is not
+   * known, of a live camera. */
+  virtual std::vector<FrameTime> times() const = 0;
 
   virtual std::unique_ptr<PoseSource> openPoses() const = 0;
 
@@ -50,14 +51,10 @@ public:
 
   /** \brief Reads the next frame; none at the end.
    * \throws BadInputException that names the file */
-  std::optional<SensorFrame> next();
+  virtual std::optional<SensorFrame> next() = 0;
 
   /** \brief Leaves out the next frames, which are mapped already. */
-  void
-  skip(std::size_t count)
-  {
-    next_ += count;
-  }
+  virtual void skip(std::size_t count) = 0;
 
 protected:
   using Inputs = std::vector<std::pair<std::string, std::string>>;
@@ -71,30 +68,13 @@ protected:
   /** \brief Reads the calibrations that are given, for run_.label_set. */
   void readCalibrations();
 
-  /** \brief Those of run_.frames whose labels are used (network_every). */
-  std::vector<int> labelledFrames() const;
-
-  /** \brief Whether the frame that is being read is one of them. */
-  bool
-  isLabelled() const
-  {
-    return (next_ - 1) % std::size_t(run_.config.network_every) == 0;
-  }
-
-  /** \brief Reads the frame at a position in the source. */
-  virtual SensorFrame read(std::size_t position) = 0;
-
-  virtual double timestamp(std::size_t position) const = 0;
-
   MapArguments arguments_;
   MappingRun run_;
   ExtraOptions extras_;
-  std::vector<std::size_t> positions_; ///< in the source, of the frames that are mapped
   std::unique_ptr<LabelPredictor> predictor_; ///< for the mapper; null: clouds
 
 private:
   std::optional<LabelCalibration> label_calibration_, clique_calibration_;
-  std::size_t next_ = 0; // of positions_
 };
 
 /** \brief Opens the sequence or the clouds that the arguments name.

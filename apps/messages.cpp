@@ -158,4 +158,32 @@ ProgressBar::step()
   bar_is_drawn = true;
 }
 
+StatusLine::StatusLine(std::string what)
+    : what_(std::move(what)),
+      terminal_(isatty(STDERR_FILENO) == 1 && !manner().quiet && !manner().verbose)
+{}
+
+StatusLine::~StatusLine() { end(); }
+
+void
+StatusLine::show(const std::string& text)
+{
+  note(what_ + ": " + text);
+  const Clock::time_point now = Clock::now();
+  if (!terminal_ || now < next_)
+    return;
+  next_ = now + std::chrono::milliseconds(250);
+  std::fprintf(stderr, "\r%s: %s\033[K", what_.c_str(), text.c_str());
+  std::fflush(stderr);
+  bar_is_drawn = true;
+}
+
+void
+StatusLine::end()
+{
+  if (terminal_ && bar_is_drawn)
+    std::fprintf(stderr, "\n");
+  bar_is_drawn = false;
+}
+
 } // namespace pcl_semantic::tool

@@ -75,4 +75,24 @@ private:
   bool terminal_;
 };
 
+/** \brief A line about work without a known end, on standard error: on a terminal in
+ * place, at most four times a second; with --verbose a note each time. */
+class StatusLine {
+public:
+  explicit StatusLine(std::string what);
+  ~StatusLine();
+
+  void show(const std::string& text);
+
+  /** \brief Leaves the last text. */
+  void end();
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string what_;
+  Clock::time_point next_{};
+  bool terminal_;
+};
+
 } // namespace pcl_semantic::tool

@@ -9,6 +9,7 @@
 #include "ray_traversal.h"
 #include "read_write_lock.h"
 #include "scrolling_voxel_grid.h"
+#include "voxel_fusion.h"
 
 #include <pcl_semantic/core/threads.h>
 
@@ -30,6 +31,7 @@ struct SemanticVoxelMap::State {
   void centreWindow(const Eigen::Vector3d& sensor);
   ScanCounts integrate(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
   std::size_t updateBlocks(const Scan& scan);
+  std::size_t addLabels(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
   const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& offset) const;
   void visitBlocks(const VisitBlock& visit) const;
 
@@ -202,6 +204,53 @@ SemanticVoxelMap::State::updateBlocks(const Scan& scan)
   return hit_voxels;
 }
 
+std::size_t
+SemanticVoxelMap::State::addLabels(const Scan& scan,
+                                   const Eigen::Isometry3d& T_world_sensor)
+{
+  struct End {
+    std::size_t slot;
+    int offset;
+    std::uint32_t point;
+  };
+  std::vector<End> ends; // in voxels that some scan has hit
+  for (std::uint32_t i = 0; i < scan.points.size(); ++i) {
+    const Eigen::Vector3f point = scan.points[i];
+    const Label label = scan.distributions->mapLabel(i);
+    if (label == kUnlabelled || label_set[label].sky ||
+        !(point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <=
+          float(parameters.max_range)))
+      continue;
+    const VoxelIndex voxel = pcl_semantic::voxelOf(
+        quantize(T_world_sensor * point.cast<double>(), parameters.voxel_size));
+    if (!grid.contains(blockOf(voxel)))
+      continue;
+    const std::size_t slot = grid.slotOf(blockOf(voxel));
+    const int offset = voxelInBlock(voxel);
+    if (grid.at(slot) && grid.at(slot)->recordAt(offset) != VoxelBlock::kNoRecord)
+      ends.push_back({slot, offset, i});
+  }
+  const auto voxelOfEnd = [](const End& end) { return std::pair(end.slot, end.offset); };
+  std::sort(ends.begin(), ends.end(), [&](const End& a, const End& b) {
+    return voxelOfEnd(a) < voxelOfEnd(b);
+  });
+  VoxelMeasurement measurement(label_set.size(), parameters.fusion);
+  std::size_t voxels = 0;
+  for (std::size_t first = 0, last = 0; first < ends.size(); first = last, ++voxels) {
+    measurement.clear();
+    for (; last < ends.size() && voxelOfEnd(ends[last]) == voxelOfEnd(ends[first]);
+         ++last)
+      measurement.addDistribution(scan.distributions->column(ends[last].point));
+    VoxelBlock& block = *grid.at(ends[first].slot);
+    const auto record = std::size_t(block.recordAt(ends[first].offset));
+    const auto row = std::ptrdiff_t(record) * label_set.size();
+    measurement.fuseLabels(block.records[record], block.measured.data() + row);
+    std::fill_n(block.refined.begin() + row, label_set.size(), 0.0f);
+    block.changed = true;
+  }
+  return voxels;
+}
+
 const VoxelBlock*
 SemanticVoxelMap::State::findVoxel(const Eigen::Vector3d& point, int& offset) const
 {
@@ -280,6 +329,16 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
   const auto writing = state_->lock.write();
   const ThreadScope threads(state_->threads);
   return state_->integrate(scan, T_world_sensor);
+}
+
+std::size_t
+SemanticVoxelMap::addScanLabels(const Scan& scan,
+                                const Eigen::Isometry3d& T_world_sensor)
+{
+  checkScan(scan, state_->label_set.size());
+  checkPose(T_world_sensor);
+  const auto writing = state_->lock.write();
+  return state_->addLabels(scan, T_world_sensor);
 }
 
 void

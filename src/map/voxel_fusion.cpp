@@ -144,7 +144,12 @@ VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
   for (int channel = 0; channel < 3; ++channel)
     record.colour_sum[channel] += static_cast<std::uint32_t>(colour_sum_[channel]);
   record.colour_count += colour_count_;
+  return fuseLabels(record, log_distribution);
+}
 
+bool
+VoxelMeasurement::fuseLabels(VoxelRecord& record, float* log_distribution)
+{
   if (labelled_ == 0)
     return false;
   ++record.label_observations;

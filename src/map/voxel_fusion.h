@@ -89,6 +89,10 @@ public:
    * \return whether the scan had a label for it */
   bool fuseInto(VoxelRecord& record, float* log_distribution);
 
+  /** \brief Fuses the labels alone, of a scan whose points are in the map already.
+   * \return as fuseInto() */
+  bool fuseLabels(VoxelRecord& record, float* log_distribution);
+
 private:
   void fusePosition(VoxelRecord& record) const;
 

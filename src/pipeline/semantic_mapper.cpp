@@ -171,12 +171,7 @@ SemanticMapper::fuse(MappedFrame& mapped)
 {
   StageTimes& times = mapped.times;
   if (calibration_ && !mapped.network.empty())
-    mapped.calibrated = times.measure("calibration", [&] {
-      const auto features =
-          frameFeatures(*mapped.cloud, mapped.network, calibration_->ground);
-      mapped.domain_shift = domainShift(*calibration_, mapped.network, features);
-      return calibrate(*calibration_, mapped.network, features);
-    });
+    times.measure("calibration", [&] { calibrateLabels(mapped); });
   mapped.counts = times.measure("map", [&] { return integrate(mapped); });
   mapped.voxels = times.measure("voxels", [&] { return map_.occupied(); });
   refined_ = isRefinedAt(frames_);
@@ -206,6 +201,47 @@ SemanticMapper::finish()
   refined_ = true;
 }
 
+void
+SemanticMapper::calibrateLabels(MappedFrame& mapped) const
+{
+  const auto features =
+      frameFeatures(*mapped.cloud, mapped.network, calibration_->ground);
+  mapped.domain_shift = domainShift(*calibration_, mapped.network, features);
+  mapped.calibrated = calibrate(*calibration_, mapped.network, features);
+}
+
+void
+SemanticMapper::addLabels(const MappedFrame& earlier, const LabelDistributions& labels)
+{
+  const ThreadScope threads(config_.threads);
+  if (std::size_t(labels.size()) != earlier.cloud->size())
+    badParameter("labels of ", labels.size(), " pixels, expected ",
+                 earlier.cloud->size());
+  MappedFrame frame;
+  frame.cloud = earlier.cloud;
+  frame.network = labels;
+  frame.T_world_camera = earlier.T_world_camera;
+  if (calibration_)
+    calibrateLabels(frame);
+  std::size_t erased = 0;
+  const auto cloud = withoutSeenThrough(frame, erased);
+  map_.addLabels(*cloud, frame.T_world_camera,
+                 calibration_ ? frame.calibrated : frame.network);
+  refined_ = config_.crf == "none";
+}
+
+// The points that go into the map.
+pcl::PointCloud<pcl::PointXYZRGB>::Ptr
+SemanticMapper::withoutSeenThrough(const MappedFrame& mapped, std::size_t& erased) const
+{
+  if (!camera_ || config_.min_hit_ratio <= 0.0)
+    return mapped.cloud;
+  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(*mapped.cloud);
+  erased = eraseSeenThrough(*cloud, *camera_, mapped.T_world_camera,
+                            map_.parameters().voxel_size, config_.min_hit_ratio);
+  return cloud;
+}
+
 ScanCounts
 SemanticMapper::integrate(const MappedFrame& mapped)
 {
@@ -215,13 +251,8 @@ SemanticMapper::integrate(const MappedFrame& mapped)
                                     config_.deviation_scale);
   const LabelDistributions& labels = calibration_ ? mapped.calibrated : mapped.network;
   try {
-    auto cloud = mapped.cloud; // stays as it was measured
     std::size_t erased = 0;
-    if (camera_ && config_.min_hit_ratio > 0.0) {
-      cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(*cloud);
-      erased = eraseSeenThrough(*cloud, *camera_, mapped.T_world_camera,
-                                map_.parameters().voxel_size, config_.min_hit_ratio);
-    }
+    const auto cloud = withoutSeenThrough(mapped, erased);
     ScanCounts counts;
     if (mapped.has_colour)
       counts = map_.integrate(*cloud, mapped.T_world_camera, labels, deviations);

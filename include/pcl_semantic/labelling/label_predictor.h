@@ -22,7 +22,7 @@ public:
   {}
 
   /** \return L x (width * height), pixels row by row, normalised; all-zero columns are
-   * unlabelled
+   * unlabelled; or nothing, for a frame that has no labels (yet)
    * \throws BadInputException or BadModelException that names the frame */
   virtual LabelDistributions predict(const StereoFrame& frame) = 0;
 };

@@ -60,6 +60,18 @@ public:
                        const LabelDistributions& distributions = LabelDistributions(),
                        const std::vector<float>& deviations = {});
 
+  /** \brief Fuses the labels of a scan that was taken in without them: in each voxel
+   * that an end point lies in and some scan has hit, as integrate() would have. Voxels
+   * that have left the window get none.
+   * \param[in] cloud, T_world_sensor as they were given to integrate()
+   * \param[in] distributions L x cloud.size()
+   * \return voxels that got a label
+   * \throws as integrate() */
+  template <typename PointT>
+  std::size_t addLabels(const pcl::PointCloud<PointT>& cloud,
+                        const Eigen::Isometry3d& T_world_sensor,
+                        const LabelDistributions& distributions);
+
   /** \brief Moves the window without a scan, as for queries of a loaded map.
    * \param[in] centre world frame [m] \throws BadInputException if too far away */
   void moveWindow(const Eigen::Vector3d& centre);
@@ -127,6 +139,8 @@ private:
   struct State;
 
   ScanCounts integrateScan(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
+
+  std::size_t addScanLabels(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
 
   std::unique_ptr<State> state_;
 };

@@ -139,6 +139,13 @@ public:
    * if the mapper was made for clouds */
   MappedFrame process(const SensorFrame& frame);
 
+  /** \brief Fuses the labels of a frame that was processed without them: its predictor
+   * gave none, since they were not ready. The CRF sees them with the next frame.
+   * \param[in] earlier what process() returned of it; of this the image, cloud and pose
+   * \param[in] labels L x pixels
+   * \throws InvalidParameterException if they are of other classes or pixels */
+  void addLabels(const MappedFrame& earlier, const LabelDistributions& labels);
+
   /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
    * that the finished map is refined throughout. */
   void finish();
@@ -166,6 +173,11 @@ private:
   void readCloud(const CloudFrame& frame, MappedFrame& mapped) const;
 
   void fuse(MappedFrame& mapped);
+
+  void calibrateLabels(MappedFrame& mapped) const;
+
+  pcl::PointCloud<pcl::PointXYZRGB>::Ptr
+  withoutSeenThrough(const MappedFrame& mapped, std::size_t& erased) const;
 
   ScanCounts integrate(const MappedFrame& mapped);
 

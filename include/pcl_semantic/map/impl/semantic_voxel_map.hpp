@@ -44,4 +44,15 @@ SemanticVoxelMap::integrate(const pcl::PointCloud<PointT>& cloud,
   return integrateScan(scan, T_world_sensor);
 }
 
+template <typename PointT>
+std::size_t
+SemanticVoxelMap::addLabels(const pcl::PointCloud<PointT>& cloud,
+                            const Eigen::Isometry3d& T_world_sensor,
+                            const LabelDistributions& distributions)
+{
+  Scan scan = detail::makeScan(cloud);
+  scan.distributions = &distributions;
+  return addScanLabels(scan, T_world_sensor);
+}
+
 } // namespace pcl_semantic

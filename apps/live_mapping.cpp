@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live_mapping.h"
+#include "live_source.h"
+#include "live_view.h"
+#include "messages.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/pipeline/late_labels.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Whether something is due that happens now and then.
+class NowAndThen {
+public:
+  explicit NowAndThen(Clock::duration period) : period_(period) {}
+
+  bool
+  isDue()
+  {
+    if (Clock::now() < next_)
+      return false;
+    next_ = Clock::now() + period_;
+    return true;
+  }
+
+private:
+  Clock::duration period_;
+  Clock::time_point next_{};
+};
+
+// How the run goes: for who watches it, and for the end.
+class LiveFigures {
+public:
+  void
+  add(const MappedFrame& mapped, double latency)
+  {
+    latencies_.push_back(float(latency));
+    const double seconds =
+        std::chrono::duration<double>(Clock::now() - start_).count();
+    text_ = "frame " + std::to_string(mapped.frame.number) + ": " +
+            shown(double(latencies_.size()) / seconds) + " frames/s, " +
+            shown(latency) + " s after it came, " +
+            std::to_string(mapped.voxels.size()) + " voxels";
+  }
+
+  const std::string&
+  text() const
+  {
+    return text_;
+  }
+
+  std::size_t
+  frames() const
+  {
+    return latencies_.size();
+  }
+
+  double
+  latency(double fraction) const
+  {
+    if (latencies_.empty())
+      return 0.0;
+    std::vector<float> sorted = latencies_;
+    std::sort(sorted.begin(), sorted.end());
+    return double(sorted[std::size_t(fraction * double(sorted.size() - 1) + 0.5)]);
+  }
+
+private:
+  static std::string
+  shown(double value)
+  {
+    return std::to_string(value).substr(0, 4);
+  }
+
+  Clock::time_point start_ = Clock::now();
+  std::vector<float> latencies_; // [s], four bytes a frame
+  std::string text_;
+};
+
+} // namespace
+
+int
+mapLive(const MapArguments& arguments)
+{
+  requireMapArguments(arguments);
+  setNumberOfThreads(arguments.parameters.threads);
+  catchInterrupts();
+  LiveSource source(arguments);
+  std::unique_ptr<PoseSource> owned_poses = source.openPoses();
+  const PoseSource& poses = *owned_poses;
+  const auto mapper = source.makeMapper(std::move(owned_poses), nullptr);
+  LateLabels labels(source.takePredictor(), *mapper);
+  MappingOutput output(arguments.output, source.run(), {}, source.extras());
+  if (arguments.view)
+    openLiveView(arguments.output, arguments.sequence.folder);
+  LiveFigures figures;
+  StatusLine status("live");
+  NowAndThen view(std::chrono::milliseconds(500));
+  while (const std::optional<SensorFrame> frame = source.next()) {
+    labels.fuseReady();
+    const MappedFrame mapped = mapper->process(*frame);
+    labels.offer(mapped);
+    output.writeFrame(mapped, mapper->map());
+    figures.add(mapped, source.secondsSinceGrabbed());
+    if (arguments.view && view.isDue())
+      output.writeLive(mapped);
+    status.show(figures.text() + ", " + std::to_string(labels.frames()) +
+                " labelled, " + std::to_string(source.dropped()) + " dropped");
+  }
+  status.end();
+  labels.fuseLast();
+  mapper->finish();
+  if (poses.lostFrames() > 0)
+    warn(std::to_string(poses.lostFrames()) +
+         " frames could not be tracked: their poses are predicted");
+  output.finish(mapper->map());
+  printResults({{"frames", figures.frames()},
+                {"labelled", std::size_t(labels.frames())},
+                {"dropped", std::size_t(source.dropped())},
+                {"damaged", std::size_t(source.damaged())},
+                {"latency_median", figures.latency(0.5)},
+                {"latency_95", figures.latency(0.95)},
+                {"map", arguments.output + "/map.pcd"},
+                {"top_view", arguments.output + "/top_view.png"},
+                {"figures", arguments.output + "/summary.json"}});
+  return exit_done;
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live_source.h"
+#include "map_labelling.h"
+#include "messages.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/odometry/stereo_odometry.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/pipeline/late_labels.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+std::unique_ptr<LiveCamera>
+openCamera(const SequenceOptions& options)
+{
+  if (options.hasFiles())
+    return openCaptures(options.files);
+  if (!holdsPair(options.folder))
+    note(options.folder + ": waiting for calib.txt and the first pair of images");
+  while (!holdsPair(options.folder)) {
+    if (interrupted())
+      throw Exit{exit_interrupted};
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return openLiveFolder(options.folder);
+}
+
+} // namespace
+
+LiveSource::LiveSource(const MapArguments& arguments) : MapSource(arguments)
+{
+  MapLabelling labelling = makeLabelling(arguments);
+  setInputs({{"live", "true"},
+             {"poses", arguments.poses == "auto" ? "odometry" : arguments.poses},
+             {"labels", arguments.labels},
+             {"label_mapping", arguments.label_mapping},
+             {"network", arguments.network},
+             {"model", labelling.model}});
+  run_.label_set = labelling.label_set;
+  labels_ = std::move(labelling.predictor);
+  predictor_ = std::make_unique<NoLabels>();
+  extras_.images = false;
+  extras_.centres = arguments.centres;
+  readCalibrations();
+  // Last: what comes until the mapper is made is dropped.
+  std::unique_ptr<LiveCamera> camera = openCamera(arguments.sequence);
+  watch_.emplace(arguments.sequence.strict, camera->camera());
+  run_.camera = camera->camera();
+  run_.T_camera0_camera = camera->T_camera0_camera();
+  grabber_ = std::make_unique<StereoGrabber>(std::move(camera));
+}
+
+std::unique_ptr<PoseSource>
+LiveSource::openPoses() const
+{
+  if (arguments_.poses == "auto" || arguments_.poses == "odometry")
+    return std::make_unique<StereoOdometry>(*run_.camera, run_.T_camera0_camera);
+  return readPoses(arguments_.poses, run_.T_camera0_camera);
+}
+
+std::optional<SensorFrame>
+LiveSource::next()
+{
+  constexpr std::chrono::milliseconds patience(100); // with an interrupt
+  while (!interrupted() && !grabber_->hasEnded())
+    try {
+      std::optional<StereoGrabber::Grabbed> grabbed = grabber_->take(patience);
+      if (!grabbed)
+        continue;
+      watch_->look(grabbed->frame);
+      grabbed_ = grabbed->when;
+      return std::move(grabbed->frame);
+    }
+    catch (const BadInputException& error) {
+      if (arguments_.sequence.strict)
+        throw;
+      if (++damaged_ == 1)
+        warn(std::string(error.what()) + "; it is left out");
+    }
+  return std::nullopt;
+}
+
+double
+LiveSource::secondsSinceGrabbed() const
+{
+  return std::chrono::duration<double>(StereoGrabber::Clock::now() - grabbed_).count();
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/stereo_grabber.h>
+
+#include <utility>
+
+namespace pcl_semantic {
+
+StereoGrabber::StereoGrabber(std::unique_ptr<LiveCamera> camera)
+    : camera_(std::move(camera)), thread_([this] { grabAll(); })
+{}
+
+StereoGrabber::~StereoGrabber()
+{
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+std::optional<StereoGrabber::Grabbed>
+StereoGrabber::take(std::chrono::milliseconds patience)
+{
+  std::unique_lock<std::mutex> lock(mutex_);
+  is_wanted_ = true;
+  changed_.notify_all();
+  changed_.wait_for(lock, patience, [&] {
+    return grabbed_ || error_ || (has_ended_ && waiting_ == 0);
+  });
+  if (error_)
+    std::rethrow_exception(std::exchange(error_, nullptr));
+  return std::exchange(grabbed_, std::nullopt);
+}
+
+bool
+StereoGrabber::hasEnded() const
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return has_ended_ && waiting_ == 0 && !grabbed_ && !error_;
+}
+
+int
+StereoGrabber::dropped() const
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return dropped_;
+}
+
+void
+StereoGrabber::grabAll()
+{
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!stop_ && !has_ended_) {
+    lock.unlock();
+    bool came = false;
+    std::exception_ptr error;
+    try {
+      came = camera_->grab();
+    }
+    catch (...) {
+      error = std::current_exception();
+    }
+    lock.lock();
+    has_ended_ = error || camera_->hasEnded();
+    if (error)
+      error_ = error;
+    if (came) {
+      ++waiting_;
+      when_ = Clock::now();
+    }
+    serve(lock);
+  }
+  // The last pair waits for who wants it.
+  while (!stop_ && waiting_ > 0) {
+    changed_.wait(lock, [&] { return stop_ || is_wanted_; });
+    serve(lock);
+  }
+  changed_.notify_all();
+}
+
+// Decodes the newest pair if it is wanted.
+void
+StereoGrabber::serve(std::unique_lock<std::mutex>& lock)
+{
+  if (stop_ || !is_wanted_ || waiting_ == 0 || grabbed_)
+    return;
+  dropped_ += waiting_ - 1;
+  waiting_ = 0;
+  const Clock::time_point when = when_;
+  lock.unlock();
+  std::optional<Grabbed> grabbed;
+  std::exception_ptr error;
+  try {
+    grabbed = Grabbed{camera_->retrieve(), when};
+  }
+  catch (...) {
+    error = std::current_exception();
+  }
+  lock.lock();
+  grabbed_ = std::move(grabbed);
+  error_ = error;
+  is_wanted_ = false;
+  changed_.notify_all();
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/late_labels.h>
+
+#include <chrono>
+#include <utility>
+
+namespace pcl_semantic {
+
+LateLabels::LateLabels(std::unique_ptr<LabelPredictor> predictor,
+                       SemanticMapper& mapper)
+    : predictor_(std::move(predictor)), mapper_(mapper)
+{}
+
+LateLabels::~LateLabels() = default; // a future of std::async waits
+
+void
+LateLabels::offer(const MappedFrame& mapped)
+{
+  if (frame_)
+    return;
+  frame_.emplace(); // without the voxels, which are many
+  frame_->frame = mapped.frame;
+  frame_->cloud = mapped.cloud;
+  frame_->T_world_camera = mapped.T_world_camera;
+  labels_ = std::async(std::launch::async, [this, image = mapped.frame] {
+    return predictor_->predict(image);
+  });
+}
+
+bool
+LateLabels::fuseReady()
+{
+  return frame_ &&
+         labels_.wait_for(std::chrono::seconds(0)) == std::future_status::ready &&
+         fuseLast();
+}
+
+bool
+LateLabels::fuseLast()
+{
+  if (!frame_)
+    return false;
+  const MappedFrame frame = *std::exchange(frame_, std::nullopt);
+  const LabelDistributions labels = labels_.get();
+  if (labels.empty())
+    return false;
+  mapper_.addLabels(frame, labels);
+  ++frames_;
+  return true;
+}
+
+} // namespace pcl_semantic
