@@ -28,6 +28,7 @@ StereoGrabber::take(std::chrono::milliseconds patience)
   changed_.wait_for(lock, patience, [&] {
     return grabbed_ || error_ || (has_ended_ && waiting_ == 0);
   });
+  is_wanted_ = false; // what comes until the next call may be old by then
   if (error_)
     std::rethrow_exception(std::exchange(error_, nullptr));
   return std::exchange(grabbed_, std::nullopt);

@@ -14,10 +14,15 @@
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/io/voxel_scene.h>
 #include <pcl_semantic/map/seen_through.h>
+#include <pcl_semantic/pipeline/late_labels.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <gtest/gtest.h>
+
+#include <array>
+#include <future>
+#include <map>
 
 namespace {
 
@@ -257,6 +262,84 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
                       makeMapper(bad).setCliqueCalibration(calibration);
                     }),
                     "network_every has to be 1"));
+}
+
+// What a label predictor says of a frame, later.
+TEST_F(Street, LabelsMayComeLater)
+{
+  MapperConfig config;
+  config.crf = "none";
+  SemanticMapper at_once = makeMapper(config);
+  SemanticMapper later(kitti11(), config, std::make_unique<StreetPoses>(*renderer_),
+                       renderer_->camera(), std::make_unique<NoLabels>());
+  LateLabels labels(std::make_unique<StreetLabels>(views_), later);
+  for (int i = 0; i < frames; ++i) {
+    at_once.process(frame(i));
+    labels.offer(later.process(frame(i)));
+    EXPECT_TRUE(labels.fuseLast()) << i;
+    EXPECT_FALSE(labels.fuseLast()) << i;
+  }
+  EXPECT_EQ(labels.frames(), frames);
+  later.finish();
+  // Nothing tells the sky from what is hit; all else is as if they had been there.
+  const VoxelCloud expected = at_once.map().occupied(), found = later.map().occupied();
+  std::map<std::array<int, 3>, std::size_t> at;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    at[{found.indices[i].x(), found.indices[i].y(), found.indices[i].z()}] = i;
+  std::size_t in_both = 0, equal = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const VoxelIndex& voxel = expected.indices[i];
+    const auto same = at.find({voxel.x(), voxel.y(), voxel.z()});
+    if (same == at.end())
+      continue; // a ray to the sky has cleared it
+    ++in_both;
+    equal += expected.measured.matrix().col(Eigen::Index(i)) ==
+             found.measured.matrix().col(Eigen::Index(same->second));
+  }
+  EXPECT_GT(in_both, expected.size() * 9 / 10);
+  EXPECT_EQ(equal, in_both);
+}
+
+TEST_F(Street, ANetworkThatIsBusyLeavesFramesWithoutLabels)
+{
+  MapperConfig config;
+  config.crf = "none";
+  SemanticMapper mapper(kitti11(), config, std::make_unique<StreetPoses>(*renderer_),
+                        renderer_->camera(), std::make_unique<NoLabels>());
+  // Works on frame 0 until the test lets it end.
+  struct Slow : LabelPredictor {
+    explicit Slow(std::future<void> wanted) : end(std::move(wanted)) {}
+
+    LabelDistributions
+    predict(const StereoFrame& frame) override
+    {
+      seen.push_back(frame.number);
+      end.wait();
+      return syntheticDistributions(views_[std::size_t(frame.number)], 3);
+    }
+
+    std::shared_future<void> end;
+    std::vector<int> seen;
+  };
+  std::promise<void> end;
+  auto owned = std::make_unique<Slow>(end.get_future());
+  const Slow& slow = *owned;
+  LateLabels labels(std::move(owned), mapper);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(labels.fuseReady()) << i;
+    const MappedFrame mapped = mapper.process(frame(i));
+    EXPECT_TRUE(mapped.voxels.measured.matrix().isZero(0.0f)) << i;
+    labels.offer(mapped);
+  }
+  end.set_value();
+  EXPECT_TRUE(labels.fuseLast());
+  EXPECT_EQ(slow.seen, std::vector<int>{0});
+  EXPECT_FALSE(mapper.map().occupied().measured.matrix().isZero(0.0f));
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] {
+        mapper.addLabels(mapper.process(frame(3)), LabelDistributions(11, 7));
+      }),
+      "labels of 7 pixels"));
 }
 
 TEST_F(Street, TheCrfWritesBackWhatItConcludesOnRequest)

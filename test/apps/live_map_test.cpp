@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/tiny_street.h"
+
+#include <pcl_semantic/files/trajectory_file.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+class LiveMap : public testing::Test {
+protected:
+  std::string
+  command(const std::string& more = "") const
+  {
+    return PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " + street + " --labels " +
+           tinyStreet() + "/labels --live --output " + map + " " + more;
+  }
+
+  const TemporaryFolder folder;
+  const std::string street = folder.path("street"), map = folder.path("map");
+};
+
+} // namespace
+
+// Another program fills the folder, and ends the run when all that came is mapped.
+TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
+{
+  fs::create_directories(street + "/image_2");
+  fs::create_directories(street + "/image_3");
+  const std::string log = folder.path("log");
+  const auto waitFor = [&](const std::string& text) {
+    return "until grep -q \"" + text + "\" " + log +
+           "; do kill -0 $! || exit 1; sleep 0.05; done; ";
+  };
+  std::string fill = "cp " + tinyStreet() + "/calib.txt " + street + "; ";
+  for (const std::string frame : {"0", "1", "2"}) {
+    for (const std::string side : {"2", "3"})
+      fill += "cp " + tinyStreet() + "/image_" + side + "/00000" + frame + ".png " +
+              street + "/image_" + side + "; ";
+    fill += waitFor("live: frame " + frame);
+  }
+  const ToolResult result = runShell(
+      command("--verbose") + " >" + log + " 2>&1 & " + waitFor("waiting for calib.txt") +
+      fill + "kill -INT $!; wait $!; code=$?; cat " + log + "; exit $code");
+  EXPECT_EQ(result.code, 0) << result.text;
+  EXPECT_TRUE(holds(result.text, "frames: 3"));
+  EXPECT_TRUE(holds(result.text, "dropped: 0"));
+  std::ifstream file(map + "/summary.json");
+  const nlohmann::json summary = nlohmann::json::parse(file);
+  EXPECT_EQ(summary["finished"], true);
+  EXPECT_EQ(summary["frame_numbers"], nlohmann::json::array({0, 1, 2}));
+  EXPECT_GT(summary["voxels"], 100);
+  EXPECT_EQ(readKittiTrajectory(map + "/trajectory.txt").size(), 3u);
+  EXPECT_TRUE(fs::exists(map + "/top_view.png"));
+  EXPECT_FALSE(fs::exists(map + "/labels"));
+}
+
+TEST_F(LiveMap, InterruptedBeforeAnythingCameItWritesNothing)
+{
+  const ToolResult result =
+      runShell("exec 2>&1; mkdir " + street + "; " + command() +
+               " & sleep 0.5; kill -INT $!; wait $!");
+  EXPECT_EQ(result.code, 130) << result.text;
+  EXPECT_FALSE(fs::exists(map));
+}
+
+TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
+{
+  const std::string live = "map " + tinyStreet() + " --labels " + tinyStreet() +
+                           "/labels --live --output " + map + " ";
+  for (const char* const option :
+       {"--archive a.map", "--frames 0:2", "--also depth", "--network-every 2"})
+    expectFails(live + option, 2, "exclude each other");
+  expectFails("map --left 'l*.png' --right 'r*.png' --calibration c.yaml --labels l "
+              "--live --output " +
+                  map,
+              2, "--live needs cameras, streams or videos");
+  EXPECT_FALSE(fs::exists(map));
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/refusal.h"
+#include "support/temporary_folder.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/input_file.h>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+class FillingFolder : public testing::Test {
+protected:
+  void
+  SetUp() override
+  {
+    for (const char* const name : {"image_2", "image_3"})
+      fs::create_directories(folder.path(name));
+    std::string text;
+    for (const char* const row :
+         {"P0: 500 0 60 0", "P1: 500 0 60 -100", "P2: 500 0 60 30", "P3: 500 0 60 -220"})
+      text += std::string(row) + " 0 400 40 0 0 0 1 0\n";
+    folder.write("calib.txt", text);
+  }
+
+  std::string
+  imageOf(const char* side, int number) const
+  {
+    return folder.path(side) + "/" + frameFileName(number, ".png");
+  }
+
+  void
+  write(const char* side, int number, cv::Size size = {120, 80}) const
+  {
+    writePng(imageOf(side, number), cv::Mat(size, CV_8UC3, cv::Scalar::all(number)));
+  }
+
+  void
+  writePair(int number) const
+  {
+    write("image_2", number);
+    write("image_3", number);
+  }
+
+  // What another program has written so far.
+  void
+  cutInHalf(const std::string& path) const
+  {
+    fs::resize_file(path, fs::file_size(path) / 2);
+  }
+
+  const TemporaryFolder folder;
+};
+
+} // namespace
+
+TEST_F(FillingFolder, PairsComeInTheirOrderWhenBothImagesAreThere)
+{
+  expectRefusal<BadInputException>("holds no whole pair of images yet",
+                                   [&] { openLiveFolder(folder.path("")); });
+  EXPECT_FALSE(holdsPair(folder.path("")));
+  writePair(3);
+  EXPECT_TRUE(holdsPair(folder.path("")));
+  const auto camera = openLiveFolder(folder.path(""));
+  EXPECT_EQ(camera->camera().width, 120);
+  EXPECT_NEAR(camera->camera().baseline, 0.5, 1e-9);
+  EXPECT_TRUE(camera->grab());
+  EXPECT_EQ(camera->retrieve().number, 3);
+  EXPECT_FALSE(camera->grab());
+  write("image_2", 5);
+  EXPECT_FALSE(camera->grab());
+  write("image_3", 5);
+  writePair(9);
+  for (const int number : {5, 9}) {
+    EXPECT_TRUE(camera->grab());
+    const StereoFrame frame = camera->retrieve();
+    EXPECT_EQ(frame.number, number);
+    EXPECT_EQ(frame.left.at<cv::Vec3b>(40, 60)[0], number);
+    EXPECT_GE(frame.timestamp, 0.0);
+  }
+  writePair(4); // late: what came after it has been mapped
+  EXPECT_FALSE(camera->grab());
+  EXPECT_FALSE(camera->hasEnded());
+}
+
+TEST_F(FillingFolder, AnImageIsWaitedForUntilItIsWhole)
+{
+  writePair(0);
+  const auto camera = openLiveFolder(folder.path(""));
+  EXPECT_TRUE(camera->grab());
+  writePair(1);
+  cutInHalf(imageOf("image_3", 1));
+  EXPECT_FALSE(camera->grab());
+  write("image_3", 1);
+  EXPECT_TRUE(camera->grab());
+  EXPECT_EQ(camera->retrieve().number, 1);
+  // One that never is gives way to the next.
+  writePair(2);
+  cutInHalf(imageOf("image_2", 2));
+  writePair(3);
+  EXPECT_TRUE(camera->grab());
+  EXPECT_EQ(camera->retrieve().number, 3);
+}
+
+TEST_F(FillingFolder, AnImageOfAnotherSizeIsRefused)
+{
+  writePair(0);
+  const auto camera = openLiveFolder(folder.path(""));
+  write("image_2", 1, {100, 80});
+  write("image_3", 1, {100, 80});
+  EXPECT_TRUE(camera->grab());
+  EXPECT_TRUE(camera->grab());
+  expectRefusal<BadInputException>("has 100 x 80 pixels, expected 120 x 80",
+                                   [&] { camera->retrieve(); });
+}
+
+} // namespace pcl_semantic
