@@ -144,6 +144,7 @@ int
 main(int argc, char** argv)
 {
   return run("pcl_semantic_map", [&] {
+    keepFreedMemory();
     const MapArguments arguments = parseMapArguments(argc, argv);
     if (!arguments.print_config)
       return arguments.live ? mapLive(arguments) : mapSource(arguments);

@@ -17,6 +17,9 @@
 #include <set>
 
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace pcl_semantic::tool {
 
@@ -215,6 +218,17 @@ bool
 interrupted()
 {
   return interrupt_count > 0;
+}
+
+void
+keepFreedMemory()
+{
+#ifdef __GLIBC__
+  constexpr int more_than_any = 1 << 30; // [bytes]
+  mallopt(M_MMAP_THRESHOLD, more_than_any);
+  mallopt(M_TRIM_THRESHOLD, more_than_any);
+  mallopt(M_TOP_PAD, 1 << 26);
+#endif
 }
 
 } // namespace pcl_semantic::tool

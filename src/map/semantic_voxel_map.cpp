@@ -32,6 +32,9 @@ struct SemanticVoxelMap::State {
   ScanCounts integrate(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
   std::size_t updateBlocks(const Scan& scan);
   std::size_t addLabels(const Scan& scan, const Eigen::Isometry3d& T_world_sensor);
+  void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined,
+                  std::size_t begin, std::size_t end, bool as_measured,
+                  VoxelBlock& block) const;
   const VoxelBlock* findVoxel(const Eigen::Vector3d& point, int& offset) const;
   void visitBlocks(const VisitBlock& visit) const;
 
@@ -251,6 +254,27 @@ SemanticVoxelMap::State::addLabels(const Scan& scan,
   return voxels;
 }
 
+// Of some voxels, all in one block.
+void
+SemanticVoxelMap::State::setRefined(const VoxelCloud& voxels,
+                                    const LabelDistributions& refined,
+                                    std::size_t begin, std::size_t end,
+                                    bool as_measured, VoxelBlock& block) const
+{
+  const int classes = label_set.size();
+  for (std::size_t i = begin; i < end; ++i) {
+    const int record = block.recordAt(voxelInBlock(voxels.indices[i]));
+    if (record == VoxelBlock::kNoRecord)
+      continue;
+    const float* const distribution = refined.column(Eigen::Index(i));
+    std::copy_n(distribution, classes, block.refined.data() + record * classes);
+    if (as_measured)
+      replaceMeasured(distribution, classes, parameters.fusion.label_max_ratio,
+                      block.measured.data() + record * classes);
+    block.changed = true;
+  }
+}
+
 const VoxelBlock*
 SemanticVoxelMap::State::findVoxel(const Eigen::Vector3d& point, int& offset) const
 {
@@ -349,26 +373,22 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
   if (std::size_t(refined.size()) != voxels.size() || refined.classes() != classes)
     badParameter("refined distributions are ", refined.classes(), " x ", refined.size(),
                  ", expected ", classes, " x ", voxels.size());
-  const auto isProbability = [](float p) { return p >= 0.0f && p <= 1.001f; };
-  const auto& values = refined.matrix();
-  if (!std::all_of(values.data(), values.data() + values.size(), isProbability))
+  const auto values = refined.matrix().array();
+  if (!(values >= 0.0f && values <= 1.001f).all()) // or NaN
     badParameter("a refined distribution holds a value that is no probability");
   const auto writing = state_->lock.write();
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const VoxelIndex& voxel = voxels.indices[i];
-    VoxelBlock* const block = state_->grid.find(blockOf(voxel));
-    if (!block)
-      continue; // has left the window since
-    const int record = block->recordAt(voxelInBlock(voxel));
-    if (record == VoxelBlock::kNoRecord)
-      continue;
-    const float* const distribution = refined.column(Eigen::Index(i));
-    std::copy_n(distribution, classes, block->refined.data() + record * classes);
-    if (as_measured)
-      replaceMeasured(distribution, classes, state_->parameters.fusion.label_max_ratio,
-                      block->measured.data() + record * classes);
-    block->changed = true;
-  }
+  const ThreadScope threads(state_->threads);
+  const auto blockAt = [&](std::size_t i) { return blockOf(voxels.indices[i]); };
+  std::vector<std::size_t> firsts; // of each block's voxels, which lie side by side
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    if (i == 0 || blockAt(i) != blockAt(i - 1))
+      firsts.push_back(i);
+  firsts.push_back(voxels.size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t b = 0; b < firsts.size() - 1; ++b)
+    if (VoxelBlock* const block = state_->grid.find(blockAt(firsts[b])))
+      state_->setRefined(voxels, refined, firsts[b], firsts[b + 1], as_measured, *block);
+  // Else it has left the window since.
 }
 
 const LabelSet&
