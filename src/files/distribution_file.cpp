@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 namespace pcl_semantic {
 
@@ -33,12 +34,11 @@ readBin(const std::string& path, int width, int height, int classes)
 LabelDistributions::Matrix
 readNpyMatrix(const std::string& path, int width, int height, int classes)
 {
-  const NpyArray array = readNpy(path);
+  NpyArray array = readNpy(path);
   if (array.width != width || array.height != height || array.depth != classes)
     badInput(path, ": has shape (", array.height, ", ", array.width, ", ", array.depth,
              "), expected (", height, ", ", width, ", ", classes, ")");
-  return Eigen::Map<const LabelDistributions::Matrix>(array.values.data(), classes,
-                                                      Eigen::Index(width) * height);
+  return std::move(array.values);
 }
 
 // The classes of the pixels.
@@ -97,16 +97,22 @@ void
 checkSums(const LabelDistributions::Matrix& values, const std::string& path, int width)
 {
   constexpr float tolerance = 0.1f;
+  const auto isValid = [&](Eigen::Index j) {
+    return (values.col(j).array() >= 0.0f).all() && std::isfinite(values.col(j).sum());
+  };
+  Eigen::Index bad = values.cols();
+#pragma omp parallel for schedule(static) reduction(min : bad)
   for (Eigen::Index j = 0; j < values.cols(); ++j) {
     const float sum = values.col(j).sum();
-    const bool valid = (values.col(j).array() >= 0.0f).all() && std::isfinite(sum);
-    if (valid && (sum == 0.0f || std::abs(sum - 1.0f) <= tolerance))
-      continue;
-    badInput(path, ": pixel (", j % width, ", ", j / width, ") ",
-             valid ? "has probabilities that sum to "
-                   : "has a negative or non-finite probability; sum ",
-             sum, ", expected 1");
+    if (!isValid(j) || (sum != 0.0f && std::abs(sum - 1.0f) > tolerance))
+      bad = std::min(bad, j);
   }
+  if (bad == values.cols())
+    return;
+  badInput(path, ": pixel (", bad % width, ", ", bad / width, ") ",
+           isValid(bad) ? "has probabilities that sum to "
+                        : "has a negative or non-finite probability; sum ",
+           values.col(bad).sum(), ", expected 1");
 }
 
 // Rows of the image whose pixels these are.

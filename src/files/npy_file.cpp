@@ -91,15 +91,17 @@ readNpy(const std::string& path)
   if (bytes.size() - header.data_offset != expected)
     badInput(path, ": has ", bytes.size() - header.data_offset,
              " bytes of data, expected ", expected);
-  array.values.resize(count);
+  array.values.resize(array.depth, Eigen::Index(array.height) * array.width);
   const std::uint8_t* const data = bytes.data() + header.data_offset;
+  float* const values = array.values.data();
   if (!half)
-    std::memcpy(array.values.data(), data, expected);
+    std::memcpy(values, data, expected);
   else
+#pragma omp parallel for schedule(static)
     for (std::size_t i = 0; i < count; ++i) {
       Eigen::half value;
       std::memcpy(static_cast<void*>(&value), data + 2 * i, 2);
-      array.values[i] = float(value);
+      values[i] = float(value);
     }
   return array;
 }

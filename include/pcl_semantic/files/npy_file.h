@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
 
+#include <Eigen/Core>
+
 #include <string>
-#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -13,7 +15,7 @@ struct NpyArray {
   int height = 0;
   int width = 0;
   int depth = 0;
-  std::vector<float> values; ///< height x width x depth, the last axis fastest
+  Eigen::MatrixXf values; ///< depth x (height * width), columns row by row
 };
 
 /** \brief Reads an `.npy` file: little-endian float32 or float16, C order, three axes.
