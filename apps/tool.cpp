@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <charconv>
 #include <csignal>
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <new>
@@ -19,6 +21,8 @@
 #include <unistd.h>
 #ifdef __GLIBC__
 #include <malloc.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #endif
 
 namespace pcl_semantic::tool {
@@ -228,6 +232,16 @@ keepFreedMemory()
   mallopt(M_MMAP_THRESHOLD, more_than_any);
   mallopt(M_TRIM_THRESHOLD, more_than_any);
   mallopt(M_TOP_PAD, 1 << 26);
+  // The heap that comes next in huge pages; it takes none until it is written to.
+  constexpr std::size_t size = std::size_t(1) << 29, page = std::size_t(1) << 21;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY)
+    return;
+  if (void* const heap = std::malloc(size)) {
+    const std::uintptr_t begin = (std::uintptr_t(heap) + page - 1) / page * page;
+    madvise(reinterpret_cast<void*>(begin), size - page, MADV_HUGEPAGE);
+    std::free(heap);
+  }
 #endif
 }
 
