@@ -2,6 +2,7 @@
 #include "live_mapping.h"
 #include "live_source.h"
 #include "live_view.h"
+#include "map_judgement.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,7 @@ public:
   add(const MappedFrame& mapped, double latency)
   {
     latencies_.push_back(float(latency));
+    voxels_ = mapped.voxels.size();
     const double seconds =
         std::chrono::duration<double>(Clock::now() - start_).count();
     text_ = "frame " + std::to_string(mapped.frame.number) + ": " +
@@ -59,6 +62,13 @@ public:
   text() const
   {
     return text_;
+  }
+
+  /** \brief After the last frame. */
+  std::size_t
+  voxels() const
+  {
+    return voxels_;
   }
 
   std::size_t
@@ -86,8 +96,29 @@ private:
 
   Clock::time_point start_ = Clock::now();
   std::vector<float> latencies_; // [s], four bytes a frame
+  std::size_t voxels_ = 0;
   std::string text_;
 };
+
+// Until there are no more, or an interrupt comes.
+void
+mapFrames(LiveSource& source, SemanticMapper& mapper, LateLabels& labels,
+          MappingOutput& output, bool is_watched, LiveFigures& figures)
+{
+  StatusLine status("live");
+  NowAndThen view(std::chrono::milliseconds(500));
+  while (const std::optional<SensorFrame> frame = source.next()) {
+    labels.fuseReady();
+    const MappedFrame mapped = mapper.process(*frame);
+    labels.offer(mapped);
+    output.writeFrame(mapped, mapper.map());
+    figures.add(mapped, source.secondsSinceGrabbed());
+    if (is_watched && view.isDue())
+      output.writeLive(mapped);
+    status.show(figures.text() + ", " + std::to_string(labels.frames()) +
+                " labelled, " + std::to_string(source.dropped()) + " dropped");
+  }
+}
 
 } // namespace
 
@@ -106,26 +137,25 @@ mapLive(const MapArguments& arguments)
   if (arguments.view)
     openLiveView(arguments.output, arguments.sequence.folder);
   LiveFigures figures;
-  StatusLine status("live");
-  NowAndThen view(std::chrono::milliseconds(500));
-  while (const std::optional<SensorFrame> frame = source.next()) {
-    labels.fuseReady();
-    const MappedFrame mapped = mapper->process(*frame);
-    labels.offer(mapped);
-    output.writeFrame(mapped, mapper->map());
-    figures.add(mapped, source.secondsSinceGrabbed());
-    if (arguments.view && view.isDue())
-      output.writeLive(mapped);
-    status.show(figures.text() + ", " + std::to_string(labels.frames()) +
-                " labelled, " + std::to_string(source.dropped()) + " dropped");
+  // What goes wrong ends the run, but not without the map so far.
+  std::exception_ptr error;
+  try {
+    mapFrames(source, *mapper, labels, output, arguments.view, figures);
+    labels.fuseLast();
   }
-  status.end();
-  labels.fuseLast();
+  catch (...) {
+    if (figures.frames() == 0)
+      throw;
+    error = std::current_exception();
+  }
   mapper->finish();
-  if (poses.lostFrames() > 0)
-    warn(std::to_string(poses.lostFrames()) +
-         " frames could not be tracked: their poses are predicted");
   output.finish(mapper->map());
+  if (error)
+    std::rethrow_exception(error);
+  if (figures.voxels() == 0)
+    warnOfEmptyMap();
+  judgeTracking(arguments.sequence.name(), poses.lostFrames(), int(figures.frames()));
+  judgeCalibration(arguments.label_calibration, output.domainShift());
   printResults({{"frames", figures.frames()},
                 {"labelled", std::size_t(labels.frames())},
                 {"dropped", std::size_t(source.dropped())},

@@ -6,11 +6,13 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/late_labels.h>
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <thread>
 #include <utility>
@@ -24,8 +26,13 @@ openCamera(const SequenceOptions& options)
 {
   if (options.hasFiles())
     return openCaptures(options.files);
+  if (!std::filesystem::is_directory(options.folder))
+    fail<BadInputException>(options.folder, ": is no folder, expected one in KITTI's "
+                                            "layout that another program fills");
+  StatusLine status("live");
   if (!holdsPair(options.folder))
-    note(options.folder + ": waiting for calib.txt and the first pair of images");
+    status.show("waiting for calib.txt and the first pair of images in " +
+                options.folder);
   while (!holdsPair(options.folder)) {
     if (interrupted())
       throw Exit{exit_interrupted};
@@ -51,6 +58,8 @@ LiveSource::LiveSource(const MapArguments& arguments) : MapSource(arguments)
   extras_.images = false;
   extras_.centres = arguments.centres;
   readCalibrations();
+  if (arguments.poses != "auto" && arguments.poses != "odometry")
+    readPoses(arguments.poses, Eigen::Isometry3d::Identity()); // before it waits
   // Last: what comes until the mapper is made is dropped.
   std::unique_ptr<LiveCamera> camera = openCamera(arguments.sequence);
   watch_.emplace(arguments.sequence.strict, camera->camera());
@@ -81,11 +90,13 @@ LiveSource::next()
       return std::move(grabbed->frame);
     }
     catch (const BadInputException& error) {
-      if (arguments_.sequence.strict)
-        throw;
+      if (arguments_.sequence.strict || grabber_->hasEnded())
+        throw; // no more can come
       if (++damaged_ == 1)
         warn(std::string(error.what()) + "; it is left out");
     }
+  if (!interrupted() && !isVideo(arguments_.sequence.files.left))
+    warn(arguments_.sequence.name() + ": gives no more images");
   return std::nullopt;
 }
 

@@ -2,6 +2,7 @@
 #include "live_mapping.h"
 #include "live_view.h"
 #include "map_arguments.h"
+#include "map_judgement.h"
 #include "map_source.h"
 #include "messages.h"
 #include "tool.h"
@@ -84,29 +85,7 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
     is_empty = is_empty && mapped.voxels.size() == 0;
   }
   if (is_empty)
-    warn("the map is empty: no point lies within --max-depth of the sensor "
-         "(coordinates are metres, in the sensor's frame)");
-}
-
-void
-judgeTracking(const MapArguments& arguments, int lost, int frames)
-{
-  if (lost == 0)
-    return;
-  if (lost + 1 == frames)
-    fail<BadInputException>(arguments.sequence.name(), ": no frame could be tracked");
-  warn(std::to_string(lost) +
-       " frames could not be tracked: their poses are predicted");
-}
-
-void
-judgeCalibration(const MapArguments& arguments, double domain_shift)
-{
-  constexpr double usual = 1.0;
-  if (domain_shift > usual)
-    warn(arguments.label_calibration + ": was learned from other streets than " +
-         "this one (domain shift " + shown(domain_shift) +
-         ", expected at most 1): compare the map with one without it");
+    warnOfEmptyMap();
 }
 
 int
@@ -127,10 +106,10 @@ mapSource(const MapArguments& arguments)
                        archive.records(), source->extras());
   archive.resume(*mapper);
   mapFrames(*source, *mapper, archive, output, arguments.view);
-  judgeTracking(arguments, poses.lostFrames(), int(run.frames.size()));
+  judgeTracking(arguments.sequence.name(), poses.lostFrames(), int(run.frames.size()));
   archive.finish(*mapper);
   output.finish(mapper->map());
-  judgeCalibration(arguments, output.domainShift());
+  judgeCalibration(arguments.label_calibration, output.domainShift());
   if (!archive.close())
     warn(arguments.archive.path + ": is being read by another program: " +
          arguments.archive.path + "-wal still belongs to it");

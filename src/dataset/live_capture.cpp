@@ -28,12 +28,21 @@ isNumber(const std::string& text)
          text.find_first_not_of("0123456789") == std::string::npos;
 }
 
+constexpr int longest_silence = 5000; // of a stream [ms]
+
 void
 open(cv::VideoCapture& capture, const std::string& name)
 {
   const QuietOpenCv quiet;
-  const bool is_open =
-      isNumber(name) ? capture.open(std::stoi(name)) : capture.open(name);
+  bool is_open = false;
+  if (isNumber(name))
+    is_open = capture.open(std::stoi(name));
+  else if (name.find("://") != std::string::npos) // what says nothing is given up
+    is_open = capture.open(name, cv::CAP_FFMPEG,
+                           {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, longest_silence,
+                            cv::CAP_PROP_READ_TIMEOUT_MSEC, longest_silence});
+  else
+    is_open = capture.open(name);
   if (!is_open || !capture.isOpened())
     fail<BadInputException>(name, ": cannot be opened, expected a video, a camera's "
                                   "number or device, or the address of a stream");
@@ -53,6 +62,7 @@ public:
       if (!(rate > 0.0 && rate <= 1e4))
         fail<BadInputException>(files.left, ": states ", rate,
                                 " frames a second, expected more than 0");
+      last_ = int(left_.get(cv::CAP_PROP_FRAME_COUNT)) - 1;
       period_ = std::chrono::duration_cast<Clock::duration>(
           std::chrono::duration<double>(1.0 / rate));
     }
@@ -64,27 +74,29 @@ public:
   }
 
   // A camera waits for its next image; a video is played at its rate.
-  bool
+  int
   grab() override
   {
     if (std::exchange(is_first_, false)) { // the constructor grabbed it
       begin_ = when_ = Clock::now();
-      return true;
+      return 1;
     }
     if (period_ > Clock::duration::zero()) {
       const Clock::time_point due = begin_ + (number_ + 1) * period_;
       const auto wait = due - Clock::now();
       std::this_thread::sleep_for(std::min<Clock::duration>(wait, longest_wait));
       if (wait > longest_wait)
-        return false;
+        return 0;
     }
-    if (!grabBoth()) {
+    // Beyond the end of a video the last pair could not be decoded any more.
+    if (number_ == last_ || !grabBoth()) {
       has_ended_ = true;
-      return false;
+      is_lost_ = number_ != last_;
+      return 0;
     }
     ++number_;
     when_ = Clock::now();
-    return true;
+    return 1;
   }
 
   bool
@@ -96,6 +108,9 @@ public:
   StereoFrame
   retrieve() override
   {
+    if (is_lost_)
+      fail<BadInputException>(files_.left, ": ended before frame ", number_,
+                              " was decoded");
     StereoFrame frame = decoded();
     frame.number = number_;
     frame.timestamp = std::chrono::duration<double>(when_ - begin_).count();
@@ -152,7 +167,9 @@ private:
   Clock::duration period_{};              // of a video; 0 = a camera has its own time
   Clock::time_point begin_, when_;
   int number_ = 0; // of the pair that was grabbed last, the first is 0
-  bool is_first_ = true; // of the pairs
+  int last_ = -1;         // of a video
+  bool is_first_ = true;  // of the pairs
+  bool is_lost_ = false;  // the pair that was grabbed last
   bool has_ended_ = false;
 };
 

@@ -2,6 +2,7 @@
 #include <pcl_semantic/dataset/live_camera.h>
 
 #include "core/fail.h"
+#include "files/parse_whole.h"
 #include "stereo_pair_reader.h"
 
 #include <pcl_semantic/files/input_file.h>
@@ -9,11 +10,12 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <deque>
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -46,29 +48,33 @@ isWhole(const std::string& path)
          file.read(last.data(), last.size()) && last == end;
 }
 
-// The pairs of two folders that grow, in the order of their numbers.
+// The pairs of two folders that grow.
 class NewPairs {
 public:
   explicit NewPairs(PairFolders folders) : folders_(std::move(folders)) {}
 
-  // The next pair, if it is whole. One that is not is waited for until a later one is.
-  bool
+  // The newest pair that is whole; how many have come with it, 0 = none.
+  int
   next(StereoPairFiles& pair)
   {
     look();
     const auto whole =
-        std::find_if(found_.begin(), found_.end(), [&](const FrameFile& file) {
+        std::find_if(found_.rbegin(), found_.rend(), [&](const FrameFile& file) {
           return isWhole(file.path) && isWhole(rightOf(file));
         });
-    if (whole == found_.end())
-      return false;
+    if (whole == found_.rend())
+      return 0;
     pair = {whole->path, rightOf(*whole), whole->frame};
     last_ = whole->frame;
-    found_.erase(found_.begin(), whole + 1);
-    return true;
+    const auto came = int(found_.rend() - whole) + passed_;
+    passed_ = 0;
+    found_.erase(found_.begin(), whole.base());
+    return came;
   }
 
 private:
+  static constexpr std::size_t most = 100; // pairs that are looked at
+
   std::string
   rightOf(const FrameFile& left) const
   {
@@ -79,22 +85,39 @@ private:
   void
   look()
   {
-    const fs::file_time_type changed = fs::last_write_time(folders_.left);
+    std::error_code error;
+    const fs::file_time_type changed = fs::last_write_time(folders_.left, error);
+    if (error)
+      fail<BadInputException>(folders_.left, ": cannot be read: ", error.message());
     if (changed == seen_)
       return;
     found_.clear();
-    for (const FrameFile& file : listFrameFiles(folders_.left, {".png"}))
-      if (file.frame > last_)
-        found_.push_back(file);
+    for (const fs::directory_entry& entry : fs::directory_iterator(folders_.left, error))
+      add(entry.path());
+    std::sort(found_.begin(), found_.end(), [](const FrameFile& a, const FrameFile& b) {
+      return a.frame != b.frame ? a.frame < b.frame : a.path < b.path;
+    });
+    passed_ = int(found_.size() - std::min(most, found_.size()));
+    found_.erase(found_.begin(), found_.begin() + passed_);
     // The clock of files is coarse: what comes in the same moment must not be missed.
-    constexpr std::chrono::milliseconds moment(100);
+    constexpr std::chrono::milliseconds moment(20);
     if (fs::file_time_type::clock::now() - changed > moment)
       seen_ = changed;
   }
 
+  void
+  add(const fs::path& path)
+  {
+    int number = 0;
+    if (path.extension() == ".png" && parseWhole(path.stem().string(), number) &&
+        number > last_ && number <= kMaxFrameNumber)
+      found_.push_back({number, path.string()});
+  }
+
   PairFolders folders_;
-  std::deque<FrameFile> found_; // left images behind last_
-  int last_ = -1;               // number of the pair that was given out last
+  std::vector<FrameFile> found_; // left images behind last_, by number
+  int passed_ = 0;               // older ones that are not looked at
+  int last_ = -1;                // number of the pair that was given out last
   fs::file_time_type seen_ = fs::file_time_type::min();
 };
 
@@ -102,10 +125,10 @@ class LiveFolder : public LiveCamera {
 public:
   explicit LiveFolder(const std::string& folder) : pairs_(foldersIn(folder))
   {
-    if (!pairs_.next(next_))
+    came_ = pairs_.next(grabbed_);
+    if (came_ == 0)
       fail<BadInputException>(folder, ": holds no whole pair of images yet");
-    has_next_ = true;
-    const cv::Mat first = readFrameImage(next_.left, next_.frame);
+    const cv::Mat first = readFrameImage(grabbed_.left, grabbed_.frame);
     const KittiCalibration calibration = readCalibrationOf(
         first.size(), folder + "/calib.txt",
         first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
@@ -113,18 +136,16 @@ public:
     pair_.T_camera0_camera = calibration.T_camera0_camera;
   }
 
-  bool
+  int
   grab() override
   {
     constexpr std::chrono::milliseconds pause(10);
-    if (!has_next_ && !pairs_.next(next_)) {
+    const int came = came_ > 0 ? std::exchange(came_, 0) : pairs_.next(grabbed_);
+    if (came > 0)
+      when_ = Clock::now();
+    else
       std::this_thread::sleep_for(pause);
-      return false;
-    }
-    has_next_ = false;
-    grabbed_ = next_;
-    when_ = Clock::now();
-    return true;
+    return came;
   }
 
   bool
@@ -145,8 +166,8 @@ private:
   using Clock = std::chrono::steady_clock;
 
   NewPairs pairs_;
-  StereoPairFiles next_, grabbed_;
-  bool has_next_ = false; // next_ was found and not grabbed yet
+  StereoPairFiles grabbed_;
+  int came_ = 0; // that the constructor found
   Clock::time_point begin_ = Clock::now(), when_;
 };
 
@@ -158,7 +179,7 @@ holdsPair(const std::string& folder)
   const PairFolders folders = foldersIn(folder);
   StereoPairFiles pair;
   return fs::is_directory(folders.left) && fs::is_directory(folders.right) &&
-         fs::exists(folder + "/calib.txt") && NewPairs(folders).next(pair);
+         fs::exists(folder + "/calib.txt") && NewPairs(folders).next(pair) > 0;
 }
 
 std::unique_ptr<LiveCamera>

@@ -54,7 +54,7 @@ StereoGrabber::grabAll()
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stop_ && !has_ended_) {
     lock.unlock();
-    bool came = false;
+    int came = 0;
     std::exception_ptr error;
     try {
       came = camera_->grab();
@@ -64,15 +64,17 @@ StereoGrabber::grabAll()
     }
     lock.lock();
     has_ended_ = error || camera_->hasEnded();
-    if (error)
-      error_ = error;
-    if (came) {
-      ++waiting_;
+    if (came > 0) {
+      waiting_ += came;
       when_ = Clock::now();
     }
     serve(lock);
+    if (error)
+      error_ = error;
   }
-  // The last pair waits for who wants it.
+  // The last pair waits for who wants it, unless the camera broke.
+  if (error_)
+    waiting_ = 0;
   while (!stop_ && waiting_ > 0) {
     changed_.wait(lock, [&] { return stop_ || is_wanted_; });
     serve(lock);
@@ -100,7 +102,8 @@ StereoGrabber::serve(std::unique_lock<std::mutex>& lock)
   }
   lock.lock();
   grabbed_ = std::move(grabbed);
-  error_ = error;
+  if (error)
+    error_ = error;
   is_wanted_ = false;
   changed_.notify_all();
 }

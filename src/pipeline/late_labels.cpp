@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/pipeline/late_labels.h>
 
+#include <pcl_semantic/core/threads.h>
+
 #include <chrono>
 #include <utility>
+
+#include <omp.h>
 
 namespace pcl_semantic {
 
@@ -22,9 +26,11 @@ LateLabels::offer(const MappedFrame& mapped)
   frame_->frame = mapped.frame;
   frame_->cloud = mapped.cloud;
   frame_->T_world_camera = mapped.T_world_camera;
-  labels_ = std::async(std::launch::async, [this, image = mapped.frame] {
-    return predictor_->predict(image);
-  });
+  labels_ = std::async(std::launch::async,
+                       [this, image = mapped.frame, threads = omp_get_max_threads()] {
+                         const ThreadScope scope(threads); // a thread begins with all
+                         return predictor_->predict(image);
+                       });
 }
 
 bool

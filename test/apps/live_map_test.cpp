@@ -73,6 +73,22 @@ TEST_F(LiveMap, InterruptedBeforeAnythingCameItWritesNothing)
   EXPECT_FALSE(fs::exists(map));
 }
 
+TEST_F(LiveMap, WhatGoesWrongEndsItButNotWithoutTheMap)
+{
+  const std::string log = folder.path("log"), labels = folder.path("no_labels");
+  const ToolResult result = runShell(
+      "mkdir " + labels + "; " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " +
+      tinyStreet() + " --labels " + labels + " --live --verbose --output " + map + " >" +
+      log + " 2>&1 & until grep -q \"live: frame 2\" " + log +
+      "; do kill -0 $! || exit 1; sleep 0.05; done; kill -INT $!; wait $!; code=$?; "
+      "tail -n 1 " +
+      log + "; exit $code");
+  EXPECT_EQ(result.code, 3) << result.text;
+  EXPECT_TRUE(holds(result.text, "no_labels"));
+  EXPECT_EQ(readKittiTrajectory(map + "/trajectory.txt").size(), 3u);
+  EXPECT_TRUE(fs::exists(map + "/map.pcd"));
+}
+
 TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
 {
   const std::string live = "map " + tinyStreet() + " --labels " + tinyStreet() +
@@ -84,6 +100,10 @@ TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
               "--live --output " +
                   map,
               2, "--live needs cameras, streams or videos");
+  expectFails("map " + street + " --labels " + tinyStreet() +
+                  "/labels --live --output " + map,
+              3,
+              "street: is no folder");
   EXPECT_FALSE(fs::exists(map));
 }
 

@@ -63,7 +63,7 @@ protected:
 
 } // namespace
 
-TEST_F(FillingFolder, PairsComeInTheirOrderWhenBothImagesAreThere)
+TEST_F(FillingFolder, APairIsThereWhenBothImagesAre)
 {
   expectRefusal<BadInputException>("holds no whole pair of images yet",
                                    [&] { openLiveFolder(folder.path("")); });
@@ -73,42 +73,68 @@ TEST_F(FillingFolder, PairsComeInTheirOrderWhenBothImagesAreThere)
   const auto camera = openLiveFolder(folder.path(""));
   EXPECT_EQ(camera->camera().width, 120);
   EXPECT_NEAR(camera->camera().baseline, 0.5, 1e-9);
-  EXPECT_TRUE(camera->grab());
+  EXPECT_EQ(camera->grab(), 1);
   EXPECT_EQ(camera->retrieve().number, 3);
-  EXPECT_FALSE(camera->grab());
+  EXPECT_EQ(camera->grab(), 0);
   write("image_2", 5);
-  EXPECT_FALSE(camera->grab());
+  EXPECT_EQ(camera->grab(), 0);
   write("image_3", 5);
-  writePair(9);
-  for (const int number : {5, 9}) {
-    EXPECT_TRUE(camera->grab());
-    const StereoFrame frame = camera->retrieve();
-    EXPECT_EQ(frame.number, number);
-    EXPECT_EQ(frame.left.at<cv::Vec3b>(40, 60)[0], number);
-    EXPECT_GE(frame.timestamp, 0.0);
-  }
+  EXPECT_EQ(camera->grab(), 1);
+  const StereoFrame frame = camera->retrieve();
+  EXPECT_EQ(frame.number, 5);
+  EXPECT_EQ(frame.left.at<cv::Vec3b>(40, 60)[0], 5);
+  EXPECT_GE(frame.timestamp, 0.0);
   writePair(4); // late: what came after it has been mapped
-  EXPECT_FALSE(camera->grab());
+  EXPECT_EQ(camera->grab(), 0);
   EXPECT_FALSE(camera->hasEnded());
+}
+
+TEST_F(FillingFolder, OfManyTheNewestIsGrabbed)
+{
+  for (int number = 0; number < 120; ++number)
+    writePair(number);
+  const auto camera = openLiveFolder(folder.path(""));
+  EXPECT_EQ(camera->grab(), 120);
+  EXPECT_EQ(camera->retrieve().number, 119);
+  writePair(130);
+  writePair(140);
+  EXPECT_EQ(camera->grab(), 2);
+  EXPECT_EQ(camera->retrieve().number, 140);
 }
 
 TEST_F(FillingFolder, AnImageIsWaitedForUntilItIsWhole)
 {
   writePair(0);
   const auto camera = openLiveFolder(folder.path(""));
-  EXPECT_TRUE(camera->grab());
+  EXPECT_EQ(camera->grab(), 1);
   writePair(1);
   cutInHalf(imageOf("image_3", 1));
-  EXPECT_FALSE(camera->grab());
+  EXPECT_EQ(camera->grab(), 0);
   write("image_3", 1);
-  EXPECT_TRUE(camera->grab());
+  EXPECT_EQ(camera->grab(), 1);
   EXPECT_EQ(camera->retrieve().number, 1);
-  // One that never is gives way to the next.
+  // One that never is gives way to the next, and counts.
   writePair(2);
   cutInHalf(imageOf("image_2", 2));
   writePair(3);
-  EXPECT_TRUE(camera->grab());
+  EXPECT_EQ(camera->grab(), 2);
   EXPECT_EQ(camera->retrieve().number, 3);
+}
+
+TEST_F(FillingFolder, OtherFilesArePassedOver)
+{
+  writePair(0);
+  const auto camera = openLiveFolder(folder.path(""));
+  EXPECT_EQ(camera->grab(), 1);
+  for (const char* const name : {"20261125134500.png", "left.png", "notes.txt", ".png"})
+    folder.write(std::string("image_2/") + name, "x");
+  EXPECT_EQ(camera->grab(), 0);
+  writePair(1);
+  fs::copy_file(imageOf("image_2", 1), folder.path("image_2/1.png")); // once more
+  EXPECT_EQ(camera->grab(), 1);
+  EXPECT_EQ(camera->retrieve().number, 1);
+  fs::remove_all(folder.path("image_2"));
+  expectRefusal<BadInputException>("image_2: cannot be read", [&] { camera->grab(); });
 }
 
 TEST_F(FillingFolder, AnImageOfAnotherSizeIsRefused)
@@ -117,8 +143,8 @@ TEST_F(FillingFolder, AnImageOfAnotherSizeIsRefused)
   const auto camera = openLiveFolder(folder.path(""));
   write("image_2", 1, {100, 80});
   write("image_3", 1, {100, 80});
-  EXPECT_TRUE(camera->grab());
-  EXPECT_TRUE(camera->grab());
+  EXPECT_EQ(camera->grab(), 1);
+  EXPECT_EQ(camera->grab(), 1);
   expectRefusal<BadInputException>("has 100 x 80 pixels, expected 120 x 80",
                                    [&] { camera->retrieve(); });
 }

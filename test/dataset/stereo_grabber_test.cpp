@@ -46,18 +46,18 @@ class ScriptedCamera : public LiveCamera {
 public:
   explicit ScriptedCamera(Script& script) : script_(script) {}
 
-  bool
+  int
   grab() override
   {
     const std::lock_guard<std::mutex> lock(script_.mutex);
     if (script_.coming.empty())
-      return false;
+      return 0;
     number_ = script_.coming.front();
     script_.coming.pop_front();
     script_.changed.notify_all();
     if (number_ < 0)
       throw std::runtime_error("the camera is gone");
-    return true;
+    return 1;
   }
 
   bool

@@ -16,14 +16,16 @@ class LiveCamera {
 public:
   virtual ~LiveCamera() = default;
 
-  /** \brief Waits up to a twentieth of a second for the next pair, without decoding it.
-   * \return whether one came */
-  virtual bool grab() = 0;
+  /** \brief Waits for the next pairs, without decoding them: of a folder or a video not
+   * longer than a twentieth of a second, of a camera or a stream as long as these do.
+   * \return how many came; 0 = none
+   * \throws BadInputException if no more can come, and why */
+  virtual int grab() = 0;
 
   /** \brief Whether no more will come. */
   virtual bool hasEnded() const = 0;
 
-  /** \brief The pair that was grabbed last, rectified; its time is that since the
+  /** \brief The newest of the pairs that came last, rectified; its time is that since the
    * camera was opened [s].
    * \throws BadInputException if it is damaged, or of another size */
   virtual StereoFrame retrieve() = 0;
@@ -62,9 +64,9 @@ std::unique_ptr<LiveCamera> openCaptures(const ImagePairFiles& files);
 bool holdsPair(const std::string& folder);
 
 /** \brief Opens a folder in KITTI's layout (calib.txt, image_2 and image_3 or image_0
- * and image_1) that another program fills: pairs are grabbed in the order of their
- * numbers, each when both images are whole. An image is, if it is a PNG that ends as
- * one.
+ * and image_1) that another program fills: grabs the newest pair of which both images
+ * are whole, which is a PNG that ends as one. What has a lower number came before it,
+ * whole or not. Other files are passed over.
  * \throws BadInputException as KittiSequence, also if there is no pair yet */
 std::unique_ptr<LiveCamera> openLiveFolder(const std::string& folder);
 

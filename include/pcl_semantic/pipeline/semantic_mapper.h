@@ -141,7 +141,7 @@ public:
 
   /** \brief Fuses the labels of a frame that was processed without them: its predictor
    * gave none, since they were not ready. The CRF sees them with the next frame.
-   * \param[in] earlier what process() returned of it; of this the image, cloud and pose
+   * \param[in] earlier what process() returned of it; of this the cloud and the pose
    * \param[in] labels L x pixels
    * \throws InvalidParameterException if they are of other classes or pixels */
   void addLabels(const MappedFrame& earlier, const LabelDistributions& labels);
