@@ -50,8 +50,7 @@ public:
   {
     latencies_.push_back(float(latency));
     voxels_ = mapped.voxels.size();
-    const double seconds =
-        std::chrono::duration<double>(Clock::now() - start_).count();
+    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     text_ = "frame " + std::to_string(mapped.frame.number) + ": " +
             shown(double(latencies_.size()) / seconds) + " frames/s, " +
             shown(latency) + " s after it came, " +

@@ -254,7 +254,8 @@ private:
 class CloudSource : public RecordedSource {
 public:
   explicit CloudSource(const MapArguments& arguments)
-      : RecordedSource(arguments), clouds_(arguments.clouds, arguments.sequence.files.times)
+      : RecordedSource(arguments),
+        clouds_(arguments.clouds, arguments.sequence.files.times)
   {
     std::error_code error;
     if (std::filesystem::equivalent(arguments.poses,

@@ -163,7 +163,10 @@ StatusLine::StatusLine(std::string what)
       terminal_(isatty(STDERR_FILENO) == 1 && !manner().quiet && !manner().verbose)
 {}
 
-StatusLine::~StatusLine() { end(); }
+StatusLine::~StatusLine()
+{
+  end();
+}
 
 void
 StatusLine::show(const std::string& text)

@@ -166,10 +166,10 @@ private:
   std::optional<cv::VideoCapture> right_; // none: left_ has both sides
   Clock::duration period_{};              // of a video; 0 = a camera has its own time
   Clock::time_point begin_, when_;
-  int number_ = 0; // of the pair that was grabbed last, the first is 0
-  int last_ = -1;         // of a video
-  bool is_first_ = true;  // of the pairs
-  bool is_lost_ = false;  // the pair that was grabbed last
+  int number_ = 0;       // of the pair that was grabbed last, the first is 0
+  int last_ = -1;        // of a video
+  bool is_first_ = true; // of the pairs
+  bool is_lost_ = false; // the pair that was grabbed last
   bool has_ended_ = false;
 };
 

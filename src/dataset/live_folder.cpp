@@ -92,7 +92,8 @@ private:
     if (changed == seen_)
       return;
     found_.clear();
-    for (const fs::directory_entry& entry : fs::directory_iterator(folders_.left, error))
+    for (const fs::directory_entry& entry :
+         fs::directory_iterator(folders_.left, error))
       add(entry.path());
     std::sort(found_.begin(), found_.end(), [](const FrameFile& a, const FrameFile& b) {
       return a.frame != b.frame ? a.frame < b.frame : a.path < b.path;

@@ -233,10 +233,11 @@ SemanticVoxelMap::State::addLabels(const Scan& scan,
     if (grid.at(slot) && grid.at(slot)->recordAt(offset) != VoxelBlock::kNoRecord)
       ends.push_back({slot, offset, i});
   }
-  const auto voxelOfEnd = [](const End& end) { return std::pair(end.slot, end.offset); };
-  std::sort(ends.begin(), ends.end(), [&](const End& a, const End& b) {
-    return voxelOfEnd(a) < voxelOfEnd(b);
-  });
+  const auto voxelOfEnd = [](const End& end) {
+    return std::pair(end.slot, end.offset);
+  };
+  std::sort(ends.begin(), ends.end(),
+            [&](const End& a, const End& b) { return voxelOfEnd(a) < voxelOfEnd(b); });
   VoxelMeasurement measurement(label_set.size(), parameters.fusion);
   std::size_t voxels = 0;
   for (std::size_t first = 0, last = 0; first < ends.size(); first = last, ++voxels) {
@@ -387,7 +388,8 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
 #pragma omp parallel for schedule(static)
   for (std::size_t b = 0; b < firsts.size() - 1; ++b)
     if (VoxelBlock* const block = state_->grid.find(blockAt(firsts[b])))
-      state_->setRefined(voxels, refined, firsts[b], firsts[b + 1], as_measured, *block);
+      state_->setRefined(voxels, refined, firsts[b], firsts[b + 1], as_measured,
+                         *block);
   // Else it has left the window since.
 }
 

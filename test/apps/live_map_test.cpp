@@ -48,9 +48,10 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
               street + "/image_" + side + "; ";
     fill += waitFor("live: frame " + frame);
   }
-  const ToolResult result = runShell(
-      command("--verbose") + " >" + log + " 2>&1 & " + waitFor("waiting for calib.txt") +
-      fill + "kill -INT $!; wait $!; code=$?; cat " + log + "; exit $code");
+  const ToolResult result =
+      runShell(command("--verbose") + " >" + log + " 2>&1 & " +
+               waitFor("waiting for calib.txt") + fill +
+               "kill -INT $!; wait $!; code=$?; cat " + log + "; exit $code");
   EXPECT_EQ(result.code, 0) << result.text;
   EXPECT_TRUE(holds(result.text, "frames: 3"));
   EXPECT_TRUE(holds(result.text, "dropped: 0"));
@@ -66,9 +67,8 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
 
 TEST_F(LiveMap, InterruptedBeforeAnythingCameItWritesNothing)
 {
-  const ToolResult result =
-      runShell("exec 2>&1; mkdir " + street + "; " + command() +
-               " & sleep 0.5; kill -INT $!; wait $!");
+  const ToolResult result = runShell("exec 2>&1; mkdir " + street + "; " + command() +
+                                     " & sleep 0.5; kill -INT $!; wait $!");
   EXPECT_EQ(result.code, 130) << result.text;
   EXPECT_FALSE(fs::exists(map));
 }
@@ -78,8 +78,8 @@ TEST_F(LiveMap, WhatGoesWrongEndsItButNotWithoutTheMap)
   const std::string log = folder.path("log"), labels = folder.path("no_labels");
   const ToolResult result = runShell(
       "mkdir " + labels + "; " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " +
-      tinyStreet() + " --labels " + labels + " --live --verbose --output " + map + " >" +
-      log + " 2>&1 & until grep -q \"live: frame 2\" " + log +
+      tinyStreet() + " --labels " + labels + " --live --verbose --output " + map +
+      " >" + log + " 2>&1 & until grep -q \"live: frame 2\" " + log +
       "; do kill -0 $! || exit 1; sleep 0.05; done; kill -INT $!; wait $!; code=$?; "
       "tail -n 1 " +
       log + "; exit $code");
@@ -102,8 +102,7 @@ TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
               2, "--live needs cameras, streams or videos");
   expectFails("map " + street + " --labels " + tinyStreet() +
                   "/labels --live --output " + map,
-              3,
-              "street: is no folder");
+              3, "street: is no folder");
   EXPECT_FALSE(fs::exists(map));
 }
 

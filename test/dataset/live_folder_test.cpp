@@ -26,8 +26,8 @@ protected:
     for (const char* const name : {"image_2", "image_3"})
       fs::create_directories(folder.path(name));
     std::string text;
-    for (const char* const row :
-         {"P0: 500 0 60 0", "P1: 500 0 60 -100", "P2: 500 0 60 30", "P3: 500 0 60 -220"})
+    for (const char* const row : {"P0: 500 0 60 0", "P1: 500 0 60 -100",
+                                  "P2: 500 0 60 30", "P3: 500 0 60 -220"})
       text += std::string(row) + " 0 400 40 0 0 0 1 0\n";
     folder.write("calib.txt", text);
   }

@@ -67,7 +67,7 @@ TEST(ReadNpy, ReadsFloat16)
   const std::string data(reinterpret_cast<const char*>(halves), sizeof(halves));
   const NpyArray array = readNpy(folder.write("a.npy", npy("<f2", "(1, 2, 3)", data)));
   EXPECT_EQ(listOf(array), (std::vector<float>{1.0f, -2.0f, 0.5f, 65504.0f,
-                                              5.9604645e-8f, 0.33325195f}));
+                                               5.9604645e-8f, 0.33325195f}));
 }
 
 TEST(ReadNpy, SaysWhatDiffers)

@@ -335,11 +335,11 @@ TEST_F(Street, ANetworkThatIsBusyLeavesFramesWithoutLabels)
   EXPECT_TRUE(labels.fuseLast());
   EXPECT_EQ(slow.seen, std::vector<int>{0});
   EXPECT_FALSE(mapper.map().occupied().measured.matrix().isZero(0.0f));
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] {
-        mapper.addLabels(mapper.process(frame(3)), LabelDistributions(11, 7));
-      }),
-      "labels of 7 pixels"));
+  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
+                      mapper.addLabels(mapper.process(frame(3)),
+                                       LabelDistributions(11, 7));
+                    }),
+                    "labels of 7 pixels"));
 }
 
 TEST_F(Street, TheCrfWritesBackWhatItConcludesOnRequest)

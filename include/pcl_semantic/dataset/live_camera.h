@@ -25,9 +25,9 @@ public:
   /** \brief Whether no more will come. */
   virtual bool hasEnded() const = 0;
 
-  /** \brief The newest of the pairs that came last, rectified; its time is that since the
-   * camera was opened [s].
-   * \throws BadInputException if it is damaged, or of another size */
+  /** \brief The newest of the pairs that came last, rectified; its time is that since
+   * the camera was opened [s]. \throws BadInputException if it is damaged, or of
+   * another size */
   virtual StereoFrame retrieve() = 0;
 
   /** \brief The rectified pair, its size filled in. */

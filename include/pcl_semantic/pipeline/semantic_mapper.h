@@ -176,8 +176,8 @@ private:
 
   void calibrateLabels(MappedFrame& mapped) const;
 
-  pcl::PointCloud<pcl::PointXYZRGB>::Ptr
-  withoutSeenThrough(const MappedFrame& mapped, std::size_t& erased) const;
+  pcl::PointCloud<pcl::PointXYZRGB>::Ptr withoutSeenThrough(const MappedFrame& mapped,
+                                                            std::size_t& erased) const;
 
   ScanCounts integrate(const MappedFrame& mapped);
 
