@@ -5,7 +5,8 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/dataset/live_capture.h>
+#include <pcl_semantic/dataset/live_folder.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>

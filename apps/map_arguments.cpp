@@ -3,7 +3,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/dataset/live_capture.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/mapping_output.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/dataset/live_folder.h>
 
 #include "core/fail.h"
 #include "files/parse_whole.h"

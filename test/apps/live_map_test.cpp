@@ -25,8 +25,17 @@ protected:
            tinyStreet() + "/labels --live --output " + map + " " + more;
   }
 
+  // For the shell: waits until the run that it has started last has said so.
+  std::string
+  waitFor(const std::string& text) const
+  {
+    return "until grep -q \"" + text + "\" " + log +
+           "; do kill -0 $! || exit 1; sleep 0.05; done; ";
+  }
+
   const TemporaryFolder folder;
   const std::string street = folder.path("street"), map = folder.path("map");
+  const std::string log = folder.path("log");
 };
 
 } // namespace
@@ -36,11 +45,6 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
 {
   fs::create_directories(street + "/image_2");
   fs::create_directories(street + "/image_3");
-  const std::string log = folder.path("log");
-  const auto waitFor = [&](const std::string& text) {
-    return "until grep -q \"" + text + "\" " + log +
-           "; do kill -0 $! || exit 1; sleep 0.05; done; ";
-  };
   std::string fill = "cp " + tinyStreet() + "/calib.txt " + street + "; ";
   for (const std::string frame : {"0", "1", "2"}) {
     for (const std::string side : {"2", "3"})
@@ -67,22 +71,21 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
 
 TEST_F(LiveMap, InterruptedBeforeAnythingCameItWritesNothing)
 {
-  const ToolResult result = runShell("exec 2>&1; mkdir " + street + "; " + command() +
-                                     " & sleep 0.5; kill -INT $!; wait $!");
+  const ToolResult result =
+      runShell("mkdir " + street + "; " + command("--verbose") + " >" + log +
+               " 2>&1 & " + waitFor("waiting for calib.txt") + "kill -INT $!; wait $!");
   EXPECT_EQ(result.code, 130) << result.text;
   EXPECT_FALSE(fs::exists(map));
 }
 
 TEST_F(LiveMap, WhatGoesWrongEndsItButNotWithoutTheMap)
 {
-  const std::string log = folder.path("log"), labels = folder.path("no_labels");
+  const std::string labels = folder.path("no_labels");
   const ToolResult result = runShell(
       "mkdir " + labels + "; " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " +
       tinyStreet() + " --labels " + labels + " --live --verbose --output " + map +
-      " >" + log + " 2>&1 & until grep -q \"live: frame 2\" " + log +
-      "; do kill -0 $! || exit 1; sleep 0.05; done; kill -INT $!; wait $!; code=$?; "
-      "tail -n 1 " +
-      log + "; exit $code");
+      " >" + log + " 2>&1 & " + waitFor("live: frame 2") +
+      "kill -INT $!; wait $!; code=$?; tail -n 1 " + log + "; exit $code");
   EXPECT_EQ(result.code, 3) << result.text;
   EXPECT_TRUE(holds(result.text, "no_labels"));
   EXPECT_EQ(readKittiTrajectory(map + "/trajectory.txt").size(), 3u);

@@ -4,7 +4,7 @@
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/dataset/live_capture.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/videoio.hpp>

@@ -3,7 +3,7 @@
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/live_camera.h>
+#include <pcl_semantic/dataset/live_folder.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 
