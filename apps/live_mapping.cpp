@@ -154,7 +154,6 @@ mapLive(const MapArguments& arguments)
   if (figures.voxels() == 0)
     warnOfEmptyMap();
   judgeTracking(arguments.sequence.name(), poses.lostFrames(), int(figures.frames()));
-  judgeCalibration(arguments.label_calibration, output.domainShift());
   printResults({{"frames", figures.frames()},
                 {"labelled", std::size_t(labels.frames())},
                 {"dropped", std::size_t(source.dropped())},

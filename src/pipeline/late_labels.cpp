@@ -22,8 +22,7 @@ LateLabels::offer(const MappedFrame& mapped)
 {
   if (frame_)
     return;
-  frame_.emplace(); // without the voxels, which are many
-  frame_->frame = mapped.frame;
+  frame_.emplace(); // what addLabels() asks for, without all else
   frame_->cloud = mapped.cloud;
   frame_->T_world_camera = mapped.T_world_camera;
   labels_ = std::async(std::launch::async,
@@ -47,10 +46,10 @@ LateLabels::fuseLast()
   if (!frame_)
     return false;
   const MappedFrame frame = *std::exchange(frame_, std::nullopt);
-  const LabelDistributions labels = labels_.get();
+  LabelDistributions labels = labels_.get();
   if (labels.empty())
     return false;
-  mapper_.addLabels(frame, labels);
+  mapper_.addLabels(frame, std::move(labels));
   ++frames_;
   return true;
 }

@@ -211,7 +211,7 @@ SemanticMapper::calibrateLabels(MappedFrame& mapped) const
 }
 
 void
-SemanticMapper::addLabels(const MappedFrame& earlier, const LabelDistributions& labels)
+SemanticMapper::addLabels(const MappedFrame& earlier, LabelDistributions labels)
 {
   const ThreadScope threads(config_.threads);
   if (std::size_t(labels.size()) != earlier.cloud->size())
@@ -219,7 +219,7 @@ SemanticMapper::addLabels(const MappedFrame& earlier, const LabelDistributions& 
                  earlier.cloud->size());
   MappedFrame frame;
   frame.cloud = earlier.cloud;
-  frame.network = labels;
+  frame.network = std::move(labels);
   frame.T_world_camera = earlier.T_world_camera;
   if (calibration_)
     calibrateLabels(frame);

@@ -144,7 +144,7 @@ public:
    * \param[in] earlier what process() returned of it; of this the cloud and the pose
    * \param[in] labels L x pixels
    * \throws InvalidParameterException if they are of other classes or pixels */
-  void addLabels(const MappedFrame& earlier, const LabelDistributions& labels);
+  void addLabels(const MappedFrame& earlier, LabelDistributions labels);
 
   /** \brief Runs the CRF over the window if the last frame had none (crf_every), so
    * that the finished map is refined throughout. */
