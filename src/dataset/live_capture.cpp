@@ -34,15 +34,19 @@ void
 open(cv::VideoCapture& capture, const std::string& name)
 {
   const QuietOpenCv quiet;
+  // Named libraries only: left to choose, OpenCV also asks gPhoto for cameras, which
+  // searches all of USB and leaks memory.
   bool is_open = false;
   if (isNumber(name))
-    is_open = capture.open(std::stoi(name));
+    is_open = capture.open(std::stoi(name), cv::CAP_V4L2);
+  else if (name.rfind("/dev/", 0) == 0)
+    is_open = capture.open(name, cv::CAP_V4L2);
   else if (name.find("://") != std::string::npos) // what says nothing is given up
     is_open = capture.open(name, cv::CAP_FFMPEG,
                            {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, longest_silence,
                             cv::CAP_PROP_READ_TIMEOUT_MSEC, longest_silence});
   else
-    is_open = capture.open(name);
+    is_open = capture.open(name, cv::CAP_FFMPEG);
   if (!is_open || !capture.isOpened())
     fail<BadInputException>(name, ": cannot be opened, expected a video, a camera's "
                                   "number or device, or the address of a stream");
