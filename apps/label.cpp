@@ -58,7 +58,7 @@ struct Arguments {
   std::string sensor_pose; ///< of the clouds' sensor in the camera; empty = KITTI's Tr
   double max_depth = 0.0;  ///< of points that get labels of images [m]; 0 = unlimited
   std::string occlusion_window = "3,7"; ///< half columns, half rows [px]
-  std::string output, network, model, labels, label_set, label_mapping;
+  std::string output, network, model, engine, labels, label_set, label_mapping;
   std::string frames = ":";
   std::string format = "float32";
   double label_confidence = 0.8; ///< of a stored `.png`
@@ -110,6 +110,9 @@ requireClouds(const Arguments& arguments, bool has_format)
            "expected either --labels or --network");
   refuseIf(!arguments.model.empty() && arguments.network.empty(),
            "--model needs --network");
+  refuseIf(!arguments.engine.empty() && arguments.network.empty(),
+           "--engine needs --network");
+  requireEngine(arguments.engine);
   refuseIf(!arguments.label_mapping.empty() && arguments.labels.empty(),
            "--label-mapping is for --labels");
   refuseIf(!arguments.label_set.empty() && arguments.labels.empty(),
@@ -139,6 +142,7 @@ parse(int argc, char** argv)
            {"network", arguments.network, "network description (.yaml)"},
            {"model", arguments.model,
             "network (.onnx; default: as its description says)"},
+           {"engine", arguments.engine, engine_help},
            {"labels", arguments.labels,
             "stored label distributions for --clouds: folder with one .bin, .npy or "
             ".png per frame, or one file"},
@@ -263,7 +267,7 @@ std::unique_ptr<LabelPredictor>
 makePredictor(const Arguments& arguments)
 {
   if (!arguments.network.empty())
-    return openNetwork(arguments.network, arguments.model).predictor;
+    return openNetwork(arguments.network, arguments.model, arguments.engine).predictor;
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   const int classes = label_set.size();
   PixelMapping mapping = readPixelMapping(arguments.label_mapping, label_set);
@@ -439,7 +443,8 @@ labelSequence(const Arguments& options)
   setNumberOfThreads(options.threads);
   const auto sequence = openSequence(options.sequence);
   const auto frames = chooseFrames(options.sequence, *sequence, options.frames);
-  const OpenedNetwork network = openNetwork(options.network, options.model);
+  const OpenedNetwork network =
+      openNetwork(options.network, options.model, options.engine);
   makeOutputFolder(options.output);
   {
     PairWatch watch(options.sequence.strict, sequence->camera());

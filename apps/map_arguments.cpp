@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_arguments.h"
+#include "opened_network.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -52,6 +53,9 @@ requireLabels(const MapArguments& arguments)
            "expected either --labels or --network");
   refuseIf(!arguments.model.empty() && arguments.network.empty(),
            "--model needs --network");
+  refuseIf(!arguments.engine.empty() && arguments.network.empty(),
+           "--engine needs --network");
+  requireEngine(arguments.engine);
   refuseIf(!arguments.label_set.empty() && arguments.labels.empty(),
            "--label-set is for --labels; the description of a network names its own");
 }
@@ -74,7 +78,7 @@ requireClouds(const MapArguments& arguments)
                !sequence.files.right.empty() || sequence.strict,
            "--clouds and a SEQUENCE, --left, --right or --strict exclude each other");
   refuseIf(!arguments.labels.empty() || !arguments.network.empty() ||
-               !arguments.model.empty(),
+               !arguments.model.empty() || !arguments.engine.empty(),
            "--clouds bring their labels: pcl_semantic_label gives them some");
   requireTrajectory(arguments, "--clouds");
   refuseIf(sensor != "own" && sensor != "camera" && sensor != "grey" &&
@@ -163,6 +167,7 @@ parseMapArguments(int argc, char** argv)
            {"network", arguments.network, "network description (.yaml)"},
            {"model", arguments.model,
             "network (.onnx; default: as its description says)"},
+           {"engine", arguments.engine, engine_help},
            {"label-calibration", arguments.label_calibration,
             "calibration of the label distributions, see pcl_semantic_calibrate "
             "(.yaml)"},

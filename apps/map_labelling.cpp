@@ -14,7 +14,8 @@ MapLabelling
 makeLabelling(const MapArguments& arguments)
 {
   if (!arguments.network.empty()) {
-    OpenedNetwork network = openNetwork(arguments.network, arguments.model);
+    OpenedNetwork network =
+        openNetwork(arguments.network, arguments.model, arguments.engine);
     return {network.label_set, std::move(network.predictor), network.model};
   }
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);

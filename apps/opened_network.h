@@ -17,11 +17,20 @@ struct OpenedNetwork {
   std::unique_ptr<LabelPredictor> predictor;
 };
 
-/** \brief Opens the network of --network and --model.
+/** \brief The help of --engine. */
+extern const char* const engine_help;
+
+/** \brief failUsage() if --engine names none that there is. \param[in] engine empty =
+ * the fastest */
+void requireEngine(const std::string& engine);
+
+/** \brief Opens the network of --network, --model and --engine.
  * \param[in] description path (YAML)
  * \param[in] model path (ONNX); empty = the one the description names
+ * \param[in] engine as requireEngine() takes it
  * \throws BadInputException, BadModelException, InvalidParameterException as
  * readNetworkDescription() and NetworkPredictor */
-OpenedNetwork openNetwork(const std::string& description, const std::string& model);
+OpenedNetwork openNetwork(const std::string& description, const std::string& model,
+                          const std::string& engine);
 
 } // namespace pcl_semantic::tool

@@ -2,22 +2,21 @@
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include "core/fail.h"
-#include "files/quiet_opencv.h"
 #include "files/yaml_config.h"
 #include "onnx_check.h"
+#include "onnx_runtime_runner.h"
+#include "opencv_runner.h"
 
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 
-#include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <new>
-#include <stdexcept>
+#include <utility>
 
 namespace pcl_semantic {
 
@@ -108,13 +107,35 @@ readNetworkDescription(const std::string& yaml_path)
   return description;
 }
 
+std::vector<NetworkEngine>
+networkEngines()
+{
+#ifdef PCL_SEMANTIC_ONNX_RUNTIME
+  return {NetworkEngine::onnx_runtime, NetworkEngine::opencv};
+#else
+  return {NetworkEngine::opencv};
+#endif
+}
+
 namespace {
 
-std::string
-firstLine(const cv::Exception& error)
+const char*
+nameOf(NetworkEngine engine)
 {
-  const std::string text = error.err.substr(0, 300);
-  return text.substr(0, text.find_first_of("\r\n"));
+  return engine == NetworkEngine::opencv ? "OpenCV" : "ONNX Runtime";
+}
+
+std::unique_ptr<NetworkRunner>
+makeRunner(NetworkEngine engine, std::vector<std::uint8_t> bytes,
+           const NetworkDescription& network)
+{
+  if (engine == NetworkEngine::opencv)
+    return runWithOpenCv(std::move(bytes), network.input_name, network.output_name);
+#ifdef PCL_SEMANTIC_ONNX_RUNTIME
+  return runWithOnnxRuntime(bytes, network.input_name, network.output_name);
+#else
+  fail<InvalidParameterException>("built without ONNX Runtime");
+#endif
 }
 
 // Names for a message.
@@ -130,7 +151,7 @@ joined(const std::vector<std::string>& names)
 // The names of the description are in the network.
 void
 requireNames(const OnnxInterface& network, const NetworkDescription& description,
-             const std::string& path)
+             NetworkEngine engine, const std::string& path)
 {
   std::vector<std::string> inputs;
   for (const OnnxInterface::Input& input : network.inputs)
@@ -143,7 +164,10 @@ requireNames(const OnnxInterface& network, const NetworkDescription& description
                               joined(shown));
   };
   require(description.input_name, "input", inputs, inputs);
-  require(description.output_name, "output", network.inner, network.outputs);
+  // OpenCV also gives what lies inside.
+  require(description.output_name, "output",
+          engine == NetworkEngine::opencv ? network.inner : network.outputs,
+          network.outputs);
 }
 
 // Many a network takes images of another size than it was exported with; of one that
@@ -163,26 +187,6 @@ otherSize(const OnnxInterface& network, const NetworkDescription& description)
            std::to_string(description.input_height) + ")";
   }
   return "";
-}
-
-// What \a body returns; OpenCV's exceptions as ours, \a who in front and \a hint
-// behind.
-template <typename Body>
-auto
-withOpenCv(const std::string& who, const std::string& hint, Body&& body)
-{
-  try {
-    const QuietOpenCv quiet;
-    return body();
-  }
-  catch (const cv::Exception& error) {
-    if (error.code == cv::Error::StsNoMem)
-      throw std::bad_alloc();
-    fail<BadModelException>(who, firstLine(error), hint);
-  }
-  catch (const std::logic_error& error) { // std::length_error of a nonsensical size
-    fail<BadModelException>(who, error.what());
-  }
 }
 
 // N x 3 x H x W: (RGB / 255 - mean) / deviation.
@@ -234,32 +238,12 @@ checkOutput(const cv::Mat& output, const NetworkDescription& description, int fr
 struct NetworkPredictor::Network {
   std::string path;
   std::string other_size; // for a message, see otherSize()
-  cv::dnn::Net net;
-
-  void
-  load(const NetworkDescription& description)
-  {
-    const std::vector<std::uint8_t> bytes = readBytes(path);
-    const OnnxInterface interface = checkOnnx(bytes, path);
-    requireNames(interface, description, path);
-    other_size = otherSize(interface, description);
-    net = withOpenCv(path + ": OpenCV cannot load the network: ", "",
-                     [&] { return cv::dnn::readNetFromONNX(bytes); });
-    net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-    net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-  }
-
-  cv::Mat
-  run(const cv::Mat& input, const NetworkDescription& description)
-  {
-    net.setInput(input, description.input_name);
-    return net.forward(description.output_name);
-  }
+  std::unique_ptr<NetworkRunner> runner;
 };
 
 NetworkPredictor::NetworkPredictor(const NetworkDescription& description,
                                    const LabelSet& label_set,
-                                   const std::string& model_path)
+                                   const std::string& model_path, NetworkEngine engine)
     : description_(description), network_(std::make_unique<Network>())
 {
   channels_.classes = label_set.size();
@@ -274,10 +258,27 @@ NetworkPredictor::NetworkPredictor(const NetworkDescription& description,
   if (network_->path.empty())
     fail<InvalidParameterException>(
         "the description of the network names no model: give one");
-  network_->load(description_);
+  load(engine);
 }
 
 NetworkPredictor::~NetworkPredictor() = default;
+
+void
+NetworkPredictor::load(NetworkEngine engine)
+{
+  const std::string& path = network_->path;
+  std::vector<std::uint8_t> bytes = readBytes(path);
+  const OnnxInterface interface = checkOnnx(bytes, path);
+  requireNames(interface, description_, engine, path);
+  network_->other_size = otherSize(interface, description_);
+  try {
+    network_->runner = makeRunner(engine, std::move(bytes), description_);
+  }
+  catch (const EngineError& error) {
+    fail<BadModelException>(path, ": ", nameOf(engine),
+                            " cannot load the network: ", error.what());
+  }
+}
 
 LabelDistributions
 NetworkPredictor::predict(const StereoFrame& frame)
@@ -286,22 +287,15 @@ NetworkPredictor::predict(const StereoFrame& frame)
       (frame.left.type() != CV_8UC1 && frame.left.type() != CV_8UC3))
     fail<BadInputException>("frame ", frame.number,
                             ": left image: expected 8-bit grey or 8-bit colour");
-  const std::string who = "frame " + std::to_string(frame.number) + ": " +
-                          network_->path + ": the network fails: ";
-  const cv::Mat output = withOpenCv(who, network_->other_size, [&] {
-    const cv::Mat input = makeInput(frame.left, description_);
-    try {
-      return network_->run(input, description_);
-    }
-    catch (const cv::Exception& error) {
-      if (error.code == cv::Error::StsNoMem)
-        throw;
-      // OpenCV 4.10 joins layers of some networks (ESPNetv2) that do not fit then.
-      network_->load(description_);
-      network_->net.enableFusion(false);
-      return network_->run(input, description_);
-    }
-  });
+  cv::Mat output;
+  try {
+    output = network_->runner->run(makeInput(frame.left, description_));
+  }
+  catch (const EngineError& error) {
+    fail<BadModelException>("frame ", frame.number, ": ", network_->path,
+                            ": the network fails: ", error.what(),
+                            network_->other_size);
+  }
   const cv::Mat logits = checkOutput(output, description_, frame.number);
   return distributionsFromLogits(logits, frame.left.size(), channels_);
 }

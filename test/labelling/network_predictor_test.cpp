@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <random>
 
 namespace pcl_semantic {
@@ -117,7 +118,8 @@ const LabelSet label_set({{"road", {}, false, false},
                           {"sky", {}, true, false},
                           {"car", {}, false, true}});
 
-class NetworkPredictorTest : public ::testing::Test {
+// By every engine that there is.
+class NetworkPredictorTest : public ::testing::TestWithParam<NetworkEngine> {
 protected:
   NetworkPredictorTest()
   {
@@ -139,7 +141,7 @@ protected:
   predict(const std::string& content) const
   {
     const std::string path = folder_.write("net.onnx", content);
-    return NetworkPredictor(description_, label_set, path).predict(frame_);
+    return NetworkPredictor(description_, label_set, path, GetParam()).predict(frame_);
   }
 
   // The message names the file or, after loading, the frame.
@@ -183,7 +185,7 @@ protected:
   StereoFrame frame_;
 };
 
-TEST_F(NetworkPredictorTest, EqualsThePlainComputation)
+TEST_P(NetworkPredictorTest, EqualsThePlainComputation)
 {
   const LabelDistributions labels = predict(network_.file());
   const Eigen::MatrixXf expected = plain(frame_.left).matrix();
@@ -196,7 +198,7 @@ TEST_F(NetworkPredictorTest, EqualsThePlainComputation)
   EXPECT_LT(empty, expected.cols() / 2);
 }
 
-TEST_F(NetworkPredictorTest, GreyImageIsAColourImageOfEqualChannels)
+TEST_P(NetworkPredictorTest, GreyImageIsAColourImageOfEqualChannels)
 {
   cv::Mat grey, colour;
   cv::cvtColor(frame_.left, grey, cv::COLOR_BGR2GRAY);
@@ -207,14 +209,15 @@ TEST_F(NetworkPredictorTest, GreyImageIsAColourImageOfEqualChannels)
   EXPECT_EQ(from_grey.matrix(), predict(network_.file()).matrix());
 }
 
-TEST_F(NetworkPredictorTest, ModelOfTheDescription)
+TEST_P(NetworkPredictorTest, ModelOfTheDescription)
 {
   folder_.write("net.onnx", network_.file());
   description_.model_path = path_;
-  EXPECT_NO_THROW(NetworkPredictor(description_, label_set).predict(frame_));
+  EXPECT_NO_THROW(
+      NetworkPredictor(description_, label_set, "", GetParam()).predict(frame_));
 }
 
-TEST_F(NetworkPredictorTest, RefusesFilesThatAreNoNetwork)
+TEST_P(NetworkPredictorTest, RefusesFilesThatAreNoNetwork)
 {
   expectRefused("", path_);
   std::mt19937 random(2);
@@ -224,18 +227,18 @@ TEST_F(NetworkPredictorTest, RefusesFilesThatAreNoNetwork)
       byte = static_cast<char>(random());
     expectRefused(content, path_);
   }
-  EXPECT_THROW(NetworkPredictor(description_, label_set, path_ + ".none"),
+  EXPECT_THROW(NetworkPredictor(description_, label_set, path_ + ".none", GetParam()),
                BadInputException);
 }
 
-TEST_F(NetworkPredictorTest, RefusesEveryTruncation)
+TEST_P(NetworkPredictorTest, RefusesEveryTruncation)
 {
   const std::string content = network_.file();
   for (std::size_t size = 0; size < content.size(); ++size)
     expectRefused(content.substr(0, size), path_);
 }
 
-TEST_F(NetworkPredictorTest, RefusesTensorsThatOpenCvWouldReadBeyond)
+TEST_P(NetworkPredictorTest, RefusesTensorsThatAnEngineWouldReadBeyond)
 {
   const auto bias = floatTensor("bias", {4}, network_.bias);
   for (const std::uint64_t dim :
@@ -245,7 +248,7 @@ TEST_F(NetworkPredictorTest, RefusesTensorsThatOpenCvWouldReadBeyond)
                   path_);
 }
 
-TEST_F(NetworkPredictorTest, RefusesAnotherInputOrOutput)
+TEST_P(NetworkPredictorTest, RefusesAnotherInputOrOutput)
 {
   description_.output_name = "probabilities";
   expectRefused(network_.file(), "has no output 'probabilities', which its description "
@@ -256,14 +259,14 @@ TEST_F(NetworkPredictorTest, RefusesAnotherInputOrOutput)
                                  "its inputs are 'image'");
 }
 
-TEST_F(NetworkPredictorTest, RefusesAnUnknownOperation)
+TEST_P(NetworkPredictorTest, RefusesAnUnknownOperation)
 {
   std::string content = network_.file();
   content.replace(content.find("Conv"), 4, "Vonc");
   expectRefused(content, path_);
 }
 
-TEST_F(NetworkPredictorTest, RefusesAnswersThatAreNoProbabilities)
+TEST_P(NetworkPredictorTest, RefusesAnswersThatAreNoProbabilities)
 {
   description_.channels.push_back("sky"); // one too many
   expectRefused(network_.file(), "frame 42");
@@ -278,10 +281,10 @@ TEST_F(NetworkPredictorTest, RefusesAnswersThatAreNoProbabilities)
   }
 }
 
-TEST_F(NetworkPredictorTest, RefusesImagesOfOtherTypes)
+TEST_P(NetworkPredictorTest, RefusesImagesOfOtherTypes)
 {
   folder_.write("net.onnx", network_.file());
-  NetworkPredictor predictor(description_, label_set, path_);
+  NetworkPredictor predictor(description_, label_set, path_, GetParam());
   for (const cv::Mat& image :
        {cv::Mat(), cv::Mat(4, 4, CV_16UC1), cv::Mat(4, 4, CV_8UC4)}) {
     frame_.left = image;
@@ -289,17 +292,22 @@ TEST_F(NetworkPredictorTest, RefusesImagesOfOtherTypes)
   }
 }
 
-TEST_F(NetworkPredictorTest, RefusesAClassThatTheLabelSetDoesNotHave)
+TEST_P(NetworkPredictorTest, RefusesAClassThatTheLabelSetDoesNotHave)
 {
   folder_.write("net.onnx", network_.file());
   description_.channels[1] = "tram";
-  EXPECT_THROW(NetworkPredictor(description_, label_set, path_),
+  EXPECT_THROW(NetworkPredictor(description_, label_set, path_, GetParam()),
                InvalidParameterException);
 }
 
+INSTANTIATE_TEST_SUITE_P(Engines, NetworkPredictorTest,
+                         testing::ValuesIn(networkEngines()));
+
 // The street of KITTI sequence 15 against labels made by hand: 88 % of the pixels are
 // right; the network takes the pavement for road.
-TEST(NetworkPredictorData, KittiStreet)
+class NetworkPredictorData : public testing::TestWithParam<NetworkEngine> {};
+
+TEST_P(NetworkPredictorData, KittiStreet)
 {
   const char* const data = std::getenv("PCL_SEMANTIC_DATA");
   if (!data)
@@ -309,8 +317,8 @@ TEST(NetworkPredictorData, KittiStreet)
       readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
                              "/data/networks/espnetv2_city_1280x480.yaml");
   const LabelSet classes = readLabelSet(description.label_set_path);
-  NetworkPredictor predictor(description, classes,
-                             root + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
+  const std::string model = root + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx";
+  NetworkPredictor predictor(description, classes, model, GetParam());
   StereoFrame frame;
   frame.left =
       readPng(root + "/kitti/15/image_2/000000.png", ImageKind::grey_or_colour);
@@ -331,9 +339,45 @@ TEST(NetworkPredictorData, KittiStreet)
   EXPECT_GT(right, 0.86 * known) << right << " of " << known;
   EXPECT_GT(right_roads, 0.97 * roads) << right_roads << " of " << roads;
 
-  setNumberOfThreads(1);
-  EXPECT_EQ(predictor.predict(frame).matrix(), labels.matrix()) << "one thread";
-  setNumberOfThreads(0);
+  const ThreadScope one(1);
+  EXPECT_EQ(
+      NetworkPredictor(description, classes, model, GetParam()).predict(frame).matrix(),
+      labels.matrix());
+}
+
+INSTANTIATE_TEST_SUITE_P(Engines, NetworkPredictorData,
+                         testing::ValuesIn(networkEngines()));
+
+// Of each network, the classes of pixels that any two engines see in an image.
+TEST(NetworkEngines, SeeTheSame)
+{
+  const char* const data = std::getenv("PCL_SEMANTIC_DATA");
+  if (!data || networkEngines().size() < 2)
+    GTEST_SKIP() << "skipped: PCL_SEMANTIC_DATA is not set, or there is one engine";
+  const std::string root = data;
+  NetworkDescription description =
+      readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
+                             "/data/networks/espnetv2_city_1280x480.yaml");
+  const LabelSet classes = readLabelSet(description.label_set_path);
+  StereoFrame frame;
+  frame.left =
+      readPng(root + "/kitti/15/image_2/000000.png", ImageKind::grey_or_colour);
+  for (const auto& [name, size] : std::map<std::string, cv::Size>{
+           {"espnetv2_s1.0_city_1120x320_halfres", {1120, 320}},
+           {"espnetv2_s2.0_city_1120x320_halfres", {1120, 320}},
+           {"espnetv2_s2.0_city_1280x480_halfres", {1280, 480}}}) {
+    description.input_width = size.width;
+    description.input_height = size.height;
+    std::vector<LabelDistributions> labels;
+    for (const NetworkEngine engine : networkEngines())
+      labels.push_back(NetworkPredictor(description, classes,
+                                        root + "/nets/" + name + ".onnx", engine)
+                           .predict(frame));
+    int equal = 0;
+    for (Eigen::Index j = 0; j < labels[0].size(); ++j)
+      equal += labels[0].mapLabel(j) == labels[1].mapLabel(j);
+    EXPECT_GE(equal, 0.999 * double(labels[0].size())) << name;
+  }
 }
 
 } // namespace

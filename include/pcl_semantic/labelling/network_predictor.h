@@ -32,8 +32,16 @@ struct NetworkDescription {
  * not have */
 NetworkDescription readNetworkDescription(const std::string& yaml_path);
 
-/** \brief Runs a segmentation network (ONNX) on the left image by OpenCV's dnn module,
- * on the CPU.
+/** \brief What computes a network, on the CPU. */
+enum class NetworkEngine {
+  opencv,      ///< OpenCV's module dnn
+  onnx_runtime ///< ONNX Runtime, where it was there when the library was built
+};
+
+/** \brief The engines that there are, fastest first. */
+std::vector<NetworkEngine> networkEngines();
+
+/** \brief Runs a segmentation network (ONNX) on the left image.
  *
  * The image is resized bilinearly to the network's input; its output becomes class
  * distributions as distributionsFromLogits() says. Grey images are taken as colour
@@ -43,11 +51,15 @@ public:
   /** \param[in] description of the network
    * \param[in] label_set the classes of the distributions
    * \param[in] model_path the ONNX file; empty = the one the description names
-   * \throws InvalidParameterException if a channel's class is not in \a label_set
+   * \param[in] engine that computes it; ONNX Runtime does so by as many threads as are
+   * set when it is loaded
+   * \throws InvalidParameterException if a channel's class is not in \a label_set, or
+   * the engine not in networkEngines()
    * \throws BadInputException if the file cannot be read
-   * \throws BadModelException if it is no network that OpenCV can load */
+   * \throws BadModelException if it is no network that the engine can load */
   NetworkPredictor(const NetworkDescription& description, const LabelSet& label_set,
-                   const std::string& model_path = "");
+                   const std::string& model_path = "",
+                   NetworkEngine engine = networkEngines().front());
   ~NetworkPredictor() override;
 
   /** \throws BadInputException if the image is not 8-bit grey or colour
@@ -57,6 +69,8 @@ public:
 
 private:
   struct Network;
+
+  void load(NetworkEngine engine);
 
   NetworkDescription description_;
   ChannelClasses channels_;

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace pcl_semantic {
+
+/** \brief What an engine says of a network that it cannot load or run, in one line. */
+class EngineError : public std::runtime_error {
+public:
+  /** \param[in] text of which the first line is taken, or the beginning of it */
+  explicit EngineError(const std::string& text)
+      : std::runtime_error(
+            text.substr(0, std::min<std::size_t>(text.find_first_of("\r\n"), 300)))
+  {}
+};
+
+/** \brief A network that an engine has loaded. */
+class NetworkRunner {
+public:
+  virtual ~NetworkRunner() = default;
+
+  /** \param[in] input N x 3 x H x W, float
+   * \return the output, an image of its own
+   * \throws EngineError, std::bad_alloc */
+  virtual cv::Mat run(const cv::Mat& input) = 0;
+};
+
+} // namespace pcl_semantic

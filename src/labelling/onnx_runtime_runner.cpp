@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onnx_runtime_runner.h"
+
+#include <omp.h>
+#include <onnxruntime_cxx_api.h>
+
+#include <array>
+#include <utility>
+
+namespace pcl_semantic {
+
+namespace {
+
+// What \a body returns; ONNX Runtime's exceptions as ours.
+template <typename Body>
+auto
+withOnnxRuntime(Body&& body)
+{
+  try {
+    return body();
+  }
+  catch (const Ort::Exception& error) {
+    throw EngineError(error.what());
+  }
+}
+
+// One for all networks of the process, as ONNX Runtime wants it.
+Ort::Env&
+environment()
+{
+  static Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "pcl_semantic"); // it throws as well
+  return env;
+}
+
+Ort::SessionOptions
+sessionOptions()
+{
+  Ort::SessionOptions options;
+  options.SetIntraOpNumThreads(omp_get_max_threads());
+  // Its threads do not keep a processor from ours while they wait for work.
+  options.AddConfigEntry("session.intra_op.allow_spinning", "0");
+  return options;
+}
+
+class OnnxRuntimeRunner : public NetworkRunner {
+public:
+  OnnxRuntimeRunner(const std::vector<std::uint8_t>& bytes, std::string input,
+                    std::string output)
+      : input_(std::move(input)), output_(std::move(output)),
+        session_(environment(), bytes.data(), bytes.size(), sessionOptions())
+  {}
+
+  cv::Mat
+  run(const cv::Mat& input) override
+  {
+    return withOnnxRuntime([&] {
+      const std::vector<std::int64_t> shape(input.size.p, input.size.p + input.dims);
+      const Ort::Value value = Ort::Value::CreateTensor<float>(
+          Ort::MemoryInfo::CreateCpu(OrtArenaAllocator, OrtMemTypeDefault),
+          const_cast<float*>(input.ptr<float>()), input.total(), shape.data(),
+          shape.size());
+      const char* const input_name = input_.c_str();
+      const char* const output_name = output_.c_str();
+      std::vector<Ort::Value> outputs = session_.Run(
+          Ort::RunOptions{nullptr}, &input_name, &value, 1, &output_name, 1);
+      return matOf(outputs.at(0));
+    });
+  }
+
+private:
+  static cv::Mat
+  matOf(Ort::Value& value)
+  {
+    if (!value.IsTensor())
+      throw EngineError("its output is no tensor");
+    const auto info = value.GetTensorTypeAndShapeInfo();
+    if (info.GetElementType() != ONNX_TENSOR_ELEMENT_DATA_TYPE_FLOAT)
+      throw EngineError("its output is not of 32-bit floating point");
+    const std::vector<std::int64_t> shape = info.GetShape();
+    if (shape.empty() || shape.size() > CV_MAX_DIM)
+      throw EngineError("its output has " + std::to_string(shape.size()) + " axes");
+    const std::vector<int> size(shape.begin(), shape.end());
+    return cv::Mat(size, CV_32FC1, value.GetTensorMutableData<float>()).clone();
+  }
+
+  const std::string input_, output_;
+  Ort::Session session_;
+};
+
+} // namespace
+
+std::unique_ptr<NetworkRunner>
+runWithOnnxRuntime(const std::vector<std::uint8_t>& bytes, const std::string& input,
+                   const std::string& output)
+{
+  return withOnnxRuntime(
+      [&] { return std::make_unique<OnnxRuntimeRunner>(bytes, input, output); });
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "network_runner.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief A network in OpenCV's module dnn.
+ * \param[in] bytes content of the ONNX file, which checkOnnx() has passed
+ * \param[in] input, output their names in it
+ * \throws EngineError, std::bad_alloc */
+std::unique_ptr<NetworkRunner> runWithOpenCv(std::vector<std::uint8_t> bytes,
+                                             const std::string& input,
+                                             const std::string& output);
+
+} // namespace pcl_semantic
