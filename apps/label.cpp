@@ -110,9 +110,6 @@ requireClouds(const Arguments& arguments, bool has_format)
            "expected either --labels or --network");
   refuseIf(!arguments.model.empty() && arguments.network.empty(),
            "--model needs --network");
-  refuseIf(!arguments.engine.empty() && arguments.network.empty(),
-           "--engine needs --network");
-  requireEngine(arguments.engine);
   refuseIf(!arguments.label_mapping.empty() && arguments.labels.empty(),
            "--label-mapping is for --labels");
   refuseIf(!arguments.label_set.empty() && arguments.labels.empty(),
@@ -163,6 +160,7 @@ parse(int argc, char** argv)
            {"threads", withDefault(arguments.threads),
             "number of threads; 0 = all processors"}}),
       {"sequence"});
+  requireEngine(arguments.engine, arguments.network);
   if (arguments.clouds.empty())
     requireSequenceAndNetwork(arguments);
   else

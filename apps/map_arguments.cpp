@@ -53,9 +53,7 @@ requireLabels(const MapArguments& arguments)
            "expected either --labels or --network");
   refuseIf(!arguments.model.empty() && arguments.network.empty(),
            "--model needs --network");
-  refuseIf(!arguments.engine.empty() && arguments.network.empty(),
-           "--engine needs --network");
-  requireEngine(arguments.engine);
+  requireEngine(arguments.engine, arguments.network);
   refuseIf(!arguments.label_set.empty() && arguments.labels.empty(),
            "--label-set is for --labels; the description of a network names its own");
 }

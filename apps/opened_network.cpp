@@ -31,8 +31,9 @@ const char* const engine_help =
     "program was built with it)";
 
 void
-requireEngine(const std::string& name)
+requireEngine(const std::string& name, const std::string& network)
 {
+  refuseIf(!name.empty() && network.empty(), "--engine needs --network");
   const std::optional<NetworkEngine> engine = engineOf(name);
   refuseIf(!engine, "--engine is '" + name + "', expected onnxruntime or opencv");
   const std::vector<NetworkEngine> engines = networkEngines();

@@ -20,9 +20,9 @@ struct OpenedNetwork {
 /** \brief The help of --engine. */
 extern const char* const engine_help;
 
-/** \brief failUsage() if --engine names none that there is. \param[in] engine empty =
- * the fastest */
-void requireEngine(const std::string& engine);
+/** \brief failUsage() if --engine names none that there is, or comes without --network.
+ * \param[in] engine empty = the fastest */
+void requireEngine(const std::string& engine, const std::string& network);
 
 /** \brief Opens the network of --network, --model and --engine.
  * \param[in] description path (YAML)

@@ -4,7 +4,9 @@
 #include <omp.h>
 #include <onnxruntime_cxx_api.h>
 
-#include <array>
+#include <iostream>
+#include <streambuf>
+#include <string>
 #include <utility>
 
 namespace pcl_semantic {
@@ -41,6 +43,19 @@ sessionOptions()
   options.AddConfigEntry("session.intra_op.allow_spinning", "0");
   return options;
 }
+
+// Debian's ONNX Runtime 1.21 tells std::cerr of each of 500 operations, at the first
+// network, that it is registered twice. What is wrong it throws.
+class QuietErrors {
+public:
+  QuietErrors() : buffer_(std::cerr.rdbuf(nullptr)) {}
+  ~QuietErrors() { std::cerr.rdbuf(buffer_); }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+private:
+  std::streambuf* const buffer_;
+};
 
 class OnnxRuntimeRunner : public NetworkRunner {
 public:
@@ -93,8 +108,10 @@ std::unique_ptr<NetworkRunner>
 runWithOnnxRuntime(const std::vector<std::uint8_t>& bytes, const std::string& input,
                    const std::string& output)
 {
-  return withOnnxRuntime(
-      [&] { return std::make_unique<OnnxRuntimeRunner>(bytes, input, output); });
+  return withOnnxRuntime([&] {
+    const QuietErrors quiet;
+    return std::make_unique<OnnxRuntimeRunner>(bytes, input, output);
+  });
 }
 
 } // namespace pcl_semantic
