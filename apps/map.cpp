@@ -125,9 +125,13 @@ main(int argc, char** argv)
   return run("pcl_semantic_map", [&] {
     keepFreedMemory();
     const MapArguments arguments = parseMapArguments(argc, argv);
-    if (!arguments.print_config)
-      return arguments.live ? mapLive(arguments) : mapSource(arguments);
-    std::cout << printMapperConfig(arguments.parameters);
-    return int(exit_done);
+    if (arguments.print_config) {
+      std::cout << printMapperConfig(arguments.parameters);
+      return int(exit_done);
+    }
+    if (!arguments.live)
+      return mapSource(arguments);
+    restartWithShortSpins(argv);
+    return mapLive(arguments);
   });
 }

@@ -245,4 +245,13 @@ keepFreedMemory()
 #endif
 }
 
+void
+restartWithShortSpins(char** argv)
+{
+  if (std::getenv("GOMP_SPINCOUNT") || std::getenv("OMP_WAIT_POLICY"))
+    return;
+  setenv("GOMP_SPINCOUNT", "1000", 1);
+  execv("/proc/self/exe", argv); // comes back if it cannot: then they spin
+}
+
 } // namespace pcl_semantic::tool

@@ -82,4 +82,10 @@ bool interrupted();
  * cost a third of its time. */
 void keepFreedMemory();
 
+/** \brief Starts the program anew with OpenMP's threads set to sleep soon after their
+ * work, unless its environment says how they wait: beside a network, a thread that
+ * spins keeps another from running. libgomp reads this before main().
+ * \param[in] argv of main() */
+void restartWithShortSpins(char** argv);
+
 } // namespace pcl_semantic::tool
