@@ -52,7 +52,8 @@ LiveSource::LiveSource(const MapArguments& arguments) : MapSource(arguments)
              {"labels", arguments.labels},
              {"label_mapping", arguments.label_mapping},
              {"network", arguments.network},
-             {"model", labelling.model}});
+             {"model", labelling.model},
+             {"engine", labelling.engine}});
   run_.label_set = labelling.label_set;
   labels_ = std::move(labelling.predictor);
   predictor_ = std::make_unique<NoLabels>();

@@ -16,7 +16,8 @@ makeLabelling(const MapArguments& arguments)
   if (!arguments.network.empty()) {
     OpenedNetwork network =
         openNetwork(arguments.network, arguments.model, arguments.engine);
-    return {network.label_set, std::move(network.predictor), network.model};
+    return {network.label_set, std::move(network.predictor), network.model,
+            network.engine};
   }
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   return {label_set,
@@ -24,7 +25,7 @@ makeLabelling(const MapArguments& arguments)
               arguments.labels, label_set.size(),
               float(arguments.parameters.label_confidence),
               readPixelMapping(arguments.label_mapping, label_set)),
-          ""};
+          "", ""};
 }
 
 } // namespace pcl_semantic::tool

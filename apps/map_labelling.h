@@ -15,7 +15,8 @@ namespace pcl_semantic::tool {
 struct MapLabelling {
   LabelSet label_set;
   std::unique_ptr<LabelPredictor> predictor;
-  std::string model; ///< path; empty without a network
+  std::string model;  ///< path; empty without a network
+  std::string engine; ///< that computes it
 };
 
 /** \throws BadInputException, BadModelException, InvalidParameterException */

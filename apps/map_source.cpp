@@ -210,7 +210,8 @@ public:
                {"labels", arguments.labels},
                {"label_mapping", arguments.label_mapping},
                {"network", arguments.network},
-               {"model", labelling.model}});
+               {"model", labelling.model},
+               {"engine", labelling.engine}});
     for (const std::size_t i : positions_)
       run_.frames.push_back(sequence_->frameNumber(i));
     labelling.predictor->requireFrames(labelledFrames());
@@ -388,7 +389,8 @@ public:
                {"labels", arguments.labels},
                {"label_mapping", arguments.label_mapping},
                {"network", arguments.network},
-               {"model", labelling_.model}});
+               {"model", labelling_.model},
+               {"engine", labelling_.engine}});
     labelling_.predictor->requireFrames(labelledFrames());
     run_.camera = sequence_.camera();
     run_.label_set = labelling_.label_set;

@@ -6,29 +6,37 @@
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 namespace pcl_semantic::tool {
 
 namespace {
+
+const std::pair<const char*, NetworkEngine> engine_names[] = {
+    {"opencv", NetworkEngine::opencv}, {"onnxruntime", NetworkEngine::onnx_runtime}};
+
+std::string
+nameOf(NetworkEngine engine)
+{
+  return std::find_if(std::begin(engine_names), std::end(engine_names),
+                      [&](const auto& named) { return named.second == engine; })
+      ->first;
+}
 
 std::optional<NetworkEngine>
 engineOf(const std::string& name)
 {
   if (name.empty())
     return networkEngines().front();
-  if (name == "opencv")
-    return NetworkEngine::opencv;
-  if (name == "onnxruntime")
-    return NetworkEngine::onnx_runtime;
+  for (const auto& [each, engine] : engine_names)
+    if (name == each)
+      return engine;
   return std::nullopt;
 }
 
 } // namespace
-
-const char* const engine_help =
-    "what computes the network: onnxruntime or opencv (default: onnxruntime if this "
-    "program was built with it)";
 
 void
 requireEngine(const std::string& name, const std::string& network)
@@ -50,8 +58,10 @@ openNetwork(const std::string& description, const std::string& model,
   opened.label_set = readLabelSet(network.label_set_path);
   opened.label_set_path = network.label_set_path;
   opened.model = model.empty() ? network.model_path : model;
-  opened.predictor = std::make_unique<NetworkPredictor>(
-      network, opened.label_set, model, engineOf(engine).value());
+  const NetworkEngine used = engineOf(engine).value();
+  opened.engine = nameOf(used);
+  opened.predictor =
+      std::make_unique<NetworkPredictor>(network, opened.label_set, model, used);
   return opened;
 }
 

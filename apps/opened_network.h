@@ -14,11 +14,13 @@ struct OpenedNetwork {
   LabelSet label_set;
   std::string label_set_path; ///< as its description names it
   std::string model;          ///< path of the network itself (ONNX)
+  std::string engine;         ///< as --engine names it
   std::unique_ptr<LabelPredictor> predictor;
 };
 
-/** \brief The help of --engine. */
-extern const char* const engine_help;
+constexpr const char* engine_help =
+    "what computes the network: onnxruntime or opencv (default: onnxruntime if this "
+    "program was built with it)";
 
 /** \brief failUsage() if --engine names none that there is, or comes without --network.
  * \param[in] engine empty = the fastest */

@@ -250,8 +250,10 @@ restartWithShortSpins(char** argv)
 {
   if (std::getenv("GOMP_SPINCOUNT") || std::getenv("OMP_WAIT_POLICY"))
     return;
-  setenv("GOMP_SPINCOUNT", "1000", 1);
-  execv("/proc/self/exe", argv); // comes back if it cannot: then they spin
+  std::error_code error; // by its own name, for those who look for it
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error && setenv("GOMP_SPINCOUNT", "1000", 1) == 0)
+    execv(program.c_str(), argv); // comes back if it cannot: then they spin
 }
 
 } // namespace pcl_semantic::tool

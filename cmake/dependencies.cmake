@@ -34,7 +34,7 @@ set(PCL_SEMANTIC_PRIVATE_LIBRARIES
   OpenMP::OpenMP_CXX ${YAML_CPP_TARGET} nlohmann_json::nlohmann_json
   SQLite::SQLite3 zstd::libzstd_shared hwy::hwy ${OCTOMAP_LIBRARIES})
 
-# Twice as fast as OpenCV's networks; Debian has it from 13 on.
+# Half again to twice as fast as OpenCV with networks; Debian has it from 13 on.
 find_package(onnxruntime QUIET)
 if(TARGET onnxruntime::onnxruntime)
   list(APPEND PCL_SEMANTIC_PRIVATE_LIBRARIES onnxruntime::onnxruntime)

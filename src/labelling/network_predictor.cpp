@@ -134,7 +134,7 @@ makeRunner(NetworkEngine engine, std::vector<std::uint8_t> bytes,
 #ifdef PCL_SEMANTIC_ONNX_RUNTIME
   return runWithOnnxRuntime(bytes, network.input_name, network.output_name);
 #else
-  fail<InvalidParameterException>("built without ONNX Runtime");
+  return nullptr; // the constructor has refused it
 #endif
 }
 
@@ -246,6 +246,9 @@ NetworkPredictor::NetworkPredictor(const NetworkDescription& description,
                                    const std::string& model_path, NetworkEngine engine)
     : description_(description), network_(std::make_unique<Network>())
 {
+  const std::vector<NetworkEngine> engines = networkEngines();
+  if (!std::count(engines.begin(), engines.end(), engine))
+    fail<InvalidParameterException>("this library was built without ", nameOf(engine));
   channels_.classes = label_set.size();
   channels_.softmax = description.softmax;
   for (const std::string& name : description.channels) {
@@ -289,7 +292,8 @@ NetworkPredictor::predict(const StereoFrame& frame)
                             ": left image: expected 8-bit grey or 8-bit colour");
   cv::Mat output;
   try {
-    output = network_->runner->run(makeInput(frame.left, description_));
+    output = network_->runner->run(
+        withOpenCv([&] { return makeInput(frame.left, description_); }));
   }
   catch (const EngineError& error) {
     fail<BadModelException>("frame ", frame.number, ": ", network_->path,

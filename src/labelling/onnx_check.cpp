@@ -23,7 +23,7 @@ struct Field {
 
 // Field numbers of onnx.proto.
 namespace model_field {
-constexpr std::uint32_t graph = 7;
+constexpr std::uint32_t graph = 7, functions = 25;
 }
 namespace graph_field {
 constexpr std::uint32_t node = 1, initializer = 5, input = 11, output = 12,
@@ -112,6 +112,8 @@ public:
         interface = checkGraph(messageOf(field));
         ++graphs;
       }
+      else if (field.number == model_field::functions)
+        refuse("has functions of its own, which are not supported");
     if (graphs != 1)
       refuse("is no ONNX file: it has ", graphs, " graphs, expected 1");
     return interface;

@@ -19,8 +19,8 @@ struct OnnxInterface {
   std::vector<std::string> inner;   ///< of all nodes, these outputs too
 };
 
-/** \brief Checks an ONNX file before OpenCV reads it: OpenCV 4.6 trusts the dimensions
- * of tensors and ends the program where they exceed the data.
+/** \brief Checks an ONNX file before an engine reads it: OpenCV 4.6 trusts the
+ * dimensions of tensors and ends the program where they exceed the data.
  *
  * Walks the protocol buffer as far as tensors go and requires that it is well formed,
  * has at least one node, that every node has inputs and outputs and that every tensor

@@ -5,6 +5,9 @@
 #include <onnxruntime_cxx_api.h>
 
 #include <iostream>
+#include <mutex>
+#include <new>
+#include <optional>
 #include <streambuf>
 #include <string>
 #include <utility>
@@ -12,6 +15,14 @@
 namespace pcl_semantic {
 
 namespace {
+
+// Whether memory was lacking, of which there is no code.
+bool
+lacksMemory(const std::string& error)
+{
+  return error.find("std::bad_alloc") != std::string::npos ||
+         error.find("Failed to allocate memory") != std::string::npos;
+}
 
 // What \a body returns; ONNX Runtime's exceptions as ours.
 template <typename Body>
@@ -22,6 +33,8 @@ withOnnxRuntime(Body&& body)
     return body();
   }
   catch (const Ort::Exception& error) {
+    if (lacksMemory(error.what()))
+      throw std::bad_alloc();
     throw EngineError(error.what());
   }
 }
@@ -41,11 +54,13 @@ sessionOptions()
   options.SetIntraOpNumThreads(omp_get_max_threads());
   // Its threads do not keep a processor from ours while they wait for work.
   options.AddConfigEntry("session.intra_op.allow_spinning", "0");
+  // Not its own format either, which nobody has checked.
+  options.AddConfigEntry("session.load_model_format", "ONNX");
   return options;
 }
 
-// Debian's ONNX Runtime 1.21 tells std::cerr of each of 500 operations, at the first
-// network, that it is registered twice. What is wrong it throws.
+// Debian's ONNX Runtime 1.21 tells std::cerr of each of 500 operations, with the first
+// network of a process, that it is registered twice. What is wrong it throws.
 class QuietErrors {
 public:
   QuietErrors() : buffer_(std::cerr.rdbuf(nullptr)) {}
@@ -57,12 +72,25 @@ private:
   std::streambuf* const buffer_;
 };
 
+Ort::Session
+load(const std::vector<std::uint8_t>& bytes)
+{
+  static std::mutex mutex;
+  static bool is_first = true;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::optional<QuietErrors> quiet;
+  if (is_first)
+    quiet.emplace();
+  Ort::Session session(environment(), bytes.data(), bytes.size(), sessionOptions());
+  is_first = false;
+  return session;
+}
+
 class OnnxRuntimeRunner : public NetworkRunner {
 public:
   OnnxRuntimeRunner(const std::vector<std::uint8_t>& bytes, std::string input,
                     std::string output)
-      : input_(std::move(input)), output_(std::move(output)),
-        session_(environment(), bytes.data(), bytes.size(), sessionOptions())
+      : input_(std::move(input)), output_(std::move(output)), session_(load(bytes))
   {}
 
   cv::Mat
@@ -108,10 +136,8 @@ std::unique_ptr<NetworkRunner>
 runWithOnnxRuntime(const std::vector<std::uint8_t>& bytes, const std::string& input,
                    const std::string& output)
 {
-  return withOnnxRuntime([&] {
-    const QuietErrors quiet;
-    return std::make_unique<OnnxRuntimeRunner>(bytes, input, output);
-  });
+  return withOnnxRuntime(
+      [&] { return std::make_unique<OnnxRuntimeRunner>(bytes, input, output); });
 }
 
 } // namespace pcl_semantic

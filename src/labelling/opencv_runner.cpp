@@ -1,35 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opencv_runner.h"
 
-#include "files/quiet_opencv.h"
-
 #include <opencv2/dnn.hpp>
 
-#include <new>
 #include <utility>
 
 namespace pcl_semantic {
 
 namespace {
-
-// What \a body returns; OpenCV's exceptions as ours.
-template <typename Body>
-auto
-withOpenCv(Body&& body)
-{
-  try {
-    const QuietOpenCv quiet;
-    return body();
-  }
-  catch (const cv::Exception& error) {
-    if (error.code == cv::Error::StsNoMem)
-      throw std::bad_alloc();
-    throw EngineError(error.err);
-  }
-  catch (const std::logic_error& error) { // std::length_error of a nonsensical size
-    throw EngineError(error.what());
-  }
-}
 
 class OpenCvRunner : public NetworkRunner {
 public:

@@ -40,7 +40,8 @@ protected:
 
 } // namespace
 
-// Another program fills the folder, and ends the run when all that came is mapped.
+// Another program fills the folder, and ends the run when all that came is mapped. The
+// run has started itself anew meanwhile, with threads that sleep soon.
 TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
 {
   fs::create_directories(street + "/image_2");
@@ -53,12 +54,16 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
     fill += waitFor("live: frame " + frame);
   }
   const ToolResult result =
-      runShell(command("--verbose") + " >" + log + " 2>&1 & " +
-               waitFor("waiting for calib.txt") + fill +
-               "kill -INT $!; wait $!; code=$?; cat " + log + "; exit $code");
+      runShell("env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT " + command("--verbose") +
+               " >" + log + " 2>&1 & " + waitFor("waiting for calib.txt") + fill +
+               "tr '\\0' '\\n' </proc/$!/environ | grep GOMP; cat /proc/$!/comm; "
+               "kill -INT $!; wait $!; code=$?; cat " +
+               log + "; exit $code");
   EXPECT_EQ(result.code, 0) << result.text;
   EXPECT_TRUE(holds(result.text, "frames: 3"));
   EXPECT_TRUE(holds(result.text, "dropped: 0"));
+  EXPECT_TRUE(holds(result.text, "GOMP_SPINCOUNT=1000"));
+  EXPECT_TRUE(holds(result.text, "pcl_semantic_ma\n")) << "as ps and killall have it";
   std::ifstream file(map + "/summary.json");
   const nlohmann::json summary = nlohmann::json::parse(file);
   EXPECT_EQ(summary["finished"], true);

@@ -22,7 +22,9 @@
 #include <array>
 #include <csignal>
 #include <map>
+#include <stdexcept>
 
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -223,9 +225,13 @@ class Load {
 public:
   Load() : process_(fork())
   {
-    if (process_ == 0)
+    if (process_ < 0)
+      throw std::runtime_error("there cannot be another process");
+    if (process_ == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL); // also if this process ends another way
       for (volatile unsigned turns = 0;; turns = turns + 1)
         ;
+    }
   }
   ~Load()
   {

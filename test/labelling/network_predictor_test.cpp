@@ -266,6 +266,13 @@ TEST_P(NetworkPredictorTest, RefusesAnUnknownOperation)
   expectRefused(content, path_);
 }
 
+// An engine would run them unchecked.
+TEST_P(NetworkPredictorTest, RefusesFunctions)
+{
+  expectRefused(network_.file() + Message().bytes(25, "").text(),
+                "has functions of its own");
+}
+
 TEST_P(NetworkPredictorTest, RefusesAnswersThatAreNoProbabilities)
 {
   description_.channels.push_back("sky"); // one too many
@@ -298,6 +305,15 @@ TEST_P(NetworkPredictorTest, RefusesAClassThatTheLabelSetDoesNotHave)
   description_.channels[1] = "tram";
   EXPECT_THROW(NetworkPredictor(description_, label_set, path_, GetParam()),
                InvalidParameterException);
+}
+
+TEST_P(NetworkPredictorTest, RefusesAnEngineThatIsNotThere)
+{
+  if (networkEngines().size() > 1)
+    GTEST_SKIP() << "skipped: all engines are there";
+  expectRefusal<InvalidParameterException>("built without ONNX Runtime", [&] {
+    NetworkPredictor(description_, label_set, path_, NetworkEngine::onnx_runtime);
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, NetworkPredictorTest,
