@@ -2,6 +2,7 @@
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include "core/fail.h"
+#include "files/quiet_opencv.h"
 #include "files/yaml_config.h"
 #include "onnx_check.h"
 #include "onnx_runtime_runner.h"
@@ -16,6 +17,8 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <new>
+#include <stdexcept>
 #include <utility>
 
 namespace pcl_semantic {
@@ -189,6 +192,26 @@ otherSize(const OnnxInterface& network, const NetworkDescription& description)
   return "";
 }
 
+/** \brief What \a body returns; OpenCV's exceptions as EngineError or std::bad_alloc.
+ */
+template <typename Body>
+auto
+withOpenCv(Body&& body)
+{
+  try {
+    const QuietOpenCv quiet;
+    return body();
+  }
+  catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem)
+      throw std::bad_alloc();
+    throw EngineError(error.err);
+  }
+  catch (const std::logic_error& error) { // std::length_error of a nonsensical size
+    throw EngineError(error.what());
+  }
+}
+
 // N x 3 x H x W: (RGB / 255 - mean) / deviation.
 cv::Mat
 makeInput(const cv::Mat& image, const NetworkDescription& description)
@@ -275,7 +298,8 @@ NetworkPredictor::load(NetworkEngine engine)
   requireNames(interface, description_, engine, path);
   network_->other_size = otherSize(interface, description_);
   try {
-    network_->runner = makeRunner(engine, std::move(bytes), description_);
+    network_->runner =
+        withOpenCv([&] { return makeRunner(engine, std::move(bytes), description_); });
   }
   catch (const EngineError& error) {
     fail<BadModelException>(path, ": ", nameOf(engine),
@@ -292,8 +316,8 @@ NetworkPredictor::predict(const StereoFrame& frame)
                             ": left image: expected 8-bit grey or 8-bit colour");
   cv::Mat output;
   try {
-    output = network_->runner->run(
-        withOpenCv([&] { return makeInput(frame.left, description_); }));
+    output = withOpenCv(
+        [&] { return network_->runner->run(makeInput(frame.left, description_)); });
   }
   catch (const EngineError& error) {
     fail<BadModelException>("frame ", frame.number, ": ", network_->path,

@@ -26,7 +26,7 @@ public:
 
   /** \param[in] input N x 3 x H x W, float
    * \return the output, an image of its own
-   * \throws EngineError, std::bad_alloc */
+   * \throws EngineError, std::bad_alloc, or what OpenCV throws */
   virtual cv::Mat run(const cv::Mat& input) = 0;
 };
 

@@ -14,25 +14,23 @@ public:
   OpenCvRunner(std::vector<std::uint8_t> bytes, std::string input, std::string output)
       : bytes_(std::move(bytes)), input_(std::move(input)), output_(std::move(output))
   {
-    withOpenCv([this] { load(); });
+    load();
   }
 
   cv::Mat
   run(const cv::Mat& input) override
   {
-    return withOpenCv([&] {
-      try {
-        return forward(input);
-      }
-      catch (const cv::Exception& error) {
-        if (error.code == cv::Error::StsNoMem)
-          throw;
-        // OpenCV 4.10 joins layers of some networks (ESPNetv2) that do not fit then.
-        load();
-        net_.enableFusion(false);
-        return forward(input);
-      }
-    });
+    try {
+      return forward(input);
+    }
+    catch (const cv::Exception& error) {
+      if (error.code == cv::Error::StsNoMem)
+        throw;
+      // OpenCV 4.10 joins layers of some networks (ESPNetv2) that do not fit then.
+      load();
+      net_.enableFusion(false);
+      return forward(input);
+    }
   }
 
 private:

@@ -356,9 +356,11 @@ TEST_P(NetworkPredictorData, KittiStreet)
   EXPECT_GT(right_roads, 0.97 * roads) << right_roads << " of " << roads;
 
   const ThreadScope one(1);
+  EXPECT_EQ(predictor.predict(frame).matrix(), labels.matrix()) << "one thread";
   EXPECT_EQ(
       NetworkPredictor(description, classes, model, GetParam()).predict(frame).matrix(),
-      labels.matrix());
+      labels.matrix())
+      << "loaded with one thread";
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, NetworkPredictorData,
