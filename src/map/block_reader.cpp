@@ -9,7 +9,8 @@ namespace pcl_semantic {
 namespace {
 
 // Measured and refined distribution of a record; all zero where it has no label.
-void
+// Returns whether a refined one is stored.
+bool
 readDistributions(const VoxelBlock& block, int record, int classes, float* measured,
                   float* refined)
 {
@@ -20,6 +21,7 @@ readDistributions(const VoxelBlock& block, int record, int classes, float* measu
   const bool is_refined =
       std::any_of(stored, stored + classes, [](float p) { return p > 0.0f; });
   std::copy_n(is_refined ? stored : measured, classes, refined);
+  return is_refined;
 }
 
 std::array<std::uint8_t, 3>
@@ -120,6 +122,7 @@ BlockReader::makeCloud(std::size_t count, double voxel_size,
   // Without values: read() writes all of them, by all threads.
   voxels.measured.matrix().resize(classes_, Eigen::Index(count));
   voxels.refined.matrix().resize(classes_, Eigen::Index(count));
+  voxels.is_refined.resize(count);
   voxels.indices.resize(count);
   voxels.observations.resize(count);
   voxels.cloud->resize(count);
@@ -141,8 +144,9 @@ BlockReader::read(const VoxelIndex& index, const VoxelBlock& block, std::size_t 
       continue;
     const int record = block.recordAt(offset);
     const auto column = Eigen::Index(i);
-    readDistributions(block, record, classes_, voxels.measured.column(column),
-                      voxels.refined.column(column));
+    voxels.is_refined[i] =
+        readDistributions(block, record, classes_, voxels.measured.column(column),
+                          voxels.refined.column(column));
     voxels.indices[i] = voxelAt(index, offset);
     voxels.observations[i] = block.records[record].observations;
     pcl::PointXYZRGBL& point = (*voxels.cloud)[i];

@@ -268,7 +268,10 @@ SemanticVoxelMap::State::setRefined(const VoxelCloud& voxels,
     if (record == VoxelBlock::kNoRecord)
       continue;
     const float* const distribution = refined.column(Eigen::Index(i));
-    std::copy_n(distribution, classes, block.refined.data() + record * classes);
+    float* const stored = block.refined.data() + record * classes;
+    if (!as_measured && std::equal(distribution, distribution + classes, stored))
+      continue; // a store need not write the block again
+    std::copy_n(distribution, classes, stored);
     if (as_measured)
       replaceMeasured(distribution, classes, parameters.fusion.label_max_ratio,
                       block.measured.data() + record * classes);

@@ -2,6 +2,7 @@
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include "core/fail.h"
+#include "crf_region.h"
 #include "frame_calibration.h"
 #include "map_cliques.h"
 
@@ -273,6 +274,12 @@ SemanticMapper::integrate(const MappedFrame& mapped)
 void
 SemanticMapper::refineVoxels(VoxelCloud& voxels)
 {
+  if (config_.crf_write_back)
+    voxels.is_refined.clear(); // a run changes what all the next ones start from
+  const CrfRegion region =
+      crfRegion(voxels, crfReach(config_.crf_parameters, voxels.voxel_size));
+  if (region.updated.empty())
+    return;
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config_.crfModel());
   if (config_.crf != "dense") {
@@ -287,9 +294,17 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
   crf.setThinLabels(map_.labelSet().thinLabels());
   crf.setVoxels(voxels.indices, voxels.voxel_size);
   crf.setInputCloud(voxels.cloud);
+  crf.setIndices(pcl::make_shared<pcl::Indices>(region.seen));
   crf.setLabelDistributions(voxels.measured);
-  crf.filter(*voxels.cloud);
-  voxels.refined = crf.getLabelDistributions();
+  pcl::PointCloud<pcl::PointXYZRGBL> refined;
+  crf.filter(refined);
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < region.updated.size(); ++k) {
+    const pcl::index_t i = region.updated[k];
+    voxels.refined.matrix().col(i) = crf.getLabelDistributions().matrix().col(i);
+    (*voxels.cloud)[std::size_t(i)].label = refined[std::size_t(i)].label;
+  }
+  voxels.is_refined.assign(voxels.size(), 1);
 }
 
 } // namespace pcl_semantic

@@ -23,9 +23,11 @@ struct VoxelCloud {
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{
       new pcl::PointCloud<pcl::PointXYZRGBL>}; ///< position, mean colour, MAP label
   LabelDistributions measured;                 ///< fused measurements alone
-  LabelDistributions refined;      ///< what a reader should use: the CRF's result where
-                                   ///< there is one, else the measurements
-  std::vector<VoxelIndex> indices; ///< global voxel indices
+  LabelDistributions refined; ///< what a reader should use: the CRF's result where
+                              ///< there is one, else the measurements
+  std::vector<std::uint8_t> is_refined; ///< whether \a refined is the CRF's; empty: not
+                                        ///< known
+  std::vector<VoxelIndex> indices;      ///< global voxel indices
   std::vector<std::uint32_t> observations;          ///< scans that hit the voxel
   double voxel_size = 0.0;                          ///< edge of a voxel [m]
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the points, world frame [m]

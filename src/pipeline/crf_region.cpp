@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "crf_region.h"
+
+#include <pcl_semantic/map/semantic_voxel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace pcl_semantic {
+
+namespace {
+
+// A mark for each block of the box around some voxels.
+class BlockMarks {
+public:
+  explicit BlockMarks(const std::vector<VoxelIndex>& voxels)
+  {
+    low_ = blockOf(voxels.front());
+    VoxelIndex high = low_;
+    for (const VoxelIndex& voxel : voxels) {
+      low_ = low_.cwiseMin(blockOf(voxel));
+      high = high.cwiseMax(blockOf(voxel));
+    }
+    size_ = high - low_ + VoxelIndex::Ones();
+    marks_.resize(std::size_t(size_.x()) * std::size_t(size_.y()) *
+                  std::size_t(size_.z()));
+  }
+
+  std::uint8_t&
+  at(const VoxelIndex& block)
+  {
+    return marks_[cellOf(block - low_)];
+  }
+
+  // All blocks up to some blocks away from a marked one, in each axis.
+  BlockMarks
+  dilated(int blocks) const
+  {
+    BlockMarks result = *this;
+    std::size_t step = 1; // between neighbours along the axis
+    for (const int length : {size_.x(), size_.y(), size_.z()}) {
+      for (std::size_t cell = 0; cell < marks_.size(); ++cell)
+        if (cell / step % std::size_t(length) == 0)
+          dilateLine(&result.marks_[cell], step, length, blocks);
+      step *= std::size_t(length);
+    }
+    return result;
+  }
+
+private:
+  std::size_t
+  cellOf(const VoxelIndex& cell) const
+  {
+    return (std::size_t(cell.z()) * std::size_t(size_.y()) + std::size_t(cell.y())) *
+               std::size_t(size_.x()) +
+           std::size_t(cell.x());
+  }
+
+  static void
+  dilateLine(std::uint8_t* line, std::size_t step, int length, int blocks)
+  {
+    std::vector<std::uint8_t> marked;
+    for (int k = 0; k < length; ++k)
+      marked.push_back(line[std::size_t(k) * step]);
+    int next = 0; // of those before it all are done
+    for (int k = 0; k < length; ++k)
+      if (marked[std::size_t(k)])
+        for (next = std::max(next, k - blocks); next < length && next <= k + blocks;
+             ++next)
+          line[std::size_t(next) * step] = 1;
+  }
+
+  VoxelIndex low_, size_; // [blocks]
+  std::vector<std::uint8_t> marks_;
+};
+
+pcl::Indices
+voxelsIn(BlockMarks& marks, const std::vector<VoxelIndex>& voxels)
+{
+  pcl::Indices found;
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    if (marks.at(blockOf(voxels[i])))
+      found.push_back(pcl::index_t(i));
+  return found;
+}
+
+} // namespace
+
+double
+crfReach(const SemanticCRFParameters& parameters, double voxel_size)
+{
+  const double automatic = SemanticCRFParameters::automaticDeviation(voxel_size);
+  double deviation = 0.0;
+  for (const double given :
+       {parameters.smoothness_deviation, parameters.appearance_deviation})
+    deviation = std::max(deviation, given > 0.0 ? given : automatic);
+  const double radius =
+      parameters.kernel_method == KernelMethod::lattice ? 3.0 : parameters.radius;
+  // One step more: messages are normalised by what those who send them hear.
+  return (parameters.iterations + 1) * radius * deviation;
+}
+
+CrfRegion
+crfRegion(const VoxelCloud& voxels, double reach)
+{
+  CrfRegion region;
+  if (voxels.size() == 0)
+    return region;
+  BlockMarks changed(voxels.indices);
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    if (voxels.is_refined.empty() || !voxels.is_refined[i])
+      changed.at(blockOf(voxels.indices[i])) = 1;
+  const int blocks =
+      int(std::ceil(std::min(reach / (kBlockEdge * voxels.voxel_size) - 1e-9, 1e6)));
+  BlockMarks updated = changed.dilated(blocks);
+  region.updated = voxelsIn(updated, voxels.indices);
+  BlockMarks seen = updated.dilated(blocks);
+  region.seen = voxelsIn(seen, voxels.indices);
+  return region;
+}
+
+} // namespace pcl_semantic

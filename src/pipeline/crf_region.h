@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/filters/crf_parameters.h>
+
+#include <pcl/types.h>
+
+namespace pcl_semantic {
+
+/** \brief What a run of the CRF has to see of a map that it has refined before: where
+ * no voxel was measured since, its result would be what it was. */
+struct CrfRegion {
+  pcl::Indices updated; ///< voxels whose result may be another one, in rising order
+  pcl::Indices seen;    ///< these and all that they hear of, in rising order
+};
+
+/** \brief How far what a voxel says is heard after some updates [m]. */
+double crfReach(const SemanticCRFParameters& parameters, double voxel_size);
+
+/** \brief The voxels without a result (VoxelCloud::is_refined) and those around them,
+ * by whole blocks of 8 x 8 x 8. \param[in] reach [m] */
+CrfRegion crfRegion(const VoxelCloud& voxels, double reach);
+
+} // namespace pcl_semantic
