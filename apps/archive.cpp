@@ -3,9 +3,9 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_export.h>
+#include <pcl_semantic/pipeline/submaps.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -29,7 +29,8 @@ const Usage usage{"pcl_semantic_archive",
   verify  reads all of it and compares every checksum: prints 'ok' or what is wrong
   export  its occupied voxels, as map.pcd holds them; x y z are relative to the
           origin that info prints
-  merge   joins maps of the same frame of reference into a new archive OUT)",
+  merge   joins maps of the same frame of reference, or those that --poses moves to
+          it, into a new archive OUT)",
                   R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \
     --archive /tmp/street.map && \
@@ -40,15 +41,16 @@ struct Arguments {
   std::vector<std::string> files;
   std::string box;                  ///< six numbers; empty = everything
   std::vector<std::string> classes; ///< empty = any
+  std::vector<std::string> poses;   ///< corrected trajectories; empty = none
 };
 
 BlockProgress
-showProgress(const std::string& what)
+showProgress(const std::string& what, const std::string& unit = "blocks")
 {
   const auto bar = std::make_shared<std::optional<ProgressBar>>();
-  return [what, bar](std::size_t, std::size_t blocks) {
+  return [what, unit, bar](std::size_t, std::size_t count) {
     if (!*bar)
-      bar->emplace(what, blocks, "blocks");
+      bar->emplace(what, count, unit);
     (*bar)->step();
   };
 }
@@ -154,8 +156,16 @@ merge(const Arguments& arguments)
                                         arguments.files.end() - 1);
   // A map that is given twice would be believed twice.
   refuseSameFiles({}, arguments.files);
+  const std::vector<std::string>& poses = arguments.poses;
+  refuseIf(poses.size() > 1 && poses.size() != inputs.size(),
+           "'merge' takes --poses once, or as often as there are FILEs");
+  std::vector<Submap> submaps;
+  for (const std::string& input : inputs)
+    submaps.push_back({input, poses.empty()       ? ""
+                              : poses.size() == 1 ? poses[0]
+                                                  : poses[submaps.size()]});
   const std::uint64_t blocks =
-      mergeArchives(inputs, arguments.files.back(), showProgress("merging"));
+      mergeSubmaps(submaps, arguments.files.back(), showProgress("merging", "tiles"));
   printResults({{"blocks", std::size_t(blocks)}, {"archive", arguments.files.back()}});
   return exit_done;
 }
@@ -171,7 +181,11 @@ parse(int argc, char** argv)
        {"box", arguments.box,
         "of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]"},
        {"class", arguments.classes,
-        "of export: only voxels of this class; may be given several times"}},
+        "of export: only voxels of this class; may be given several times"},
+       {"poses", arguments.poses,
+        "of merge: corrected trajectory (KITTI or TUM) that moves the maps, each "
+        "rigidly with the middle one of its frames; once for all, or one for each "
+        "FILE"}},
       {"command", "files..."});
   return arguments;
 }
@@ -187,6 +201,8 @@ runCommand(const Arguments& arguments)
   refuseIf(command->second != exportCloud &&
                !(arguments.box.empty() && arguments.classes.empty()),
            "--box and --class are for 'export'");
+  refuseIf(command->second != merge && !arguments.poses.empty(),
+           "--poses is for 'merge'");
   return command->second(arguments);
 }
 

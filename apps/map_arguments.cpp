@@ -113,6 +113,7 @@ requireLive(const MapArguments& arguments)
        {std::pair("--clouds", !arguments.clouds.empty()),
         std::pair("--rgbd", !arguments.rgbd.empty()),
         std::pair("--archive", !arguments.archive.path.empty()),
+        std::pair("--submap-every", !arguments.submap_every.empty()),
         std::pair("--frames", arguments.frames != ":"),
         std::pair("--also", !arguments.also.empty()),
         std::pair("--times", !sequence.files.times.empty()),
@@ -195,6 +196,10 @@ parseMapArguments(int argc, char** argv)
             "archive file of the map; a killed run can be resumed from it"},
            {"archive-every", withDefault(arguments.archive.every),
             "commit to the archive every N frames"},
+           {"submap-every", arguments.submap_every,
+            "cut the drive into submaps after so many metres (50m) or frames (100), "
+            "each with an archive OUTPUT/FIRST.map and a folder OUTPUT/FIRST; "
+            "pcl_semantic_archive merge joins them, also with corrected poses"},
            {"view", arguments.view, "show the map in a window while it grows"},
            {"live", arguments.live,
             "map what comes, until Ctrl-C: SEQUENCE is a folder that another program "

@@ -290,14 +290,13 @@ ArchiveDatabase::putBlock(const VoxelIndex& index, const Bytes& sealed)
   statements_->put_block.run(index.z(), index.y(), index.x(), sealed);
 }
 
-std::optional<Bytes>
+std::optional<std::string>
 ArchiveDatabase::getBlock(const VoxelIndex& index)
 {
   SqliteStatement& row = statements_->get_block;
-  std::optional<Bytes> content;
-  row.forEachRow([&] { content = unsealBlock(index, row.bytes(0)); }, index.z(),
-                 index.y(), index.x());
-  return content;
+  std::optional<std::string> sealed;
+  row.forEachRow([&] { sealed = row.bytes(0); }, index.z(), index.y(), index.x());
+  return sealed;
 }
 
 Bytes

@@ -10,6 +10,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
 namespace pcl_semantic {
 
@@ -56,8 +58,8 @@ public:
   /** \param[in] sealed an encoded block, which begins with its index */
   void putBlock(const VoxelIndex& index, const Bytes& sealed);
 
-  /** \brief What was sealed; nothing if there is no such block. */
-  std::optional<Bytes> getBlock(const VoxelIndex& index);
+  /** \brief What was put; nothing if there is no such block. */
+  std::optional<std::string> getBlock(const VoxelIndex& index);
 
   /** \brief Visits the keys of the blocks in the order z, y, x. */
   void forEachBlockKey(const std::function<void(const VoxelIndex&)>& visit);

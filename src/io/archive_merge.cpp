@@ -2,17 +2,18 @@
 #include <pcl_semantic/io/archive_merge.h>
 
 #include "archive_database.h"
+#include "block_merge.h"
 #include "core/fail.h"
-#include "map/voxel_fusion.h"
+#include "core/parallel_guard.h"
+#include "moved_archive.h"
 
 #include <pcl_semantic/io/map_archive.h>
-#include <pcl_semantic/map/semantic_voxel.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
-#include <limits>
+#include <iterator>
+#include <map>
+#include <memory>
 #include <tuple>
 #include <vector>
 
@@ -20,133 +21,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Fixed point of log-probabilities, so that sums do not depend on the order.
-constexpr double kLogScale = double(std::int64_t(1) << 40);
-
-constexpr std::uint32_t kMaxColourCount = 1u << 22; // as when pixels are fused
-
-// What one map knows of a voxel that it has hit.
-struct Source {
-  const VoxelRecord* record;
-  const float *measured, *refined; // L values
-};
-
-std::uint32_t
-saturate(std::uint64_t value)
-{
-  return static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(value, std::numeric_limits<std::uint32_t>::max()));
-}
-
-StoredLogOdds
-mergeLogOdds(const std::vector<const VoxelBlock*>& blocks, std::size_t offset,
-             const FusionParameters& fusion)
-{
-  int sum = 0;
-  bool is_known = false;
-  for (const VoxelBlock* const block : blocks)
-    if (block->log_odds[offset] != kUnknown) {
-      sum += block->log_odds[offset];
-      is_known = true;
-    }
-  if (!is_known)
-    return kUnknown;
-  const int lowest = storedLogOdds(fusion.min_probability);
-  const int highest = storedLogOdds(fusion.max_probability);
-  return static_cast<StoredLogOdds>(std::clamp(sum, lowest, highest));
-}
-
-VoxelRecord
-mergeRecords(const std::vector<Source>& sources)
-{
-  std::uint64_t colour[3] = {}, position[3] = {};
-  std::uint64_t weight = 0, colours = 0, observations = 0, labels = 0;
-  for (const Source& source : sources) {
-    const VoxelRecord& record = *source.record;
-    for (int channel = 0; channel < 3; ++channel)
-      colour[channel] += record.colour_sum[std::size_t(channel)];
-    for (int axis = 0; axis < 3; ++axis)
-      position[axis] += std::uint64_t(record.position[std::size_t(axis)]) *
-                        std::max(record.observations, 1u);
-    weight += std::max(record.observations, 1u);
-    colours += record.colour_count;
-    observations += record.observations;
-    labels += record.label_observations;
-  }
-  for (; colours > kMaxColourCount; colours /= 2)
-    for (std::uint64_t& sum : colour)
-      sum /= 2;
-  VoxelRecord merged{{saturate(colour[0]), saturate(colour[1]), saturate(colour[2])},
-                     saturate(colours),
-                     saturate(observations),
-                     saturate(labels)};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    merged.position[axis] = std::uint16_t(position[axis] / weight);
-  return merged;
-}
-
-// Eq. (1) of the paper over all maps: the sum of the logs, shifted so that the largest
-// is 0, and clamped.
-void
-mergeMeasured(const std::vector<Source>& sources, int classes, double log_ratio,
-              float* merged)
-{
-  std::array<std::int64_t, 256> sums{};
-  for (const Source& source : sources) {
-    for (std::size_t k = 0; k < std::size_t(classes); ++k) {
-      const double log = std::clamp(double(source.measured[k]), -log_ratio, 0.0);
-      sums[k] += std::llround(log * kLogScale);
-    }
-  }
-  const std::int64_t largest = *std::max_element(sums.begin(), sums.begin() + classes);
-  for (std::size_t k = 0; k < std::size_t(classes); ++k)
-    merged[k] = float(std::max(double(sums[k] - largest) / kLogScale, -log_ratio));
-}
-
-void
-mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
-           const FusionParameters& fusion, VoxelBlock& merged)
-{
-  const auto count = static_cast<std::size_t>(classes);
-  const auto record = static_cast<std::size_t>(merged.makeRecord(offset, classes));
-  merged.records[record] = mergeRecords(sources);
-  float* const measured = merged.measured.data() + record * count;
-  std::vector<Source> labelled;
-  for (const Source& source : sources)
-    if (source.record->label_observations > 0)
-      labelled.push_back(source);
-  if (labelled.size() == 1) // without rounding
-    std::copy_n(labelled[0].measured, count, measured);
-  else if (labelled.size() > 1)
-    mergeMeasured(labelled, classes, std::log(fusion.label_max_ratio), measured);
-  if (sources.size() == 1)
-    std::copy_n(sources[0].refined, count, merged.refined.data() + record * count);
-}
-
-// What several maps know of the same block taken together, see mergeArchives(). A
-// refined distribution of several is no longer what a CRF would conclude.
-VoxelBlock
-mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
-            const FusionParameters& fusion)
-{
-  VoxelBlock merged;
-  std::vector<Source> sources;
-  for (int offset = 0; offset < kBlockVoxels; ++offset) {
-    merged.log_odds[std::size_t(offset)] =
-        mergeLogOdds(blocks, std::size_t(offset), fusion);
-    sources.clear();
-    for (const VoxelBlock* const block : blocks)
-      if (const int record = block->recordAt(offset); record != VoxelBlock::kNoRecord)
-        sources.push_back({&block->records[std::size_t(record)],
-                           block->measured.data() + record * classes,
-                           block->refined.data() + record * classes});
-    if (!sources.empty())
-      mergeVoxel(sources, offset, classes, fusion, merged);
-  }
-  return merged;
-}
-
-using Archives = std::vector<std::unique_ptr<MapArchive>>;
+using Archives = std::vector<std::unique_ptr<MovedArchive>>;
 
 bool
 areSame(const LabelSet& a, const LabelSet& b)
@@ -187,7 +62,7 @@ headerOf(const Archives& archives)
 {
   std::vector<const MapArchive*> by_name;
   for (const auto& archive : archives)
-    by_name.push_back(archive.get());
+    by_name.push_back(&archive->archive());
   std::sort(by_name.begin(), by_name.end(),
             [](const auto* a, const auto* b) { return a->path() < b->path(); });
   // What the result does not depend on is that of the first name.
@@ -211,10 +86,10 @@ stateOf(const Archives& archives)
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
   };
   ArchiveState state;
-  state.cloud_origin = archives.front()->state().cloud_origin;
+  state.cloud_origin = archives.front()->archive().state().cloud_origin;
   state.finished = true;
   for (const auto& archive : archives) {
-    const ArchiveState each = archive->state();
+    const ArchiveState each = archive->archive().state();
     state.finished = state.finished && each.finished;
     if (less(each.cloud_origin, state.cloud_origin))
       state.cloud_origin = each.cloud_origin;
@@ -222,58 +97,106 @@ stateOf(const Archives& archives)
   return state;
 }
 
-// Puts what the archives from the i-th on know of its blocks, of those that no archive
-// before it has.
-void
-mergeBlocksOf(const Archives& archives, std::size_t i, MapArchive& merged,
-              const std::function<void()>& step)
+// A square of space, over all heights: what is in memory at a time.
+constexpr int kTileEdge = 32; // [blocks]
+
+struct Tile {
+  int y = 0, x = 0; // [tiles]
+
+  bool
+  operator<(const Tile& other) const
+  {
+    return std::tie(y, x) < std::tie(other.y, other.x);
+  }
+};
+
+int
+tileAt(int block)
 {
-  const ArchiveHeader& header = merged.header();
-  archives[i]->forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-    step();
-    if (merged.contains(index))
-      return;
-    std::vector<std::unique_ptr<VoxelBlock>> others;
-    std::vector<const VoxelBlock*> blocks = {&block};
-    for (std::size_t k = i + 1; k < archives.size(); ++k)
-      if (auto other = archives[k]->get(index)) {
-        blocks.push_back(other.get());
-        others.push_back(std::move(other));
-      }
-    if (blocks.size() == 1)
-      merged.put(index, block);
-    else
-      merged.put(index, mergeBlocks(blocks, header.label_set.size(),
-                                    header.parameters.fusion));
-  });
+  return int(std::floor(double(block) / kTileEdge));
+}
+
+// Of each tile, by archive, the blocks of it and of its halo.
+struct TileBlocks {
+  bool is_reached = false; // by some archive, and not only its halo
+  std::map<std::size_t, std::vector<VoxelIndex>> of;
+};
+
+std::map<Tile, TileBlocks>
+tilesOf(const Archives& archives, int halo)
+{
+  std::map<Tile, TileBlocks> tiles;
+  for (std::size_t i = 0; i < archives.size(); ++i)
+    for (const VoxelIndex& block : archives[i]->indices()) {
+      for (int y = tileAt(block.y() - halo); y <= tileAt(block.y() + halo); ++y)
+        for (int x = tileAt(block.x() - halo); x <= tileAt(block.x() + halo); ++x)
+          tiles[{y, x}].of[i].push_back(block);
+      tiles[{tileAt(block.y()), tileAt(block.x())}].is_reached = true;
+    }
+  for (auto tile = tiles.begin(); tile != tiles.end();)
+    tile = tile->second.is_reached ? std::next(tile) : tiles.erase(tile);
+  return tiles;
+}
+
+// What the archives know together of the blocks of a tile.
+MapBlocks
+mergeTile(const Archives& archives, const TileBlocks& tile, const ArchiveHeader& header)
+{
+  std::map<VoxelIndex, std::vector<const VoxelBlock*>, VoxelIndexLess> sources;
+  std::vector<std::vector<std::unique_ptr<VoxelBlock>>> owned;
+  for (const auto& [i, indices] : tile.of) {
+    owned.push_back(archives[i]->read(indices));
+    for (std::size_t k = 0; k < indices.size(); ++k)
+      if (owned.back()[k])
+        sources[indices[k]].push_back(owned.back()[k].get());
+  }
+  MapBlocks merged(sources.size());
+  std::vector<const std::vector<const VoxelBlock*>*> known;
+  for (const auto& [index, blocks] : sources) {
+    merged[known.size()].first = index;
+    known.push_back(&blocks);
+  }
+  ParallelGuard guard;
+#pragma omp parallel for schedule(dynamic, 16)
+  for (std::size_t b = 0; b < merged.size(); ++b)
+    guard.run([&] {
+      merged[b].second = known[b]->size() == 1
+                             ? *known[b]->front()
+                             : mergeBlocks(*known[b], header.label_set.size(),
+                                           header.parameters.fusion);
+    });
+  guard.rethrow();
+  return merged;
 }
 
 } // namespace
 
 std::uint64_t
-mergeArchives(const std::vector<std::string>& inputs, const std::string& output,
-              const BlockProgress& progress)
+mergeArchives(const std::vector<PlacedArchive>& inputs, const std::string& output,
+              const MergeOptions& options)
 {
   if (inputs.size() < 2)
     badParameter("expected two or more archives to merge");
   Archives archives;
-  for (const std::string& input : inputs) {
-    archives.push_back(std::make_unique<MapArchive>(input, ArchiveAccess::read));
-    requireSame(*archives.front(), *archives.back());
+  for (const PlacedArchive& input : inputs) {
+    archives.push_back(std::make_unique<MovedArchive>(input.path, input.motion));
+    requireSame(archives.front()->archive(), archives.back()->archive());
   }
-  std::size_t inputs_blocks = 0;
-  for (const auto& archive : archives)
-    inputs_blocks += archive->state().blocks;
-  std::size_t done = 0;
-  const auto step = [&] {
-    if (progress)
-      progress(++done, inputs_blocks);
-  };
+  const auto tiles = tilesOf(archives, options.halo);
   std::uint64_t blocks = 0;
   makeArchiveFile(output, [&](const std::string& temporary) {
     const auto merged = MapArchive::create(temporary, headerOf(archives));
-    for (std::size_t i = 0; i < archives.size(); ++i)
-      mergeBlocksOf(archives, i, *merged, step);
+    std::size_t done = 0;
+    for (const auto& [tile, reached] : tiles) {
+      MapBlocks known = mergeTile(archives, reached, merged->header());
+      if (options.refine)
+        options.refine(known);
+      for (const auto& [index, block] : known)
+        if (tileAt(index.y()) == tile.y && tileAt(index.x()) == tile.x)
+          merged->put(index, block);
+      if (options.progress)
+        options.progress(++done, tiles.size());
+    }
     merged->commit(stateOf(archives));
     blocks = merged->state().blocks;
     merged->close();

@@ -124,6 +124,15 @@ struct MapArchive::Implementation {
                   [&] { return decodeBlock(content, index, header.label_set.size()); });
   }
 
+  std::string
+  sealed(const VoxelIndex& block)
+  {
+    std::optional<std::string> found = database.getBlock(block);
+    if (!found)
+      badInput(database.path(), ": is damaged: lacks ", nameOfBlock(block));
+    return std::move(*found);
+  }
+
   // The blocks that were read, by all threads.
   std::vector<std::unique_ptr<VoxelBlock>>
   open(const std::vector<std::pair<VoxelIndex, std::string>>& sealed) const
@@ -202,10 +211,44 @@ MapArchive::get(const VoxelIndex& block) const
     return std::make_unique<VoxelBlock>(waiting->second);
   if (!my.stored.contains(block))
     return nullptr;
-  const std::optional<Bytes> content = my.database.getBlock(block);
-  if (!content)
-    badInput(my.database.path(), ": is damaged: lacks ", nameOfBlock(block));
-  return my.decode(block, *content);
+  return std::move(my.open({{block, my.sealed(block)}}).front());
+}
+
+std::vector<std::unique_ptr<VoxelBlock>>
+MapArchive::get(const std::vector<VoxelIndex>& blocks) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  std::vector<std::unique_ptr<VoxelBlock>> found(blocks.size());
+  std::vector<std::pair<VoxelIndex, std::string>> read;
+  std::vector<std::size_t> places; // of what is read
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    if (my.pending.count(blocks[i]) > 0)
+      found[i] = get(blocks[i]);
+    else if (my.stored.contains(blocks[i])) {
+      read.emplace_back(blocks[i], my.sealed(blocks[i]));
+      places.push_back(i);
+    }
+  auto opened = my.open(read);
+  for (std::size_t k = 0; k < places.size(); ++k)
+    found[places[k]] = std::move(opened[k]);
+  return found;
+}
+
+void
+MapArchive::forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const
+{
+  Implementation& my = *implementation_;
+  const std::lock_guard<std::recursive_mutex> lock(my.mutex);
+  std::vector<VoxelIndex> indices;
+  my.database.forEachBlockKey(
+      [&](const VoxelIndex& index) { indices.push_back(index); });
+  for (const auto& [index, block] : my.pending)
+    if (!my.stored.contains(index))
+      indices.push_back(index);
+  std::sort(indices.begin(), indices.end(), VoxelIndexLess());
+  for (const VoxelIndex& index : indices)
+    visit(index);
 }
 
 bool

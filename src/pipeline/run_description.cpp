@@ -164,11 +164,41 @@ changeOfRun(const std::string& before, const std::string& now)
   return {};
 }
 
+RunSensor
+sensorOf(const std::string& description)
+{
+  const std::map<std::string, std::string> values = valuesOf(description);
+  const auto pose = values.find("camera_pose");
+  if (pose == values.end())
+    badInput("is not of a run: does not say where its sensor is");
+  const std::vector<double> numbers = parseNumbers(pose->second, "camera_pose");
+  if (numbers.size() != 12)
+    badInput("camera_pose has ", numbers.size(), " numbers, expected 12");
+  RunSensor sensor;
+  for (int i = 0; i < 12; ++i)
+    sensor.T_camera0_camera(i / 4, i % 4) = numbers[std::size_t(i)];
+  const auto kind = values.find("sensor"); // of clouds
+  sensor.has_own_poses =
+      values.count("rgbd") > 0 || (kind != values.end() && kind->second == "own");
+  return sensor;
+}
+
+MapperConfig
+configOf(const std::string& description)
+{
+  const std::map<std::string, std::string> values = valuesOf(description);
+  MapperConfig config;
+  for (ConfigParameter& parameter : parametersOf(config))
+    if (const auto value = values.find(parameter.name); value != values.end())
+      parameter.set(value->second, parameter.name);
+  return config;
+}
+
 FrameRecord
 recordOf(const MappedFrame& mapped)
 {
-  return {mapped.frame.number, mapped.T_world_camera, mapped.counts,
-          mapped.times.seconds(), mapped.domain_shift};
+  return {mapped.frame.number,    mapped.T_world_camera, mapped.counts,
+          mapped.times.seconds(), mapped.domain_shift,   mapped.frame.timestamp};
 }
 
 std::vector<std::uint8_t>
@@ -186,6 +216,7 @@ encodeFrameRecord(const FrameRecord& record)
     writer.put(seconds);
   }
   writer.put(record.domain_shift);
+  writer.put(record.timestamp);
   return writer.bytes();
 }
 
@@ -206,6 +237,8 @@ decodeFrameRecord(int number, const std::vector<std::uint8_t>& bytes)
   }
   if (reader.left() > 0)
     record.domain_shift = reader.get<double>();
+  if (reader.left() > 0)
+    record.timestamp = reader.get<double>();
   if (reader.left() > 0 || !record.T_world_camera.matrix().allFinite())
     badInput("is no record of a frame");
   return record;

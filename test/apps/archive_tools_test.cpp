@@ -6,7 +6,13 @@
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
 
+#include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/map_archive.h>
+
+#include <array>
+#include <cmath>
+#include <map>
 
 namespace pcl_semantic {
 
@@ -159,6 +165,137 @@ TEST_F(StreetArchive, Merge)
   expectFails("archive merge " + first + " " + coarse + " " + folder_->path("no.map"),
               3, coarse + ": has another voxel size than " + first);
   EXPECT_FALSE(fs::exists(folder_->path("no.map")));
+}
+
+namespace {
+
+// Of the voxels that two archives have both seen.
+struct Agreement {
+  double occupancy = 0.0; // fraction that is as free or occupied in one as in the other
+  double labels = 0.0;    // of those occupied in both: fraction of the same label
+  std::size_t occupied = 0; // in both
+  double near = 0.0; // occupied ones of one with one of the other at most a voxel off
+};
+
+Agreement
+agreementOf(const std::string& path, const std::string& other)
+{
+  const auto knownIn = [](const std::string& file) {
+    const MapArchive archive(file, ArchiveAccess::read);
+    const auto& fusion = archive.header().parameters.fusion;
+    const int classes = archive.header().label_set.size();
+    const auto least =
+        std::log(fusion.occupied_probability / (1.0 - fusion.occupied_probability));
+    std::map<std::array<int, 3>, int> known; // -1 = free, else the label
+    archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+      for (int offset = 0; offset < kBlockVoxels; ++offset) {
+        const auto log_odds = block.log_odds[std::size_t(offset)];
+        if (log_odds == kUnknown)
+          continue;
+        const VoxelIndex voxel = voxelAt(index, offset);
+        const int record = block.recordAt(offset);
+        const bool is_occupied = record >= 0 && log_odds * kLogOddsUnit > least;
+        known[{voxel.x(), voxel.y(), voxel.z()}] =
+            is_occupied
+                ? int(mapLabel(block.refined.data() + record * classes, classes))
+                : -1;
+      }
+    });
+    return known;
+  };
+  const auto a = knownIn(path), b = knownIn(other);
+  const auto hasNear = [&](const std::array<int, 3>& voxel) {
+    for (int i = 0; i < 27; ++i) {
+      const auto found = b.find(
+          {voxel[0] + i % 3 - 1, voxel[1] + i / 3 % 3 - 1, voxel[2] + i / 9 - 1});
+      if (found != b.end() && found->second >= 0)
+        return true;
+    }
+    return false;
+  };
+  std::size_t both = 0, same = 0, occupied = 0, same_label = 0, all = 0, near = 0;
+  for (const auto& [voxel, state] : a) {
+    all += state >= 0;
+    near += state >= 0 && hasNear(voxel);
+    if (const auto found = b.find(voxel); found != b.end()) {
+      ++both;
+      same += (state < 0) == (found->second < 0);
+      if (state < 0 || found->second < 0)
+        continue;
+      ++occupied;
+      same_label += state == found->second;
+    }
+  }
+  return {double(same) / double(both), double(same_label) / double(occupied), occupied,
+          double(near) / double(all)};
+}
+
+} // namespace
+
+TEST_F(StreetArchive, SubmapsAreMergedToTheMapOfTheDrive)
+{
+  const std::string submaps = folder_->path("submaps");
+  const std::string command = mapCommand(submaps, "--map-only --submap-every 2");
+  EXPECT_TRUE(holds(succeed(command), "submaps: 2\narchives: " + submaps + "/*.map\n"));
+  const std::string first = submaps + "/000000.map", second = submaps + "/000002.map";
+  EXPECT_EQ(MapArchive(first, ArchiveAccess::read).state().frames, 2u);
+  EXPECT_EQ(MapArchive(second, ArchiveAccess::read).state().last_frame, 2);
+  EXPECT_TRUE(fs::exists(submaps + "/000002/map.pcd"));
+  expectFails(command, 5, first + ": is there already");
+  succeed(command + " --resume");
+
+  const std::string joined = folder_->path("drive.map");
+  succeed("archive merge " + first + " " + second + " " + joined);
+  const Agreement agreement = agreementOf(archive_, joined);
+  EXPECT_GT(agreement.occupied, 3000u);
+  EXPECT_GE(agreement.occupancy, 0.995);
+  EXPECT_GE(agreement.labels, 0.995);
+}
+
+TEST_F(StreetArchive, SubmapsMoveWithTheirPoses)
+{
+  // Each pose is off by another way; a submap of each frame takes that back.
+  Trajectory poses = readKittiTrajectory(tinyStreet() + "/poses.txt");
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    poses[i].pretranslate(Eigen::Vector3d(0.9 - double(i), 0.4, 0.7 * double(i)));
+  const std::string drifted = folder_->path("drifted.txt"),
+                    submaps = folder_->path("moved"),
+                    joined = folder_->path("corrected.map");
+  writeKittiTrajectory(drifted, poses);
+  succeed(mapCommand(submaps, "--map-only --submap-every 0.5m --poses " + drifted));
+  const std::string files =
+      submaps + "/000000.map " + submaps + "/000001.map " + submaps + "/000002.map ";
+  succeed("archive merge " + files + joined + " --poses " + tinyStreet() +
+          "/poses.txt");
+  const std::string wrong = folder_->path("wrong.map");
+  succeed("archive merge " + files + wrong);
+  // Whole voxels are moved by parts of one: some of a surface go to the next layer.
+  const Agreement corrected = agreementOf(archive_, joined);
+  EXPECT_GE(corrected.near, 0.98);
+  EXPECT_GE(agreementOf(joined, archive_).near, 0.98);
+  EXPECT_GE(corrected.occupancy, 0.98);
+  EXPECT_GE(corrected.labels, 0.95);
+  EXPECT_LT(agreementOf(archive_, wrong).near, 0.7);
+  fs::remove(joined);
+  expectFails("archive merge " + files + joined + " --poses " + drifted + " --poses " +
+                  drifted,
+              2, "'merge' takes --poses once, or as often as there are FILEs");
+  expectFails("archive info " + archive_ + " --poses " + drifted, 2,
+              "--poses is for 'merge'");
+  EXPECT_FALSE(fs::exists(joined));
+}
+
+TEST_F(StreetArchive, SubmapsThatCannotBe)
+{
+  const std::string output = folder_->path("none");
+  for (const char* const length : {"0", "-3m", "2.5", "5x", "m", "nan", "1e30m"})
+    expectFails(mapCommand(output, std::string("--submap-every ") + length), 2,
+                "--submap-every");
+  expectFails(mapCommand(output, "--submap-every 2 --archive " + output + ".map"), 2,
+              "--submap-every and --archive or --view exclude each other");
+  expectFails(mapCommand(output, "--submap-every 2 --poses odometry"), 2,
+              "--archive needs poses from a file");
+  EXPECT_FALSE(fs::exists(output));
 }
 
 TEST_F(StreetArchive, BadUsage)

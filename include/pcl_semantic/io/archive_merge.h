@@ -3,26 +3,49 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/map/semantic_voxel.h>
+
+#include <Eigen/Geometry>
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Joins maps of the same frame of reference, voxel size, label set and fusion
- * parameters into a new archive, which does not depend on their order. Where several
- * know a voxel, log-odds and label logs are added and clamped, what is unknown adds
- * nothing, colours and counts are summed; a refined distribution is kept where only one
- * has hit the voxel. The result is a map to read; no run goes on with it.
- * \param[in] inputs paths of two or more archives
- * \param[in] output path of one that is not there yet
- * \return number of blocks
- * \throws InvalidParameterException if there are fewer than two inputs
- * \throws BadInputException that says what differs, or if one is damaged
- * \throws OutputException */
-std::uint64_t mergeArchives(const std::vector<std::string>& inputs,
+/** \brief An archive, and where it belongs in a map of several. */
+struct PlacedArchive {
+  std::string path;
+  /// From its world frame to that of the map [m]. Voxels that it moves are resampled:
+  /// each is a copy of the one that its centre comes from.
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+};
+
+/** \brief Some blocks of a map, in the order z, y, x. */
+using MapBlocks = std::vector<std::pair<VoxelIndex, VoxelBlock>>;
+
+struct MergeOptions {
+  /// Called with what was merged of a square of space and \a halo blocks around it, to
+  /// change it: refine its labels, say. What it makes of the halo is dropped.
+  std::function<void(MapBlocks& blocks)> refine;
+  int halo = 0; ///< [blocks]
+  BlockProgress progress;
+};
+
+/** \brief Joins maps of the same voxel size, label set and fusion parameters into a new
+ * archive, which does not depend on their order. Where several know a voxel, log-odds
+ * and label logs are added and clamped, what is unknown adds nothing, colours and
+ * counts are summed; refined distributions are kept in blocks where only one has hit
+ * anything. The result is a map to read; no run goes on with it. Memory holds a square
+ * of 25 m of it at voxels of 0.1 m, over all heights, with what all inputs know there.
+ * \param[in] inputs two or more archives \param[in] output path of one that is not
+ * there yet \return number of blocks \throws InvalidParameterException if there are
+ * fewer than two inputs \throws BadInputException that says what differs, or if one is
+ * damaged \throws OutputException */
+std::uint64_t mergeArchives(const std::vector<PlacedArchive>& inputs,
                             const std::string& output,
-                            const BlockProgress& progress = nullptr);
+                            const MergeOptions& options = {});
 
 } // namespace pcl_semantic

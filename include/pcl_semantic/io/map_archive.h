@@ -68,10 +68,17 @@ public:
 
   std::unique_ptr<VoxelBlock> get(const VoxelIndex& block) const override;
 
+  /** \brief Several at once, unpacked by all threads; null where there is none. */
+  std::vector<std::unique_ptr<VoxelBlock>>
+  get(const std::vector<VoxelIndex>& blocks) const;
+
   /** \copydoc BlockStore::forEach
    * \param[in] visit must not put */
   void forEach(const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit)
       const override;
+
+  /** \brief Visits the indices of all blocks, in the order z, y, x. */
+  void forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const;
 
   /** \brief Whether there is a block; takes no time. */
   bool contains(const VoxelIndex& block) const;

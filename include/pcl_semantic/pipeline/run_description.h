@@ -45,6 +45,21 @@ std::string describeRun(const MappingRun& run);
  * is 0.2"; empty if there is none. */
 std::string changeOfRun(const std::string& before, const std::string& now);
 
+/** \brief The sensor of a run, by which poses of another trajectory are its own. */
+struct RunSensor {
+  /// Of the frames' camera or scanner in camera 0, whose poses a trajectory holds.
+  Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
+  bool has_own_poses = false; ///< poses are the sensor's own, in a world with z up
+};
+
+/** \brief That of a run, from its text.
+ * \throws BadInputException if the text does not say */
+RunSensor sensorOf(const std::string& description);
+
+/** \brief The parameters of a run, from its text; those that it does not name have
+ * their defaults. \throws BadInputException if a value cannot be */
+MapperConfig configOf(const std::string& description);
+
 /** \brief What is kept of a frame that went into a map. */
 struct FrameRecord {
   int number = 0;
@@ -52,11 +67,13 @@ struct FrameRecord {
   ScanCounts counts;
   std::vector<std::pair<std::string, double>> seconds;            ///< by stage
   double domain_shift = std::numeric_limits<double>::quiet_NaN(); ///< see MappedFrame
+  double timestamp = std::numeric_limits<double>::quiet_NaN(); ///< [s]; NaN: not known
 };
 
 FrameRecord recordOf(const MappedFrame& mapped);
 
-/** \brief A record as bytes, without loss; older ones end before \a domain_shift. */
+/** \brief A record as bytes, without loss; older ones end before \a domain_shift
+ * or \a timestamp. */
 std::vector<std::uint8_t> encodeFrameRecord(const FrameRecord& record);
 
 /** \param[in] number of the frame

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recorded_mapping.h"
+#include "live_view.h"
+#include "map_judgement.h"
+#include "map_source.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/pipeline/mapping_archive.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
+#include <pcl_semantic/pipeline/semantic_mapper.h>
+#include <pcl_semantic/pipeline/submaps.h>
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+// What the summary says beyond what the map depends on.
+MappingRun
+describedRun(const MapArguments& arguments, const MapSource& source)
+{
+  MappingRun run = source.run();
+  run.inputs.insert(run.inputs.end(), {{"frames", arguments.frames},
+                                       {"label_set", arguments.label_set},
+                                       {"archive", arguments.archive.path}});
+  return run;
+}
+
+Results
+outputsOf(const MapArguments& arguments, const MapSource& source,
+          const MappingArchive& archive)
+{
+  Results results;
+  if (!archive.records().empty())
+    results.push_back({"resumed_after", archive.records().size()});
+  results.push_back({"map", arguments.output + "/map.pcd"});
+  results.push_back({"top_view", arguments.output + "/top_view.png"});
+  if (source.run().camera && !arguments.map_only)
+    results.push_back({"overlays", arguments.output + "/overlay"});
+  results.push_back({"figures", arguments.output + "/summary.json"});
+  if (!arguments.archive.path.empty())
+    results.push_back({"archive", arguments.archive.path});
+  return results;
+}
+
+void
+noteTimes(const MappedFrame& mapped)
+{
+  std::string text = "frame " + std::to_string(mapped.frame.number);
+  for (const auto& [stage, seconds] : mapped.times.seconds())
+    text += ", " + stage + " " + std::to_string(std::lround(1e3 * seconds)) + " ms";
+  note(text + ", " + std::to_string(mapped.voxels.size()) + " voxels");
+}
+
+// Maps what the run has and the archive does not hold yet.
+void
+mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
+          MappingOutput& output, bool is_watched)
+{
+  const std::size_t mapped_before = archive.records().size();
+  source.skip(mapped_before);
+  catchInterrupts();
+  ProgressBar progress("mapping", source.run().frames.size() - mapped_before);
+  bool is_empty = mapped_before == 0;
+  while (!interrupted()) {
+    const std::optional<SensorFrame> frame = source.next();
+    if (!frame)
+      break;
+    MappedFrame mapped = mapper.process(*frame);
+    mapped.times.measure("output", [&] {
+      output.writeFrame(mapped, mapper.map());
+      archive.add(mapped, mapper);
+      if (is_watched)
+        output.writeLive(mapped);
+    });
+    noteTimes(mapped);
+    progress.step();
+    is_empty = is_empty && mapped.voxels.size() == 0;
+  }
+  if (is_empty)
+    warnOfEmptyMap();
+}
+
+// "50m" or "100", frames.
+SubmapLength
+parseSubmapLength(const std::string& text)
+{
+  SubmapLength length;
+  const bool is_metres = !text.empty() && text.back() == 'm';
+  const char* const end = text.data() + text.size() - (is_metres ? 1 : 0);
+  double number = 0.0;
+  const auto read = std::from_chars(text.data(), end, number);
+  refuseIf(read.ec != std::errc() || read.ptr != end ||
+               !(number > 0.0 && number <= 1e9) ||
+               (!is_metres && number != std::floor(number)),
+           "--submap-every is '" + text + "', expected metres (50m) or frames (100)");
+  if (is_metres)
+    length.metres = number;
+  else
+    length.frames = int(number);
+  return length;
+}
+
+} // namespace
+
+Results
+mapRecorded(const MapArguments& arguments)
+{
+  requireMapArguments(arguments);
+  setNumberOfThreads(arguments.parameters.threads);
+  const std::unique_ptr<MapSource> source = openMapSource(arguments);
+  const MappingRun& run = source->run();
+  std::unique_ptr<PoseSource> owned_poses = source->openPoses();
+  const PoseSource& poses = *owned_poses;
+  poses.requirePoses(source->times());
+  if (arguments.view)
+    tool::openLiveView(arguments.output, arguments.sequence.folder);
+  MappingArchive archive(arguments.archive, run);
+  const auto mapper = source->makeMapper(std::move(owned_poses), archive.store());
+  MappingOutput output(arguments.output, describedRun(arguments, *source),
+                       archive.records(), source->extras());
+  archive.resume(*mapper);
+  mapFrames(*source, *mapper, archive, output, arguments.view);
+  judgeTracking(arguments.sequence.name(), poses.lostFrames(), int(run.frames.size()));
+  archive.finish(*mapper);
+  output.finish(mapper->map());
+  judgeCalibration(arguments.label_calibration, output.domainShift());
+  if (!archive.close())
+    warn(arguments.archive.path + ": is being read by another program: " +
+         arguments.archive.path + "-wal still belongs to it");
+  return outputsOf(arguments, *source, archive);
+}
+
+std::vector<MapArguments>
+submapsOf(const MapArguments& arguments)
+{
+  refuseIf(!arguments.archive.path.empty() || arguments.view,
+           "--submap-every and --archive or --view exclude each other");
+  MapArguments all = arguments;
+  all.archive.path = arguments.output + "/submap"; // so that poses have to be a file's
+  requireMapArguments(all);
+  const SubmapLength length = parseSubmapLength(arguments.submap_every);
+  const std::unique_ptr<MapSource> source = openMapSource(all);
+  const std::vector<FrameTime> times = source->times();
+  const std::unique_ptr<PoseSource> poses = source->openPoses();
+  poses->requirePoses(times);
+  std::vector<Eigen::Vector3d> positions;
+  for (const FrameTime& time : times) {
+    CloudFrame frame; // of which a file of poses asks number and time alone
+    static_cast<FrameTime&>(frame) = time;
+    positions.push_back(poses->pose(frame).translation());
+  }
+  const std::vector<std::size_t> starts = submapStarts(positions, length);
+  std::vector<MapArguments> submaps;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const std::size_t last =
+        i + 1 < starts.size() ? starts[i + 1] - 1 : times.size() - 1;
+    const int first_frame = times[starts[i]].number;
+    MapArguments submap = arguments;
+    submap.submap_every.clear();
+    submap.frames =
+        std::to_string(first_frame) + ":" + std::to_string(times[last].number + 1);
+    submap.output = arguments.output + "/" + frameFileName(first_frame, "");
+    submap.archive.path = arguments.output + "/" + frameFileName(first_frame, ".map");
+    submaps.push_back(std::move(submap));
+  }
+  return submaps;
+}
+
+} // namespace pcl_semantic::tool

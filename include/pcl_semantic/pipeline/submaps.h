@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/io/map_archive.h>
+
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief How much of a drive goes into a submap: one of both. */
+struct SubmapLength {
+  double metres = 0.0; ///< of the way that was driven
+  int frames = 0;
+};
+
+/** \brief Where submaps begin.
+ * \param[in] positions of the frames of a drive, in order [m]
+ * \return the first frame of each submap, rising, the first is 0; empty without frames
+ * \throws InvalidParameterException unless one of both lengths is positive */
+std::vector<std::size_t> submapStarts(const std::vector<Eigen::Vector3d>& positions,
+                                      const SubmapLength& length);
+
+/** \brief How corrected poses move a submap: rigidly, as they move its anchor, which is
+ * the middle one of its frames.
+ * \param[in] trajectory path of the poses, KITTI's or TUM's, of what the poses were of
+ * that the submap was made with
+ * \return T_new_old, from the world frame of the submap to that of the poses
+ * \throws BadInputException if the submap does not hold the frames it was made of, or
+ * the trajectory has no pose for the anchor */
+Eigen::Isometry3d submapMotion(const MapArchive& submap, const std::string& trajectory);
+
+/** \brief A submap, and what places it. */
+struct Submap {
+  std::string path;       ///< of its archive
+  std::string trajectory; ///< see submapMotion(); empty: it lies where it was made
+};
+
+/** \brief Joins submaps of one drive or of several, see mergeArchives(). Where more than
+ * one has hit a voxel, and around it, the CRF says anew what it is: the dense model with
+ * the parameters of the run of the first by name, unless that run had none.
+ * \return number of blocks
+ * \throws as mergeArchives() and submapMotion() */
+std::uint64_t mergeSubmaps(const std::vector<Submap>& submaps,
+                           const std::string& output,
+                           const BlockProgress& progress = nullptr);
+
+} // namespace pcl_semantic

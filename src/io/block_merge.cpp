@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "block_merge.h"
+
+#include "map/voxel_fusion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace pcl_semantic {
+
+namespace {
+
+// Fixed point of log-probabilities, so that sums do not depend on the order.
+constexpr double kLogScale = double(std::int64_t(1) << 40);
+
+constexpr std::uint32_t kMaxColourCount = 1u << 22; // as when pixels are fused
+
+// What one map knows of a voxel that it has hit.
+struct Source {
+  const VoxelRecord* record;
+  const float *measured, *refined; // L values
+};
+
+std::uint32_t
+saturate(std::uint64_t value)
+{
+  return static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(value, std::numeric_limits<std::uint32_t>::max()));
+}
+
+StoredLogOdds
+mergeLogOdds(const std::vector<const VoxelBlock*>& blocks, std::size_t offset,
+             const FusionParameters& fusion)
+{
+  int sum = 0;
+  bool is_known = false;
+  for (const VoxelBlock* const block : blocks)
+    if (block->log_odds[offset] != kUnknown) {
+      sum += block->log_odds[offset];
+      is_known = true;
+    }
+  if (!is_known)
+    return kUnknown;
+  const int lowest = storedLogOdds(fusion.min_probability);
+  const int highest = storedLogOdds(fusion.max_probability);
+  return static_cast<StoredLogOdds>(std::clamp(sum, lowest, highest));
+}
+
+VoxelRecord
+mergeRecords(const std::vector<Source>& sources)
+{
+  std::uint64_t colour[3] = {}, position[3] = {};
+  std::uint64_t weight = 0, colours = 0, observations = 0, labels = 0;
+  for (const Source& source : sources) {
+    const VoxelRecord& record = *source.record;
+    for (int channel = 0; channel < 3; ++channel)
+      colour[channel] += record.colour_sum[std::size_t(channel)];
+    for (int axis = 0; axis < 3; ++axis)
+      position[axis] += std::uint64_t(record.position[std::size_t(axis)]) *
+                        std::max(record.observations, 1u);
+    weight += std::max(record.observations, 1u);
+    colours += record.colour_count;
+    observations += record.observations;
+    labels += record.label_observations;
+  }
+  for (; colours > kMaxColourCount; colours /= 2)
+    for (std::uint64_t& sum : colour)
+      sum /= 2;
+  VoxelRecord merged{{saturate(colour[0]), saturate(colour[1]), saturate(colour[2])},
+                     saturate(colours),
+                     saturate(observations),
+                     saturate(labels)};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    merged.position[axis] = std::uint16_t(position[axis] / weight);
+  return merged;
+}
+
+// Eq. (1) of the paper over all maps: the sum of the logs, shifted so that the largest
+// is 0, and clamped.
+void
+mergeMeasured(const std::vector<Source>& sources, int classes, double log_ratio,
+              float* merged)
+{
+  std::array<std::int64_t, 256> sums{};
+  for (const Source& source : sources) {
+    for (std::size_t k = 0; k < std::size_t(classes); ++k) {
+      const double log = std::clamp(double(source.measured[k]), -log_ratio, 0.0);
+      sums[k] += std::llround(log * kLogScale);
+    }
+  }
+  const std::int64_t largest = *std::max_element(sums.begin(), sums.begin() + classes);
+  for (std::size_t k = 0; k < std::size_t(classes); ++k)
+    merged[k] = float(std::max(double(sums[k] - largest) / kLogScale, -log_ratio));
+}
+
+void
+mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
+           const FusionParameters& fusion, bool keeps_refined, VoxelBlock& merged)
+{
+  const auto count = static_cast<std::size_t>(classes);
+  const auto record = static_cast<std::size_t>(merged.makeRecord(offset, classes));
+  merged.records[record] = mergeRecords(sources);
+  float* const measured = merged.measured.data() + record * count;
+  std::vector<Source> labelled;
+  for (const Source& source : sources)
+    if (source.record->label_observations > 0)
+      labelled.push_back(source);
+  if (labelled.size() == 1) // without rounding
+    std::copy_n(labelled[0].measured, count, measured);
+  else if (labelled.size() > 1)
+    mergeMeasured(labelled, classes, std::log(fusion.label_max_ratio), measured);
+  if (keeps_refined)
+    std::copy_n(sources[0].refined, count, merged.refined.data() + record * count);
+}
+
+} // namespace
+
+VoxelBlock
+mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
+            const FusionParameters& fusion)
+{
+  VoxelBlock merged;
+  const auto have_hits =
+      std::count_if(blocks.begin(), blocks.end(),
+                    [](const auto* block) { return !block->records.empty(); });
+  const bool keeps_refined = have_hits == 1; // else voxels have other neighbours now
+  std::vector<Source> sources;
+  for (int offset = 0; offset < kBlockVoxels; ++offset) {
+    merged.log_odds[std::size_t(offset)] =
+        mergeLogOdds(blocks, std::size_t(offset), fusion);
+    sources.clear();
+    for (const VoxelBlock* const block : blocks)
+      if (const int record = block->recordAt(offset); record != VoxelBlock::kNoRecord)
+        sources.push_back({&block->records[std::size_t(record)],
+                           block->measured.data() + record * classes,
+                           block->refined.data() + record * classes});
+    if (!sources.empty())
+      mergeVoxel(sources, offset, classes, fusion, keeps_refined, merged);
+  }
+  return merged;
+}
+
+} // namespace pcl_semantic

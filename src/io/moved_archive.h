@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/map/semantic_voxel.h>
+
+#include <Eigen/Geometry>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief The blocks of an archive after a rigid motion. Each voxel is a copy of the
+ * one that its centre comes from, with the hits where they are now (but no further than
+ * its walls); so surfaces get no holes. Without a motion the blocks are those of the
+ * archive.
+ */
+class MovedArchive {
+public:
+  /** \param[in] motion from the world frame of the archive to that of the blocks [m] */
+  MovedArchive(const std::string& path, const Eigen::Isometry3d& motion);
+
+  const MapArchive&
+  archive() const
+  {
+    return archive_;
+  }
+
+  /** \brief Blocks that may hold something, in the order z, y, x. */
+  std::vector<VoxelIndex> indices() const;
+
+  /** \brief Blocks, by all threads; null where nothing is known.
+   * \throws BadInputException if one that is needed is damaged */
+  std::vector<std::unique_ptr<VoxelBlock>>
+  read(const std::vector<VoxelIndex>& blocks) const;
+
+private:
+  MapArchive archive_;
+  bool is_moved_;
+  Eigen::Isometry3d motion_; // [voxels]
+};
+
+} // namespace pcl_semantic

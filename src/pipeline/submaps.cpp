@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/submaps.h>
+
+#include "core/fail.h"
+#include "crf_region.h"
+#include "map/block_reader.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/io/archive_merge.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/pipeline/run_description.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+FrameRecord
+anchorOf(const MapArchive& submap)
+{
+  std::vector<FrameRecord> frames;
+  submap.forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
+    frames.push_back(decodeFrameRecord(number, bytes));
+  });
+  if (frames.empty())
+    badInput("holds no frame whose pose could be corrected");
+  return frames[frames.size() / 2];
+}
+
+// Refines the voxels of a merged map that are not refined any more.
+class MergedRefiner {
+public:
+  MergedRefiner(const MapArchive& map, const MapperConfig& config)
+      : label_set_(map.header().label_set), parameters_(config.crf_parameters),
+        voxel_size_(map.header().parameters.voxel_size),
+        reader_(label_set_.size(), map.header().parameters)
+  {}
+
+  /** \brief How far around a square the voxels are that take part [blocks]. */
+  int
+  halo() const
+  {
+    return 2 * int(std::ceil(reach() / (kBlockEdge * voxel_size_) - 1e-9));
+  }
+
+  void
+  refine(MapBlocks& blocks) const
+  {
+    VoxelCloud voxels = read(blocks);
+    const CrfRegion region = crfRegion(voxels, reach());
+    if (region.updated.empty())
+      return;
+    SemanticCRF<pcl::PointXYZRGBL> crf;
+    crf.setModel(CRFModelType::dense);
+    crf.setParameters(parameters_);
+    crf.setThinLabels(label_set_.thinLabels());
+    crf.setVoxels(voxels.indices, voxels.voxel_size);
+    crf.setInputCloud(voxels.cloud);
+    crf.setIndices(pcl::make_shared<pcl::Indices>(region.seen));
+    crf.setLabelDistributions(voxels.measured);
+    crf.filter(*voxels.cloud);
+    write(crf.getLabelDistributions(), region.updated, voxels, blocks);
+  }
+
+private:
+  double
+  reach() const
+  {
+    return crfReach(parameters_, voxel_size_);
+  }
+
+  VoxelCloud
+  read(const MapBlocks& blocks) const
+  {
+    std::vector<std::size_t> firsts{0};
+    for (const auto& [index, block] : blocks)
+      firsts.push_back(firsts.back() + reader_.countOccupied(block));
+    VoxelCloud voxels = reader_.makeCloud(firsts.back(), voxel_size_, originOf(blocks));
+#pragma omp parallel for schedule(dynamic, 64)
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+      reader_.read(blocks[b].first, blocks[b].second, firsts[b], voxels);
+    return voxels;
+  }
+
+  // Near the voxels: their points are single precision.
+  Eigen::Vector3d
+  originOf(const MapBlocks& blocks) const
+  {
+    return blocks.empty()
+               ? Eigen::Vector3d::Zero().eval()
+               : (blocks.front().first.cast<double>() * kBlockEdge * voxel_size_)
+                     .eval();
+  }
+
+  void
+  write(const LabelDistributions& refined, const pcl::Indices& updated,
+        const VoxelCloud& voxels, MapBlocks& blocks) const
+  {
+    auto found = blocks.begin();
+    for (const pcl::index_t i : updated) {
+      const VoxelIndex& voxel = voxels.indices[std::size_t(i)];
+      while (found->first != blockOf(voxel))
+        ++found;
+      const int record = found->second.recordAt(voxelInBlock(voxel));
+      std::copy_n(refined.column(i), label_set_.size(),
+                  found->second.refined.begin() +
+                      std::ptrdiff_t(record) * label_set_.size());
+    }
+  }
+
+  LabelSet label_set_;
+  SemanticCRFParameters parameters_;
+  double voxel_size_; // [m]
+  BlockReader reader_;
+};
+
+} // namespace
+
+std::vector<std::size_t>
+submapStarts(const std::vector<Eigen::Vector3d>& positions, const SubmapLength& length)
+{
+  if ((length.metres > 0.0) == (length.frames > 0) || !(length.metres >= 0.0) ||
+      length.frames < 0)
+    badParameter("a submap of ", length.metres, " m or ", length.frames,
+                 " frames, expected one of both");
+  std::vector<std::size_t> starts;
+  double driven = 0.0; // since the last start [m]
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (i > 0)
+      driven += (positions[i] - positions[i - 1]).norm();
+    const bool is_full =
+        length.frames > 0
+            ? !starts.empty() && i - starts.back() >= std::size_t(length.frames)
+            : driven >= length.metres;
+    if (i > 0 && !is_full)
+      continue;
+    starts.push_back(i);
+    driven = 0.0;
+  }
+  return starts;
+}
+
+Eigen::Isometry3d
+submapMotion(const MapArchive& submap, const std::string& trajectory)
+{
+  try {
+    const FrameRecord anchor = anchorOf(submap);
+    const RunSensor sensor = sensorOf(submap.header().configuration);
+    const std::unique_ptr<PoseSource> poses =
+        sensor.has_own_poses ? readSensorPoses(trajectory)
+                             : readPoses(trajectory, sensor.T_camera0_camera);
+    CloudFrame frame; // of which a file of poses asks number and time alone
+    frame.number = anchor.number;
+    frame.timestamp = anchor.timestamp;
+    return poses->pose(frame) * anchor.T_world_camera.inverse();
+  }
+  catch (const BadInputException& error) {
+    badInput(submap.path(), ": ", error.what());
+  }
+}
+
+std::uint64_t
+mergeSubmaps(const std::vector<Submap>& submaps, const std::string& output,
+             const BlockProgress& progress)
+{
+  std::vector<PlacedArchive> placed;
+  MergeOptions options;
+  options.progress = progress;
+  std::shared_ptr<const MergedRefiner> refiner;
+  const Submap* first = nullptr; // by name: the order says nothing
+  for (const Submap& submap : submaps) {
+    placed.push_back({submap.path, Eigen::Isometry3d::Identity()});
+    const MapArchive archive(submap.path, ArchiveAccess::read);
+    if (!submap.trajectory.empty())
+      placed.back().motion = submapMotion(archive, submap.trajectory);
+    if (first && first->path <= submap.path)
+      continue;
+    first = &submap;
+    const MapperConfig config = configOf(archive.header().configuration);
+    refiner = config.crf == "none" || config.crf == "unary"
+                  ? nullptr
+                  : std::make_shared<MergedRefiner>(archive, config);
+  }
+  if (refiner) {
+    options.halo = refiner->halo();
+    options.refine = [refiner](MapBlocks& blocks) { refiner->refine(blocks); };
+  }
+  return mergeArchives(placed, output, options);
+}
+
+} // namespace pcl_semantic
