@@ -4,7 +4,9 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/map_changes.h>
 #include <pcl_semantic/io/map_export.h>
+#include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/pipeline/submaps.h>
 
 #include <algorithm>
@@ -23,14 +25,16 @@ using namespace pcl_semantic::tool;
 
 const Usage usage{"pcl_semantic_archive",
                   "info FILE | verify FILE | export FILE OUT.pcd [--box ...] [--class "
-                  "NAME]... | merge FILE FILE... OUT",
+                  "NAME]... | merge FILE FILE... OUT | changes BEFORE AFTER OUT.pcd",
                   R"(Looks into the map archives of pcl_semantic_map --archive.
   info    what is in it
   verify  reads all of it and compares every checksum: prints 'ok' or what is wrong
   export  its occupied voxels, as map.pcd holds them; x y z are relative to the
           origin that info prints
   merge   joins maps of the same frame of reference, or those that --poses moves to
-          it, into a new archive OUT)",
+          it, into a new archive OUT
+  changes voxels that one map has seen occupied and the other free: red where they
+          went, green where they came)",
                   R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \
     --archive /tmp/street.map && \
@@ -148,6 +152,39 @@ exportCloud(const Arguments& arguments)
   return exit_done;
 }
 
+// The archives with the trajectories that place them.
+std::vector<Submap>
+submapsOf(const Arguments& arguments, const std::vector<std::string>& inputs)
+{
+  const std::vector<std::string>& poses = arguments.poses;
+  refuseIf(poses.size() > 1 && poses.size() != inputs.size(),
+           "--poses is given once, or as often as there are FILEs");
+  std::vector<Submap> submaps;
+  for (const std::string& input : inputs)
+    submaps.push_back({input, poses.empty()       ? ""
+                              : poses.size() == 1 ? poses[0]
+                                                  : poses[submaps.size()]});
+  return submaps;
+}
+
+int
+changes(const Arguments& arguments)
+{
+  refuseIf(arguments.files.size() != 3, "'changes' needs BEFORE, AFTER and OUT.pcd");
+  const std::vector<std::string> maps(arguments.files.begin(),
+                                      arguments.files.end() - 1);
+  const std::string& output = arguments.files.back();
+  refuseSameFiles(maps, {output});
+  requireOutput(output, ".pcd");
+  const std::vector<Submap> submaps = submapsOf(arguments, maps);
+  const MapChanges found = findChanges(placed(submaps[0]), placed(submaps[1]));
+  writeVoxelCloud(output, found.voxels,
+                  MapArchive(maps[0], ArchiveAccess::read).header().label_set,
+                  VoxelColour::measured);
+  printFigures({{"went", found.went}, {"came", found.came}, {"cloud", output}});
+  return exit_done;
+}
+
 int
 merge(const Arguments& arguments)
 {
@@ -156,14 +193,7 @@ merge(const Arguments& arguments)
                                         arguments.files.end() - 1);
   // A map that is given twice would be believed twice.
   refuseSameFiles({}, arguments.files);
-  const std::vector<std::string>& poses = arguments.poses;
-  refuseIf(poses.size() > 1 && poses.size() != inputs.size(),
-           "'merge' takes --poses once, or as often as there are FILEs");
-  std::vector<Submap> submaps;
-  for (const std::string& input : inputs)
-    submaps.push_back({input, poses.empty()       ? ""
-                              : poses.size() == 1 ? poses[0]
-                                                  : poses[submaps.size()]});
+  const std::vector<Submap> submaps = submapsOf(arguments, inputs);
   const std::uint64_t blocks =
       mergeSubmaps(submaps, arguments.files.back(), showProgress("merging", "tiles"));
   printResults({{"blocks", std::size_t(blocks)}, {"archive", arguments.files.back()}});
@@ -176,14 +206,15 @@ parse(int argc, char** argv)
   Arguments arguments;
   parseCommandLine(
       argc, argv, usage,
-      {{"command", arguments.command, "info, verify, export or merge"},
+      {{"command", arguments.command, "info, verify, export, merge or changes"},
        {"files", arguments.files, "archives, and what is written last"},
        {"box", arguments.box,
         "of export: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, world frame [m]"},
        {"class", arguments.classes,
         "of export: only voxels of this class; may be given several times"},
        {"poses", arguments.poses,
-        "of merge: corrected trajectory (KITTI or TUM) that moves the maps, each "
+        "of merge and changes: corrected trajectory (KITTI or TUM) that moves the "
+        "maps, each "
         "rigidly with the middle one of its frames; once for all, or one for each "
         "FILE"}},
       {"command", "files..."});
@@ -194,15 +225,21 @@ int
 runCommand(const Arguments& arguments)
 {
   static const std::map<std::string, int (*)(const Arguments&)> commands = {
-      {"info", info}, {"verify", verify}, {"export", exportCloud}, {"merge", merge}};
+      {"info", info},
+      {"verify", verify},
+      {"export", exportCloud},
+      {"merge", merge},
+      {"changes", changes}};
   const auto command = commands.find(arguments.command);
   refuseIf(command == commands.end(),
-           "'" + arguments.command + "': expected info, verify, export or merge");
+           "'" + arguments.command +
+               "': expected info, verify, export, merge or changes");
   refuseIf(command->second != exportCloud &&
                !(arguments.box.empty() && arguments.classes.empty()),
            "--box and --class are for 'export'");
-  refuseIf(command->second != merge && !arguments.poses.empty(),
-           "--poses is for 'merge'");
+  refuseIf(command->second != merge && command->second != changes &&
+               !arguments.poses.empty(),
+           "--poses is for 'merge' and 'changes'");
   return command->second(arguments);
 }
 

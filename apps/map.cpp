@@ -16,7 +16,7 @@ void
 mapSubmaps(const MapArguments& arguments)
 {
   std::size_t done = 0;
-  for (const MapArguments& submap : submapsOf(arguments)) {
+  for (const MapArguments& submap : submapsOf(arguments).each) {
     mapRecorded(submap);
     if (interrupted())
       return;

@@ -27,9 +27,10 @@ struct MapArguments {
   bool map_only = false; ///< no images of the frames
   bool centres = false;  ///< the map's points are the centres of its voxels
   bool print_config = false;
-  bool view = false;        ///< a window, see openLiveView()
-  bool live = false;        ///< frames as they come, see mapLive()
-  std::string submap_every; ///< "50m" or "100"; empty = one map, see submapsOf()
+  bool view = false;         ///< a window, see openLiveView()
+  bool live = false;         ///< frames as they come, see mapLive()
+  bool archive_only = false; ///< nothing is written to `output`
+  std::string submap_every;  ///< "50m" or "100"; empty = one map, see submapsOf()
   MappingArchive::Options archive;
   MapperConfig parameters;
 };

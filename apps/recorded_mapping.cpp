@@ -16,6 +16,7 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 namespace pcl_semantic::tool {
 
@@ -61,7 +62,7 @@ noteTimes(const MappedFrame& mapped)
 // Maps what the run has and the archive does not hold yet.
 void
 mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
-          MappingOutput& output, bool is_watched)
+          MappingOutput* output, bool is_watched)
 {
   const std::size_t mapped_before = archive.records().size();
   source.skip(mapped_before);
@@ -74,10 +75,11 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
       break;
     MappedFrame mapped = mapper.process(*frame);
     mapped.times.measure("output", [&] {
-      output.writeFrame(mapped, mapper.map());
+      if (output)
+        output->writeFrame(mapped, mapper.map());
       archive.add(mapped, mapper);
-      if (is_watched)
-        output.writeLive(mapped);
+      if (output && is_watched)
+        output->writeLive(mapped);
     });
     noteTimes(mapped);
     progress.step();
@@ -119,25 +121,43 @@ mapRecorded(const MapArguments& arguments)
   std::unique_ptr<PoseSource> owned_poses = source->openPoses();
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(source->times());
+  if (arguments.archive_only && MappingArchive::isFinished(arguments.archive.path, run))
+    return {};
   if (arguments.view)
     tool::openLiveView(arguments.output, arguments.sequence.folder);
   MappingArchive archive(arguments.archive, run);
   const auto mapper = source->makeMapper(std::move(owned_poses), archive.store());
-  MappingOutput output(arguments.output, describedRun(arguments, *source),
-                       archive.records(), source->extras());
+  std::optional<MappingOutput> output;
+  if (!arguments.archive_only)
+    output.emplace(arguments.output, describedRun(arguments, *source),
+                   archive.records(), source->extras());
   archive.resume(*mapper);
-  mapFrames(*source, *mapper, archive, output, arguments.view);
+  mapFrames(*source, *mapper, archive, output ? &*output : nullptr, arguments.view);
   judgeTracking(arguments.sequence.name(), poses.lostFrames(), int(run.frames.size()));
   archive.finish(*mapper);
-  output.finish(mapper->map());
-  judgeCalibration(arguments.label_calibration, output.domainShift());
+  if (output) {
+    output->finish(mapper->map());
+    judgeCalibration(arguments.label_calibration, output->domainShift());
+  }
   if (!archive.close())
     warn(arguments.archive.path + ": is being read by another program: " +
          arguments.archive.path + "-wal still belongs to it");
   return outputsOf(arguments, *source, archive);
 }
 
-std::vector<MapArguments>
+MapArguments
+submapOf(const MapArguments& arguments, const std::string& frames)
+{
+  const std::string name = frameFileName(std::stoi(frames), "");
+  MapArguments submap = arguments;
+  submap.submap_every.clear();
+  submap.frames = frames;
+  submap.output = arguments.output + "/" + name;
+  submap.archive.path = arguments.output + "/" + name + ".map";
+  return submap;
+}
+
+SubmapRuns
 submapsOf(const MapArguments& arguments)
 {
   refuseIf(!arguments.archive.path.empty() || arguments.view,
@@ -157,18 +177,13 @@ submapsOf(const MapArguments& arguments)
     positions.push_back(poses->pose(frame).translation());
   }
   const std::vector<std::size_t> starts = submapStarts(positions, length);
-  std::vector<MapArguments> submaps;
+  SubmapRuns submaps{{}, source->run()};
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const std::size_t last =
         i + 1 < starts.size() ? starts[i + 1] - 1 : times.size() - 1;
-    const int first_frame = times[starts[i]].number;
-    MapArguments submap = arguments;
-    submap.submap_every.clear();
-    submap.frames =
-        std::to_string(first_frame) + ":" + std::to_string(times[last].number + 1);
-    submap.output = arguments.output + "/" + frameFileName(first_frame, "");
-    submap.archive.path = arguments.output + "/" + frameFileName(first_frame, ".map");
-    submaps.push_back(std::move(submap));
+    submaps.each.push_back(
+        submapOf(arguments, std::to_string(times[starts[i]].number) + ":" +
+                                std::to_string(times[last].number + 1)));
   }
   return submaps;
 }

@@ -4,6 +4,8 @@
 #include "map_arguments.h"
 #include "messages.h"
 
+#include <pcl_semantic/pipeline/run_description.h>
+
 #include <vector>
 
 namespace pcl_semantic::tool {
@@ -12,9 +14,19 @@ namespace pcl_semantic::tool {
  * \return what was written \throws as a tool's body */
 Results mapRecorded(const MapArguments& arguments);
 
+/** \brief A recording in submaps. */
+struct SubmapRuns {
+  std::vector<MapArguments> each;
+  MappingRun whole; ///< of all of them
+};
+
 /** \brief The runs that map a recording in submaps (--submap-every): each is a run of
  * its own over a stretch of the frames, named after the first of them.
  * \throws as a tool's body */
-std::vector<MapArguments> submapsOf(const MapArguments& arguments);
+SubmapRuns submapsOf(const MapArguments& arguments);
+
+/** \brief One of them.
+ * \param[in] frames "A:B", as submapsOf() has them */
+MapArguments submapOf(const MapArguments& arguments, const std::string& frames);
 
 } // namespace pcl_semantic::tool

@@ -40,6 +40,10 @@ if(TARGET onnxruntime::onnxruntime)
   list(APPEND PCL_SEMANTIC_PRIVATE_LIBRARIES onnxruntime::onnxruntime)
 endif()
 
+# pcl_semantic_fleet alone, which works on one machine without them.
+find_package(MPI QUIET COMPONENTS CXX)
+find_package(Boost QUIET CONFIG COMPONENTS mpi)
+
 # pcl_semantic_view alone. PCL's component would want all of VTK, MPI included.
 if(PCL_SEMANTIC_BUILD_APPS AND PCL_SEMANTIC_BUILD_VIEWER)
   enable_language(C) # VTK's package looks for libraries with it

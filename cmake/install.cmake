@@ -1,4 +1,4 @@
-# Six components: library (with its data), dev, tools and viewer (apps/CMakeLists.txt),
+# Seven components: library (with its data), dev, tools, fleet and viewer (apps/CMakeLists.txt),
 # python (python/CMakeLists.txt) and doc.
 include(CMakePackageConfigHelpers)
 

@@ -11,9 +11,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <map>
 #include <memory>
+#include <set>
+#include <sstream>
 #include <tuple>
 #include <vector>
 
@@ -23,59 +26,43 @@ namespace {
 
 using Archives = std::vector<std::unique_ptr<MovedArchive>>;
 
-bool
-areSame(const LabelSet& a, const LabelSet& b)
+// What a merge is made of, a line each.
+std::string
+describeMerge(std::vector<PlacedArchive> inputs)
 {
-  if (a.size() != b.size())
-    return false;
-  for (int label = 1; label <= a.size(); ++label) {
-    const LabelClass &p = a[Label(label)], &q = b[Label(label)];
-    if (std::tie(p.name, p.colour, p.sky, p.dynamic, p.thin) !=
-        std::tie(q.name, q.colour, q.sky, q.dynamic, q.thin))
-      return false;
+  std::sort(inputs.begin(), inputs.end(),
+            [](const auto& a, const auto& b) { return a.path < b.path; });
+  std::ostringstream text;
+  text.precision(17);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    text << "merged_" << i + 1 << ": " << inputs[i].path << "\n";
+    if (inputs[i].motion.matrix() == Eigen::Matrix4d::Identity())
+      continue;
+    text << "moved_" << i + 1 << ":";
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column)
+        text << " " << inputs[i].motion(row, column);
+    text << "\n";
   }
-  return true;
+  return text.str();
 }
 
-void
-requireSame(const MapArchive& first, const MapArchive& other)
-{
-  const auto fail = [&](const char* what) {
-    badInput(other.path(), ": has another ", what, " than ", first.path());
-  };
-  const MapParameters &p = first.header().parameters, &q = other.header().parameters;
-  if (p.voxel_size != q.voxel_size)
-    fail("voxel size");
-  if (!areSame(first.header().label_set, other.header().label_set))
-    fail("label set");
-  // These say how far what was added can go, and what the result means.
-  const auto clamps = [](const FusionParameters& fusion) {
-    return std::tie(fusion.min_probability, fusion.max_probability,
-                    fusion.occupied_probability, fusion.label_max_ratio);
-  };
-  if (clamps(p.fusion) != clamps(q.fusion))
-    fail("min_probability, max_probability, occupied_probability or label_max_ratio");
-}
-
+// What the result does not depend on is that of the first name.
 ArchiveHeader
-headerOf(const Archives& archives)
+headerOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
 {
-  std::vector<const MapArchive*> by_name;
+  const MapArchive* first = &archives.front()->archive();
   for (const auto& archive : archives)
-    by_name.push_back(&archive->archive());
-  std::sort(by_name.begin(), by_name.end(),
-            [](const auto* a, const auto* b) { return a->path() < b->path(); });
-  // What the result does not depend on is that of the first name.
-  ArchiveHeader header = by_name.front()->header();
-  header.configuration.clear();
-  for (std::size_t i = 0; i < by_name.size(); ++i) {
-    const MapParameters& parameters = by_name[i]->header().parameters;
+    if (archive->archive().path() < first->path())
+      first = &archive->archive();
+  ArchiveHeader header = first->header();
+  for (const auto& archive : archives) {
+    const MapParameters& parameters = archive->archive().header().parameters;
     header.parameters.window = header.parameters.window.cwiseMax(parameters.window);
     header.parameters.max_range =
         std::max(header.parameters.max_range, parameters.max_range);
-    header.configuration +=
-        "merged_" + std::to_string(i + 1) + ": " + by_name[i]->path() + "\n";
   }
+  header.configuration = describeMerge(inputs);
   return header;
 }
 
@@ -97,23 +84,10 @@ stateOf(const Archives& archives)
   return state;
 }
 
-// A square of space, over all heights: what is in memory at a time.
-constexpr int kTileEdge = 32; // [blocks]
-
-struct Tile {
-  int y = 0, x = 0; // [tiles]
-
-  bool
-  operator<(const Tile& other) const
-  {
-    return std::tie(y, x) < std::tie(other.y, other.x);
-  }
-};
-
 int
 tileAt(int block)
 {
-  return int(std::floor(double(block) / kTileEdge));
+  return int(std::floor(double(block) / MapTile::tile_edge));
 }
 
 // Of each tile, by archive, the blocks of it and of its halo.
@@ -122,16 +96,16 @@ struct TileBlocks {
   std::map<std::size_t, std::vector<VoxelIndex>> of;
 };
 
-std::map<Tile, TileBlocks>
+std::map<MapTile, TileBlocks>
 tilesOf(const Archives& archives, int halo)
 {
-  std::map<Tile, TileBlocks> tiles;
+  std::map<MapTile, TileBlocks> tiles;
   for (std::size_t i = 0; i < archives.size(); ++i)
     for (const VoxelIndex& block : archives[i]->indices()) {
       for (int y = tileAt(block.y() - halo); y <= tileAt(block.y() + halo); ++y)
         for (int x = tileAt(block.x() - halo); x <= tileAt(block.x() + halo); ++x)
           tiles[{y, x}].of[i].push_back(block);
-      tiles[{tileAt(block.y()), tileAt(block.x())}].is_reached = true;
+      tiles[MapTile::of(block)].is_reached = true;
     }
   for (auto tile = tiles.begin(); tile != tiles.end();)
     tile = tile->second.is_reached ? std::next(tile) : tiles.erase(tile);
@@ -140,7 +114,7 @@ tilesOf(const Archives& archives, int halo)
 
 // What the archives know together of the blocks of a tile.
 MapBlocks
-mergeTile(const Archives& archives, const TileBlocks& tile, const ArchiveHeader& header)
+knownIn(const Archives& archives, const TileBlocks& tile, const ArchiveHeader& header)
 {
   std::map<VoxelIndex, std::vector<const VoxelBlock*>, VoxelIndexLess> sources;
   std::vector<std::vector<std::unique_ptr<VoxelBlock>>> owned;
@@ -169,7 +143,100 @@ mergeTile(const Archives& archives, const TileBlocks& tile, const ArchiveHeader&
   return merged;
 }
 
+Archives
+openAll(const std::vector<PlacedArchive>& inputs)
+{
+  Archives archives;
+  for (const PlacedArchive& input : inputs) {
+    archives.push_back(std::make_unique<MovedArchive>(input.path, input.motion));
+    requireSameKind(archives.front()->archive(), archives.back()->archive());
+  }
+  return archives;
+}
+
+void
+putTile(const Archives& archives, const MapTile& tile, const TileBlocks& reached,
+        const MergeOptions& options, MapArchive& merged)
+{
+  MapBlocks known = knownIn(archives, reached, merged.header());
+  if (options.refine)
+    options.refine(known);
+  for (const auto& [index, block] : known) {
+    const MapTile its = MapTile::of(index);
+    if (!(its < tile || tile < its))
+      merged.put(index, block);
+  }
+}
+
+// The blocks of one tile and its halo.
+TileBlocks
+blocksOf(const Archives& archives, const MapTile& tile, int halo)
+{
+  const auto isNear = [&](int block, int position) {
+    return block >= position * MapTile::tile_edge - halo &&
+           block < (position + 1) * MapTile::tile_edge + halo;
+  };
+  TileBlocks found;
+  for (std::size_t i = 0; i < archives.size(); ++i)
+    for (const VoxelIndex& block : archives[i]->indices())
+      if (isNear(block.y(), tile.y) && isNear(block.x(), tile.x))
+        found.of[i].push_back(block);
+  return found;
+}
+
+// Whether a merge of these is there already.
+bool
+isNewest(const std::string& output, const std::vector<PlacedArchive>& inputs)
+{
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::exists(output, error) ||
+      MapArchive(output, ArchiveAccess::read).header().configuration !=
+          describeMerge(inputs))
+    return false;
+  const auto made = fs::last_write_time(output);
+  return std::all_of(inputs.begin(), inputs.end(), [&](const PlacedArchive& input) {
+    return fs::last_write_time(input.path) < made;
+  });
+}
+
 } // namespace
+
+MapTile
+MapTile::of(const VoxelIndex& block)
+{
+  return {tileAt(block.y()), tileAt(block.x())};
+}
+
+std::vector<MapTile>
+tilesOf(const PlacedArchive& archive)
+{
+  std::set<MapTile> tiles;
+  for (const VoxelIndex& block : MovedArchive(archive.path, archive.motion).indices())
+    tiles.insert(MapTile::of(block));
+  return {tiles.begin(), tiles.end()};
+}
+
+std::uint64_t
+mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
+          const std::string& output, const MergeOptions& options)
+{
+  if (inputs.empty())
+    badParameter("expected archives to merge");
+  if (isNewest(output, inputs))
+    return MapArchive(output, ArchiveAccess::read).state().blocks;
+  const Archives archives = openAll(inputs);
+  std::uint64_t blocks = 0;
+  std::filesystem::remove(output);
+  makeArchiveFile(output, [&](const std::string& temporary) {
+    const auto merged = MapArchive::create(temporary, headerOf(archives, inputs));
+    putTile(archives, tile, blocksOf(archives, tile, options.halo), options, *merged);
+    merged->commit(stateOf(archives));
+    blocks = merged->state().blocks;
+    merged->close();
+  });
+  return blocks;
+}
 
 std::uint64_t
 mergeArchives(const std::vector<PlacedArchive>& inputs, const std::string& output,
@@ -177,23 +244,14 @@ mergeArchives(const std::vector<PlacedArchive>& inputs, const std::string& outpu
 {
   if (inputs.size() < 2)
     badParameter("expected two or more archives to merge");
-  Archives archives;
-  for (const PlacedArchive& input : inputs) {
-    archives.push_back(std::make_unique<MovedArchive>(input.path, input.motion));
-    requireSame(archives.front()->archive(), archives.back()->archive());
-  }
+  const Archives archives = openAll(inputs);
   const auto tiles = tilesOf(archives, options.halo);
   std::uint64_t blocks = 0;
   makeArchiveFile(output, [&](const std::string& temporary) {
-    const auto merged = MapArchive::create(temporary, headerOf(archives));
+    const auto merged = MapArchive::create(temporary, headerOf(archives, inputs));
     std::size_t done = 0;
     for (const auto& [tile, reached] : tiles) {
-      MapBlocks known = mergeTile(archives, reached, merged->header());
-      if (options.refine)
-        options.refine(known);
-      for (const auto& [index, block] : known)
-        if (tileAt(index.y()) == tile.y && tileAt(index.x()) == tile.x)
-          merged->put(index, block);
+      putTile(archives, tile, reached, options, *merged);
       if (options.progress)
         options.progress(++done, tiles.size());
     }

@@ -7,6 +7,7 @@
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "files/bytes.h"
+#include "tile_set.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/semantic_voxel.h>
@@ -170,13 +171,17 @@ MapArchive::create(const std::string& path, const ArchiveHeader& header)
 }
 
 MapArchive::MapArchive(const std::string& path, ArchiveAccess access)
-    : implementation_(std::make_unique<Implementation>(path, access))
-{}
+{
+  if (access == ArchiveAccess::read && TileSet::isIndex(path))
+    tiles_ = std::make_unique<TileSet>(path);
+  else
+    implementation_ = std::make_unique<Implementation>(path, access);
+}
 
 MapArchive::~MapArchive()
 {
   try {
-    if (implementation_->writable)
+    if (implementation_ && implementation_->writable)
       close();
   }
   catch (const std::exception&) { // the file is as it was last committed all the same
@@ -186,6 +191,7 @@ MapArchive::~MapArchive()
 void
 MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
 {
+  requireOneFile();
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.requireWritable();
@@ -204,6 +210,10 @@ MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
 std::unique_ptr<VoxelBlock>
 MapArchive::get(const VoxelIndex& block) const
 {
+  if (tiles_) {
+    const MapArchive* const archive = tiles_->archiveOf(block);
+    return archive ? archive->get(block) : nullptr;
+  }
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   const auto waiting = my.pending.find(block);
@@ -217,6 +227,12 @@ MapArchive::get(const VoxelIndex& block) const
 std::vector<std::unique_ptr<VoxelBlock>>
 MapArchive::get(const std::vector<VoxelIndex>& blocks) const
 {
+  if (tiles_) {
+    std::vector<std::unique_ptr<VoxelBlock>> each;
+    for (const VoxelIndex& block : blocks)
+      each.push_back(get(block));
+    return each;
+  }
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   std::vector<std::unique_ptr<VoxelBlock>> found(blocks.size());
@@ -238,6 +254,9 @@ MapArchive::get(const std::vector<VoxelIndex>& blocks) const
 void
 MapArchive::forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const
 {
+  if (tiles_)
+    return tiles_->forEachArchive(
+        [&](const MapArchive& archive) { archive.forEachIndex(visit); });
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   std::vector<VoxelIndex> indices;
@@ -254,6 +273,10 @@ MapArchive::forEachIndex(const std::function<void(const VoxelIndex&)>& visit) co
 bool
 MapArchive::contains(const VoxelIndex& block) const
 {
+  if (tiles_) {
+    const MapArchive* const archive = tiles_->archiveOf(block);
+    return archive && archive->contains(block);
+  }
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   return my.pending.count(block) > 0 || my.stored.contains(block);
@@ -263,6 +286,9 @@ void
 MapArchive::forEach(
     const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const
 {
+  if (tiles_)
+    return tiles_->forEachArchive(
+        [&](const MapArchive& archive) { archive.forEach(visit); });
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   // Two ordered lists become one; what waits is newer.
@@ -298,6 +324,7 @@ MapArchive::forEach(
 void
 MapArchive::putFrame(int number, const std::vector<std::uint8_t>& record)
 {
+  requireOneFile();
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.write([&] { my.database.putFrame(number, record); });
@@ -307,6 +334,8 @@ void
 MapArchive::forEachFrame(
     const std::function<void(int, const std::vector<std::uint8_t>&)>& visit) const
 {
+  if (tiles_)
+    return; // they belong to the submaps
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.database.forEachFrame(visit);
@@ -315,6 +344,7 @@ MapArchive::forEachFrame(
 void
 MapArchive::commit(ArchiveState state)
 {
+  requireOneFile();
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.write([&] {
@@ -332,6 +362,7 @@ MapArchive::commit(ArchiveState state)
 bool
 MapArchive::close()
 {
+  requireOneFile();
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   bool is_one_file = false;
@@ -343,20 +374,30 @@ MapArchive::close()
 const std::string&
 MapArchive::path() const
 {
-  return implementation_->database.path();
+  return tiles_ ? tiles_->path() : implementation_->database.path();
 }
 
 const ArchiveHeader&
 MapArchive::header() const
 {
-  return implementation_->header;
+  return tiles_ ? tiles_->header() : implementation_->header;
 }
 
 ArchiveState
 MapArchive::state() const
 {
+  if (tiles_)
+    return tiles_->state();
   const std::lock_guard<std::recursive_mutex> lock(implementation_->mutex);
   return implementation_->state;
+}
+
+void
+MapArchive::requireOneFile() const
+{
+  if (tiles_)
+    fail<OutputException>(path(),
+                          ": is the index of a map in tiles, which is only read");
 }
 
 namespace {
@@ -386,8 +427,14 @@ checkBlocks(ArchiveDatabase& database, int classes, const ArchiveState& state,
 std::vector<std::string>
 verifyArchive(const std::string& path, const BlockProgress& progress)
 {
-  ArchiveDatabase database(path, ArchiveDatabase::Access::read);
   std::vector<std::string> faults;
+  if (TileSet::isIndex(path)) {
+    for (const std::string& tile : TileSet(path).paths())
+      for (const std::string& fault : verifyArchive(tile))
+        faults.push_back(fault);
+    return faults;
+  }
+  ArchiveDatabase database(path, ArchiveDatabase::Access::read);
   const auto check = [&](const std::function<void()>& body) {
     try {
       body();

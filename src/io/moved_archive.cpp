@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -57,6 +58,20 @@ positionIn(const VoxelIndex& voxel, const Eigen::Vector3d& position)
   const Eigen::Array3i stored = inside.floor().max(0.0).min(unit - 1.0).cast<int>();
   return {std::uint16_t(stored.x()), std::uint16_t(stored.y()),
           std::uint16_t(stored.z())};
+}
+
+bool
+areSame(const LabelSet& a, const LabelSet& b)
+{
+  if (a.size() != b.size())
+    return false;
+  for (int label = 1; label <= a.size(); ++label) {
+    const LabelClass &p = a[Label(label)], &q = b[Label(label)];
+    if (std::tie(p.name, p.colour, p.sky, p.dynamic, p.thin) !=
+        std::tie(q.name, q.colour, q.sky, q.dynamic, q.thin))
+      return false;
+  }
+  return true;
 }
 
 // Resamples one block.
@@ -176,6 +191,26 @@ MovedArchive::read(const std::vector<VoxelIndex>& blocks) const
     guard.run([&] { moved[i] = resampler.resample(blocks[i], sources); });
   guard.rethrow();
   return moved;
+}
+
+void
+requireSameKind(const MapArchive& first, const MapArchive& other)
+{
+  const auto fail = [&](const char* what) {
+    badInput(other.path(), ": has another ", what, " than ", first.path());
+  };
+  const MapParameters &p = first.header().parameters, &q = other.header().parameters;
+  if (p.voxel_size != q.voxel_size)
+    fail("voxel size");
+  if (!areSame(first.header().label_set, other.header().label_set))
+    fail("label set");
+  // These say how far what was added can go, and what the result means.
+  const auto clamps = [](const FusionParameters& fusion) {
+    return std::tie(fusion.min_probability, fusion.max_probability,
+                    fusion.occupied_probability, fusion.label_max_ratio);
+  };
+  if (clamps(p.fusion) != clamps(q.fusion))
+    fail("min_probability, max_probability, occupied_probability or label_max_ratio");
 }
 
 } // namespace pcl_semantic

@@ -42,4 +42,8 @@ private:
   Eigen::Isometry3d motion_; // [voxels]
 };
 
+/** \brief Makes sure that two maps have voxels, labels and fusion in common.
+ * \throws BadInputException that names what differs */
+void requireSameKind(const MapArchive& first, const MapArchive& other);
+
 } // namespace pcl_semantic

@@ -10,6 +10,19 @@
 
 namespace pcl_semantic {
 
+namespace {
+
+void
+requireSameRun(const MapArchive& archive, const MappingRun& run)
+{
+  const std::string change =
+      changeOfRun(archive.header().configuration, describeRun(run));
+  if (!change.empty())
+    badInput(archive.path(), ": is the archive of another run: ", change);
+}
+
+} // namespace
+
 MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
     : options_(options)
 {
@@ -27,7 +40,8 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
     fail<OutputException>(options_.path, ": is there already: go on with it by "
                                          "--resume, or remove it");
   if (is_there) {
-    requireSameRun(run); // before it is touched
+    // Before it is touched.
+    requireSameRun(MapArchive(options_.path, ArchiveAccess::read), run);
     archive_ = std::make_shared<MapArchive>(options_.path, ArchiveAccess::write);
     archive_->forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
       records_.push_back(decodeFrameRecord(number, bytes));
@@ -56,14 +70,15 @@ MappingArchive::~MappingArchive()
     std::filesystem::remove(options_.path + ending, ignored);
 }
 
-void
-MappingArchive::requireSameRun(const MappingRun& run) const
+bool
+MappingArchive::isFinished(const std::string& path, const MappingRun& run)
 {
-  const MapArchive archive(options_.path, ArchiveAccess::read);
-  const std::string change =
-      changeOfRun(archive.header().configuration, describeRun(run));
-  if (!change.empty())
-    badInput(options_.path, ": is the archive of another run: ", change);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    return false;
+  const MapArchive archive(path, ArchiveAccess::read);
+  requireSameRun(archive, run);
+  return archive.state().finished && archive.state().frames == run.frames.size();
 }
 
 std::shared_ptr<BlockStore>

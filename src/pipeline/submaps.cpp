@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <set>
 
 namespace pcl_semantic {
 
@@ -162,33 +164,75 @@ submapMotion(const MapArchive& submap, const std::string& trajectory)
   }
 }
 
-std::uint64_t
-mergeSubmaps(const std::vector<Submap>& submaps, const std::string& output,
-             const BlockProgress& progress)
+PlacedArchive
+placed(const Submap& submap)
 {
-  std::vector<PlacedArchive> placed;
+  PlacedArchive result{submap.path, Eigen::Isometry3d::Identity()};
+  if (!submap.trajectory.empty())
+    result.motion =
+        submapMotion(MapArchive(submap.path, ArchiveAccess::read), submap.trajectory);
+  return result;
+}
+
+namespace {
+
+struct Merge {
+  std::vector<PlacedArchive> archives;
   MergeOptions options;
-  options.progress = progress;
+};
+
+// How submaps are merged, as the first of them by name was mapped.
+Merge
+mergeOf(const std::vector<Submap>& submaps)
+{
+  Merge merge;
   std::shared_ptr<const MergedRefiner> refiner;
-  const Submap* first = nullptr; // by name: the order says nothing
+  const Submap* first = nullptr;
   for (const Submap& submap : submaps) {
-    placed.push_back({submap.path, Eigen::Isometry3d::Identity()});
-    const MapArchive archive(submap.path, ArchiveAccess::read);
-    if (!submap.trajectory.empty())
-      placed.back().motion = submapMotion(archive, submap.trajectory);
+    merge.archives.push_back(placed(submap));
     if (first && first->path <= submap.path)
       continue;
     first = &submap;
+    const MapArchive archive(submap.path, ArchiveAccess::read);
     const MapperConfig config = configOf(archive.header().configuration);
     refiner = config.crf == "none" || config.crf == "unary"
                   ? nullptr
                   : std::make_shared<MergedRefiner>(archive, config);
   }
   if (refiner) {
-    options.halo = refiner->halo();
-    options.refine = [refiner](MapBlocks& blocks) { refiner->refine(blocks); };
+    merge.options.halo = refiner->halo();
+    merge.options.refine = [refiner](MapBlocks& blocks) { refiner->refine(blocks); };
   }
-  return mergeArchives(placed, output, options);
+  return merge;
+}
+
+} // namespace
+
+std::uint64_t
+mergeSubmaps(const std::vector<Submap>& submaps, const std::string& output,
+             const BlockProgress& progress)
+{
+  Merge merge = mergeOf(submaps);
+  merge.options.progress = progress;
+  return mergeArchives(merge.archives, output, merge.options);
+}
+
+std::vector<MapTile>
+tilesOf(const Submap& submap)
+{
+  return tilesOf(placed(submap));
+}
+
+void
+mergeTile(const SubmapTiles& tiles, const MapTile& tile, const std::string& output)
+{
+  std::set<Submap> near; // no halo is wider than a tile
+  for (int y = tile.y - 1; y <= tile.y + 1; ++y)
+    for (int x = tile.x - 1; x <= tile.x + 1; ++x)
+      if (const auto found = tiles.find({y, x}); found != tiles.end())
+        near.insert(found->second.begin(), found->second.end());
+  const Merge merge = mergeOf({near.begin(), near.end()});
+  mergeTile(merge.archives, tile, output, merge.options);
 }
 
 } // namespace pcl_semantic

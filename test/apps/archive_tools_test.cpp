@@ -276,12 +276,19 @@ TEST_F(StreetArchive, SubmapsMoveWithTheirPoses)
   EXPECT_GE(corrected.occupancy, 0.98);
   EXPECT_GE(corrected.labels, 0.95);
   EXPECT_LT(agreementOf(archive_, wrong).near, 0.7);
+  EXPECT_TRUE(holds(succeed("archive changes " + archive_ + " " + archive_ + " " +
+                            folder_->path("changes.pcd")),
+                    "went: 0\ncame: 0\n"));
+  const std::string changed = succeed("archive changes " + archive_ + " " + wrong +
+                                      " " + folder_->path("changes.pcd"));
+  EXPECT_TRUE(!holds(changed, "went: 0\n") && !holds(changed, "came: 0\n")) << changed;
+  expectFails("archive changes " + archive_ + " " + wrong, 2, "'changes' needs BEFORE");
   fs::remove(joined);
   expectFails("archive merge " + files + joined + " --poses " + drifted + " --poses " +
                   drifted,
-              2, "'merge' takes --poses once, or as often as there are FILEs");
+              2, "--poses is given once, or as often as there are FILEs");
   expectFails("archive info " + archive_ + " --poses " + drifted, 2,
-              "--poses is for 'merge'");
+              "--poses is for 'merge' and 'changes'");
   EXPECT_FALSE(fs::exists(joined));
 }
 
@@ -302,7 +309,7 @@ TEST_F(StreetArchive, BadUsage)
 {
   const std::string out = folder_->path("x");
   for (const auto& [command, says] : std::vector<std::pair<std::string, std::string>>{
-           {"archive", "expected info, verify, export or merge"},
+           {"archive", "expected info, verify, export, merge or changes"},
            {"archive copy " + archive_, "'copy': expected info"},
            {"archive info", "'info' needs one FILE"},
            {"archive info " + archive_ + " " + archive_, "'info' needs one FILE"},

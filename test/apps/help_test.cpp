@@ -32,7 +32,7 @@ const std::vector<std::string> verbs = [] {
       "synthesize", "map",     "evaluate",     "lidar_truth", "crf",
       "image_crf",  "archive", "odometry",     "trajectory",  "stereo",
       "label",      "cliques", "evaluate_map", "render",      "compare",
-      "calibrate",  "export",  "cloud",        "rgbd"};
+      "calibrate",  "export",  "cloud",        "rgbd",        "fleet"};
   // It may have been left out, or have nothing to draw on.
   if (fs::exists(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_view") &&
       runShell("command -v xvfb-run").code == 0)

@@ -34,6 +34,44 @@ struct MergeOptions {
   BlockProgress progress;
 };
 
+/** \brief A square of space over all heights, an edge of tile_edge blocks: what merging
+ * has in memory at a time. */
+struct MapTile {
+  static constexpr int tile_edge = 32; ///< [blocks]: 25.6 m at voxels of 0.1 m
+
+  int y = 0, x = 0; ///< [tiles]; blocks y * tile_edge and x * tile_edge are its first
+
+  /** \brief The one that holds a block. */
+  static MapTile of(const VoxelIndex& block);
+
+  bool
+  operator<(const MapTile& other) const
+  {
+    return y != other.y ? y < other.y : x < other.x;
+  }
+};
+
+/** \brief The tiles that hold blocks of an archive after its motion, in order.
+ * \throws BadInputException */
+std::vector<MapTile> tilesOf(const PlacedArchive& archive);
+
+/** \brief What mergeArchives() makes of one tile, in an archive of its own.
+ * \param[in] inputs one or more, among them all that reach the tile and its halo
+ * \param[in] output path; what is there is replaced, unless it was made of the same
+ * inputs after they were written
+ * \return number of blocks \throws as mergeArchives() */
+std::uint64_t mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
+                        const std::string& output, const MergeOptions& options = {});
+
+/** \brief Path of the archive of a tile, beside the index of a map in tiles. */
+std::string tilePath(const std::string& index, const MapTile& tile);
+
+/** \brief Makes the archives of tiles one map: MapArchive reads the index, a small text
+ * file, as it reads an archive.
+ * \param[in] tiles whose archives lie at tilePath(); empty ones are left out
+ * \throws BadInputException, OutputException */
+void writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles);
+
 /** \brief Joins maps of the same voxel size, label set and fusion parameters into a new
  * archive, which does not depend on their order. Where several know a voxel, log-odds
  * and label logs are added and clamped, what is unknown adds nothing, colours and

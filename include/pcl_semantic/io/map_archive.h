@@ -33,6 +33,8 @@ struct ArchiveState {
   std::int64_t last_frame = -1; ///< number of the last of them; likewise
 };
 
+class TileSet;
+
 enum class ArchiveAccess { read, write };
 
 /** \brief Called with the blocks that long work on an archive is done with, and with
@@ -48,10 +50,13 @@ using BlockProgress = std::function<void(std::size_t done, std::size_t blocks)>;
  * Everything stored carries a checksum that covers the place it belongs to: damage is
  * reported, never read as a map. Not for network file systems.
  *
- * All methods may be called by several threads. They throw OutputException (disk full,
- * read-only, another writer) or BadInputException (a damaged file) with the name of the
- * file and, where it is one, the block. After an OutputException nothing more is
- * written: the file stays as it was last committed. */
+ * An index of tiles (writeTileIndex()) is read as if it were one archive; its blocks
+ * are visited tile by tile.
+ *
+ * All methods may be called by several threads, those of an index by one. They throw
+ * OutputException (disk full, read-only, another writer) or BadInputException (a
+ * damaged file) with the name of the file and, where it is one, the block. After an
+ * OutputException nothing more is written: the file stays as it was last committed. */
 class MapArchive : public BlockStore {
 public:
   /** \brief Makes a new file that holds an empty map, and opens it for writing.
@@ -110,7 +115,11 @@ public:
 
 private:
   struct Implementation;
-  std::unique_ptr<Implementation> implementation_;
+
+  void requireOneFile() const;
+
+  std::unique_ptr<Implementation> implementation_; // null if it is
+  std::unique_ptr<TileSet> tiles_;                 // a map in tiles
 };
 
 /** \brief Reads all of an archive and compares it with its checksums and counts.

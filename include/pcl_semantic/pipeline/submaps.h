@@ -2,12 +2,14 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
 
 #include <Eigen/Geometry>
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -37,17 +39,41 @@ Eigen::Isometry3d submapMotion(const MapArchive& submap, const std::string& traj
 
 /** \brief A submap, and what places it. */
 struct Submap {
-  std::string path;       ///< of its archive
-  std::string trajectory; ///< see submapMotion(); empty: it lies where it was made
+  std::string path;         ///< of its archive
+  std::string trajectory{}; ///< see submapMotion(); empty: it lies where it was made
+
+  bool
+  operator<(const Submap& other) const
+  {
+    return path < other.path;
+  }
 };
 
-/** \brief Joins submaps of one drive or of several, see mergeArchives(). Where more than
- * one has hit a voxel, and around it, the CRF says anew what it is: the dense model with
- * the parameters of the run of the first by name, unless that run had none.
+/** \brief A submap where it belongs. \throws as submapMotion() */
+PlacedArchive placed(const Submap& submap);
+
+/** \brief Joins submaps of one drive or of several, see mergeArchives(). Where more
+ * than one has hit a voxel, and around it, the CRF says anew what it is: the dense
+ * model with the parameters of the run of the first by name, unless that run had none.
  * \return number of blocks
  * \throws as mergeArchives() and submapMotion() */
 std::uint64_t mergeSubmaps(const std::vector<Submap>& submaps,
                            const std::string& output,
                            const BlockProgress& progress = nullptr);
+
+/** \brief The tiles that submaps reach, by tile: which of them. */
+using SubmapTiles = std::map<MapTile, std::vector<Submap>>;
+
+/** \brief The tiles that a submap reaches where it is placed.
+ * \throws as submapMotion() */
+std::vector<MapTile> tilesOf(const Submap& submap);
+
+/** \brief What mergeSubmaps() makes of one tile, in an archive of its own; a halo as
+ * wide as the CRF needs comes from the tiles around it.
+ * \param[in] tile a key of \a tiles
+ * \param[in] output path; see mergeTile() of archives
+ * \throws as mergeSubmaps() */
+void mergeTile(const SubmapTiles& tiles, const MapTile& tile,
+               const std::string& output);
 
 } // namespace pcl_semantic

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "files/folder_lock.h"
+#include "map_arguments.h"
+#include "messages.h"
+#include "ranks.h"
+#include "recorded_mapping.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/io/archive_merge.h>
+#include <pcl_semantic/pipeline/fleet_plan.h>
+#include <pcl_semantic/pipeline/submaps.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using namespace pcl_semantic;
+using namespace pcl_semantic::tool;
+
+const Usage usage{
+    "pcl_semantic_fleet", "PLAN.yaml",
+    R"(Maps many drives into one map: cuts them into submaps, maps these, places each by
+corrected poses if there are any, and merges them tile by tile. Under mpirun or
+Slurm all processes share the work; what is done stays done when it is started
+again. OUTPUT/map.tiles is the map: pcl_semantic_archive, _export, _render and
+_view read it as an archive.)",
+    R"(pcl_semantic_synthesize /tmp/street && cat >/tmp/plan.yaml <<'EOF'
+output: city
+options: {submap_every: 10m}
+drives:
+  - {name: begin, sequence: street, labels: street/labels, frames: ':1'}
+  - {name: rest, sequence: street, labels: street/labels, frames: '1:'}
+EOF
+pcl_semantic_fleet /tmp/plan.yaml && \
+  pcl_semantic_archive info /tmp/city/map.tiles)"};
+
+// A submap that is to be made, and what places it.
+struct Task {
+  MapArguments run;
+  std::string corrected_poses;
+};
+
+// As if the drive's options were a command line of pcl_semantic_map.
+MapArguments
+argumentsOf(const FleetDrive& drive, const std::string& output)
+{
+  std::vector<std::string> words = {usage.name, "--output",
+                                    output + "/submaps/" + drive.name};
+  for (const auto& [name, value] : drive.options) {
+    std::string option = "--" + name;
+    std::replace(option.begin(), option.end(), '_', '-');
+    words.push_back(option);
+    words.push_back(value);
+  }
+  std::vector<char*> pointers;
+  for (std::string& word : words)
+    pointers.push_back(word.data());
+  const Manner own = manner();
+  MapArguments arguments = parseMapArguments(int(pointers.size()), pointers.data());
+  manner() = own;
+  if (arguments.submap_every.empty())
+    arguments.submap_every = "50m";
+  return arguments;
+}
+
+// What the maps of two drives have to have in common.
+void
+requireSame(const MappingRun& first, const MappingRun& other)
+{
+  const MapParameters &p = first.config.map, &q = other.config.map;
+  if (p.voxel_size != q.voxel_size)
+    fail<InvalidParameterException>("voxel_size is ", q.voxel_size,
+                                    ", that of the first drive ", p.voxel_size);
+  bool is_same = first.label_set.size() == other.label_set.size();
+  for (int label = 1; is_same && label <= first.label_set.size(); ++label)
+    is_same = first.label_set[Label(label)].name == other.label_set[Label(label)].name;
+  if (!is_same)
+    fail<InvalidParameterException>("its label set is not that of the first drive");
+}
+
+template <typename Body>
+auto
+ofDrive(const FleetDrive& drive, Body&& body)
+{
+  const std::string where = "drive '" + drive.name + "': ";
+  try {
+    return body();
+  }
+  catch (const InvalidParameterException& error) {
+    fail<InvalidParameterException>(where, error.what());
+  }
+  catch (const BadInputException& error) {
+    fail<BadInputException>(where, error.what());
+  }
+}
+
+// The frames of all submaps of a plan, "drive A:B" each: opens every drive.
+std::vector<std::string>
+cut(const FleetPlan& plan)
+{
+  std::vector<std::string> stretches;
+  std::optional<MappingRun> first;
+  for (std::size_t d = 0; d < plan.drives.size(); ++d)
+    ofDrive(plan.drives[d], [&] {
+      const FleetDrive& drive = plan.drives[d];
+      const SubmapRuns submaps = submapsOf(argumentsOf(drive, plan.output));
+      if (first)
+        requireSame(*first, submaps.whole);
+      else
+        first = submaps.whole;
+      if (!drive.corrected_poses.empty())
+        trajectoryFormatOf(drive.corrected_poses);
+      for (const MapArguments& submap : submaps.each)
+        stretches.push_back(std::to_string(d) + " " + submap.frames);
+    });
+  return stretches;
+}
+
+std::vector<Task>
+tasksOf(const FleetPlan& plan, const std::vector<std::string>& stretches)
+{
+  std::vector<MapArguments> drives;
+  for (const FleetDrive& drive : plan.drives)
+    drives.push_back(argumentsOf(drive, plan.output));
+  std::vector<Task> tasks;
+  for (const std::string& stretch : stretches) {
+    std::size_t drive = 0;
+    std::string frames;
+    std::istringstream(stretch) >> drive >> frames;
+    tasks.push_back(
+        {submapOf(drives[drive], frames), plan.drives[drive].corrected_poses});
+    tasks.back().run.archive_only = true;
+    tasks.back().run.archive.resume = true;
+  }
+  return tasks;
+}
+
+// What the tasks of this rank took.
+class Log {
+public:
+  explicit Log(int rank) : rank_(rank) {}
+
+  template <typename Body>
+  void
+  time(const std::string& task, Body&& body)
+  {
+    const auto start = std::chrono::steady_clock::now();
+    body();
+    const std::chrono::duration<double> seconds =
+        std::chrono::steady_clock::now() - start;
+    std::ostringstream line;
+    line << task << "," << rank_ << "," << seconds.count();
+    lines_.push_back(line.str());
+    note(task + ": " + std::to_string(seconds.count()) + " s");
+  }
+
+  const std::vector<std::string>&
+  lines() const
+  {
+    return lines_;
+  }
+
+private:
+  int rank_;
+  std::vector<std::string> lines_;
+};
+
+// The tiles that the submaps reach; each rank looks into its part of them.
+SubmapTiles
+tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
+{
+  std::vector<std::string> own;
+  for (std::size_t i = std::size_t(ranks.rank()); i < tasks.size();
+       i += std::size_t(ranks.size()))
+    for (const MapTile& tile :
+         tilesOf(Submap{tasks[i].run.archive.path, tasks[i].corrected_poses}))
+      own.push_back(std::to_string(i) + " " + std::to_string(tile.y) + " " +
+                    std::to_string(tile.x));
+  std::map<MapTile, std::set<std::size_t>> reached; // by which task
+  for (const std::string& text : ranks.gather(own)) {
+    std::size_t task = 0;
+    MapTile tile;
+    std::istringstream(text) >> task >> tile.y >> tile.x;
+    reached[tile].insert(task);
+  }
+  SubmapTiles tiles;
+  for (const auto& [tile, by] : reached)
+    for (const std::size_t task : by)
+      tiles[tile].push_back(
+          {tasks[task].run.archive.path, tasks[task].corrected_poses});
+  return tiles;
+}
+
+// Tiles of an earlier plan, or whose submaps were elsewhere.
+void
+removeOtherTiles(const std::string& index, const SubmapTiles& tiles)
+{
+  std::set<std::string> kept;
+  for (const auto& [tile, submaps] : tiles)
+    kept.insert(fs::path(tilePath(index, tile)).filename().string());
+  for (const fs::directory_entry& file :
+       fs::directory_iterator(fs::path(tilePath(index, {})).parent_path()))
+    if (file.path().extension() == ".map" &&
+        kept.count(file.path().filename().string()) == 0)
+      fs::remove(file.path());
+}
+
+int
+mapFleet(const std::string& path, const Ranks& ranks)
+{
+  const FleetPlan plan = readFleetPlan(path);
+  const std::string folder = fs::path(path).parent_path().string();
+  if (!folder.empty())
+    fs::current_path(folder); // what the plan names lies beside it
+  const std::string index = plan.output + "/map.tiles";
+  const bool is_first = ranks.rank() == 0;
+  std::optional<FolderLock> lock;
+  std::vector<std::string> stretches;
+  if (is_first) {
+    stretches = cut(plan);
+    makeOutputFolder(fs::path(tilePath(index, {})).parent_path().string());
+    lock.emplace(plan.output);
+  }
+  ranks.broadcast(stretches);
+  const std::vector<Task> tasks = tasksOf(plan, stretches);
+  Log log(ranks.rank());
+  ranks.share(tasks.size(), [&](std::size_t i) {
+    log.time(tasks[i].run.archive.path, [&] { mapRecorded(tasks[i].run); });
+    if (interrupted())
+      throw Exit{exit_interrupted};
+  });
+  const SubmapTiles tiles = tilesOf(tasks, ranks);
+  std::vector<MapTile> order;
+  for (const auto& [tile, submaps] : tiles)
+    order.push_back(tile);
+  ranks.share(order.size(), [&](std::size_t i) {
+    const std::string output = tilePath(index, order[i]);
+    log.time(output, [&] { mergeTile(tiles, order[i], output); });
+    if (interrupted())
+      throw Exit{exit_interrupted};
+  });
+  const std::vector<std::string> lines = ranks.gather(log.lines());
+  if (!is_first)
+    return exit_done;
+  removeOtherTiles(index, tiles);
+  writeTileIndex(index, order);
+  std::string text = "task,rank,seconds\n";
+  for (const std::string& line : lines)
+    text += line + "\n";
+  writeTextFile(plan.output + "/log.csv", text);
+  printResults({{"submaps", tasks.size()},
+                {"tiles", order.size()},
+                {"map", index},
+                {"log", plan.output + "/log.csv"}});
+  return exit_done;
+}
+
+} // namespace
+
+int
+main(int argc, char** argv)
+{
+  const Ranks ranks(argc, argv);
+  const int code = run(usage.name, [&] {
+    keepFreedMemory();
+    std::string plan;
+    parseCommandLine(argc, argv, usage,
+                     {{"plan", plan, "what is mapped (.yaml), doc/fleet.md"}},
+                     {"plan"});
+    refuseIf(plan.empty(), "PLAN.yaml is missing");
+    return mapFleet(plan, ranks);
+  });
+  if (code != exit_done)
+    ranks.stop(code);
+  return code;
+}

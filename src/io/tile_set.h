@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/io/archive_merge.h>
+#include <pcl_semantic/io/map_archive.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief A map in tiles: an archive each, named by an index, which is a text file that
+ * writeTileIndex() writes. For reading; few of them are open at a time. */
+class TileSet {
+public:
+  /** \brief Whether a file says that it is such an index. */
+  static bool isIndex(const std::string& path);
+
+  /** \throws BadInputException with the line, or if a tile cannot be read */
+  explicit TileSet(const std::string& path);
+
+  const ArchiveHeader&
+  header() const
+  {
+    return header_;
+  }
+
+  const ArchiveState&
+  state() const
+  {
+    return state_;
+  }
+
+  const std::string&
+  path() const
+  {
+    return path_;
+  }
+
+  /** \brief Paths of the tiles, in order. */
+  std::vector<std::string> paths() const;
+
+  /** \brief The archive that holds a block if anyone does; null: there is none. */
+  const MapArchive* archiveOf(const VoxelIndex& block) const;
+
+  /** \brief Visits the archives one after the other, by y and x of their tiles. */
+  void forEachArchive(const std::function<void(const MapArchive&)>& visit) const;
+
+private:
+  std::string path_; // of the index
+  std::map<MapTile, std::string> paths_;
+  ArchiveHeader header_;
+  ArchiveState state_;
+  mutable std::map<MapTile, std::unique_ptr<MapArchive>> open_;
+};
+
+} // namespace pcl_semantic

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/archives.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/io/archive_merge.h>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+namespace pcl_semantic {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const Eigen::Isometry3d still = Eigen::Isometry3d::Identity();
+
+// Two maps that overlap, over several tiles, and the map in tiles that is made of them.
+class TiledMap : public testing::Test {
+protected:
+  void
+  SetUp() override
+  {
+    for (int map = 0; map < 2; ++map) {
+      Blocks blocks;
+      for (int i = -40; i < 40; i += 3)
+        blocks[VoxelIndex(i + 20 * map, 2 * i, i % 4)] = makeRandomBlock(
+            std::size_t(i % 2 ? 0 : 60), 3, unsigned(100 * map + i + 50));
+      inputs_.push_back({folder_.path("map" + std::to_string(map)), still});
+      const auto archive = MapArchive::create(inputs_.back().path, makeArchiveHeader());
+      putAll(blocks, *archive);
+      ArchiveState state;
+      state.cloud_origin = {1000, 0, 0};
+      state.finished = true;
+      archive->commit(state);
+    }
+    mergeArchives(inputs_, whole_);
+    fs::create_directories(folder_.path("tiles"));
+    std::set<MapTile> tiles;
+    for (const PlacedArchive& input : inputs_)
+      for (const MapTile& tile : tilesOf(input))
+        tiles.insert(tile);
+    tiles.insert({100, 100}); // nothing is there
+    tiles_.assign(tiles.begin(), tiles.end());
+    for (const MapTile& tile : tiles_)
+      mergeTile(inputs_, tile, tilePath(index_, tile));
+    writeTileIndex(index_, tiles_);
+  }
+
+  static Blocks
+  blocksOf(const MapArchive& archive)
+  {
+    Blocks blocks;
+    archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+      EXPECT_TRUE(blocks.emplace(index, block).second) << "twice";
+    });
+    return blocks;
+  }
+
+  const TemporaryFolder folder_;
+  const std::string whole_ = folder_.path("whole"), index_ = folder_.path("map.tiles");
+  std::vector<PlacedArchive> inputs_;
+  std::vector<MapTile> tiles_;
+};
+
+TEST_F(TiledMap, IsReadAsTheMergedMap)
+{
+  const MapArchive tiled(index_, ArchiveAccess::read),
+      whole(whole_, ArchiveAccess::read);
+  EXPECT_GE(tiles_.size(), 10u);
+  EXPECT_EQ(tiled.path(), index_);
+  EXPECT_EQ(tiled.state().blocks, whole.state().blocks);
+  EXPECT_EQ(tiled.state().cloud_origin, whole.state().cloud_origin);
+  EXPECT_TRUE(tiled.state().finished);
+  EXPECT_EQ(tiled.header().parameters.voxel_size, 0.25);
+  const Blocks a = blocksOf(tiled), b = blocksOf(whole);
+  ASSERT_EQ(a.size(), b.size());
+  std::vector<VoxelIndex> indices, asked;
+  tiled.forEachIndex([&](const VoxelIndex& index) { indices.push_back(index); });
+  EXPECT_EQ(indices.size(), a.size());
+  for (const auto& [index, block] : b) {
+    ASSERT_TRUE(a.count(index));
+    EXPECT_TRUE(areSameBlocks(a.at(index), block, 3));
+    EXPECT_TRUE(tiled.contains(index));
+    EXPECT_TRUE(areSameBlocks(*tiled.get(index), block, 3));
+    asked.push_back(index);
+  }
+  asked.emplace_back(3000, 0, 0);
+  const auto several = tiled.get(asked);
+  for (std::size_t i = 0; i + 1 < several.size(); ++i)
+    EXPECT_TRUE(areSameBlocks(*several[i], b.at(asked[i]), 3));
+  EXPECT_EQ(several.back(), nullptr);
+  EXPECT_FALSE(tiled.contains({3000, 0, 0}));
+  EXPECT_TRUE(verifyArchive(index_).empty());
+}
+
+TEST_F(TiledMap, IsOnlyRead)
+{
+  MapArchive tiled(index_, ArchiveAccess::read);
+  EXPECT_THROW(tiled.put({1, 2, 3}, VoxelBlock()), OutputException);
+  EXPECT_THROW(tiled.commit({}), OutputException);
+  EXPECT_THROW(MapArchive(index_, ArchiveAccess::write), std::runtime_error);
+}
+
+TEST_F(TiledMap, ATileIsMadeAgainIfWhatItIsMadeOfIsNewer)
+{
+  const std::string tile = tilePath(index_, tiles_.front());
+  const auto made = fs::last_write_time(tile);
+  mergeTile(inputs_, tiles_.front(), tile);
+  EXPECT_EQ(fs::last_write_time(tile), made);
+  fs::last_write_time(inputs_[0].path, made + std::chrono::hours(1));
+  mergeTile(inputs_, tiles_.front(), tile);
+  EXPECT_NE(fs::last_write_time(tile), made);
+  fs::last_write_time(inputs_[0].path, made - std::chrono::hours(1));
+  const auto again = fs::last_write_time(tile);
+  mergeTile({inputs_[1]}, tiles_.front(), tile);
+  EXPECT_NE(fs::last_write_time(tile), again) << "of another map";
+}
+
+TEST_F(TiledMap, WithoutATileOrWithABadIndexIsRefused)
+{
+  const auto refusal = [&](const std::string& text) {
+    const std::string path = folder_.write("bad.tiles", text);
+    return thrownMessage<BadInputException>(
+        [&] { MapArchive(path, ArchiveAccess::read); });
+  };
+  for (const auto& [text, says] :
+       {std::pair{"pcl_semantic_tiles 7 1 1\n0 0\n", "line 1: is no index of tiles"},
+        {"pcl_semantic_tiles 1 2 1\n0 0\n", "line 3: expected two numbers"},
+        {"pcl_semantic_tiles 1 2 1\n0 0\n0 x\n", "line 3: expected two numbers"},
+        {"pcl_semantic_tiles 1 1 1\n0 0\n1 1\n", "has other tiles than the 1"},
+        {"pcl_semantic_tiles 1 2 1\n0 0\n0 0\n", "has other tiles than the 2"},
+        {"pcl_semantic_tiles 1 0 0\n", "has no tiles"},
+        {"pcl_semantic_tiles 1 1 1\n77 77\n", "tiles/77_77.map: "}})
+    EXPECT_TRUE(holds(refusal(text), says)) << text;
+  fs::remove(tilePath(index_, tiles_[1]));
+  const MapArchive tiled(index_, ArchiveAccess::read);
+  EXPECT_THROW(tiled.forEach([](const auto&, const auto&) {}), BadInputException);
+  EXPECT_THROW(verifyArchive(index_), BadInputException);
+}
+
+} // namespace
+
+} // namespace pcl_semantic

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/temporary_folder.h"
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/pipeline/fleet_plan.h>
+
+#include <gtest/gtest.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+TEST(FleetPlan, NamesDrivesAndTheirOptions)
+{
+  const TemporaryFolder folder;
+  const FleetPlan plan = readFleetPlan(folder.write("plan.yaml", R"(output: city
+options: {voxel_size: 0.2, submap_every: 50m}
+drives:
+  - {name: monday, sequence: a, labels: a/labels}
+  - {name: tuesday, sequence: b, voxel_size: 0.4, corrected_poses: b.txt}
+)"));
+  using Options = std::vector<std::pair<std::string, std::string>>;
+  EXPECT_EQ(plan.output, "city");
+  ASSERT_EQ(plan.drives.size(), 2u);
+  EXPECT_EQ(plan.drives[0].name, "monday");
+  EXPECT_EQ(plan.drives[0].corrected_poses, "");
+  EXPECT_EQ(plan.drives[0].options, (Options{{"voxel_size", "0.2"},
+                                             {"submap_every", "50m"},
+                                             {"sequence", "a"},
+                                             {"labels", "a/labels"}}));
+  EXPECT_EQ(plan.drives[1].corrected_poses, "b.txt");
+  EXPECT_EQ(
+      plan.drives[1].options,
+      (Options{{"submap_every", "50m"}, {"sequence", "b"}, {"voxel_size", "0.4"}}));
+}
+
+TEST(FleetPlan, SaysWhatCannotBe)
+{
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& text) {
+    const std::string path = folder.write("plan.yaml", text);
+    const std::string message =
+        thrownMessage<BadInputException>([&] { readFleetPlan(path); });
+    EXPECT_EQ(message.rfind(path, 0), 0u) << message;
+    return message;
+  };
+  const std::string begin = "output: city\ndrives:\n";
+  for (const auto& [text, says] : {
+           std::pair{std::string("drives:\n  - {name: a}\n"), "'output' is missing"},
+           {std::string("output: city\n"), "'drives' is missing"},
+           {std::string("output: city\ndrives: []\n"), "line 2: there is no drive"},
+           {begin + "  - {sequence: a}\n", "line 3: key 'name' is missing"},
+           {begin + "  - {name: ../a}\n", "line 3: '../a', expected letters"},
+           {begin + "  - {name: .a}\n", "line 3: '.a', expected letters"},
+           {begin + "  - {name: ''}\n", "line 3: '', expected letters"},
+           {begin + "  - {name: a}\n  - {name: a}\n",
+            "line 4: there is a drive 'a' already"},
+           {begin + "  - {name: a, archive: b}\n", "'archive' is no option of a drive"},
+           {begin + "  - {name: a, labels: [1, 2]}\n", "line 3"},
+           {begin + "  - {name: a}\nrives: 3\n", "rives"},
+       })
+    EXPECT_TRUE(holds(refusal(text), says)) << text;
+}
+
+} // namespace
+
+} // namespace pcl_semantic
