@@ -188,7 +188,8 @@ changes(const Arguments& arguments)
 int
 merge(const Arguments& arguments)
 {
-  refuseIf(arguments.files.size() < 3, "'merge' needs two FILEs or more, and OUT");
+  refuseIf(arguments.files.size() < (arguments.poses.empty() ? 3u : 2u),
+           "'merge' needs two FILEs or more (with --poses one), and OUT");
   const std::vector<std::string> inputs(arguments.files.begin(),
                                         arguments.files.end() - 1);
   // A map that is given twice would be believed twice.

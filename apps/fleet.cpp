@@ -8,7 +8,6 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/pipeline/fleet_plan.h>
 #include <pcl_semantic/pipeline/submaps.h>
@@ -16,6 +15,8 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -54,13 +55,18 @@ struct Task {
 MapArguments
 argumentsOf(const FleetDrive& drive, const std::string& output)
 {
-  std::vector<std::string> words = {usage.name, "--output",
-                                    output + "/submaps/" + drive.name};
+  std::vector<std::string> words = {usage.name,
+                                    "--output=" + output + "/submaps/" + drive.name};
   for (const auto& [name, value] : drive.options) {
     std::string option = "--" + name;
     std::replace(option.begin(), option.end(), '_', '-');
-    words.push_back(option);
-    words.push_back(value);
+    if (name != "strict") // the one without a value
+      words.push_back(option + "=" + value);
+    else if (value == "true")
+      words.push_back(option);
+    else if (value != "false")
+      fail<InvalidParameterException>("strict is '", value,
+                                      "', expected true or false");
   }
   std::vector<char*> pointers;
   for (std::string& word : words)
@@ -68,24 +74,26 @@ argumentsOf(const FleetDrive& drive, const std::string& output)
   const Manner own = manner();
   MapArguments arguments = parseMapArguments(int(pointers.size()), pointers.data());
   manner() = own;
+  arguments.archive_only = true;
   if (arguments.submap_every.empty())
     arguments.submap_every = "50m";
   return arguments;
 }
 
-// What the maps of two drives have to have in common.
+ArchiveHeader
+headerOf(const MappingRun& run)
+{
+  return {run.label_set, run.config.map.withWindow(), {}};
+}
+
+// What will be merged has to fit, before it is mapped.
 void
 requireSame(const MappingRun& first, const MappingRun& other)
 {
-  const MapParameters &p = first.config.map, &q = other.config.map;
-  if (p.voxel_size != q.voxel_size)
-    fail<InvalidParameterException>("voxel_size is ", q.voxel_size,
-                                    ", that of the first drive ", p.voxel_size);
-  bool is_same = first.label_set.size() == other.label_set.size();
-  for (int label = 1; is_same && label <= first.label_set.size(); ++label)
-    is_same = first.label_set[Label(label)].name == other.label_set[Label(label)].name;
-  if (!is_same)
-    fail<InvalidParameterException>("its label set is not that of the first drive");
+  const std::string difference = differenceOf(headerOf(first), headerOf(other));
+  if (!difference.empty())
+    fail<InvalidParameterException>("has another ", difference,
+                                    " than the first drive");
 }
 
 template <typename Body>
@@ -119,7 +127,8 @@ cut(const FleetPlan& plan)
       else
         first = submaps.whole;
       if (!drive.corrected_poses.empty())
-        trajectoryFormatOf(drive.corrected_poses);
+        correctedPoses(describeRun(submaps.whole), drive.corrected_poses)
+            ->requirePoses(submaps.anchors);
       for (const MapArguments& submap : submaps.each)
         stretches.push_back(std::to_string(d) + " " + submap.frames);
     });
@@ -139,7 +148,6 @@ tasksOf(const FleetPlan& plan, const std::vector<std::string>& stretches)
     std::istringstream(stretch) >> drive >> frames;
     tasks.push_back(
         {submapOf(drives[drive], frames), plan.drives[drive].corrected_poses});
-    tasks.back().run.archive_only = true;
     tasks.back().run.archive.resume = true;
   }
   return tasks;
@@ -150,12 +158,14 @@ class Log {
 public:
   explicit Log(int rank) : rank_(rank) {}
 
+  /** \param[in] body returns whether there was something to do */
   template <typename Body>
   void
   time(const std::string& task, Body&& body)
   {
     const auto start = std::chrono::steady_clock::now();
-    body();
+    if (!body())
+      return;
     const std::chrono::duration<double> seconds =
         std::chrono::steady_clock::now() - start;
     std::ostringstream line;
@@ -215,53 +225,96 @@ removeOtherTiles(const std::string& index, const SubmapTiles& tiles)
       fs::remove(file.path());
 }
 
-int
-mapFleet(const std::string& path, const Ranks& ranks)
+// The costs of an earlier run, and those of this one.
+void
+writeLog(const std::string& path, const std::vector<std::string>& lines)
 {
-  const FleetPlan plan = readFleetPlan(path);
+  const auto taskOf = [](const std::string& line) {
+    return line.substr(0, line.rfind(',', line.rfind(',') - 1));
+  };
+  std::map<std::string, std::string> by_task;
+  std::ifstream old(path);
+  std::string line;
+  std::getline(old, line); // its head
+  while (std::getline(old, line))
+    by_task[taskOf(line)] = line;
+  for (const std::string& each : lines)
+    by_task[taskOf(each)] = each;
+  std::string text = "task,rank,seconds\n";
+  for (const auto& [task, each] : by_task)
+    text += each + "\n";
+  writeTextFile(path, text);
+}
+
+void
+stopIfInterrupted()
+{
+  if (interrupted())
+    throw Exit{exit_interrupted};
+}
+
+FleetPlan
+readPlanBeside(const std::string& path)
+{
+  FleetPlan plan = readFleetPlan(path);
   const std::string folder = fs::path(path).parent_path().string();
   if (!folder.empty())
     fs::current_path(folder); // what the plan names lies beside it
-  const std::string index = plan.output + "/map.tiles";
+  return plan;
+}
+
+int
+mapFleet(const std::string& path, const Ranks& ranks)
+{
+  catchInterrupts();
   const bool is_first = ranks.rank() == 0;
+  std::optional<FleetPlan> plan;
   std::optional<FolderLock> lock;
   std::vector<std::string> stretches;
-  if (is_first) {
-    stretches = cut(plan);
-    makeOutputFolder(fs::path(tilePath(index, {})).parent_path().string());
-    lock.emplace(plan.output);
+  if (is_first) { // alone: what is wrong with a plan is said once
+    plan = readPlanBeside(path);
+    stretches = cut(*plan);
+    makeOutputFolder(plan->output + "/tiles");
+    lock.emplace(plan->output);
   }
   ranks.broadcast(stretches);
-  const std::vector<Task> tasks = tasksOf(plan, stretches);
+  if (!is_first)
+    plan = readPlanBeside(path);
+  const std::string index = plan->output + "/map.tiles";
+  const std::vector<Task> tasks = tasksOf(*plan, stretches);
   Log log(ranks.rank());
   ranks.share(tasks.size(), [&](std::size_t i) {
-    log.time(tasks[i].run.archive.path, [&] { mapRecorded(tasks[i].run); });
-    if (interrupted())
-      throw Exit{exit_interrupted};
+    log.time(tasks[i].run.archive.path,
+             [&] { return !mapRecorded(tasks[i].run).empty(); });
+    stopIfInterrupted();
   });
   const SubmapTiles tiles = tilesOf(tasks, ranks);
   std::vector<MapTile> order;
   for (const auto& [tile, submaps] : tiles)
     order.push_back(tile);
+  if (order.empty())
+    fail<BadInputException>(path,
+                            ": nothing was mapped: no frame of a drive has a depth");
+  stopIfInterrupted();
+  if (is_first)
+    fs::remove(index); // while tiles of two maps lie there
+  ranks.wait();
   ranks.share(order.size(), [&](std::size_t i) {
     const std::string output = tilePath(index, order[i]);
-    log.time(output, [&] { mergeTile(tiles, order[i], output); });
-    if (interrupted())
-      throw Exit{exit_interrupted};
+    log.time(output, [&] { return mergeTile(tiles, order[i], output); });
+    stopIfInterrupted();
   });
   const std::vector<std::string> lines = ranks.gather(log.lines());
   if (!is_first)
     return exit_done;
   removeOtherTiles(index, tiles);
   writeTileIndex(index, order);
-  std::string text = "task,rank,seconds\n";
-  for (const std::string& line : lines)
-    text += line + "\n";
-  writeTextFile(plan.output + "/log.csv", text);
+  writeLog(plan->output + "/log.csv", lines);
+  const fs::path folder = fs::path(path).parent_path();
   printResults({{"submaps", tasks.size()},
                 {"tiles", order.size()},
-                {"map", index},
-                {"log", plan.output + "/log.csv"}});
+                {"map", (folder / index).string()},
+                {"log", (folder / plan->output / "log.csv").string()}});
   return exit_done;
 }
 
@@ -271,6 +324,7 @@ int
 main(int argc, char** argv)
 {
   const Ranks ranks(argc, argv);
+  bool is_ended = false;
   const int code = run(usage.name, [&] {
     keepFreedMemory();
     std::string plan;
@@ -278,9 +332,11 @@ main(int argc, char** argv)
                      {{"plan", plan, "what is mapped (.yaml), doc/fleet.md"}},
                      {"plan"});
     refuseIf(plan.empty(), "PLAN.yaml is missing");
-    return mapFleet(plan, ranks);
+    const int result = mapFleet(plan, ranks);
+    is_ended = true;
+    return result;
   });
-  if (code != exit_done)
+  if (code != exit_done && !is_ended)
     ranks.stop(code);
   return code;
 }

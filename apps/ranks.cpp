@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <stdexcept>
 #include <thread>
 
 #endif
@@ -96,7 +97,10 @@ private:
 struct Ranks::Processes {
   Processes(int& argc, char**& argv)
       : environment(argc, argv, mpi::threading::multiple, false)
-  {}
+  {
+    if (mpi::environment::thread_level() < mpi::threading::multiple)
+      throw std::runtime_error("this MPI does not go with threads");
+  }
 
   mpi::environment environment;
   mpi::communicator world;
@@ -123,8 +127,16 @@ Ranks::size() const
 void
 Ranks::wait() const
 {
-  if (processes_)
-    processes_->world.barrier();
+  if (!processes_)
+    return;
+  // As a barrier, but waiting in MPI would keep a processor busy.
+  MPI_Request arrived;
+  MPI_Ibarrier(processes_->world, &arrived);
+  for (int all = 0; !all;) {
+    MPI_Test(&arrived, &all, MPI_STATUS_IGNORE);
+    if (!all)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
 }
 
 void

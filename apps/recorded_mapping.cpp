@@ -181,6 +181,7 @@ submapsOf(const MapArguments& arguments)
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const std::size_t last =
         i + 1 < starts.size() ? starts[i + 1] - 1 : times.size() - 1;
+    submaps.anchors.push_back(times[starts[i] + (last - starts[i] + 1) / 2]);
     submaps.each.push_back(
         submapOf(arguments, std::to_string(times[starts[i]].number) + ":" +
                                 std::to_string(times[last].number + 1)));

@@ -17,7 +17,8 @@ Results mapRecorded(const MapArguments& arguments);
 /** \brief A recording in submaps. */
 struct SubmapRuns {
   std::vector<MapArguments> each;
-  MappingRun whole; ///< of all of them
+  MappingRun whole;                 ///< of all of them
+  std::vector<FrameTime> anchors{}; ///< of each, see submapMotion()
 };
 
 /** \brief The runs that map a recording in submaps (--submap-every): each is a run of

@@ -37,10 +37,10 @@ def main():
     with open(arguments.log, newline="") as file:
         rows = list(csv.DictReader(file))
     submaps = [float(r["seconds"]) for r in rows if "/submaps/" in r["task"]]
-    tiles = [float(r["seconds"]) for r in rows if "/tiles/" in r["task"]]
+    tiles = [float(r["seconds"]) for r in rows if "/submaps/" not in r["task"]]
     drives = len({r["task"].split("/submaps/")[1].split("/")[0]
                   for r in rows if "/submaps/" in r["task"]})
-    times = arguments.drives // drives
+    times = max(1, round(arguments.drives / drives))
     submaps, tiles = submaps * times, tiles * times
     work = sum(submaps) + sum(tiles)
     cut = CUT * drives * times

@@ -7,6 +7,8 @@
 #include "core/parallel_guard.h"
 #include "moved_archive.h"
 
+#include <pcl_semantic/core/exceptions.h>
+
 #include <pcl_semantic/io/map_archive.h>
 
 #include <algorithm>
@@ -63,6 +65,10 @@ headerOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
         std::max(header.parameters.max_range, parameters.max_range);
   }
   header.configuration = describeMerge(inputs);
+  std::istringstream lines(first->header().configuration);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("crf", 0) == 0) // with which a merge of this one is refined
+      header.configuration += line + "\n";
   return header;
 }
 
@@ -190,10 +196,16 @@ isNewest(const std::string& output, const std::vector<PlacedArchive>& inputs)
 {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (!fs::exists(output, error) ||
-      MapArchive(output, ArchiveAccess::read).header().configuration !=
-          describeMerge(inputs))
+  if (!fs::exists(output, error))
     return false;
+  try {
+    const MapArchive archive(output, ArchiveAccess::read);
+    if (archive.header().configuration.rfind(describeMerge(inputs), 0) != 0)
+      return false;
+  }
+  catch (const BadInputException&) { // it is damaged, but can be made again
+    return false;
+  }
   const auto made = fs::last_write_time(output);
   return std::all_of(inputs.begin(), inputs.end(), [&](const PlacedArchive& input) {
     return fs::last_write_time(input.path) < made;
@@ -217,33 +229,32 @@ tilesOf(const PlacedArchive& archive)
   return {tiles.begin(), tiles.end()};
 }
 
-std::uint64_t
+bool
 mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
           const std::string& output, const MergeOptions& options)
 {
   if (inputs.empty())
     badParameter("expected archives to merge");
   if (isNewest(output, inputs))
-    return MapArchive(output, ArchiveAccess::read).state().blocks;
+    return false;
   const Archives archives = openAll(inputs);
-  std::uint64_t blocks = 0;
   std::filesystem::remove(output);
   makeArchiveFile(output, [&](const std::string& temporary) {
     const auto merged = MapArchive::create(temporary, headerOf(archives, inputs));
     putTile(archives, tile, blocksOf(archives, tile, options.halo), options, *merged);
     merged->commit(stateOf(archives));
-    blocks = merged->state().blocks;
     merged->close();
   });
-  return blocks;
+  return true;
 }
 
 std::uint64_t
 mergeArchives(const std::vector<PlacedArchive>& inputs, const std::string& output,
               const MergeOptions& options)
 {
-  if (inputs.size() < 2)
-    badParameter("expected two or more archives to merge");
+  if (inputs.empty() ||
+      (inputs.size() == 1 && inputs[0].motion.matrix() == Eigen::Matrix4d::Identity()))
+    badParameter("expected two or more archives to merge, or one to move");
   const Archives archives = openAll(inputs);
   const auto tiles = tilesOf(archives, options.halo);
   std::uint64_t blocks = 0;

@@ -8,10 +8,11 @@
 
 namespace pcl_semantic {
 
-/** \brief What several maps know of the same block taken together, see mergeArchives():
- * it does not depend on their order. Refined distributions are left
- * out where several have hits: a CRF would no longer conclude them. \param[in] classes
- * L */
+/** \brief What several maps know of the same block taken together, see mergeArchives();
+ * it does not depend on their order. Refined distributions are left out where several
+ * have hits: a CRF would no longer conclude them.
+ *
+ * \param[in] classes L */
 VoxelBlock mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
                        const FusionParameters& fusion);
 

@@ -429,9 +429,22 @@ verifyArchive(const std::string& path, const BlockProgress& progress)
 {
   std::vector<std::string> faults;
   if (TileSet::isIndex(path)) {
-    for (const std::string& tile : TileSet(path).paths())
-      for (const std::string& fault : verifyArchive(tile))
-        faults.push_back(fault);
+    TileSet(path).forEachTile([&](const std::string& tile) {
+      try {
+        for (const std::string& fault : verifyArchive(tile, progress))
+          faults.push_back(fault);
+      }
+      catch (const BadInputException& error) {
+        faults.push_back(error.what());
+      }
+    });
+    if (faults.empty())
+      try {
+        TileSet(path).forEachArchive([](const MapArchive&) {});
+      }
+      catch (const BadInputException& error) {
+        faults.push_back(error.what());
+      }
     return faults;
   }
   ArchiveDatabase database(path, ArchiveDatabase::Access::read);

@@ -4,6 +4,8 @@
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 
+#include <pcl_semantic/io/archive_merge.h>
+
 #include <algorithm>
 #include <array>
 #include <tuple>
@@ -193,24 +195,29 @@ MovedArchive::read(const std::vector<VoxelIndex>& blocks) const
   return moved;
 }
 
-void
-requireSameKind(const MapArchive& first, const MapArchive& other)
+std::string
+differenceOf(const ArchiveHeader& first, const ArchiveHeader& other)
 {
-  const auto fail = [&](const char* what) {
-    badInput(other.path(), ": has another ", what, " than ", first.path());
-  };
-  const MapParameters &p = first.header().parameters, &q = other.header().parameters;
-  if (p.voxel_size != q.voxel_size)
-    fail("voxel size");
-  if (!areSame(first.header().label_set, other.header().label_set))
-    fail("label set");
+  if (first.parameters.voxel_size != other.parameters.voxel_size)
+    return "voxel size";
+  if (!areSame(first.label_set, other.label_set))
+    return "label set";
   // These say how far what was added can go, and what the result means.
   const auto clamps = [](const FusionParameters& fusion) {
     return std::tie(fusion.min_probability, fusion.max_probability,
                     fusion.occupied_probability, fusion.label_max_ratio);
   };
-  if (clamps(p.fusion) != clamps(q.fusion))
-    fail("min_probability, max_probability, occupied_probability or label_max_ratio");
+  if (clamps(first.parameters.fusion) != clamps(other.parameters.fusion))
+    return "min_probability, max_probability, occupied_probability or label_max_ratio";
+  return {};
+}
+
+void
+requireSameKind(const MapArchive& first, const MapArchive& other)
+{
+  const std::string difference = differenceOf(first.header(), other.header());
+  if (!difference.empty())
+    badInput(other.path(), ": has another ", difference, " than ", first.path());
 }
 
 } // namespace pcl_semantic

@@ -44,7 +44,8 @@ writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
       continue; // what reached it was moved, and had nothing there
     blocks += archive.state().blocks;
     ++tiles_with_blocks;
-    lines << tile.x << " " << tile.y << "\n";
+    lines << tile.x << " " << tile.y << " " << archive.state().blocks << " "
+          << archive.state().key_sum << "\n";
   }
   std::ostringstream text;
   text << first_word << " " << version << " " << tiles_with_blocks << " " << blocks
@@ -71,53 +72,66 @@ TileSet::TileSet(const std::string& path) : path_(path)
   file >> word >> its_version >> tiles >> state_.blocks;
   if (!file || its_version != version)
     badInput(path, ", line 1: is no index of tiles of version ", version);
+  std::uint64_t blocks = 0;
   for (std::size_t i = 0; i < tiles; ++i) {
     MapTile tile;
-    if (!(file >> tile.x >> tile.y))
-      badInput(path, ", line ", i + 2, ": expected two numbers, of ", tiles, " tiles");
-    paths_[tile] = tilePath(path, tile);
+    Tile its;
+    if (!(file >> tile.x >> tile.y >> its.blocks >> its.key_sum))
+      badInput(path, ", line ", i + 2, ": expected four numbers, of ", tiles, " tiles");
+    blocks += its.blocks;
+    its.path = tilePath(path, tile);
+    tiles_[tile] = its;
   }
-  if (paths_.size() != tiles || !(file >> std::ws).eof())
-    badInput(path, ": has other tiles than the ", tiles, " it speaks of");
-  if (paths_.empty())
+  if (tiles_.size() != tiles || blocks != state_.blocks || !(file >> std::ws).eof())
+    badInput(path, ": has other tiles than the ", tiles, " of ", state_.blocks,
+             " blocks that it speaks of");
+  if (tiles_.empty())
     badInput(path, ": has no tiles");
-  const MapArchive first(paths_.begin()->second, ArchiveAccess::read);
-  header_ = first.header();
-  state_.cloud_origin = first.state().cloud_origin;
+  const auto first = open(tiles_.begin()->first);
+  header_ = first->header();
+  state_.cloud_origin = first->state().cloud_origin;
   state_.finished = true;
 }
 
-std::vector<std::string>
-TileSet::paths() const
+// Its blocks have to be those that the index was written for.
+std::unique_ptr<MapArchive>
+TileSet::open(const MapTile& tile) const
 {
-  std::vector<std::string> paths;
-  for (const auto& [tile, path] : paths_)
-    paths.push_back(path);
-  return paths;
+  const Tile& its = tiles_.at(tile);
+  auto archive = std::make_unique<MapArchive>(its.path, ArchiveAccess::read);
+  const ArchiveState state = archive->state();
+  if (state.blocks != its.blocks || state.key_sum != its.key_sum)
+    badInput(its.path, ": is not the tile that ", path_,
+             " was written for: has other blocks");
+  return archive;
+}
+
+void
+TileSet::forEachTile(const std::function<void(const std::string&)>& visit) const
+{
+  for (const auto& [tile, its] : tiles_)
+    visit(its.path);
 }
 
 const MapArchive*
 TileSet::archiveOf(const VoxelIndex& block) const
 {
   const MapTile tile = MapTile::of(block);
-  const auto path = paths_.find(tile);
-  if (path == paths_.end())
+  if (tiles_.count(tile) == 0)
     return nullptr;
-  auto& archive = open_[tile];
-  if (!archive) {
-    auto opened = std::make_unique<MapArchive>(path->second, ArchiveAccess::read);
-    if (open_.size() > max_open)
-      open_.clear();
-    return (open_[tile] = std::move(opened)).get();
-  }
-  return archive.get();
+  const auto found = open_.find(tile);
+  if (found != open_.end())
+    return found->second.get();
+  if (open_.size() >= max_open)
+    open_.clear();
+  return (open_[tile] = open(tile)).get();
 }
 
 void
 TileSet::forEachArchive(const std::function<void(const MapArchive&)>& visit) const
 {
-  for (const auto& [tile, path] : paths_)
-    visit(MapArchive(path, ArchiveAccess::read));
+  for (const auto& [tile, its] : tiles_)
+    visit(*open(tile));
 }
 
 } // namespace pcl_semantic

@@ -4,6 +4,7 @@
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -40,8 +41,8 @@ public:
     return path_;
   }
 
-  /** \brief Paths of the tiles, in order. */
-  std::vector<std::string> paths() const;
+  /** \brief Visits the paths of the tiles, in order. */
+  void forEachTile(const std::function<void(const std::string&)>& visit) const;
 
   /** \brief The archive that holds a block if anyone does; null: there is none. */
   const MapArchive* archiveOf(const VoxelIndex& block) const;
@@ -51,7 +52,14 @@ public:
 
 private:
   std::string path_; // of the index
-  std::map<MapTile, std::string> paths_;
+  struct Tile {
+    std::string path;
+    std::uint64_t blocks = 0, key_sum = 0; // of its archive's state
+  };
+
+  std::unique_ptr<MapArchive> open(const MapTile& tile) const;
+
+  std::map<MapTile, Tile> tiles_;
   ArchiveHeader header_;
   ArchiveState state_;
   mutable std::map<MapTile, std::unique_ptr<MapArchive>> open_;

@@ -19,7 +19,9 @@ struct CrfRegion {
 double crfReach(const SemanticCRFParameters& parameters, double voxel_size);
 
 /** \brief The voxels without a result (VoxelCloud::is_refined) and those around them,
- * by whole blocks of 8 x 8 x 8. \param[in] reach [m] */
+ * by whole blocks of 8 x 8 x 8.
+ *
+ * \param[in] reach [m] */
 CrfRegion crfRegion(const VoxelCloud& voxels, double reach);
 
 } // namespace pcl_semantic

@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "files/yaml_config.h"
 
+#include <algorithm>
 #include <set>
 
 namespace pcl_semantic {
@@ -12,9 +13,11 @@ namespace {
 
 using Options = std::vector<std::pair<std::string, std::string>>;
 
-// What the fleet says itself.
-const std::set<std::string> own_options = {"archive",      "live",   "output",
-                                           "print_config", "resume", "view"};
+// What the fleet says itself, and what its submaps do not write.
+const std::set<std::string> own_options = {
+    "also",   "archive", "archive_every", "centres", "help",         "json",
+    "live",   "man",     "map_only",      "output",  "print_config", "quiet",
+    "resume", "verbose", "version",       "view"};
 
 void
 addOptions(const YamlMap& map, const std::set<std::string>& others, Options& options)
@@ -22,9 +25,11 @@ addOptions(const YamlMap& map, const std::set<std::string>& others, Options& opt
   for (const std::string& key : map.keys()) {
     if (others.count(key) > 0)
       continue;
-    if (own_options.count(key) > 0)
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '-', '_');
+    if (own_options.count(name) > 0)
       badInput(map.where(key), ": '", key, "' is no option of a drive");
-    options.emplace_back(key, map.require<std::string>(key));
+    options.emplace_back(name, map.require<std::string>(key));
   }
 }
 
@@ -68,6 +73,8 @@ readFleetPlan(const std::string& path)
   const YamlMap file = YamlMap::load(path);
   FleetPlan plan;
   plan.output = file.require<std::string>("output");
+  if (plan.output.empty())
+    badInput(file.where("output"), ": is empty, expected a folder");
   Options options;
   if (file.has("options"))
     addOptions(file.requireMap("options"), {}, options);

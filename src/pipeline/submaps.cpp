@@ -45,7 +45,10 @@ public:
   int
   halo() const
   {
-    return 2 * int(std::ceil(reach() / (kBlockEdge * voxel_size_) - 1e-9));
+    // Wider ones are of kernels that smooth whole streets.
+    constexpr int widest = 4 * MapTile::tile_edge;
+    const double blocks = 2.0 * std::ceil(reach() / (kBlockEdge * voxel_size_) - 1e-9);
+    return int(std::min(blocks, double(widest)));
   }
 
   void
@@ -145,15 +148,21 @@ submapStarts(const std::vector<Eigen::Vector3d>& positions, const SubmapLength& 
   return starts;
 }
 
+std::unique_ptr<PoseSource>
+correctedPoses(const std::string& description, const std::string& trajectory)
+{
+  const RunSensor sensor = sensorOf(description);
+  return sensor.has_own_poses ? readSensorPoses(trajectory)
+                              : readPoses(trajectory, sensor.T_camera0_camera);
+}
+
 Eigen::Isometry3d
 submapMotion(const MapArchive& submap, const std::string& trajectory)
 {
   try {
     const FrameRecord anchor = anchorOf(submap);
-    const RunSensor sensor = sensorOf(submap.header().configuration);
     const std::unique_ptr<PoseSource> poses =
-        sensor.has_own_poses ? readSensorPoses(trajectory)
-                             : readPoses(trajectory, sensor.T_camera0_camera);
+        correctedPoses(submap.header().configuration, trajectory);
     CloudFrame frame; // of which a file of poses asks number and time alone
     frame.number = anchor.number;
     frame.timestamp = anchor.timestamp;
@@ -223,16 +232,19 @@ tilesOf(const Submap& submap)
   return tilesOf(placed(submap));
 }
 
-void
+bool
 mergeTile(const SubmapTiles& tiles, const MapTile& tile, const std::string& output)
 {
-  std::set<Submap> near; // no halo is wider than a tile
-  for (int y = tile.y - 1; y <= tile.y + 1; ++y)
-    for (int x = tile.x - 1; x <= tile.x + 1; ++x)
+  const std::vector<Submap>& own = tiles.at(tile);
+  const int halo = mergeOf(own).options.halo;
+  const int tiles_around = (halo + MapTile::tile_edge - 1) / MapTile::tile_edge;
+  std::set<Submap> near;
+  for (int y = tile.y - tiles_around; y <= tile.y + tiles_around; ++y)
+    for (int x = tile.x - tiles_around; x <= tile.x + tiles_around; ++x)
       if (const auto found = tiles.find({y, x}); found != tiles.end())
         near.insert(found->second.begin(), found->second.end());
   const Merge merge = mergeOf({near.begin(), near.end()});
-  mergeTile(merge.archives, tile, output, merge.options);
+  return mergeTile(merge.archives, tile, output, merge.options);
 }
 
 } // namespace pcl_semantic

@@ -69,7 +69,7 @@ TEST_F(Fleet, MapsDrivesIntoOneMapInTiles)
   const std::string plan = writePlan("city"), city = folder_.path("city");
   const std::string text = succeed("fleet " + plan);
   EXPECT_TRUE(holds(text, "submaps: 3\n"));
-  EXPECT_TRUE(holds(text, "map: city/map.tiles\n"));
+  EXPECT_TRUE(holds(text, "map: " + city + "/map.tiles\n"));
   const std::string log = bytesOf(city + "/log.csv");
   EXPECT_EQ(log.rfind("task,rank,seconds\ncity/submaps/begin/000000.map,0,", 0), 0u);
   EXPECT_TRUE(holds(succeed("archive verify " + city + "/map.tiles"), "ok"));
@@ -102,6 +102,7 @@ TEST_F(Fleet, MapsDrivesIntoOneMapInTiles)
   folder_.write("city/tiles/99_99.map", "of an earlier plan");
   succeed("fleet " + plan);
   EXPECT_EQ(mapIn(city), before);
+  EXPECT_EQ(bytesOf(city + "/log.csv"), log) << "what was done before keeps its costs";
   EXPECT_EQ(fs::last_write_time(city + "/submaps/end/000002.map"), made);
 }
 
@@ -131,6 +132,8 @@ TEST_F(Fleet, GivesTheSameBytesWhoeverDoesTheWork)
   const ToolResult bad = runRanks(2, writePlan("bad", ", poses: nowhere.txt"));
   EXPECT_EQ(bad.code, 3) << bad.text;
   EXPECT_TRUE(holds(bad.text, "drive 'begin': nowhere.txt: cannot be read"));
+  EXPECT_EQ(bad.text.find("pcl_semantic_fleet: "),
+            bad.text.rfind("pcl_semantic_fleet: "));
 }
 
 TEST_F(Fleet, RefusesWhatCannotBe)
@@ -147,18 +150,25 @@ TEST_F(Fleet, RefusesWhatCannotBe)
       plan("output: none\ndrives:\n  - {name: a, sequence: nowhere, labels: x}\n"), 3,
       "drive 'a': nowhere: is no folder");
   expectFails(plan(begin + ", nonsense: 3}\n"), 2,
-              "drive 'a': unrecognised option '--nonsense'");
+              "drive 'a': unrecognised option '--nonsense=3'");
   expectFails(plan(begin + ", submap_every: 3x}\n"), 2, "drive 'a': --submap-every");
   expectFails(plan(begin + ", corrected_poses: nowhere.txt}\n"), 3,
               "drive 'a': nowhere.txt: cannot be read");
   expectFails(plan(begin + "}\n  - {name: b, sequence: " + street +
                    ", labels: " + street + "/labels, voxel_size: 0.3}\n"),
-              2, "drive 'b': voxel_size is 0.3, that of the first drive 0.1");
+              2, "drive 'b': has another voxel size than the first drive");
   expectFails(plan(begin + "}\n  - {name: b, sequence: " + street +
                    ", labels: " + street +
                    "/labels, label_set: " PCL_SEMANTIC_SOURCE_DIR
                    "/data/label_sets/cityscapes19.yaml}\n"),
-              2, "drive 'b': its label set is not that of the first drive");
+              2, "drive 'b': has another label set than the first drive");
+  folder_.write("short.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  expectFails(plan(begin + ", submap_every: 2, corrected_poses: short.txt}\n"), 3,
+              "drive 'a': short.txt: has 1 poses, none for frame 1");
+  expectFails(plan(begin + "}\n  - {name: b, sequence: " + street +
+                   ", labels: " + street + "/labels, max_probability: 0.9}\n"),
+              2, "drive 'b': has another min_probability, max_probability");
+  expectFails(plan(begin + ", strict: maybe}\n"), 2, "strict is 'maybe'");
   EXPECT_FALSE(fs::exists(folder_.path("none")));
   const std::string other = writePlan("city");
   succeed("fleet " + other);

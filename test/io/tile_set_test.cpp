@@ -118,6 +118,9 @@ TEST_F(TiledMap, ATileIsMadeAgainIfWhatItIsMadeOfIsNewer)
   const auto again = fs::last_write_time(tile);
   mergeTile({inputs_[1]}, tiles_.front(), tile);
   EXPECT_NE(fs::last_write_time(tile), again) << "of another map";
+  folder_.write(fs::relative(tile, folder_.path("")).string(), "damaged");
+  EXPECT_TRUE(mergeTile(inputs_, tiles_.front(), tile));
+  EXPECT_TRUE(verifyArchive(tile).empty());
 }
 
 TEST_F(TiledMap, WithoutATileOrWithABadIndexIsRefused)
@@ -128,18 +131,29 @@ TEST_F(TiledMap, WithoutATileOrWithABadIndexIsRefused)
         [&] { MapArchive(path, ArchiveAccess::read); });
   };
   for (const auto& [text, says] :
-       {std::pair{"pcl_semantic_tiles 7 1 1\n0 0\n", "line 1: is no index of tiles"},
-        {"pcl_semantic_tiles 1 2 1\n0 0\n", "line 3: expected two numbers"},
-        {"pcl_semantic_tiles 1 2 1\n0 0\n0 x\n", "line 3: expected two numbers"},
-        {"pcl_semantic_tiles 1 1 1\n0 0\n1 1\n", "has other tiles than the 1"},
-        {"pcl_semantic_tiles 1 2 1\n0 0\n0 0\n", "has other tiles than the 2"},
+       {std::pair{"pcl_semantic_tiles 7 1 1\n0 0 1 1\n",
+                  "line 1: is no index of tiles"},
+        {"pcl_semantic_tiles 1 2 1\n0 0 1 1\n", "line 3: expected four numbers"},
+        {"pcl_semantic_tiles 1 2 1\n0 0 1 1\n0 1 0 x\n",
+         "line 3: expected four numbers"},
+        {"pcl_semantic_tiles 1 1 1\n0 0 1 1\n1 1 1 1\n", "has other tiles than the 1"},
+        {"pcl_semantic_tiles 1 2 2\n0 0 1 1\n0 0 1 1\n", "has other tiles than the 2"},
+        {"pcl_semantic_tiles 1 1 5\n0 0 1 1\n",
+         "has other tiles than the 1 of 5 blocks"},
         {"pcl_semantic_tiles 1 0 0\n", "has no tiles"},
-        {"pcl_semantic_tiles 1 1 1\n77 77\n", "tiles/77_77.map: "}})
+        {"pcl_semantic_tiles 1 1 1\n77 77 1 1\n", "tiles/77_77.map: "}})
     EXPECT_TRUE(holds(refusal(text), says)) << text;
-  fs::remove(tilePath(index_, tiles_[1]));
   const MapArchive tiled(index_, ArchiveAccess::read);
-  EXPECT_THROW(tiled.forEach([](const auto&, const auto&) {}), BadInputException);
-  EXPECT_THROW(verifyArchive(index_), BadInputException);
+  const auto readAll = [&] { tiled.forEach([](const auto&, const auto&) {}); };
+  fs::copy_file(tilePath(index_, tiles_[0]), tilePath(index_, tiles_[1]),
+                fs::copy_options::overwrite_existing);
+  EXPECT_TRUE(holds(thrownMessage<BadInputException>(readAll), "has other blocks"));
+  ASSERT_EQ(verifyArchive(index_).size(), 1u);
+  EXPECT_TRUE(holds(verifyArchive(index_)[0], "has other blocks"));
+  fs::remove(tilePath(index_, tiles_[1]));
+  EXPECT_THROW(readAll(), BadInputException);
+  ASSERT_EQ(verifyArchive(index_).size(), 1u);
+  EXPECT_TRUE(holds(verifyArchive(index_)[0], "cannot be read"));
 }
 
 } // namespace

@@ -49,6 +49,9 @@ TEST(FleetPlan, SaysWhatCannotBe)
   for (const auto& [text, says] : {
            std::pair{std::string("drives:\n  - {name: a}\n"), "'output' is missing"},
            {std::string("output: city\n"), "'drives' is missing"},
+           {std::string("output: ''\ndrives: [{name: a}]\n"), "line 1: is empty"},
+           {begin + "  - {name: a, print-config: b}\n", "'print-config' is no option"},
+           {begin + "  - {name: a, help: b}\n", "'help' is no option of a drive"},
            {std::string("output: city\ndrives: []\n"), "line 2: there is no drive"},
            {begin + "  - {sequence: a}\n", "line 3: key 'name' is missing"},
            {begin + "  - {name: ../a}\n", "line 3: '../a', expected letters"},

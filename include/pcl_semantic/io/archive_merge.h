@@ -23,6 +23,10 @@ struct PlacedArchive {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
 };
 
+/** \brief What keeps maps of two headers from being merged: voxel size, label set or
+ * clamps of the fusion, as words; empty if nothing does. */
+std::string differenceOf(const ArchiveHeader& first, const ArchiveHeader& other);
+
 /** \brief Some blocks of a map, in the order z, y, x. */
 using MapBlocks = std::vector<std::pair<VoxelIndex, VoxelBlock>>;
 
@@ -56,12 +60,16 @@ struct MapTile {
 std::vector<MapTile> tilesOf(const PlacedArchive& archive);
 
 /** \brief What mergeArchives() makes of one tile, in an archive of its own.
+ *
  * \param[in] inputs one or more, among them all that reach the tile and its halo
  * \param[in] output path; what is there is replaced, unless it was made of the same
  * inputs after they were written
- * \return number of blocks \throws as mergeArchives() */
-std::uint64_t mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
-                        const std::string& output, const MergeOptions& options = {});
+ *
+ * \return whether it was made now
+ *
+ * \throws as mergeArchives() */
+bool mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
+               const std::string& output, const MergeOptions& options = {});
 
 /** \brief Path of the archive of a tile, beside the index of a map in tiles. */
 std::string tilePath(const std::string& index, const MapTile& tile);
@@ -76,12 +84,17 @@ void writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
  * archive, which does not depend on their order. Where several know a voxel, log-odds
  * and label logs are added and clamped, what is unknown adds nothing, colours and
  * counts are summed; refined distributions are kept in blocks where only one has hit
- * anything. The result is a map to read; no run goes on with it. Memory holds a square
- * of 25 m of it at voxels of 0.1 m, over all heights, with what all inputs know there.
- * \param[in] inputs two or more archives \param[in] output path of one that is not
- * there yet \return number of blocks \throws InvalidParameterException if there are
- * fewer than two inputs \throws BadInputException that says what differs, or if one is
- * damaged \throws OutputException */
+ * anything. The result is a map to read; no run goes on with it. Memory holds a tile
+ * and its halo, with what all inputs know there.
+ *
+ * \param[in] inputs two or more archives, or one that is moved
+ * \param[in] output path of one that is not there yet
+ *
+ * \return number of blocks
+ *
+ * \throws InvalidParameterException if there is nothing to merge or to move
+ * \throws BadInputException that says what differs, or if one is damaged
+ * \throws OutputException */
 std::uint64_t mergeArchives(const std::vector<PlacedArchive>& inputs,
                             const std::string& output,
                             const MergeOptions& options = {});

@@ -4,12 +4,14 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/odometry/pose_source.h>
 
 #include <Eigen/Geometry>
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,12 @@ struct SubmapLength {
  * \throws InvalidParameterException unless one of both lengths is positive */
 std::vector<std::size_t> submapStarts(const std::vector<Eigen::Vector3d>& positions,
                                       const SubmapLength& length);
+
+/** \brief The poses of a trajectory, for frames of a run.
+ * \param[in] description of the run, see describeRun()
+ * \throws BadInputException */
+std::unique_ptr<PoseSource> correctedPoses(const std::string& description,
+                                           const std::string& trajectory);
 
 /** \brief How corrected poses move a submap: rigidly, as they move its anchor, which is
  * the middle one of its frames.
@@ -72,8 +80,8 @@ std::vector<MapTile> tilesOf(const Submap& submap);
  * wide as the CRF needs comes from the tiles around it.
  * \param[in] tile a key of \a tiles
  * \param[in] output path; see mergeTile() of archives
- * \throws as mergeSubmaps() */
-void mergeTile(const SubmapTiles& tiles, const MapTile& tile,
+ * \return whether it was made now \throws as mergeSubmaps() */
+bool mergeTile(const SubmapTiles& tiles, const MapTile& tile,
                const std::string& output);
 
 } // namespace pcl_semantic
