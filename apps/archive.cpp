@@ -215,9 +215,8 @@ parse(int argc, char** argv)
         "of export: only voxels of this class; may be given several times"},
        {"poses", arguments.poses,
         "of merge and changes: corrected trajectory (KITTI or TUM) that moves the "
-        "maps, each "
-        "rigidly with the middle one of its frames; once for all, or one for each "
-        "FILE"}},
+        "maps, each rigidly with the middle one of its frames; once for all, or one "
+        "for each FILE"}},
       {"command", "files..."});
   return arguments;
 }

@@ -324,7 +324,6 @@ int
 main(int argc, char** argv)
 {
   const Ranks ranks(argc, argv);
-  bool is_ended = false;
   const int code = run(usage.name, [&] {
     keepFreedMemory();
     std::string plan;
@@ -332,11 +331,9 @@ main(int argc, char** argv)
                      {{"plan", plan, "what is mapped (.yaml), doc/fleet.md"}},
                      {"plan"});
     refuseIf(plan.empty(), "PLAN.yaml is missing");
-    const int result = mapFleet(plan, ranks);
-    is_ended = true;
-    return result;
+    return mapFleet(plan, ranks);
   });
-  if (code != exit_done && !is_ended)
+  if (code != exit_done)
     ranks.stop(code);
   return code;
 }

@@ -184,9 +184,9 @@ blocksOf(const Archives& archives, const MapTile& tile, int halo)
   };
   TileBlocks found;
   for (std::size_t i = 0; i < archives.size(); ++i)
-    for (const VoxelIndex& block : archives[i]->indices())
-      if (isNear(block.y(), tile.y) && isNear(block.x(), tile.x))
-        found.of[i].push_back(block);
+    found.of[i] = archives[i]->indices([&](const VoxelIndex& block) {
+      return isNear(block.y(), tile.y) && isNear(block.x(), tile.x);
+    });
   return found;
 }
 

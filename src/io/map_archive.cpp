@@ -427,27 +427,10 @@ checkBlocks(ArchiveDatabase& database, int classes, const ArchiveState& state,
 std::vector<std::string>
 verifyArchive(const std::string& path, const BlockProgress& progress)
 {
-  std::vector<std::string> faults;
-  if (TileSet::isIndex(path)) {
-    TileSet(path).forEachTile([&](const std::string& tile) {
-      try {
-        for (const std::string& fault : verifyArchive(tile, progress))
-          faults.push_back(fault);
-      }
-      catch (const BadInputException& error) {
-        faults.push_back(error.what());
-      }
-    });
-    if (faults.empty())
-      try {
-        TileSet(path).forEachArchive([](const MapArchive&) {});
-      }
-      catch (const BadInputException& error) {
-        faults.push_back(error.what());
-      }
-    return faults;
-  }
+  if (TileSet::isIndex(path))
+    return TileSet(path).faults(progress);
   ArchiveDatabase database(path, ArchiveDatabase::Access::read);
+  std::vector<std::string> faults;
   const auto check = [&](const std::function<void()>& body) {
     try {
       body();

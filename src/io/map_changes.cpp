@@ -79,15 +79,6 @@ seenFreeBy(const KnownVoxels& other, const MovedArchive& archive,
   return found;
 }
 
-std::size_t
-countOccupied(const MapBlocks& blocks, const BlockReader& reader)
-{
-  std::size_t count = 0;
-  for (const auto& [index, block] : blocks)
-    count += reader.countOccupied(block);
-  return count;
-}
-
 } // namespace
 
 MapChanges
@@ -101,17 +92,16 @@ findChanges(const PlacedArchive& before, const PlacedArchive& after)
   const MapBlocks went = seenFreeBy(knownIn(second, reader), first, reader);
   const MapBlocks came = seenFreeBy(knownIn(first, reader), second, reader);
   MapChanges changes;
-  changes.went = countOccupied(went, reader);
-  changes.came = countOccupied(came, reader);
-  changes.voxels =
-      reader.makeCloud(changes.went + changes.came, header.parameters.voxel_size,
-                       first.archive().state().cloud_origin);
-  std::size_t next = 0;
-  for (const MapBlocks* const blocks : {&went, &came})
-    for (const auto& [index, block] : *blocks) {
-      reader.read(index, block, next, changes.voxels);
-      next += reader.countOccupied(block);
-    }
+  std::vector<std::pair<VoxelIndex, const VoxelBlock*>> blocks;
+  for (const auto& [index, block] : went) {
+    blocks.emplace_back(index, &block);
+    changes.went += reader.countOccupied(block);
+  }
+  for (const auto& [index, block] : came) {
+    blocks.emplace_back(index, &block);
+    changes.came += reader.countOccupied(block);
+  }
+  changes.voxels = reader.readAll(blocks, first.archive().state().cloud_origin);
   for (std::size_t i = 0; i < changes.voxels.size(); ++i) {
     pcl::PointXYZRGBL& point = (*changes.voxels.cloud)[i];
     point.r = i < changes.went ? 220 : 0;

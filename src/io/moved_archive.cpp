@@ -153,15 +153,18 @@ MovedArchive::MovedArchive(const std::string& path, const Eigen::Isometry3d& mot
 }
 
 std::vector<VoxelIndex>
-MovedArchive::indices() const
+MovedArchive::indices(const std::function<bool(const VoxelIndex&)>& is_wanted) const
 {
   std::vector<VoxelIndex> indices;
+  const auto add = [&](const VoxelIndex& index) {
+    if (!is_wanted || is_wanted(index))
+      indices.push_back(index);
+  };
   archive_.forEachIndex([&](const VoxelIndex& index) {
     if (is_moved_)
-      forEachIn(blocksAround(index, motion_, 0.0),
-                [&](const VoxelIndex& target) { indices.push_back(target); });
+      forEachIn(blocksAround(index, motion_, 0.0), add);
     else
-      indices.push_back(index);
+      add(index);
   });
   std::sort(indices.begin(), indices.end(), VoxelIndexLess());
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,8 +29,10 @@ public:
     return archive_;
   }
 
-  /** \brief Blocks that may hold something, in the order z, y, x. */
-  std::vector<VoxelIndex> indices() const;
+  /** \brief Blocks that may hold something, in the order z, y, x.
+   * \param[in] is_wanted leaves out the others; null = all */
+  std::vector<VoxelIndex>
+  indices(const std::function<bool(const VoxelIndex&)>& is_wanted = nullptr) const;
 
   /** \brief Blocks, by all threads; null where nothing is known.
    * \throws BadInputException if one that is needed is damaged */

@@ -3,6 +3,7 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 
 #include <filesystem>
@@ -106,11 +107,21 @@ TileSet::open(const MapTile& tile) const
   return archive;
 }
 
-void
-TileSet::forEachTile(const std::function<void(const std::string&)>& visit) const
+std::vector<std::string>
+TileSet::faults(const BlockProgress& progress) const
 {
+  std::vector<std::string> faults;
   for (const auto& [tile, its] : tiles_)
-    visit(its.path);
+    try {
+      const std::vector<std::string> own = verifyArchive(its.path, progress);
+      faults.insert(faults.end(), own.begin(), own.end());
+      if (own.empty())
+        open(tile);
+    }
+    catch (const BadInputException& error) {
+      faults.push_back(error.what());
+    }
+  return faults;
 }
 
 const MapArchive*

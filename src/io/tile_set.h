@@ -41,8 +41,8 @@ public:
     return path_;
   }
 
-  /** \brief Visits the paths of the tiles, in order. */
-  void forEachTile(const std::function<void(const std::string&)>& visit) const;
+  /** \brief What is wrong with the tiles, see verifyArchive(). */
+  std::vector<std::string> faults(const BlockProgress& progress) const;
 
   /** \brief The archive that holds a block if anyone does; null: there is none. */
   const MapArchive* archiveOf(const VoxelIndex& block) const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 namespace pcl_semantic {
 
@@ -158,6 +159,23 @@ BlockReader::read(const VoxelIndex& index, const VoxelBlock& block, std::size_t 
     point.label = voxels.refined.mapLabel(column);
     ++i;
   }
+}
+
+VoxelCloud
+BlockReader::readAll(
+    const std::vector<std::pair<VoxelIndex, const VoxelBlock*>>& blocks,
+    const Eigen::Vector3d& origin) const
+{
+  std::vector<std::size_t> first(blocks.size() + 1, 0);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    first[b + 1] = countOccupied(*blocks[b].second);
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  VoxelCloud voxels = makeCloud(first.back(), voxel_size_, origin);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    read(blocks[b].first, *blocks[b].second, first[b], voxels);
+  return voxels;
 }
 
 } // namespace pcl_semantic

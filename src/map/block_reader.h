@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace pcl_semantic {
@@ -61,6 +62,12 @@ public:
    */
   void read(const VoxelIndex& index, const VoxelBlock& block, std::size_t first,
             VoxelCloud& voxels) const;
+
+  /** \brief The occupied voxels of blocks, by all threads.
+   * \param[in] origin of the points, world frame [m] */
+  VoxelCloud
+  readAll(const std::vector<std::pair<VoxelIndex, const VoxelBlock*>>& blocks,
+          const Eigen::Vector3d& origin) const;
 
 private:
   int classes_;

@@ -17,7 +17,6 @@
 #include <cmath>
 #include <cstdint>
 #include <mutex>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -464,17 +463,7 @@ SemanticVoxelMap::occupied() const
     if (!block.records.empty())
       blocks.emplace_back(index, &block);
   });
-  std::vector<std::size_t> first(blocks.size() + 1, 0);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    first[b + 1] = state_->reader.countOccupied(*blocks[b].second);
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  VoxelCloud voxels = state_->reader.makeCloud(
-      first.back(), state_->parameters.voxel_size, state_->cloud_origin);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    state_->reader.read(blocks[b].first, *blocks[b].second, first[b], voxels);
-  return voxels;
+  return state_->reader.readAll(blocks, state_->cloud_origin);
 }
 
 VoxelCloud

@@ -102,6 +102,12 @@ crfReach(const SemanticCRFParameters& parameters, double voxel_size)
   return (parameters.iterations + 1) * radius * deviation;
 }
 
+int
+blocksWithin(double reach, double voxel_size)
+{
+  return int(std::ceil(std::min(reach / (kBlockEdge * voxel_size) - 1e-9, 1e6)));
+}
+
 CrfRegion
 crfRegion(const VoxelCloud& voxels, double reach)
 {
@@ -112,13 +118,32 @@ crfRegion(const VoxelCloud& voxels, double reach)
   for (std::size_t i = 0; i < voxels.size(); ++i)
     if (voxels.is_refined.empty() || !voxels.is_refined[i])
       changed.at(blockOf(voxels.indices[i])) = 1;
-  const int blocks =
-      int(std::ceil(std::min(reach / (kBlockEdge * voxels.voxel_size) - 1e-9, 1e6)));
+  const int blocks = blocksWithin(reach, voxels.voxel_size);
   BlockMarks updated = changed.dilated(blocks);
   region.updated = voxelsIn(updated, voxels.indices);
   BlockMarks seen = updated.dilated(blocks);
   region.seen = voxelsIn(seen, voxels.indices);
   return region;
+}
+
+void
+refineRegion(SemanticCRF<pcl::PointXYZRGBL>& crf, const LabelSet& label_set,
+             const CrfRegion& region, VoxelCloud& voxels)
+{
+  crf.setThinLabels(label_set.thinLabels());
+  crf.setVoxels(voxels.indices, voxels.voxel_size);
+  crf.setInputCloud(voxels.cloud);
+  crf.setIndices(pcl::make_shared<pcl::Indices>(region.seen));
+  crf.setLabelDistributions(voxels.measured);
+  pcl::PointCloud<pcl::PointXYZRGBL> refined;
+  crf.filter(refined);
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < region.updated.size(); ++k) {
+    const pcl::index_t i = region.updated[k];
+    voxels.refined.matrix().col(i) = crf.getLabelDistributions().matrix().col(i);
+    (*voxels.cloud)[std::size_t(i)].label = refined[std::size_t(i)].label;
+  }
+  voxels.is_refined.assign(voxels.size(), 1);
 }
 
 } // namespace pcl_semantic

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/filters/crf_parameters.h>
+#include <pcl_semantic/filters/semantic_crf.h>
 
 #include <pcl/types.h>
 
@@ -18,10 +20,18 @@ struct CrfRegion {
 /** \brief How far what a voxel says is heard after some updates [m]. */
 double crfReach(const SemanticCRFParameters& parameters, double voxel_size);
 
+/** \brief The same in blocks of 8 x 8 x 8 voxels, rounded up. */
+int blocksWithin(double reach, double voxel_size);
+
 /** \brief The voxels without a result (VoxelCloud::is_refined) and those around them,
  * by whole blocks of 8 x 8 x 8.
  *
  * \param[in] reach [m] */
 CrfRegion crfRegion(const VoxelCloud& voxels, double reach);
+
+/** \brief Runs a CRF, whose model and parameters are set, over what the region has
+ * seen, and gives what it says to the voxels that are updated. */
+void refineRegion(SemanticCRF<pcl::PointXYZRGBL>& crf, const LabelSet& label_set,
+                  const CrfRegion& region, VoxelCloud& voxels);
 
 } // namespace pcl_semantic

@@ -291,20 +291,7 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
   if (config_.crf_write_back)
     parameters.temperature = 1.0; // the next prior forgets nothing
   crf.setParameters(parameters);
-  crf.setThinLabels(map_.labelSet().thinLabels());
-  crf.setVoxels(voxels.indices, voxels.voxel_size);
-  crf.setInputCloud(voxels.cloud);
-  crf.setIndices(pcl::make_shared<pcl::Indices>(region.seen));
-  crf.setLabelDistributions(voxels.measured);
-  pcl::PointCloud<pcl::PointXYZRGBL> refined;
-  crf.filter(refined);
-#pragma omp parallel for schedule(static)
-  for (std::size_t k = 0; k < region.updated.size(); ++k) {
-    const pcl::index_t i = region.updated[k];
-    voxels.refined.matrix().col(i) = crf.getLabelDistributions().matrix().col(i);
-    (*voxels.cloud)[std::size_t(i)].label = refined[std::size_t(i)].label;
-  }
-  voxels.is_refined.assign(voxels.size(), 1);
+  refineRegion(crf, map_.labelSet(), region, voxels);
 }
 
 } // namespace pcl_semantic

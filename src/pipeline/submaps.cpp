@@ -12,9 +12,9 @@
 #include <pcl_semantic/pipeline/run_description.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <set>
+#include <utility>
 
 namespace pcl_semantic {
 
@@ -47,8 +47,7 @@ public:
   {
     // Wider ones are of kernels that smooth whole streets.
     constexpr int widest = 4 * MapTile::tile_edge;
-    const double blocks = 2.0 * std::ceil(reach() / (kBlockEdge * voxel_size_) - 1e-9);
-    return int(std::min(blocks, double(widest)));
+    return std::min(2 * blocksWithin(reach(), voxel_size_), widest);
   }
 
   void
@@ -61,13 +60,8 @@ public:
     SemanticCRF<pcl::PointXYZRGBL> crf;
     crf.setModel(CRFModelType::dense);
     crf.setParameters(parameters_);
-    crf.setThinLabels(label_set_.thinLabels());
-    crf.setVoxels(voxels.indices, voxels.voxel_size);
-    crf.setInputCloud(voxels.cloud);
-    crf.setIndices(pcl::make_shared<pcl::Indices>(region.seen));
-    crf.setLabelDistributions(voxels.measured);
-    crf.filter(*voxels.cloud);
-    write(crf.getLabelDistributions(), region.updated, voxels, blocks);
+    refineRegion(crf, label_set_, region, voxels);
+    write(region.updated, voxels, blocks);
   }
 
 private:
@@ -80,14 +74,10 @@ private:
   VoxelCloud
   read(const MapBlocks& blocks) const
   {
-    std::vector<std::size_t> firsts{0};
+    std::vector<std::pair<VoxelIndex, const VoxelBlock*>> pointers;
     for (const auto& [index, block] : blocks)
-      firsts.push_back(firsts.back() + reader_.countOccupied(block));
-    VoxelCloud voxels = reader_.makeCloud(firsts.back(), voxel_size_, originOf(blocks));
-#pragma omp parallel for schedule(dynamic, 64)
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-      reader_.read(blocks[b].first, blocks[b].second, firsts[b], voxels);
-    return voxels;
+      pointers.emplace_back(index, &block);
+    return reader_.readAll(pointers, originOf(blocks));
   }
 
   // Near the voxels: their points are single precision.
@@ -101,8 +91,7 @@ private:
   }
 
   void
-  write(const LabelDistributions& refined, const pcl::Indices& updated,
-        const VoxelCloud& voxels, MapBlocks& blocks) const
+  write(const pcl::Indices& updated, const VoxelCloud& voxels, MapBlocks& blocks) const
   {
     auto found = blocks.begin();
     for (const pcl::index_t i : updated) {
@@ -110,7 +99,7 @@ private:
       while (found->first != blockOf(voxel))
         ++found;
       const int record = found->second.recordAt(voxelInBlock(voxel));
-      std::copy_n(refined.column(i), label_set_.size(),
+      std::copy_n(voxels.refined.column(i), label_set_.size(),
                   found->second.refined.begin() +
                       std::ptrdiff_t(record) * label_set_.size());
     }
@@ -235,15 +224,18 @@ tilesOf(const Submap& submap)
 bool
 mergeTile(const SubmapTiles& tiles, const MapTile& tile, const std::string& output)
 {
-  const std::vector<Submap>& own = tiles.at(tile);
-  const int halo = mergeOf(own).options.halo;
-  const int tiles_around = (halo + MapTile::tile_edge - 1) / MapTile::tile_edge;
-  std::set<Submap> near;
-  for (int y = tile.y - tiles_around; y <= tile.y + tiles_around; ++y)
-    for (int x = tile.x - tiles_around; x <= tile.x + tiles_around; ++x)
-      if (const auto found = tiles.find({y, x}); found != tiles.end())
-        near.insert(found->second.begin(), found->second.end());
-  const Merge merge = mergeOf({near.begin(), near.end()});
+  const auto mergeWith = [&](int tiles_around) {
+    std::set<Submap> near;
+    for (int y = tile.y - tiles_around; y <= tile.y + tiles_around; ++y)
+      for (int x = tile.x - tiles_around; x <= tile.x + tiles_around; ++x)
+        if (const auto found = tiles.find({y, x}); found != tiles.end())
+          near.insert(found->second.begin(), found->second.end());
+    return mergeOf({near.begin(), near.end()});
+  };
+  Merge merge = mergeWith(1);
+  const int halo = merge.options.halo;
+  if (halo > MapTile::tile_edge) // kernels that few use
+    merge = mergeWith((halo + MapTile::tile_edge - 1) / MapTile::tile_edge);
   return mergeTile(merge.archives, tile, output, merge.options);
 }
 
