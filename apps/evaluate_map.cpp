@@ -14,12 +14,14 @@
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/cloud_sequence.h>
 #include <pcl_semantic/io/map_archive.h>
-#include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/io/map_export.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/map_folder.h>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <map>
 
@@ -32,13 +34,14 @@ const Usage usage{
     "pcl_semantic_evaluate_map", "MAP {SEQUENCE | --clouds PATTERN} [options]",
     R"(Compares the geometry of a finished map (folder of pcl_semantic_map) with the laser scans
 of its frames (velodyne/*.bin of the SEQUENCE, or clouds): how far voxels lie off the surface,
-and how much of the surface is mapped.)",
+and how much of the surface is mapped. Of an archive or a map in tiles (map.tiles), merged from
+many drives, the voxels around the poses of one SEQUENCE are compared.)",
     R"(pcl_semantic_map sequences/05 --frames 0:1 --labels labels_05 \
     --output /tmp/map_05 && pcl_semantic_evaluate_map /tmp/map_05 sequences/05)"};
 
 struct Options {
   std::vector<std::string> maps, sequences, clouds, archives;
-  std::string calibration;
+  std::string calibration, poses, frames = ":";
   std::string bands = "0,10,20,40";
   std::string output, row;
   bool header = false;
@@ -60,6 +63,12 @@ parseBands(const std::string& text)
   return borders;
 }
 
+bool
+isArchive(const std::string& map)
+{
+  return std::filesystem::is_regular_file(map);
+}
+
 Options
 parse(int argc, char** argv)
 {
@@ -74,6 +83,12 @@ parse(int argc, char** argv)
         "clouds of the map instead, a folder or a pattern; may be given several times"},
        {"calibration", options.calibration,
         "of clouds mapped with --sensor laser: KITTI's calib.txt, with Tr"},
+       {"poses", options.poses,
+        "of a MAP that is an archive or an index of tiles: poses of camera 0, KITTI's "
+        "or "
+        "TUM's, in its frame (default: poses.txt of the SEQUENCE)"},
+       {"frames", options.frames,
+        "of such a MAP: the frames A:B of the SEQUENCE that it is compared with"},
        {"archive", options.archives,
         "archive of the map of a SEQUENCE: judges its probabilities of occupancy, too, "
         "by "
@@ -105,6 +120,14 @@ parse(int argc, char** argv)
            "--archive and a table in Markdown exclude each other");
   refuseIf(!has_clouds && !options.calibration.empty(),
            "--calibration is for --clouds");
+  const auto archives =
+      std::count_if(options.maps.begin(), options.maps.end(), isArchive);
+  refuseIf(archives > 0 && (has_clouds || !options.archives.empty()),
+           "a MAP that is an archive is compared with a SEQUENCE, without --archive");
+  refuseIf(
+      archives == 0 && !(options.poses.empty() && options.frames == ":"),
+      "--poses and --frames are for a MAP that is an archive: a folder knows its own");
+  refuseIf(archives > 1 && !options.poses.empty(), "--poses is for one MAP");
   GeometryParameters& parameters = options.parameters;
   refuseIf(!(parameters.within >= 0.0 && parameters.within <= 2.0),
            "--within is " + shown(parameters.within) + ", expected 0 to 2");
@@ -117,15 +140,50 @@ parse(int argc, char** argv)
   return options;
 }
 
-GeometrySamples
-measure(const std::string& map_folder, const std::string& sequence_folder,
-        const GeometryParameters& parameters)
+// What a map of many drives has around one of them.
+MapFolder
+readAround(const std::string& archive_path, const KittiSequence& sequence,
+           const std::string& sequence_folder, const Options& options)
 {
-  const MapFolder map = readMapFolder(map_folder);
+  SequenceOptions named;
+  named.folder = sequence_folder;
+  const std::string& path =
+      options.poses.empty() ? sequence.posesPath() : options.poses;
+  if (path.empty())
+    fail<BadInputException>(sequence_folder, ": has no poses.txt, expected --poses");
+  const std::unique_ptr<PoseSource> poses = readPoses(path);
+  const MapArchive archive(archive_path, ArchiveAccess::read);
+  MapFolder map;
+  VoxelSelection around;
+  around.box.setEmpty();
+  for (const std::size_t i : chooseFrames(named, sequence, options.frames)) {
+    const int frame = sequence.frameNumber(i);
+    const Eigen::Isometry3d pose = poseAt(*poses, {frame, sequence.timestamp(i)});
+    map.frames.push_back(frame);
+    map.T_world_camera0.resize(std::size_t(frame) + 1, Eigen::Isometry3d::Identity());
+    map.T_world_camera0.back() = pose;
+    around.box.extend(pose.translation());
+  }
+  // At the corners of a wide image a voxel is farther away than it is deep.
+  const Eigen::Vector3d farthest =
+      Eigen::Vector3d::Constant(2.0 * options.parameters.bands.back());
+  around.box.extend((around.box.min() - farthest).eval());
+  around.box.extend((around.box.max() + farthest).eval());
+  map.voxels = readVoxels(archive, around);
+  return map;
+}
+
+GeometrySamples
+measure(const std::string& map_path, const std::string& sequence_folder,
+        const Options& options)
+{
   const KittiSequence sequence(sequence_folder);
+  const MapFolder map = isArchive(map_path)
+                            ? readAround(map_path, sequence, sequence_folder, options)
+                            : readMapFolder(map_path);
   const Eigen::Isometry3d T_camera_velodyne =
       sequence.T_camera0_camera().inverse() * sequence.T_camera0_velodyne();
-  MapGeometry geometry(map.voxels, parameters);
+  MapGeometry geometry(map.voxels, options.parameters);
   ProgressBar progress("measuring", map.frames.size());
   for (const int frame : map.frames) {
     const auto scan =
@@ -207,7 +265,7 @@ evaluate(const Options& options)
   GeometrySamples samples;
   for (std::size_t i = 0; i < options.maps.size(); ++i)
     samples += options.clouds.empty()
-                   ? measure(options.maps[i], options.sequences[i], options.parameters)
+                   ? measure(options.maps[i], options.sequences[i], options)
                    : measureClouds(options.maps[i], options.clouds[i], options);
   Reliability::Curve occupancy(Reliability::kBins);
   for (std::size_t i = 0; i < options.archives.size(); ++i) {

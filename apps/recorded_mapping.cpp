@@ -171,11 +171,8 @@ submapsOf(const MapArguments& arguments)
   const std::unique_ptr<PoseSource> poses = source->openPoses();
   poses->requirePoses(times);
   std::vector<Eigen::Vector3d> positions;
-  for (const FrameTime& time : times) {
-    CloudFrame frame; // of which a file of poses asks number and time alone
-    static_cast<FrameTime&>(frame) = time;
-    positions.push_back(poses->pose(frame).translation());
-  }
+  for (const FrameTime& time : times)
+    positions.push_back(poseAt(*poses, time).translation());
   const std::vector<std::size_t> starts = submapStarts(positions, length);
   SubmapRuns submaps{{}, source->run()};
   for (std::size_t i = 0; i < starts.size(); ++i) {

@@ -68,6 +68,25 @@ archiveExtent(const MapArchive& archive, const BlockProgress& progress)
   return extent;
 }
 
+VoxelCloud
+readVoxels(const MapArchive& archive, const VoxelSelection& selection)
+{
+  VoxelCloud selected;
+  selected.voxel_size = archive.header().parameters.voxel_size;
+  selected.origin = archive.state().cloud_origin;
+  forEachCloud(
+      archive, [] {},
+      [&](const VoxelCloud& voxels) {
+        const std::vector<bool> is_selected = select(selection, voxels);
+        for (std::size_t i = 0; i < voxels.size(); ++i)
+          if (is_selected[i]) {
+            selected.cloud->push_back((*voxels.cloud)[i]);
+            selected.indices.push_back(voxels.indices[i]);
+          }
+      });
+  return selected;
+}
+
 std::size_t
 exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
              const std::string& path, VoxelColour colour, const BlockProgress& progress)

@@ -152,10 +152,8 @@ submapMotion(const MapArchive& submap, const std::string& trajectory)
     const FrameRecord anchor = anchorOf(submap);
     const std::unique_ptr<PoseSource> poses =
         correctedPoses(submap.header().configuration, trajectory);
-    CloudFrame frame; // of which a file of poses asks number and time alone
-    frame.number = anchor.number;
-    frame.timestamp = anchor.timestamp;
-    return poses->pose(frame) * anchor.T_world_camera.inverse();
+    return poseAt(*poses, {anchor.number, anchor.timestamp}) *
+           anchor.T_world_camera.inverse();
   }
   catch (const BadInputException& error) {
     badInput(submap.path(), ": ", error.what());

@@ -319,6 +319,31 @@ TEST_F(EvaluatedMap, GeometryOfTwoMapsIsPooled)
   EXPECT_EQ(readJson(folder_->path("twice.json"))["within"], json["within"]);
 }
 
+// An archive knows no frames of its own: the sequence says which, and from where.
+TEST_F(EvaluatedMap, GeometryOfAnArchiveIsThatOfItsFolder)
+{
+  const std::string folder = folder_->path("archived"),
+                    archive = folder_->path("archived.map");
+  succeed(mapOf(street()) + " --crf dense --voxel-size 0.2 --frames 0:2 --output " +
+          folder + " --archive " + archive);
+  const auto of_folder = nlohmann::json::parse(
+      succeed("evaluate_map " + folder + " " + street() + " --json"));
+  const auto of_archive = nlohmann::json::parse(
+      succeed("evaluate_map " + archive + " " + street() + " --frames 0:2 --json"));
+  EXPECT_EQ(of_archive, of_folder);
+  EXPECT_NE(nlohmann::json::parse(
+                succeed("evaluate_map " + archive + " " + street() + " --json")),
+            of_folder)
+      << "of all frames";
+  std::filesystem::rename(street() + "/poses.txt", folder_->path("elsewhere.txt"));
+  expectFails("evaluate_map " + archive + " " + street(), 3, "expected --poses");
+  EXPECT_EQ(nlohmann::json::parse(succeed("evaluate_map " + archive + " " + street() +
+                                          " --frames 0:2 --json --poses " +
+                                          folder_->path("elsewhere.txt"))),
+            of_folder);
+  std::filesystem::rename(folder_->path("elsewhere.txt"), street() + "/poses.txt");
+}
+
 TEST_F(EvaluatedMap, ProbabilitiesOfOccupancyAreJudgedByScansOfOtherFrames)
 {
   const std::string part = folder_->path("part"), archive = folder_->path("part.map");
@@ -368,6 +393,11 @@ TEST(EvaluateMapTool, BadInput)
         "evaluate_map OUT --clouds STREET --archive x.map"},
        {"too many archives", 2, "as many of --archive",
         "evaluate_map OUT STREET --archive x.map --archive y.map"},
+       {"poses of a folder", 2, "for a MAP that is an archive",
+        "evaluate_map OUT STREET --poses STREET/poses.txt"},
+       {"archive and clouds", 2, "is compared with a SEQUENCE",
+        "evaluate_map STREET/calib.txt --clouds STREET"},
+       {"no archive", 3, "calib.txt", "evaluate_map STREET/calib.txt STREET"},
        {"no map", 3, "summary.json", "evaluate_map OUT STREET"},
        {"bands", 2, "have to grow", "evaluate_map OUT STREET --bands 0,20,10"},
        {"no bands", 2, "--bands", "evaluate_map OUT STREET --bands 0,x"},

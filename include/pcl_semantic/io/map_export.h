@@ -30,6 +30,11 @@ struct ArchiveExtent {
 ArchiveExtent archiveExtent(const MapArchive& archive,
                             const BlockProgress& progress = nullptr);
 
+/** \brief Occupied voxels, without distributions and observations. Takes memory for
+ * those that are selected, and a block at a time. \throws BadInputException if the
+ * archive is damaged */
+VoxelCloud readVoxels(const MapArchive& archive, const VoxelSelection& selection);
+
 /** \brief Writes occupied voxels as writeVoxelCloud() does; of the whole map the file
  * is the same byte by byte. Takes memory for a block at a time, and reads the archive
  * twice.

@@ -47,4 +47,14 @@ public:
   }
 };
 
+/** \brief The pose of a frame whose data is not there, of a source that asks for number
+ * and time alone, as those of files do. \throws as PoseSource::pose() */
+inline Eigen::Isometry3d
+poseAt(PoseSource& poses, const FrameTime& time)
+{
+  CloudFrame frame;
+  static_cast<FrameTime&>(frame) = time;
+  return poses.pose(frame);
+}
+
 } // namespace pcl_semantic
