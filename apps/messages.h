@@ -45,11 +45,6 @@ void warn(const std::string& message);
  * standard error. */
 void note(const std::string& message);
 
-/** \brief Text for a terminal: control characters, also those that a name from a file
- * holds to move the cursor, and bytes that are not UTF-8 appear as \xNN.
- * \param[in] keeps_lines line breaks stay */
-std::string printable(const std::string& text, bool keeps_lines = false);
-
 /** \brief A progress bar on standard error: only on a terminal, not with --quiet, and
  * only for work that takes longer than a second. With --verbose a note a step. */
 class ProgressBar {

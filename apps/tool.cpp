@@ -3,6 +3,7 @@
 #include "messages.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/printable.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 

@@ -36,7 +36,9 @@ function(pcl_semantic_compiler_options target group)
     # Behaviour is ours to check, not that of the tests, which then compile in two thirds.
     if(NOT group STREQUAL tests)
       target_compile_options(${target} PRIVATE
-        -fsanitize=undefined -fno-sanitize-recover=undefined)
+        -fsanitize=undefined -fno-sanitize-recover=undefined
+        # What the fuzzers (test/fuzz) are told of: which way was taken.
+        $<$<CXX_COMPILER_ID:Clang>:-fsanitize=fuzzer-no-link>)
     endif()
     target_link_options(${target} PRIVATE -fsanitize=address,undefined)
   endif()

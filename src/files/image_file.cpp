@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/files/image_file.h>
 
+#include "image_size.h"
 #include "quiet_opencv.h"
 
 #include "core/fail.h"
@@ -145,6 +146,7 @@ readImage(const std::string& path)
   else if (bytes.size() < 8 || (!beginsWith(bytes, {'I', 'I', 42, 0}) &&
                                 !beginsWith(bytes, {'M', 'M', 0, 42})))
     badInput(path, ": is not a TIFF image");
+  requirePlausibleSize(bytes, path);
   const QuietOpenCv quiet;
   const cv::Mat image =
       decode(bytes, is_jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION
@@ -165,6 +167,7 @@ readPng(const std::string& path, ImageKind kind)
     badInput(path, ": is not a PNG image");
   if (!isWhole(bytes))
     badInput(path, ": the PNG image is damaged or not complete");
+  requirePlausibleSize(bytes, path);
   // Decoders stretch fewer bits to 0..255, which makes other class ids of them.
   if ((kind == ImageKind::labels || kind == ImageKind::segments) &&
       bytes[bit_depth] < 8)

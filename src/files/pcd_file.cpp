@@ -592,7 +592,7 @@ PcdColumn::PcdColumn(const PcdTable& table, int field)
     badParameter("field ", field, " of ", table.fields.size(),
                  " is not there, or its data");
   field_ = table.fields[index];
-  first_ = table.data.data() + offsetOf(table, index);
+  first_ = table.points == 0 ? nullptr : table.data.data() + offsetOf(table, index);
   stride_ = table.pointSize();
   read_ = withTypeOf(field_, [](auto zero) { return &readAs<decltype(zero)>; });
 }

@@ -181,3 +181,34 @@ TEST(ReadImage, ATiffIsReadOrRefusedWithAWord)
       "has 1 channel(s) of 16 bits, expected 8-bit grey or 8-bit RGB",
       [&] { read(deep); }));
 }
+
+// Of a few bytes that promise many pixels no memory is taken.
+TEST(ReadImage, RefusesMorePixelsThanTheFileCanHold)
+{
+  const TemporaryFolder folder;
+  const cv::Mat image = randomImage(48, 64, CV_8UC3);
+  std::string png = encoded(".png", image);
+  png.replace(16, 8, bigEndian(50000) + bigEndian(40000));
+  png.replace(29, 4, bigEndian(crc32(png.substr(12, 17))));
+  std::string jpeg = encoded(".jpg", image);
+  jpeg.replace(jpeg.find("\xFF\xC0") + 5, 4, bigEndian(40000u << 16 | 50000u));
+  std::string tiff = encoded(".tif", image);
+  ASSERT_EQ(tiff[0], 'I');
+  const auto setTag = [&](const std::string& tag, std::uint32_t value) {
+    const std::size_t entry = tiff.find(tag);
+    ASSERT_NE(entry, std::string::npos);
+    const std::string big = bigEndian(value);
+    tiff.replace(entry + 8, 4, std::string(big.rbegin(), big.rend()));
+    tiff.replace(entry + 2, 2, std::string("\4\0", 2)); // 32 bits
+  };
+  using namespace std::string_literals;
+  setTag("\x00\x01\x03\x00\x01\x00"s, 50000);
+  setTag("\x01\x01\x03\x00\x01\x00"s, 40000);
+  for (const auto& [name, bytes] :
+       {std::pair("a.png", png), std::pair("a.jpg", jpeg), std::pair("a.tif", tiff)})
+    EXPECT_TRUE(throws<BadInputException>("states 50000 x 40000 pixels, which its",
+                                          [&, &path = name, &content = bytes] {
+                                            readImage(folder.write(path, content));
+                                          }))
+        << name;
+}

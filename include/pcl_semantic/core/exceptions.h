@@ -10,15 +10,13 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Base of everything this module throws: `what()` is one line in the user's
- * terms that says what is wrong, where (file, line, frame) and what was expected. */
+ * terms that says what is wrong, where (file, line, frame) and what was expected.
+ * Control characters of what it cites are escaped. */
 class Exception : public pcl::PCLException {
 public:
   /** \brief The arguments that PCL_THROW_EXCEPTION gives. */
   explicit Exception(const std::string& message, const char* source_file = nullptr,
-                     const char* function = nullptr, unsigned source_line = 0)
-      : pcl::PCLException(message, source_file, function, source_line),
-        message_(message)
-  {}
+                     const char* function = nullptr, unsigned source_line = 0);
 
   const char*
   what() const noexcept override

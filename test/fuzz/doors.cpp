@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "doors.h"
+
+#include "files/pcd_file.h"
+#include "io/archive_database.h"
+#include "io/block_encoding.h"
+#include "io/tile_set.h"
+#include "labelling/onnx_check.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/kitti_calibration.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
+#include <pcl_semantic/dataset/pinhole_camera.h>
+#include <pcl_semantic/dataset/stereo_rig.h>
+#include <pcl_semantic/evaluation/depth_file.h>
+#include <pcl_semantic/files/clique_file.h>
+#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/files/distribution_file.h>
+#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/npy_file.h>
+#include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/io/map_export.h>
+#include <pcl_semantic/labelling/label_calibration.h>
+#include <pcl_semantic/labelling/network_predictor.h>
+#include <pcl_semantic/pipeline/fleet_plan.h>
+#include <pcl_semantic/pipeline/map_folder.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/pipeline/run_description.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <unistd.h>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr int kColumns = 8, kRows = 4, kClasses = 3;
+
+// A folder in memory, where there is one, for the files that readers want.
+class ScratchFolder {
+public:
+  ScratchFolder()
+      : path_((std::filesystem::exists("/dev/shm")
+                   ? std::filesystem::path("/dev/shm")
+                   : std::filesystem::temp_directory_path()) /
+              ("pcl_semantic_door_" + std::to_string(::getpid())))
+  {
+    std::filesystem::create_directories(path_);
+  }
+
+  ~ScratchFolder()
+  {
+    std::error_code error;
+    std::filesystem::remove_all(path_, error);
+  }
+
+  std::string
+  path(const std::string& name) const
+  {
+    return (path_ / name).string();
+  }
+
+private:
+  std::filesystem::path path_;
+};
+
+const ScratchFolder&
+scratch()
+{
+  static const ScratchFolder folder;
+  return folder;
+}
+
+std::string
+fileOf(const std::string& bytes, const std::string& name)
+{
+  const std::string path = scratch().path(name);
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+  return path;
+}
+
+LabelSet
+threeClasses()
+{
+  return LabelSet({{"road", {128, 64, 128}},
+                   {"sky", {70, 130, 180}, true},
+                   {"car", {64, 0, 128}, false, true}});
+}
+
+std::vector<std::uint8_t>
+bytesOf(const std::string& bytes)
+{
+  return {bytes.begin(), bytes.end()};
+}
+
+void
+readArchive(const std::string& bytes)
+{
+  const std::string path = fileOf(bytes, "archive.map");
+  verifyArchive(path);
+  readVoxels(MapArchive(path, ArchiveAccess::read), {});
+}
+
+void
+readBlock(const std::string& bytes)
+{
+  decodeBlock(bytesOf(bytes), VoxelIndex(1, -2, 3), kClasses);
+}
+
+void
+readDepthImage(const std::string& bytes)
+{
+  readDepths(fileOf(bytes, "depth.png"));
+}
+
+// One tile is there, with a block: the index of the corpus names it.
+void
+readTileIndex(const std::string& bytes)
+{
+  static const bool has_tile = [] {
+    std::filesystem::create_directories(scratch().path("tiles"));
+    ArchiveHeader header;
+    header.label_set = threeClasses();
+    const auto tile = MapArchive::create(scratch().path("tiles/0_0.map"), header);
+    tile->put(VoxelIndex(0, 0, 0), VoxelBlock());
+    tile->commit({});
+    return tile->close();
+  }();
+  if (!has_tile)
+    throw std::logic_error("the tile is still open");
+  TileSet(fileOf(bytes, "map.tiles"));
+}
+
+// The label set that the corpus names is beside it.
+void
+readNetworkFile(const std::string& bytes)
+{
+  writeLabelSet(scratch().path("classes.yaml"), threeClasses());
+  readNetworkDescription(fileOf(bytes, "net.yaml"));
+}
+
+template <typename Config, void (*read)(const std::string&, Config&)>
+void
+readConfigFile(const std::string& bytes)
+{
+  Config config;
+  read(fileOf(bytes, "config.yaml"), config);
+}
+
+void
+readDistributionsOf(const std::string& bytes, const char* name)
+{
+  readDistributions(fileOf(bytes, name), kColumns, kRows, kClasses, 0.8f);
+}
+
+} // namespace
+
+const std::vector<Door>&
+doors()
+{
+  static const std::vector<Door> all{
+      {"archive", readArchive},
+      {"archive_block", readBlock},
+      {"archive_frame", [](const std::string& b) { decodeFrameRecord(7, bytesOf(b)); }},
+      {"archive_seal",
+       [](const std::string& b) { unseal(b.data(), b.size(), 1 << 16); }},
+      {"calibration",
+       [](const std::string& b) {
+         readCalibration(fileOf(b, "calibration.yaml"), threeClasses());
+       }},
+      {"cliques", [](const std::string& b) { readCliques(fileOf(b, "c.txt"), 100); }},
+      {"cloud_pcd",
+       [](const std::string& b) { readLabelledCloud(fileOf(b, "c.pcd")); }},
+      {"cloud_ply",
+       [](const std::string& b) { readLabelledCloud(fileOf(b, "c.ply")); }},
+      {"crf_config", readConfigFile<CRFConfig, readCRFConfig>},
+      {"depth_png", readDepthImage},
+      {"distributions_bin",
+       [](const std::string& b) { readDistributionsOf(b, "d.bin"); }},
+      {"distributions_npy",
+       [](const std::string& b) { readDistributionsOf(b, "d.npy"); }},
+      {"distributions_png",
+       [](const std::string& b) { readDistributionsOf(b, "d.png"); }},
+      {"fleet_plan",
+       [](const std::string& b) { readFleetPlan(fileOf(b, "plan.yaml")); }},
+      {"image_jpg", [](const std::string& b) { readImage(fileOf(b, "i.jpg")); }},
+      {"image_png", [](const std::string& b) { readImage(fileOf(b, "i.png")); }},
+      {"image_tif", [](const std::string& b) { readImage(fileOf(b, "i.tif")); }},
+      {"kitti_calibration",
+       [](const std::string& b) {
+         readKittiCalibration(fileOf(b, "calib.txt"), KittiCameras::colour);
+       }},
+      {"label_mapping",
+       [](const std::string& b) {
+         readLabelMapping(fileOf(b, "mapping.yaml"), threeClasses());
+       }},
+      {"label_set", [](const std::string& b) { readLabelSet(fileOf(b, "set.yaml")); }},
+      {"mapper_config", readConfigFile<MapperConfig, readMapperConfig>},
+      {"network", readNetworkFile},
+      {"network_onnx", [](const std::string& b) { checkOnnx(bytesOf(b), "net.onnx"); }},
+      {"npy", [](const std::string& b) { readNpy(fileOf(b, "a.npy")); }},
+      {"pinhole_camera",
+       [](const std::string& b) { readPinholeCamera(fileOf(b, "camera.yaml")); }},
+      {"poses_kitti",
+       [](const std::string& b) { readKittiTrajectory(fileOf(b, "poses.txt")); }},
+      {"poses_tum",
+       [](const std::string& b) { readTumTrajectory(fileOf(b, "poses.txt")); }},
+      {"run_description",
+       [](const std::string& b) {
+         sensorOf(b);
+         configOf(b);
+       }},
+      {"scan_bin", [](const std::string& b) { readVelodyneScan(fileOf(b, "s.bin")); }},
+      {"scan_labels",
+       [](const std::string& b) { readScanLabels(fileOf(b, "s.label"), kClasses); }},
+      {"stereo_rig",
+       [](const std::string& b) { readStereoRig(fileOf(b, "rig.yaml")); }},
+      {"summary",
+       [](const std::string& b) {
+         fileOf(b, "summary.json");
+         readMapSummary(scratch().path(""));
+       }},
+      {"tile_index", readTileIndex},
+      {"times", [](const std::string& b) { readTimes(fileOf(b, "times.txt")); }}};
+  return all;
+}
+
+void
+tryDoor(const Door& door, const std::string& bytes)
+{
+  const auto requireLine = [&](const std::string& message) {
+    if (message.empty() || message.find('\n') != std::string::npos)
+      throw std::logic_error(door.name + ": refused by no line: '" + message + "'");
+  };
+  try {
+    door.read(bytes);
+  }
+  catch (const BadInputException& error) {
+    requireLine(error.what());
+  }
+  catch (const BadModelException& error) {
+    requireLine(error.what());
+  }
+}
+
+} // namespace pcl_semantic
