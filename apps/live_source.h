@@ -34,7 +34,7 @@ public:
   std::optional<SensorFrame> next() override;
 
   void
-  skip(std::size_t) override
+  skip(const std::vector<FrameRecord>&) override
   {}
 
   std::unique_ptr<LabelPredictor>

@@ -50,7 +50,8 @@ MapSource::setInputs(const Inputs& more)
   run_.inputs.insert(run_.inputs.end(), more.begin(), more.end());
   run_.inputs.insert(run_.inputs.end(),
                      {{"label_calibration", arguments_.label_calibration},
-                      {"clique_calibration", arguments_.clique_calibration}});
+                      {"clique_calibration", arguments_.clique_calibration},
+                      {"also", arguments_.also}}); // a part of the frames would have it
 }
 
 void
@@ -86,9 +87,13 @@ public:
   }
 
   void
-  skip(std::size_t count) override
+  skip(const std::vector<FrameRecord>& mapped) override
   {
-    next_ += count;
+    if (!mapped.empty()) {
+      requireSame(0, mapped.front());
+      requireSame(mapped.size() - 1, mapped.back());
+    }
+    next_ = mapped.size();
   }
 
 protected:
@@ -110,6 +115,34 @@ protected:
   isLabelled() const
   {
     return (next_ - 1) % std::size_t(run_.config.network_every) == 0;
+  }
+
+  // The labels of a network are not looked at: its images and the network itself are.
+  void
+  requireSame(std::size_t i, const FrameRecord& mapped)
+  {
+    next_ = i;
+    const SensorFrame frame = *next();
+    FrameDigest now;
+    if (const auto* const pair = std::get_if<StereoFrame>(&frame))
+      now = digestOf(*pair, isLabelled() && !arguments_.labels.empty()
+                                ? predictor_->predict(*pair)
+                                : LabelDistributions());
+    else
+      now = digestOf(*std::get<CloudFrame>(frame).cloud,
+                     isLabelled() ? std::get<CloudFrame>(frame).distributions
+                                  : LabelDistributions());
+    const auto differ = [](std::uint64_t a, std::uint64_t b) {
+      return a != 0 && b != 0 && a != b;
+    };
+    for (const auto& [what, was, is] :
+         {std::tuple("", mapped.digest.data, now.data),
+          std::tuple(" labels of", mapped.digest.labels, now.labels)})
+      if (differ(was, is))
+        fail<BadInputException>(
+            arguments_.archive.path, ": holds", what, " frame ", mapped.number,
+            " as it was, which is another one now: put the old data "
+            "back, or begin with another archive");
   }
 
   /** \brief Reads the frame at a position in the source. */

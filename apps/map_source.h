@@ -53,8 +53,11 @@ public:
    * \throws BadInputException that names the file */
   virtual std::optional<SensorFrame> next() = 0;
 
-  /** \brief Leaves out the next frames, which are mapped already. */
-  virtual void skip(std::size_t count) = 0;
+  /** \brief Leaves out the first frames, which are mapped already; before makeMapper().
+   * \param[in] mapped their records, the first and the last of which are compared with
+   * what is there now
+   * \throws BadInputException if a frame is not what it was */
+  virtual void skip(const std::vector<FrameRecord>& mapped) = 0;
 
 protected:
   using Inputs = std::vector<std::pair<std::string, std::string>>;

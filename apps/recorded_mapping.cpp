@@ -65,7 +65,6 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
           MappingOutput* output, bool is_watched)
 {
   const std::size_t mapped_before = archive.records().size();
-  source.skip(mapped_before);
   catchInterrupts();
   ProgressBar progress("mapping", source.run().frames.size() - mapped_before);
   bool is_empty = mapped_before == 0;
@@ -126,6 +125,7 @@ mapRecorded(const MapArguments& arguments)
   if (arguments.view)
     tool::openLiveView(arguments.output, arguments.sequence.folder);
   MappingArchive archive(arguments.archive, run);
+  source->skip(archive.records());
   const auto mapper = source->makeMapper(std::move(owned_poses), archive.store());
   std::optional<MappingOutput> output;
   if (!arguments.archive_only)

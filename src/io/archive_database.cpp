@@ -2,6 +2,7 @@
 #include "archive_database.h"
 #include "block_encoding.h"
 #include "core/fail.h"
+#include "write_ahead_log.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -344,6 +345,11 @@ ArchiveDatabase::integrityFaults()
       if (line != "ok" && line.rfind("***", 0) != 0) // a title
         faults.push_back(line);
   });
+  const WriteAheadLog log(path() + "-wal");
+  if (log.lostCommits() > 0)
+    faults.push_back(path() + "-wal has " + std::to_string(log.lostCommits()) +
+                     " commits behind something damaged, from byte " +
+                     std::to_string(log.end()) + " on");
   return faults;
 }
 

@@ -71,7 +71,7 @@ public:
   /** \brief What was sealed as that block. */
   Bytes unsealBlock(const VoxelIndex& index, std::string_view sealed) const;
 
-  /** \brief What SQLite itself finds wrong with the file, a line each. */
+  /** \brief What SQLite finds wrong with the file, and we with its log, a line each. */
   std::vector<std::string> integrityFaults();
 
   const std::string&

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sqlite_database.h"
+
 #include "core/fail.h"
+#include "write_ahead_log.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -10,6 +12,7 @@
 #include <new>
 #include <sqlite3.h>
 #include <thread>
+#include <utility>
 
 namespace pcl_semantic {
 
@@ -36,23 +39,52 @@ isOutputFailure(int code)
                   {SQLITE_IOERR_READ, SQLITE_IOERR_SHORT_READ, SQLITE_IOERR_CORRUPTFS});
 }
 
-// Whether a file is marked as belonging together with FILE-wal, in FILE itself. Read by
-// SQLite's own handle: closing another would drop the locks of this process.
+// Bytes of FILE itself. Read by SQLite's own handle: closing another would drop the
+// locks of this process. \return whether they are there
+bool
+readFile(sqlite3* connection, void* bytes, int size, std::int64_t at)
+{
+  sqlite3_file* file = nullptr;
+  return sqlite3_file_control(connection, "main", SQLITE_FCNTL_FILE_POINTER, &file) ==
+             SQLITE_OK &&
+         file && file->pMethods &&
+         file->pMethods->xRead(file, bytes, size, at) == SQLITE_OK;
+}
+
+// Whether a file is marked as belonging together with FILE-wal, in FILE itself.
 bool
 needsLog(sqlite3* connection)
 {
   constexpr int at = 68; // application_id in the header of a database, big-endian
-  sqlite3_file* file = nullptr;
   unsigned char bytes[4] = {};
-  if (sqlite3_file_control(connection, "main", SQLITE_FCNTL_FILE_POINTER, &file) !=
-          SQLITE_OK ||
-      !file || !file->pMethods ||
-      file->pMethods->xRead(file, bytes, sizeof bytes, at) != SQLITE_OK)
+  if (!readFile(connection, bytes, sizeof bytes, at))
     return false;
   std::int64_t mark = 0;
   for (const unsigned char byte : bytes)
     mark = mark << 8 | byte;
   return mark == SqliteDatabase::with_log;
+}
+
+// Whether a log holds what FILE has already, or its mark alone, as while somebody
+// begins or ends to write.
+bool
+isInFile(sqlite3* connection, const WriteAheadLog& log)
+{
+  // Of the first page: kind of journal, counter of changes, mark, version.
+  static constexpr std::pair<std::size_t, std::size_t> header[] = {
+      {18, 20}, {24, 28}, {68, 72}, {92, 100}};
+  for (const auto& [number, content] : log.pages()) {
+    std::string page(content.size(), '\0'), logged(content);
+    if (!readFile(connection, page.data(), int(page.size()),
+                  std::int64_t(number - 1) * std::int64_t(page.size())))
+      return false;
+    if (number == 1)
+      for (const auto& [begin, end] : header)
+        logged.replace(begin, end - begin, page, begin, end - begin);
+    if (page != logged)
+      return false;
+  }
+  return true;
 }
 
 // For somebody else to come to an end of what takes no time.
@@ -123,14 +155,19 @@ SqliteDatabase::requireLog() const
 {
   const std::string log = path_ + "-wal";
   // Another program may have been beginning or ending to write.
-  for (int attempt = 0; needsLog(connection_); ++attempt) {
+  for (int attempt = 0;; ++attempt) {
     std::error_code error;
-    if (std::filesystem::exists(log, error))
+    const bool has_log = std::filesystem::exists(log, error);
+    const bool needs_log = needsLog(connection_);
+    if (needs_log ? has_log : !has_log || isInFile(connection_, WriteAheadLog(log)))
       return;
-    if (attempt == 4)
+    if (attempt == 4 && needs_log)
       badInput(path_, ": lacks ", log,
                ", which holds what was written last: copy both (if it is lost, "
                "an empty file of that name lets the rest be read)");
+    if (attempt == 4)
+      badInput(path_, ": is whole, but beside it lies ", log,
+               " of another archive, which would change it: remove that");
     waitALittle();
   }
 }

@@ -66,6 +66,7 @@ private:
   /** \brief As run(), but says whether a lock of another program was in the way. */
   bool runUnlessBusy(const std::string& sql);
 
+  /** \brief Makes sure that FILE-wal is there if it belongs to FILE, and only then. */
   void requireLog() const;
   bool moveLogToFile();
 

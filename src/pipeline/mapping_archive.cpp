@@ -101,7 +101,11 @@ MappingArchive::add(const MappedFrame& mapped, SemanticMapper& mapper)
 {
   if (!archive_)
     return;
-  archive_->putFrame(mapped.frame.number, encodeFrameRecord(recordOf(mapped)));
+  FrameRecord record = recordOf(mapped);
+  const bool is_pair = !mapped.disparity.disparity.empty();
+  record.digest = is_pair ? digestOf(mapped.frame, mapped.network)
+                          : digestOf(*mapped.cloud, mapped.network);
+  archive_->putFrame(mapped.frame.number, encodeFrameRecord(record));
   added_frame_ = mapped.frame.number;
   // The last frame is committed by finish(), with what the CRF makes of it: a run that
   // goes on has to have a frame to go on with.

@@ -197,8 +197,13 @@ configOf(const std::string& description)
 FrameRecord
 recordOf(const MappedFrame& mapped)
 {
-  return {mapped.frame.number,    mapped.T_world_camera, mapped.counts,
-          mapped.times.seconds(), mapped.domain_shift,   mapped.frame.timestamp};
+  return {mapped.frame.number,
+          mapped.T_world_camera,
+          mapped.counts,
+          mapped.times.seconds(),
+          mapped.domain_shift,
+          mapped.frame.timestamp,
+          {}};
 }
 
 std::vector<std::uint8_t>
@@ -217,6 +222,8 @@ encodeFrameRecord(const FrameRecord& record)
   }
   writer.put(record.domain_shift);
   writer.put(record.timestamp);
+  writer.put(record.digest.data);
+  writer.put(record.digest.labels);
   return writer.bytes();
 }
 
@@ -239,6 +246,8 @@ decodeFrameRecord(int number, const std::vector<std::uint8_t>& bytes)
     record.domain_shift = reader.get<double>();
   if (reader.left() > 0)
     record.timestamp = reader.get<double>();
+  if (reader.left() > 0)
+    record.digest = {reader.get<std::uint64_t>(), reader.get<std::uint64_t>()};
   if (reader.left() > 0 || !record.T_world_camera.matrix().allFinite())
     badInput("is no record of a frame");
   return record;

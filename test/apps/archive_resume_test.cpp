@@ -244,6 +244,7 @@ TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
   refuses("--hit-probability 0.70000001", "hit_probability was 0.7");
   refuses("--crf none", "crf was dense, is none");
   refuses("--network-every 2", "network_every was 1");
+  refuses("--also depth", "also was none, is depth");
   refuses("--frames 0:10", "frames was 11, from 0 to 10, is 10, from 0 to 9");
   fs::copy(street + "/labels", copies.path("labels"), fs::copy_options::recursive);
   const std::string set = copies.path("set.yaml");
@@ -259,6 +260,28 @@ TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
   for (const std::size_t line : {1, 2, 3, 4})
     setWord(street + "/calib.txt", line, 2, "121");
   refuses("", "camera was ");
+}
+
+TEST_F(ArchivedRun, OtherDataBehindTheSamePathsIsRefused)
+{
+  const TemporaryFolder copies;
+  const std::string street = copies.path("street");
+  fs::copy(thereAndBack(), street, fs::copy_options::recursive);
+  const std::string output = copies.path("out"), archive = copies.path("run.map");
+  succeed(mapCommand(output, archive, "", street));
+  const auto isRefused = [&](const std::string& changed, const std::string& other,
+                             const std::string& says) {
+    fs::copy(street + other, street + changed, fs::copy_options::overwrite_existing);
+    expectFails(mapCommand(output, archive, "--resume", street), 3, says);
+    EXPECT_TRUE(verifyArchive(archive).empty());
+    fs::copy(thereAndBack() + changed, street + changed,
+             fs::copy_options::overwrite_existing);
+  };
+  isRefused("/image_3/000000.png", "/image_3/000001.png",
+            "run.map: holds frame 0 as it was, which is another one now");
+  isRefused("/labels/000010.bin", "/labels/000003.bin",
+            "run.map: holds labels of frame 10 as it was");
+  succeed(mapCommand(output, archive, "--resume", street));
 }
 
 TEST_F(ArchivedRun, TheImagesOfEarlierFramesHaveToBeThere)

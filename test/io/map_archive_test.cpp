@@ -331,4 +331,61 @@ TEST(MapArchive, AReaderAtTheEndKeepsTwoFiles)
   expectHolds(MapArchive(path, ArchiveAccess::read), blocks);
 }
 
+// SQLite takes any log of that name for the file's own.
+TEST(MapArchive, TheLogOfAnotherArchiveIsRefused)
+{
+  const TemporaryFolder folder;
+  const std::string killed = folder.path("killed"), whole = folder.path("whole");
+  const Blocks blocks = makeRandomBlocks(20, 1);
+  {
+    const auto writer = MapArchive::create(whole, makeArchiveHeader());
+    putAll(blocks, *writer);
+    writer->commit({});
+    EXPECT_TRUE(writer->close());
+  }
+  {
+    const auto writer = MapArchive::create(killed, makeArchiveHeader());
+    putAll(makeRandomBlocks(30, 2), *writer);
+    writer->commit({});
+    fs::copy_file(killed + "-wal", whole + "-wal");
+  }
+  for (const ArchiveAccess access : {ArchiveAccess::read, ArchiveAccess::write})
+    EXPECT_TRUE(
+        holds(thrownMessage<BadInputException>([&] { MapArchive(whole, access); }),
+              "is whole, but beside it lies " + whole + "-wal of another archive"));
+  EXPECT_THROW(verifyArchive(whole), BadInputException);
+  fs::remove(whole + "-wal");
+  expectHolds(MapArchive(whole, ArchiveAccess::read), blocks);
+}
+
+// What SQLite takes for a shorter log.
+TEST(MapArchive, VerifyingFindsCommitsBehindADamagedPlaceOfTheLog)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("map"), copy = folder.path("copy");
+  const auto writer = MapArchive::create(path, makeArchiveHeader());
+  std::vector<std::uintmax_t> ends; // of the log after each commit
+  for (unsigned commit = 0; commit < 4; ++commit) {
+    putAll(makeRandomBlocks(6, commit), *writer);
+    writer->commit({});
+    ends.push_back(fs::file_size(path + "-wal"));
+  }
+  const auto faultsWith = [&](std::uintmax_t damaged) {
+    fs::copy_file(path, copy, fs::copy_options::overwrite_existing);
+    std::string log = bytesOf(path + "-wal");
+    log[damaged] = char(log[damaged] ^ 1);
+    std::ofstream(copy + "-wal", std::ios::binary) << log;
+    fs::remove(copy + "-shm");
+    return verifyArchive(copy);
+  };
+  EXPECT_TRUE(verifyArchive(path).empty());
+  for (std::size_t commit = 0; commit < ends.size(); ++commit) {
+    const auto faults = faultsWith(ends[commit] - 100); // in its last page
+    ASSERT_EQ(faults.size(), 1u) << commit;
+    EXPECT_TRUE(holds(faults[0], copy + "-wal has " +
+                                     std::to_string(ends.size() - commit) +
+                                     " commits behind something damaged"));
+  }
+}
+
 } // namespace pcl_semantic

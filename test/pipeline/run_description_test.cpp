@@ -81,6 +81,7 @@ TEST(FrameRecord, SurvivesBytes)
   record.seconds = {{"stereo", 0.1}, {"map", 1.0 / 3.0}};
   record.domain_shift = 2.0 / 3.0;
   record.timestamp = 1e9 / 3.0;
+  record.digest = {1ull << 63, 7};
   std::vector<std::uint8_t> bytes = encodeFrameRecord(record);
   const FrameRecord read = decodeFrameRecord(12, bytes);
   EXPECT_EQ(read.number, 12);
@@ -92,16 +93,21 @@ TEST(FrameRecord, SurvivesBytes)
   EXPECT_EQ(read.seconds, record.seconds);
   EXPECT_EQ(read.domain_shift, record.domain_shift);
   EXPECT_EQ(read.timestamp, record.timestamp);
+  EXPECT_EQ(read.digest.data, 1ull << 63);
+  EXPECT_EQ(read.digest.labels, 7u);
   const auto decodeFirst = [&](std::size_t size) {
     return decodeFrameRecord(12, {bytes.begin(), bytes.begin() + long(size)});
   };
-  const std::size_t old = bytes.size() - sizeof(double), older = old - sizeof(double);
+  const std::size_t recent = bytes.size() - 2 * sizeof(std::uint64_t);
+  EXPECT_EQ(decodeFirst(recent).timestamp, record.timestamp);
+  EXPECT_EQ(decodeFirst(recent).digest.data, 0u);
+  const std::size_t old = recent - sizeof(double), older = old - sizeof(double);
   EXPECT_EQ(decodeFirst(old).domain_shift, record.domain_shift);
   EXPECT_TRUE(std::isnan(decodeFirst(old).timestamp));
   EXPECT_EQ(decodeFirst(older).seconds, record.seconds);
   EXPECT_TRUE(std::isnan(decodeFirst(older).domain_shift));
   for (std::size_t size = 0; size < bytes.size(); ++size)
-    if (size != old && size != older) {
+    if (size != recent && size != old && size != older) {
       EXPECT_THROW(decodeFirst(size), BadInputException);
     }
   bytes.push_back(0);

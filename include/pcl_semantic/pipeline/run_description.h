@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/pipeline/frame_digest.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
@@ -68,12 +69,14 @@ struct FrameRecord {
   std::vector<std::pair<std::string, double>> seconds;            ///< by stage
   double domain_shift = std::numeric_limits<double>::quiet_NaN(); ///< see MappedFrame
   double timestamp = std::numeric_limits<double>::quiet_NaN(); ///< [s]; NaN: not known
+  FrameDigest digest; ///< of what it was made from
 };
 
+/** \brief Without a digest. */
 FrameRecord recordOf(const MappedFrame& mapped);
 
-/** \brief A record as bytes, without loss; older ones end before \a domain_shift
- * or \a timestamp. */
+/** \brief A record as bytes, without loss; older ones end before \a domain_shift,
+ * \a timestamp or \a digest. */
 std::vector<std::uint8_t> encodeFrameRecord(const FrameRecord& record);
 
 /** \param[in] number of the frame
