@@ -158,7 +158,9 @@ parseMapArguments(int argc, char** argv)
             "up; or, with --calibration and poses of its camera 0: camera or grey = "
             "left camera of KITTI's colour or grey pair, laser = KITTI's Tr (default: "
             "own, or camera with --calibration)"},
-           {"output", arguments.output, "output folder; replaces an earlier map in it"},
+           {"output", arguments.output,
+            "output folder; replaces an earlier map in it, which stays in its folder "
+            "`previous` until the new one is whole"},
            {"labels", arguments.labels,
             "folder of stored label distributions, one .bin, .npy or .png per frame"},
            {"label-set", arguments.label_set,

@@ -69,6 +69,12 @@ ExtraOutput::ExtraOutput(const std::string& folder,
     : folder_(folder), camera_(camera), max_depth_(max_depth),
       options_(std::move(options))
 {
+  makeFolders();
+}
+
+void
+ExtraOutput::makeFolders() const
+{
   for (const Folder& each : folders)
     if (isWanted(each, options_, camera_.has_value()))
       makeOutputFolder((std::filesystem::path(folder_) / each.name).string());
@@ -87,14 +93,14 @@ ExtraOutput::names()
 }
 
 void
-ExtraOutput::removeEarlier(const std::vector<int>& kept) const
+ExtraOutput::removeEarlier(const std::string& folder, const std::vector<int>& kept)
 {
   const auto isGone = [&](int frame) {
     return !std::binary_search(kept.begin(), kept.end(), frame);
   };
   std::error_code error;
   for (const std::string& name : names()) {
-    const std::string path = (std::filesystem::path(folder_) / name).string();
+    const std::string path = (std::filesystem::path(folder) / name).string();
     if (!std::filesystem::is_directory(path, error))
       continue;
     const bool is_final = name.rfind("final_", 0) == 0;

@@ -33,9 +33,12 @@ public:
   /** \brief All folders that any run may write. */
   static const std::vector<std::string>& names();
 
-  /** \brief Removes what an earlier run left.
+  /** \brief Makes those that are wanted. \throws OutputException */
+  void makeFolders() const;
+
+  /** \brief Removes what an earlier run left in the folder of a map.
    * \param[in] kept frames whose files at a frame stay, in order */
-  void removeEarlier(const std::vector<int>& kept) const;
+  static void removeEarlier(const std::string& folder, const std::vector<int>& kept);
 
   /** \brief Files of a frame.
    * \param[in] rendered the map as it stood at that frame; without a camera none

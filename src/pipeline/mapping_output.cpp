@@ -5,6 +5,7 @@
 #include "extra_output.h"
 #include "files/folder_lock.h"
 #include "files/report_text.h"
+#include "run_folder.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
@@ -54,33 +55,12 @@ toJson(const Eigen::Vector3d& vector)
   return {vector.x(), vector.y(), vector.z()};
 }
 
-// Written at each frame, beside final_labels at the end.
-constexpr const char* frame_folders[] = {"labels", "labels_at_depth", "network_labels",
-                                         "overlay"};
-
-constexpr const char* map_files[] = {"map.pcd", "map_classes.pcd", "label_set.yaml",
-                                     "top_view.png", "trajectory.txt"};
-
-constexpr const char* live_folder = "live";
-
 Json
 versions()
 {
   return {{"pcl_semantic", PCL_SEMANTIC_VERSION},
           {"pcl", PCL_VERSION_PRETTY},
           {"opencv", CV_VERSION}};
-}
-
-// Whether a file is the summary of a run of ours, finished or not.
-bool
-isSummary(const std::string& path)
-{
-  if (!std::filesystem::exists(path))
-    return false;
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  const Json summary = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
-  return summary.is_object() && summary.contains("versions") &&
-         summary["versions"].contains("pcl_semantic");
 }
 
 const ExtraOptions&
@@ -107,7 +87,7 @@ MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
   lock_ = std::make_unique<FolderLock>(folder_);
   if (!has_images_)
     return;
-  for (const char* name : frame_folders)
+  for (const char* name : RunFolder::frame_folders)
     makeOutputFolder(path(name));
   makeOutputFolder(path("final_labels"));
 }
@@ -117,22 +97,14 @@ MappingOutput::~MappingOutput() = default;
 const std::vector<std::string>&
 MappingOutput::names()
 {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all = {"summary.json", live_folder};
-    all.insert(all.end(), std::begin(map_files), std::end(map_files));
-    all.insert(all.end(), std::begin(frame_folders), std::end(frame_folders));
-    all.push_back("final_labels");
-    all.insert(all.end(), ExtraOutput::names().begin(), ExtraOutput::names().end());
-    return all;
-  }();
-  return names;
+  return RunFolder::names();
 }
 
 // Images of a user must not be mixed with ours, nor be removed with them.
 void
 MappingOutput::refuseForeignImages() const
 {
-  if (isSummary(path("summary.json")))
+  if (RunFolder::isSummary(path("summary.json")))
     return;
   std::error_code error;
   for (const std::string& name : names())
@@ -146,30 +118,18 @@ MappingOutput::refuseForeignImages() const
 // Frames of two runs must not lie in one folder: a summary that says so marks it until
 // the map is finished.
 void
-MappingOutput::replaceEarlierRun() const
+MappingOutput::replaceEarlierRun()
 {
-  std::set<int> kept;
+  if (replaced_)
+    return;
+  std::vector<int> kept;
   if (has_images_ || !run_.camera)
     for (const FrameRecord& frame : frames_)
-      kept.insert(frame.number);
-  const auto isGone = [&](int frame) { return kept.count(frame) == 0; };
-  std::error_code error;
-  for (const char* name : frame_folders)
-    if (std::filesystem::is_directory(path(name), error))
-      removeFrameFiles(path(name), ".png", isGone);
-  if (std::filesystem::is_directory(path("final_labels"), error))
-    removeFrameFiles(path("final_labels"), ".png");
-  extra_->removeEarlier({kept.begin(), kept.end()});
-  if (!has_images_) { // but what else lies there stays
-    for (const char* name : frame_folders)
-      std::filesystem::remove(path(name), error);
-    std::filesystem::remove(path("final_labels"), error);
-  }
-  for (const char* name : map_files)
-    std::filesystem::remove(path(name), error);
-  removeLive();
-  writeTextFile(path("summary.json"),
-                jsonText(Json{{"finished", false}, {"versions", versions()}}));
+      kept.push_back(frame.number);
+  std::sort(kept.begin(), kept.end());
+  RunFolder::beginRun(folder_, kept, has_images_);
+  extra_->makeFolders();
+  replaced_ = true;
 }
 
 std::string
@@ -184,7 +144,7 @@ MappingOutput::requireImages() const
   if (!has_images_)
     return;
   for (const FrameRecord& frame : frames_)
-    for (const char* name : frame_folders) {
+    for (const char* name : RunFolder::frame_folders) {
       const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");
       if (!std::filesystem::exists(image))
         badInput(image, ": is missing; a run goes on in the folder that the "
@@ -195,9 +155,7 @@ MappingOutput::requireImages() const
 void
 MappingOutput::writeFrame(const MappedFrame& mapped, const SemanticVoxelMap& map)
 {
-  if (!replaced_)
-    replaceEarlierRun();
-  replaced_ = true;
+  replaceEarlierRun();
   if (has_images_)
     writeImages(mapped, map);
   else
@@ -224,7 +182,7 @@ MappingOutput::writeImages(const MappedFrame& mapped, const SemanticVoxelMap& ma
 void
 MappingOutput::writeLive(const MappedFrame& mapped) const
 {
-  const std::string live = path(live_folder) + "/";
+  const std::string live = path(RunFolder::live) + "/";
   makeOutputFolder(live);
   VoxelCloud voxels = mapped.voxels;
   if (centres_) {
@@ -242,21 +200,9 @@ MappingOutput::writeLive(const MappedFrame& mapped) const
 }
 
 void
-MappingOutput::removeLive() const
-{
-  std::error_code error;
-  for (const char* name :
-       {"summary.json", "map.pcd", "label_set.yaml", "trajectory.txt"})
-    std::filesystem::remove(path(live_folder) + "/" + name, error);
-  std::filesystem::remove(path(live_folder), error); // if nothing else lies there
-}
-
-void
 MappingOutput::finish(const SemanticVoxelMap& map)
 {
-  if (!replaced_)
-    replaceEarlierRun();
-  replaced_ = true;
+  replaceEarlierRun();
   VoxelCloud voxels = map.occupiedEverywhere();
   writeFinalImages(voxels);
   if (centres_)
@@ -272,7 +218,7 @@ MappingOutput::finish(const SemanticVoxelMap& map)
   writeKittiTrajectory(path("trajectory.txt"), trajectory());
   writePng(path("top_view.png"), drawTopView(voxels, positions, run_.label_set));
   writeSummary(voxels);
-  removeLive();
+  RunFolder::endRun(folder_);
 }
 
 void

@@ -373,6 +373,34 @@ TEST_F(EvaluatedMap, ALaterRunRemovesWhatItDoesNotWrite)
   EXPECT_EQ(filesIn(again), filesOfMap({"000000"}));
 }
 
+// A run that fails leaves the earlier map, a run that ends its own alone.
+TEST_F(EvaluatedMap, TheEarlierMapStaysUntilTheNewOneIsWhole)
+{
+  const std::string again = folder_->path("kept"), previous = again + "/previous";
+  const std::string options =
+      "--crf none --also depth --voxel-size 0.3 --output " + again;
+  const std::string street_copy = folder_->path("kept_street");
+  copyStreet(street_copy);
+  succeed(mapOf(street_copy) + " " + options);
+  std::ofstream(again + "/labels/notes.txt") << "mine";
+  const std::string map = bytesOf(again + "/map.pcd");
+  const auto files = filesIn(again);
+  const std::string labels = bytesOf(street_copy + "/labels/000002.bin");
+  std::ofstream(street_copy + "/labels/000002.bin") << "cut";
+  for (int time = 0; time < 2; ++time) { // of two that fail the second has less to keep
+    expectFails(mapOf(street_copy) + " " + options, 3, "000002.bin: has 3 bytes");
+    EXPECT_EQ(readMapFolder(previous).frames, (std::vector<int>{0, 1, 2}));
+    EXPECT_TRUE(bytesOf(previous + "/map.pcd") == map);
+    EXPECT_TRUE(std::filesystem::exists(previous + "/depth/000002.png"));
+    EXPECT_FALSE(std::filesystem::exists(again + "/map.pcd"));
+    EXPECT_EQ(bytesOf(again + "/labels/notes.txt"), "mine");
+  }
+  std::ofstream(street_copy + "/labels/000002.bin") << labels;
+  succeed(mapOf(street_copy) + " " + options);
+  EXPECT_EQ(filesIn(again), files) << "and nothing else";
+  EXPECT_TRUE(bytesOf(again + "/map.pcd") == map);
+}
+
 TEST(EvaluateMapTool, BadInput)
 {
   const std::string map = "map STREET --output OUT --labels STREET/labels ";

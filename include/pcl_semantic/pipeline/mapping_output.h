@@ -37,7 +37,7 @@ class FolderLock;
 class MappingOutput {
 public:
   /** \brief Makes the folders. What an earlier run left in them stays until the first
-   * frame is written.
+   * frame is written; a finished map then lies in `previous` until the new one is whole.
    * \param[in] run what is mapped; without a camera there are no images. Its inputs
    * go to the summary
    * \param[in] records of the frames that are in the map already, of a run that goes
@@ -86,9 +86,7 @@ private:
 
   void requireImages() const;
 
-  void replaceEarlierRun() const;
-
-  void removeLive() const;
+  void replaceEarlierRun();
 
   Trajectory trajectory() const;
 
