@@ -2,6 +2,7 @@
 #include "files/folder_lock.h"
 #include "map_arguments.h"
 #include "messages.h"
+#include "network_trial.h"
 #include "ranks.h"
 #include "recorded_mapping.h"
 #include "tool.h"
@@ -323,6 +324,8 @@ mapFleet(const std::string& path, const Ranks& ranks)
 int
 main(int argc, char** argv)
 {
+  if (const auto trial = runAsNetworkTrial(argc, argv))
+    return *trial;
   const Ranks ranks(argc, argv);
   const int code = run(usage.name, [&] {
     keepFreedMemory();

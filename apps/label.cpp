@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
+#include "network_trial.h"
 #include "opened_network.h"
 #include "sequence_options.h"
 
@@ -465,6 +466,8 @@ labelSequence(const Arguments& options)
 int
 main(int argc, char** argv)
 {
+  if (const auto trial = runAsNetworkTrial(argc, argv))
+    return *trial;
   return run(usage.name, [&] {
     const Arguments arguments = parse(argc, argv);
     return arguments.clouds.empty() ? labelSequence(arguments) : labelClouds(arguments);

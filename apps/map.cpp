@@ -2,6 +2,7 @@
 #include "live_mapping.h"
 #include "map_arguments.h"
 #include "messages.h"
+#include "network_trial.h"
 #include "recorded_mapping.h"
 #include "tool.h"
 
@@ -40,6 +41,8 @@ mapFrames(const MapArguments& arguments)
 int
 main(int argc, char** argv)
 {
+  if (const auto trial = runAsNetworkTrial(argc, argv))
+    return *trial;
   return run("pcl_semantic_map", [&] {
     keepFreedMemory();
     const MapArguments arguments = parseMapArguments(argc, argv);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opened_network.h"
 #include "command_line.h"
+#include "network_trial.h"
 
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
@@ -51,6 +52,14 @@ requireEngine(const std::string& name, const std::string& network)
 
 OpenedNetwork
 openNetwork(const std::string& description, const std::string& model,
+            const std::string& engine)
+{
+  tryNetwork(description, model, engine);
+  return loadNetwork(description, model, engine);
+}
+
+OpenedNetwork
+loadNetwork(const std::string& description, const std::string& model,
             const std::string& engine)
 {
   const NetworkDescription network = readNetworkDescription(description);

@@ -26,13 +26,17 @@ constexpr const char* engine_help =
  * \param[in] engine empty = the fastest */
 void requireEngine(const std::string& engine, const std::string& network);
 
-/** \brief Opens the network of --network, --model and --engine.
+/** \brief Opens the network of --network, --model and --engine, after tryNetwork().
  * \param[in] description path (YAML)
  * \param[in] model path (ONNX); empty = the one the description names
  * \param[in] engine as requireEngine() takes it
  * \throws BadInputException, BadModelException, InvalidParameterException as
  * readNetworkDescription() and NetworkPredictor */
 OpenedNetwork openNetwork(const std::string& description, const std::string& model,
+                          const std::string& engine);
+
+/** \brief The same without the trial. */
+OpenedNetwork loadNetwork(const std::string& description, const std::string& model,
                           const std::string& engine);
 
 } // namespace pcl_semantic::tool

@@ -192,8 +192,8 @@ otherSize(const OnnxInterface& network, const NetworkDescription& description)
   return "";
 }
 
-/** \brief What \a body returns; OpenCV's exceptions as EngineError or std::bad_alloc.
- */
+/** \brief What \a body returns; exceptions of the engine and of what it is made of
+ * (Protocol Buffers, say) as EngineError or std::bad_alloc. */
 template <typename Body>
 auto
 withOpenCv(Body&& body)
@@ -207,7 +207,10 @@ withOpenCv(Body&& body)
       throw std::bad_alloc();
     throw EngineError(error.err);
   }
-  catch (const std::logic_error& error) { // std::length_error of a nonsensical size
+  catch (const std::bad_alloc&) {
+    throw;
+  }
+  catch (const std::exception& error) { // std::length_error of a nonsensical size
     throw EngineError(error.what());
   }
 }

@@ -106,6 +106,22 @@ network(int channels, const std::string* bytes = nullptr)
   };
 }
 
+// ArgMax where nothing depends on the image.
+std::string
+argumentOfConstant()
+{
+  const auto node = [](const char* type, const char* from, const char* to) {
+    return Message().bytes(1, from).bytes(2, to).bytes(3, type).bytes(4, type);
+  };
+  return onnxModel(Message()
+                       .message(1, node("ArgMax", "constant", "inner"))
+                       .message(1, node("Identity", "inner", "logits"))
+                       .bytes(2, "graph")
+                       .message(5, floatTensor("constant", {2}, {1.0f, 2.0f}))
+                       .message(11, floatValue("image", {1, 3, 6, 8}))
+                       .message(12, floatValue("logits", {1, 4, 6, 8})));
+}
+
 BadCase::Damage
 network(const std::string& bytes)
 {
@@ -257,6 +273,9 @@ TEST(BadInput, Networks)
        network(4)},
       {"channels", 4, "frame 0: ", options, network(5)},
       {"NaN", 4, "frame 0: ", options, network(net.file())},
+      // OpenCV 4.6 ends the program that loads this one.
+      {"deadly", 4, "the network ", options + " --engine opencv",
+       network(argumentOfConstant())},
   });
 }
 

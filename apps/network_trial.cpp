@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "network_trial.h"
+#include "opened_network.h"
+#include "tool.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/sensor_frame.h>
+#include <pcl_semantic/labelling/network_predictor.h>
+
+#include "core/fail.h"
+
+#include <opencv2/core.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <new>
+#include <set>
+#include <thread>
+#include <tuple>
+#include <vector>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+constexpr const char* mode = "--try-network";
+
+constexpr std::chrono::seconds patience{60};
+
+void
+limitResources()
+{
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+#if !defined(__SANITIZE_ADDRESS__) // which reserves more than any machine has
+  const rlim_t memory =
+      rlim_t(::sysconf(_SC_PHYS_PAGES)) * rlim_t(::sysconf(_SC_PAGESIZE)) / 4 * 3;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur > memory) {
+    limit.rlim_cur = memory;
+    ::setrlimit(RLIMIT_AS, &limit);
+  }
+#endif
+}
+
+// Starts this program once more, which says nothing. \return 0 if that cannot be
+pid_t
+start(const std::vector<std::string>& arguments)
+{
+  std::vector<char*> pointers;
+  for (const std::string& argument : arguments)
+    pointers.push_back(const_cast<char*>(argument.c_str()));
+  pointers.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    ::posix_spawn_file_actions_addopen(&actions, descriptor, "/dev/null", O_RDWR, 0);
+  pid_t process = 0;
+  const int error = ::posix_spawn(&process, "/proc/self/exe", &actions, nullptr,
+                                  pointers.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  return error == 0 ? process : 0;
+}
+
+// As waitpid(). \return false if it takes too long: it is killed then
+bool
+waitFor(pid_t process, int& status)
+{
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (::waitpid(process, &status, WNOHANG) == 0) {
+    if (std::chrono::steady_clock::now() > end) {
+      ::kill(process, SIGKILL);
+      ::waitpid(process, &status, 0);
+      return false;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+} // namespace
+
+void
+tryNetwork(const std::string& description, const std::string& model,
+           const std::string& engine)
+{
+  static std::set<std::tuple<std::string, std::string, std::string>> tried;
+  if (!tried.insert({description, model, engine}).second)
+    return;
+  const pid_t process = start(
+      {"pcl_semantic_" + std::string(mode + 2), mode, description, model, engine});
+  if (process == 0)
+    return; // as in a system without /proc
+  const std::string name = model.empty() ? description : model;
+  int status = 0;
+  if (!waitFor(process, status))
+    fail<BadModelException>(name, ": the network has not labelled an image within ",
+                            patience.count(), " s");
+  if (WIFSIGNALED(status))
+    fail<BadModelException>(name, ": the network ends the program that loads it (",
+                            ::strsignal(WTERMSIG(status)), "): damaged, or not for ",
+                            engine.empty() ? "this engine" : engine);
+  if (WEXITSTATUS(status) == exit_out_of_memory)
+    throw std::bad_alloc();
+}
+
+std::optional<int>
+runAsNetworkTrial(int argc, char** argv)
+{
+  if (argc != 5 || std::strcmp(argv[1], mode) != 0)
+    return std::nullopt;
+  limitResources();
+  return run(argv[0], [&] {
+    const NetworkDescription network = readNetworkDescription(argv[2]);
+    const OpenedNetwork opened = loadNetwork(argv[2], argv[3], argv[4]);
+    StereoFrame frame;
+    frame.left = cv::Mat(network.input_height, network.input_width, CV_8UC3,
+                         cv::Scalar::all(128));
+    opened.predictor->predict(frame);
+    return int(exit_done);
+  });
+}
+
+} // namespace pcl_semantic::tool

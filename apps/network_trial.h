@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace pcl_semantic::tool {
+
+/** \brief Loads a network and has it label one grey image, in a process of its own with
+ * bounded memory and time: engines trust the files they read, and some of these end the
+ * program. What the process says by its exit code is left to those who load it for
+ * good. Once for each network.
+ *
+ * \param[in] description, model, engine as openNetwork() takes them
+ * \throws BadModelException if a signal ends the process, or it does not end
+ * \throws std::bad_alloc if it runs out of memory */
+void tryNetwork(const std::string& description, const std::string& model,
+                const std::string& engine);
+
+/** \brief The first thing that main() does in programs that open networks.
+ * \return exit code, if this is the process that tryNetwork() has started */
+std::optional<int> runAsNetworkTrial(int argc, char** argv);
+
+} // namespace pcl_semantic::tool
