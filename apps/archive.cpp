@@ -192,8 +192,14 @@ merge(const Arguments& arguments)
            "'merge' needs two FILEs or more (with --poses one), and OUT");
   const std::vector<std::string> inputs(arguments.files.begin(),
                                         arguments.files.end() - 1);
-  // A map that is given twice would be believed twice.
-  refuseSameFiles({}, arguments.files);
+  for (auto input = inputs.begin(); input != inputs.end(); ++input)
+    refuseIf(std::any_of(input + 1, inputs.end(),
+                         [&](const std::string& other) {
+                           std::error_code error;
+                           return std::filesystem::equivalent(*input, other, error);
+                         }),
+             *input + ": is named twice, and would be believed twice");
+  refuseSameFiles(inputs, {arguments.files.back()});
   const std::vector<Submap> submaps = submapsOf(arguments, inputs);
   const std::uint64_t blocks =
       mergeSubmaps(submaps, arguments.files.back(), showProgress("merging", "tiles"));

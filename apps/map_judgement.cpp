@@ -5,6 +5,8 @@
 
 #include <pcl_semantic/core/exceptions.h>
 
+#include <cmath>
+
 namespace pcl_semantic::tool {
 
 void
@@ -33,6 +35,18 @@ warnOfEmptyMap()
 {
   warn("the map is empty: no point lies within --max-depth of the sensor "
        "(coordinates are metres, in the sensor's frame)");
+}
+
+void
+PoseWatch::look(int frame, const Eigen::Vector3d& position)
+{
+  const double distance = last_ ? (position - *last_).norm() : 0.0;
+  last_ = position;
+  if (has_warned_ || !(distance > farthest_))
+    return;
+  has_warned_ = true;
+  warn("frame " + std::to_string(frame) + " is " + shown(std::round(distance)) +
+       " m from the one before it: are its poses those of these frames, in metres?");
 }
 
 } // namespace pcl_semantic::tool

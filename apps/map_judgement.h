@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+
+#include <optional>
 #include <string>
 
 namespace pcl_semantic::tool {
@@ -16,5 +19,20 @@ void judgeTracking(const std::string& sequence, int lost, int frames);
 void judgeCalibration(const std::string& calibration, double domain_shift);
 
 void warnOfEmptyMap();
+
+/** \brief Warns, once a run, of a frame that is farther from the one before it than
+ * points are mapped: such poses are of other frames, or not in metres. */
+class PoseWatch {
+public:
+  /** \param[in] farthest [m] */
+  explicit PoseWatch(double farthest) : farthest_(farthest) {}
+
+  void look(int frame, const Eigen::Vector3d& position);
+
+private:
+  double farthest_;
+  std::optional<Eigen::Vector3d> last_; ///< position of the frame before
+  bool has_warned_ = false;
+};
 
 } // namespace pcl_semantic::tool

@@ -68,6 +68,7 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
   catchInterrupts();
   ProgressBar progress("mapping", source.run().frames.size() - mapped_before);
   bool is_empty = mapped_before == 0;
+  PoseWatch watch(source.run().config.map.max_range);
   while (!interrupted()) {
     const std::optional<SensorFrame> frame = source.next();
     if (!frame)
@@ -80,6 +81,7 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
       if (output && is_watched)
         output->writeLive(mapped);
     });
+    watch.look(mapped.frame.number, mapped.T_world_camera.translation());
     noteTimes(mapped);
     progress.step();
     is_empty = is_empty && mapped.voxels.size() == 0;

@@ -373,6 +373,20 @@ TEST_F(EvaluatedMap, ALaterRunRemovesWhatItDoesNotWrite)
   EXPECT_EQ(filesIn(again), filesOfMap({"000000"}));
 }
 
+TEST_F(EvaluatedMap, AJumpOfThePosesIsWarnedOf)
+{
+  const std::string poses = folder_->path("jump.txt");
+  std::filesystem::copy_file(street() + "/poses.txt", poses);
+  setWord(poses, 2, 12, "900000");
+  const std::string command = mapOf(street()) + " --crf none --map-only --output " +
+                              folder_->path("jumped") + " --poses ";
+  const std::string jumped = succeed(command + poses);
+  EXPECT_TRUE(holds(jumped, "warning: frame 1 is 9"));
+  EXPECT_TRUE(holds(jumped, "in metres?"));
+  EXPECT_EQ(succeed(command + street() + "/poses.txt").find("warning"),
+            std::string::npos);
+}
+
 // A run that fails leaves the earlier map, a run that ends its own alone.
 TEST_F(EvaluatedMap, TheEarlierMapStaysUntilTheNewOneIsWhole)
 {
