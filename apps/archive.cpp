@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/text_stream.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -69,7 +70,7 @@ onlyFile(const Arguments& arguments)
 std::string
 textOf(const Eigen::Vector3d& position)
 {
-  std::ostringstream text;
+  TextStream text;
   text << position.transpose();
   return text.str();
 }

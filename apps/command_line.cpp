@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "command_line.h"
+#include "core/split.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -212,9 +213,8 @@ std::vector<std::string>
 splitAtCommas(const std::string& text)
 {
   std::vector<std::string> words;
-  std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, ',');)
-    words.push_back(word);
+  for (const std::string_view word : splitAt(',', text))
+    words.emplace_back(word);
   return words;
 }
 

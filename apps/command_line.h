@@ -3,9 +3,10 @@
 
 #include <pcl_semantic/pipeline/mapper_config.h>
 
+#include "core/text_stream.h"
+
 #include <boost/program_options.hpp>
 
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,7 +60,7 @@ template <typename T>
 std::string
 shown(const T& value)
 {
-  std::ostringstream text;
+  TextStream text;
   text << value;
   return text.str();
 }

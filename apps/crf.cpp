@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/text_stream.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -15,7 +16,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <sstream>
 
 namespace {
 
@@ -179,7 +179,7 @@ textOfChanges(const Labels& before, const Labels& now, const std::string& label_
   std::optional<LabelSet> names;
   if (!label_set.empty())
     names = readLabelSet(label_set);
-  std::ostringstream text;
+  TextStream text;
   for (const auto& [label, number] : changed)
     text << (text.tellp() > 0 ? ", " : "") << number << " of "
          << (names ? (*names)[Label(label)].name : std::to_string(label));
@@ -208,7 +208,7 @@ warnOfResult(const Arguments& arguments, const LabelledCloud& input,
   for (const double deviation : {crf.smoothness_deviation, crf.appearance_deviation})
     if (deviation != 0.0 &&
         (deviation < 0.5 * report.spacing || deviation > 50.0 * report.spacing)) {
-      std::ostringstream text;
+      TextStream text;
       text << arguments.input << ": points lie " << report.spacing
            << " apart (median of fourth neighbours), for which a deviation of "
            << deviation << " is too "

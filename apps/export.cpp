@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/text_stream.h"
 #include "map_input.h"
 #include "messages.h"
 #include "tool.h"
@@ -11,7 +12,6 @@
 #include <pcl_semantic/io/voxel_colours.h>
 
 #include <filesystem>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -266,7 +266,7 @@ writeTree(const Arguments& arguments, const MapInput& map)
     writeColourOctree(arguments.output, scene, coloursOf(arguments, map));
   const Eigen::Vector3d shift = octreeShift(scene);
   if (shift.cwiseAbs().maxCoeff() > 1e-3 * scene.grid.size) {
-    std::ostringstream text;
+    TextStream text;
     text << "the map is moved by " << shift.transpose()
          << " m: voxels of an octree begin at multiples of their size";
     warn(text.str());

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/text_stream.h"
 #include "files/folder_lock.h"
 #include "map_arguments.h"
 #include "messages.h"
@@ -169,7 +170,7 @@ public:
       return;
     const std::chrono::duration<double> seconds =
         std::chrono::steady_clock::now() - start;
-    std::ostringstream line;
+    TextStream line;
     line << task << "," << rank_ << "," << seconds.count();
     lines_.push_back(line.str());
     note(task + ": " + std::to_string(seconds.count()) + " s");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/text_stream.h"
 #include "messages.h"
 #include "sequence_options.h"
 
@@ -10,8 +11,6 @@
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
 #include <filesystem>
-#include <locale>
-#include <sstream>
 
 using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
@@ -88,11 +87,10 @@ requireRowsAreFrames(const FrameSequence& sequence,
 struct Tracked {
   TimedTrajectory trajectory;
   std::vector<int> lost;
-  std::ostringstream report;
+  TextStream report;
 
   Tracked()
   {
-    report.imbue(std::locale::classic());
     report.precision(9);
     report << "frame,time,tracked,inliers,lost,keyframe,disparity_offset";
     for (int i = 0; i < 36; ++i)

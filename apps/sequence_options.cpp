@@ -13,7 +13,6 @@
 #include <pcl_semantic/odometry/pose_source.h>
 
 #include <cmath>
-#include <sstream>
 
 namespace pcl_semantic::tool {
 
@@ -159,7 +158,7 @@ PairWatch::PairWatch(bool strict, const StereoCamera& camera) : strict_(strict)
   const double x = camera.cx / camera.width, y = camera.cy / camera.height;
   if (std::abs(x - 0.5) < 0.2 && std::abs(y - 0.5) < 0.3)
     return;
-  std::ostringstream text;
+  TextStream text;
   text << "the principal point (" << camera.cx << ", " << camera.cy
        << ") is far from the middle of the images, " << camera.width << " x "
        << camera.height << ": is the calibration of images of another size?";

@@ -32,14 +32,17 @@ function(pcl_semantic_compiler_options target group)
     # GCC 12 takes parts of <regex> for uninitialized when it instruments them.
     target_compile_options(${target} PRIVATE
       $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
-      -fsanitize=address -fno-omit-frame-pointer)
+      -fsanitize=${PCL_SEMANTIC_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=${PCL_SEMANTIC_SANITIZE})
     # Behaviour is ours to check, not that of the tests, which then compile in two thirds.
-    if(NOT group STREQUAL tests)
+    if(PCL_SEMANTIC_SANITIZE STREQUAL "address" AND NOT group STREQUAL tests)
       target_compile_options(${target} PRIVATE
         -fsanitize=undefined -fno-sanitize-recover=undefined
         # What the fuzzers (test/fuzz) are told of: which way was taken.
         $<$<CXX_COMPILER_ID:Clang>:-fsanitize=fuzzer-no-link>)
     endif()
-    target_link_options(${target} PRIVATE -fsanitize=address,undefined)
+    if(PCL_SEMANTIC_SANITIZE STREQUAL "address")
+      target_link_options(${target} PRIVATE -fsanitize=undefined)
+    endif()
   endif()
 endfunction()

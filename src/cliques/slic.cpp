@@ -3,6 +3,7 @@
 
 #include "core/disjoint_sets.h"
 #include "core/fail.h"
+#include "core/parallel_guard.h"
 #include "kernels/slic_assignment.h"
 
 #include <opencv2/core.hpp>
@@ -223,10 +224,11 @@ std::vector<SlicSum>
 sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
 {
   std::vector<SlicSum> sums(centres);
+  ParallelGuard guard;
 #pragma omp parallel
-  {
+  guard.run([&] {
     std::vector<SlicSum> part(centres);
-#pragma omp for schedule(static)
+#pragma omp for schedule(static) nowait
     for (int v = 0; v < labels.rows; ++v) {
       const cv::Vec3b* const pixels = lab.bytes.ptr<cv::Vec3b>(v);
       const int* const row = labels.ptr<int>(v);
@@ -239,7 +241,8 @@ sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
 #pragma omp critical
     for (std::size_t c = 0; c < centres; ++c)
       sums[c] += part[c];
-  }
+  });
+  guard.rethrow();
   return sums;
 }
 

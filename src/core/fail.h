@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/text_stream.h"
+
 #include <pcl_semantic/core/exceptions.h>
 
-#include <sstream>
 #include <string>
 
 namespace pcl_semantic {
@@ -13,7 +14,7 @@ template <typename Error, typename... Parts>
 [[noreturn]] void
 fail(const Parts&... parts)
 {
-  std::ostringstream message;
+  TextStream message;
   (message << ... << parts);
   throw Error(message.str());
 }

@@ -2,6 +2,7 @@
 #include <pcl_semantic/dataset/rgbd_sequence.h>
 
 #include "core/fail.h"
+#include "core/split.h"
 #include "files/file_pattern.h"
 
 #include <pcl_semantic/files/image_file.h>
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -34,17 +34,16 @@ readList(const std::string& folder, const std::string& name)
   for (const TextLine& line : readLines(path)) {
     if (line.text.empty() || line.text[0] == '#')
       continue;
-    std::istringstream words(line.text);
-    TimedFile file;
-    std::string image, rest;
-    words >> file.word >> image;
-    if (image.empty() || words >> rest)
+    const std::vector<std::string_view> words = wordsOf(line.text);
+    if (words.size() != 2)
       fail<BadInputException>(atLine(path, line.number),
                               ": expected a time and a file");
+    TimedFile file;
+    file.word = words[0];
     file.time = parseNumber(file.word, atLine(path, line.number));
     if (!std::isfinite(file.time) || (!files.empty() && file.time <= files.back().time))
       fail<BadInputException>(atLine(path, line.number), ": times have to rise");
-    file.path = folder + "/" + image;
+    file.path = folder + "/" + std::string(words[1]);
     files.push_back(file);
   }
   if (files.empty())

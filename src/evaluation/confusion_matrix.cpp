@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -259,7 +258,7 @@ scoresJson(const Scores& scores, const LabelSet& label_set)
 std::string
 confusionCsv(const ConfusionMatrix& confusion, const LabelSet& label_set)
 {
-  std::ostringstream text;
+  TextStream text;
   text << "truth \\ prediction,uncovered";
   for (int label = 1; label <= confusion.classes(); ++label)
     text << "," << csvField(label_set[static_cast<Label>(label)].name);

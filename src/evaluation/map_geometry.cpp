@@ -2,6 +2,7 @@
 #include <pcl_semantic/evaluation/map_geometry.h>
 
 #include "core/fail.h"
+#include "core/parallel_guard.h"
 #include "files/report_text.h"
 
 #include <pcl_semantic/evaluation/lidar_truth.h>
@@ -184,17 +185,21 @@ MapGeometry::samples() const
   pcl::KdTreeFLANN<pcl::PointXYZ> tree;
   tree.setInputCloud(returns_);
   std::vector<float> squared(positions_.size(), 0.0f);
+  ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 256)
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     if (!judged_[i])
       continue;
-    const Eigen::Vector3f position = (positions_[i] - origin_).cast<float>();
-    pcl::Indices nearest(1);
-    std::vector<float> distance(1);
-    tree.nearestKSearch(pcl::PointXYZ(position.x(), position.y(), position.z()), 1,
-                        nearest, distance);
-    squared[i] = distance[0];
+    guard.run([&] {
+      const Eigen::Vector3f position = (positions_[i] - origin_).cast<float>();
+      pcl::Indices nearest(1);
+      std::vector<float> distance(1);
+      tree.nearestKSearch(pcl::PointXYZ(position.x(), position.y(), position.z()), 1,
+                          nearest, distance);
+      squared[i] = distance[0];
+    });
   }
+  guard.rethrow();
   for (std::size_t i = 0; i < squared.size(); ++i)
     if (judged_[i])
       result.distances.push_back(std::sqrt(squared[i]));

@@ -62,8 +62,7 @@ AtomicFile::AtomicFile(const std::string& path)
 AtomicFile::~AtomicFile()
 {
   stream_.close();
-  std::error_code ignored;
-  fs::remove(temporary_path_, ignored);
+  ::unlink(temporary_path_.c_str()); // without memory, too
 }
 
 void

@@ -4,12 +4,12 @@
 #include "parse_whole.h"
 
 #include "core/fail.h"
+#include "core/split.h"
 
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -19,8 +19,7 @@ pcl::PointIndices
 parseClique(const std::string& text, std::size_t points, const std::string& where)
 {
   pcl::PointIndices clique;
-  std::istringstream stream(text);
-  for (std::string word; stream >> word;) {
+  for (const std::string_view word : wordsOf(text)) {
     pcl::index_t index = 0;
     if (!parseWhole(word, index) || index < 0 || std::size_t(index) >= points)
       badInput(where, ": ", inQuotes(word),

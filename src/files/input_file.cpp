@@ -4,6 +4,7 @@
 #include "parse_whole.h"
 
 #include "core/fail.h"
+#include "core/split.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -11,30 +12,58 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace pcl_semantic {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Streams hide that memory lacks, and would wait for the other end of a pipe.
+struct OpenedFile {
+  explicit OpenedFile(const std::string& path)
+      : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))
+  {}
+
+  ~OpenedFile()
+  {
+    if (descriptor >= 0)
+      ::close(descriptor);
+  }
+
+  OpenedFile(const OpenedFile&) = delete;
+  OpenedFile& operator=(const OpenedFile&) = delete;
+
+  const int descriptor;
+};
+
+} // namespace
+
 std::vector<std::uint8_t>
 readBytes(const std::string& path)
 {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored))
-    badInput(path, ": is a folder, expected a file");
-  std::ifstream stream(path, std::ios::binary | std::ios::ate);
-  if (!stream)
+  const OpenedFile file(path);
+  struct stat status {};
+  if (file.descriptor < 0 || ::fstat(file.descriptor, &status) != 0)
     badInput(path, ": cannot be read: ", std::strerror(errno));
-  const std::streamoff size = stream.tellg();
-  if (size < 0)
+  if (S_ISDIR(status.st_mode))
+    badInput(path, ": is a folder, expected a file");
+  if (!S_ISREG(status.st_mode))
     badInput(path, ": cannot be read: it is no regular file");
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  stream.seekg(0);
-  stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()));
-  if (!stream)
-    badInput(path, ": could not be read completely");
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(status.st_size));
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t count =
+        ::read(file.descriptor, bytes.data() + done, bytes.size() - done);
+    if (count == 0 || (count < 0 && errno != EINTR))
+      badInput(path, ": could not be read completely");
+    done += std::size_t(std::max<ssize_t>(count, 0));
+  }
   return bytes;
 }
 
@@ -42,14 +71,15 @@ std::vector<TextLine>
 readLines(const std::string& path)
 {
   const std::vector<std::uint8_t> bytes = readBytes(path);
-  std::string text(bytes.begin(), bytes.end());
-  if (text.rfind("\xEF\xBB\xBF", 0) == 0)
-    text.erase(0, 3);
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  constexpr std::string_view mark = "\xEF\xBB\xBF"; // of UTF-8
+  if (text.substr(0, mark.size()) == mark)
+    text.remove_prefix(mark.size());
   std::vector<TextLine> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) {
+  for (const std::string_view part : splitAt('\n', text)) {
+    std::string line(part);
     line.erase(line.find_last_not_of(" \t\r") + 1);
-    lines.push_back({line, static_cast<int>(lines.size()) + 1});
+    lines.push_back({std::move(line), static_cast<int>(lines.size()) + 1});
   }
   return lines;
 }
@@ -70,9 +100,8 @@ std::vector<double>
 parseNumbers(const std::string& text, const std::string& where)
 {
   std::vector<double> numbers;
-  std::istringstream stream(text);
-  for (std::string word; stream >> word;) {
-    numbers.push_back(parseNumber(word, where));
+  for (const std::string_view word : wordsOf(text)) {
+    numbers.push_back(parseNumber(std::string(word), where));
     if (!std::isfinite(numbers.back()))
       badInput(where, ": '", word, "' is not a finite number");
   }

@@ -10,7 +10,6 @@
 #include <pcl_semantic/files/input_file.h>
 
 #include <iomanip>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -57,7 +56,7 @@ readLabelSet(const std::string& path)
 void
 writeLabelSet(const std::string& path, const LabelSet& label_set)
 {
-  std::ostringstream text;
+  TextStream text;
   text << "classes:\n";
   for (int label = 1; label <= label_set.size(); ++label) {
     const LabelClass& each = label_set[Label(label)];

@@ -11,8 +11,6 @@
 #include <Eigen/SVD>
 
 #include <algorithm>
-#include <locale>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -158,8 +156,7 @@ readKittiTrajectory(const std::string& path)
 void
 writeKittiTrajectory(const std::string& path, const Trajectory& trajectory)
 {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
+  TextStream text;
   text.precision(17);
   for (const Eigen::Isometry3d& pose : trajectory) {
     const RowMajor34 rows = pose.matrix().topRows<3>();
@@ -193,8 +190,7 @@ readTumTrajectory(const std::string& path)
 void
 writeTumTrajectory(const std::string& path, const TimedTrajectory& trajectory)
 {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
+  TextStream text;
   text << "# time [s] tx ty tz [m] qx qy qz qw\n";
   for (const TimedPose& timed : trajectory) {
     const Eigen::Quaterniond rotation(timed.pose.linear());

@@ -2,6 +2,7 @@
 #include <pcl_semantic/filters/cloud_refiner.h>
 
 #include "core/fail.h"
+#include "core/parallel_guard.h"
 #include "point_spacing.h"
 
 #include <algorithm>
@@ -50,16 +51,19 @@ Eigen::Vector3f
 medianOf(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices)
 {
   Eigen::Vector3f median;
+  ParallelGuard guard;
 #pragma omp parallel for schedule(static, 1)
-  for (int a = 0; a < 3; ++a) {
-    std::vector<float> values;
-    values.reserve(indices.size());
-    for (const pcl::index_t index : indices)
-      values.push_back(positions(a, index));
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[a] = *middle;
-  }
+  for (int a = 0; a < 3; ++a)
+    guard.run([&] {
+      std::vector<float> values;
+      values.reserve(indices.size());
+      for (const pcl::index_t index : indices)
+        values.push_back(positions(a, index));
+      const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      median[a] = *middle;
+    });
+  guard.rethrow();
   return median;
 }
 

@@ -2,6 +2,7 @@
 #include "archive_database.h"
 #include "block_encoding.h"
 #include "core/fail.h"
+#include "core/split.h"
 #include "write_ahead_log.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -11,7 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <sstream>
+#include <new>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -88,7 +89,14 @@ struct Temporary {
     remove();
   }
 
-  ~Temporary() { remove(); }
+  ~Temporary()
+  {
+    try {
+      remove();
+    }
+    catch (const std::bad_alloc&) { // it stays
+    }
+  }
 
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
@@ -122,15 +130,19 @@ makeArchiveFile(const std::string& path,
 {
   refuseExisting(path);
   const Temporary temporary(path);
+  const auto named = [&](std::string message) {
+    const std::size_t at = message.find(temporary.name);
+    return at == std::string::npos ? message
+                                   : message.replace(at, temporary.name.size(), path);
+  };
   try {
     make(temporary.name);
   }
   catch (const OutputException& error) {
-    std::string message = error.what();
-    const std::size_t at = message.find(temporary.name);
-    if (at != std::string::npos)
-      message.replace(at, temporary.name.size(), path);
-    fail<OutputException>(message);
+    fail<OutputException>(named(error.what()));
+  }
+  catch (const BadInputException& error) { // it cannot be read back, say
+    badInput(named(error.what()));
   }
   rename(temporary.name, path);
   synchronizeFolderOf(path);
@@ -340,13 +352,13 @@ ArchiveDatabase::integrityFaults()
   SqliteStatement check(database_, "PRAGMA integrity_check");
   std::vector<std::string> faults;
   check.forEachRow([&] {
-    std::istringstream lines{std::string(check.bytes(0))};
-    for (std::string line; std::getline(lines, line);)
+    for (const std::string_view line : splitAt('\n', check.bytes(0)))
       if (line != "ok" && line.rfind("***", 0) != 0) // a title
-        faults.push_back(line);
+        faults.emplace_back(line);
   });
   const WriteAheadLog log(path() + "-wal");
-  if (log.lostCommits() > 0)
+  // One is what a disk without power leaves of a commit that never came to its end.
+  if (log.lostCommits() > 1)
     faults.push_back(path() + "-wal has " + std::to_string(log.lostCommits()) +
                      " commits behind something damaged, from byte " +
                      std::to_string(log.end()) + " on");

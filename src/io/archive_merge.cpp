@@ -5,6 +5,7 @@
 #include "block_merge.h"
 #include "core/fail.h"
 #include "core/parallel_guard.h"
+#include "core/split.h"
 #include "moved_archive.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -18,7 +19,6 @@
 #include <map>
 #include <memory>
 #include <set>
-#include <sstream>
 #include <tuple>
 #include <vector>
 
@@ -34,7 +34,7 @@ describeMerge(std::vector<PlacedArchive> inputs)
 {
   std::sort(inputs.begin(), inputs.end(),
             [](const auto& a, const auto& b) { return a.path < b.path; });
-  std::ostringstream text;
+  TextStream text;
   text.precision(17);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     text << "merged_" << i + 1 << ": " << inputs[i].path << "\n";
@@ -65,10 +65,9 @@ headerOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
         std::max(header.parameters.max_range, parameters.max_range);
   }
   header.configuration = describeMerge(inputs);
-  std::istringstream lines(first->header().configuration);
-  for (std::string line; std::getline(lines, line);)
+  for (const std::string_view line : splitAt('\n', first->header().configuration))
     if (line.rfind("crf", 0) == 0) // with which a merge of this one is refined
-      header.configuration += line + "\n";
+      header.configuration += std::string(line) + "\n";
   return header;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/io/class_statistics.h>
 
+#include "core/text_stream.h"
 #include "files/report_text.h"
 
 #include <pcl_semantic/files/atomic_file.h>
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -62,8 +62,7 @@ writeClassStatistics(const std::string& path,
                      const std::vector<ClassStatistics>& statistics,
                      const LabelSet& label_set)
 {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
+  TextStream text;
   text << std::setprecision(7); // what single precision has
   text << "label,class,voxels,fraction,volume_m3,area_m2,mean_z_m,lowest_z_m,"
           "highest_z_m\n";

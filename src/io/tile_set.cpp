@@ -2,13 +2,15 @@
 #include "tile_set.h"
 
 #include "core/fail.h"
+#include "core/split.h"
+#include "files/parse_whole.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/input_file.h>
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -37,7 +39,7 @@ tilePath(const std::string& index, const MapTile& tile)
 void
 writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
 {
-  std::ostringstream lines;
+  TextStream lines;
   std::uint64_t blocks = 0, tiles_with_blocks = 0;
   for (const MapTile& tile : tiles) {
     const MapArchive archive(tilePath(index, tile), ArchiveAccess::read);
@@ -48,7 +50,7 @@ writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
     lines << tile.x << " " << tile.y << " " << archive.state().blocks << " "
           << archive.state().key_sum << "\n";
   }
-  std::ostringstream text;
+  TextStream text;
   text << first_word << " " << version << " " << tiles_with_blocks << " " << blocks
        << "\n"
        << lines.str();
@@ -66,24 +68,30 @@ TileSet::isIndex(const std::string& path)
 
 TileSet::TileSet(const std::string& path) : path_(path)
 {
-  std::ifstream file(path);
-  std::string word;
-  int its_version = 0;
   std::size_t tiles = 0;
-  file >> word >> its_version >> tiles >> state_.blocks;
-  if (!file || its_version != version)
-    badInput(path, ", line 1: is no index of tiles of version ", version);
   std::uint64_t blocks = 0;
-  for (std::size_t i = 0; i < tiles; ++i) {
+  for (const TextLine& line : readLines(path)) {
+    const std::vector<std::string_view> words = wordsOf(line.text);
+    if (line.number == 1) {
+      int its_version = 0;
+      if (words.size() != 4 || words[0] != first_word ||
+          !parseWhole(words[1], its_version) || its_version != version ||
+          !parseWhole(words[2], tiles) || !parseWhole(words[3], state_.blocks))
+        badInput(atLine(path, 1), ": is no index of tiles of version ", version);
+      continue;
+    }
     MapTile tile;
     Tile its;
-    if (!(file >> tile.x >> tile.y >> its.blocks >> its.key_sum))
-      badInput(path, ", line ", i + 2, ": expected four numbers, of ", tiles, " tiles");
+    if (words.size() != 4 || !parseWhole(words[0], tile.x) ||
+        !parseWhole(words[1], tile.y) || !parseWhole(words[2], its.blocks) ||
+        !parseWhole(words[3], its.key_sum))
+      badInput(atLine(path, line.number), ": expected four numbers, of ", tiles,
+               " tiles");
     blocks += its.blocks;
     its.path = tilePath(path, tile);
     tiles_[tile] = its;
   }
-  if (tiles_.size() != tiles || blocks != state_.blocks || !(file >> std::ws).eof())
+  if (tiles_.size() != tiles || blocks != state_.blocks)
     badInput(path, ": has other tiles than the ", tiles, " of ", state_.blocks,
              " blocks that it speaks of");
   if (tiles_.empty())

@@ -3,6 +3,7 @@
 
 #include "calibration_term.h"
 #include "core/fail.h"
+#include "core/parallel_guard.h"
 #include "lbfgs.h"
 
 #include <functional>
@@ -240,10 +241,14 @@ public:
     const auto dims = static_cast<Eigen::Index>(size());
     Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(dims, Eigen::Index(chunks));
     std::vector<double> losses(chunks);
+    ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t c = 0; c < chunks; ++c)
-      losses[c] = chunkOf(c * chunk, std::min((c + 1) * chunk, rows_.size()), x.data(),
-                          slopes.col(Eigen::Index(c)).data());
+      guard.run([&] {
+        losses[c] = chunkOf(c * chunk, std::min((c + 1) * chunk, rows_.size()),
+                            x.data(), slopes.col(Eigen::Index(c)).data());
+      });
+    guard.rethrow();
     gradient.setZero(dims);
     double loss = 0.0;
     for (std::size_t c = 0; c < chunks; ++c) {

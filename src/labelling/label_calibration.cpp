@@ -7,7 +7,6 @@
 #include "files/yaml_config.h"
 
 #include <limits>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -144,14 +143,16 @@ calibrate(const LabelCalibration& calibration, const LabelDistributions& distrib
                                     " classes of ", distributions.size(),
                                     " points, features of ", features.size());
   LabelDistributions result = distributions;
+  ParallelGuard guard;
 #pragma omp parallel
-  {
+  guard.run([&] {
     Calibrator calibrator(calibration);
-#pragma omp for
+#pragma omp for nowait
     for (Eigen::Index i = 0; i < result.size(); ++i)
       calibrator.apply(features.empty() ? PointFeatures{} : features[std::size_t(i)],
                        result.column(i));
-  }
+  });
+  guard.rethrow();
   return result;
 }
 
@@ -323,7 +324,7 @@ readCalibration(const std::string& path, const LabelSet& label_set,
 std::string
 printCalibration(const LabelCalibration& calibration, const LabelSet& label_set)
 {
-  std::ostringstream text;
+  TextStream text;
   text.precision(std::numeric_limits<float>::max_digits10);
   if (!calibration.of.empty())
     text << "of: " << calibration.of << "\n";

@@ -26,7 +26,8 @@ template <std::size_t Slopes, std::size_t Numbers> struct RayTable {
   void
   reserve(std::size_t rows)
   {
-    if (numbers[0].size() >= rows + kernels::slab_lanes)
+    // The last one to grow: without memory the others may be ahead of it.
+    if (numbers.back().size() >= rows + kernels::slab_lanes)
       return;
     forEachColumn([&](auto& column) { column.resize(2 * rows + kernels::slab_lanes); });
   }

@@ -6,8 +6,6 @@
 #include <pcl_semantic/core/sensor_frame.h>
 
 #include <algorithm>
-#include <locale>
-#include <sstream>
 #include <vector>
 
 namespace pcl_semantic {
@@ -53,8 +51,7 @@ TimedPoses::find(const FrameTime& frame) const
 std::string
 TimedPoses::lackOf(const FrameTime& frame) const
 {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
+  TextStream text;
   text.precision(15); // times may be of the Unix clock
   text << name_ << ": has no pose within " << tolerance_ << " s of " << frame.timestamp
        << " s, the time of frame " << frame.number;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_cliques.h"
 #include "core/fail.h"
+#include "core/parallel_guard.h"
 #include "frame_calibration.h"
 #include "stereo/cloud_features.h"
 
@@ -97,14 +98,17 @@ cliqueEvidence(const VoxelCloud& voxels, const std::vector<pcl::PointIndices>& c
   evidence.distributions =
       LabelDistributions(voxels.measured.classes(), Eigen::Index(cliques.size()));
   evidence.features.resize(cliques.size());
+  ParallelGuard guard;
 #pragma omp parallel for schedule(dynamic, 8)
-  for (std::size_t c = 0; c < cliques.size(); ++c) {
-    evidence.distributions.matrix().col(Eigen::Index(c)) =
-        geometricMean(voxels.measured, cliques[c].indices).cast<float>();
-    addColour(voxels, cliques[c].indices, evidence.features[c]);
-    if (view.ground)
-      addGeometry(voxels, cliques[c].indices, view, evidence.features[c]);
-  }
+  for (std::size_t c = 0; c < cliques.size(); ++c)
+    guard.run([&] {
+      evidence.distributions.matrix().col(Eigen::Index(c)) =
+          geometricMean(voxels.measured, cliques[c].indices).cast<float>();
+      addColour(voxels, cliques[c].indices, evidence.features[c]);
+      if (view.ground)
+        addGeometry(voxels, cliques[c].indices, view, evidence.features[c]);
+    });
+  guard.rethrow();
   return evidence;
 }
 

@@ -3,6 +3,7 @@
 
 #include "cliques/slic_cliques.h"
 #include "core/fail.h"
+#include "core/split.h"
 #include "files/yaml_config.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -45,7 +45,7 @@ parseVector(std::string text, const std::string& where)
 std::string
 printNumber(double value)
 {
-  std::ostringstream text;
+  TextStream text;
   text << value;
   return text.str();
 }
@@ -196,7 +196,7 @@ readParameters(const std::string& path, ConfigParameters parameters)
 std::string
 printParameters(const ConfigParameters& parameters)
 {
-  std::ostringstream text;
+  TextStream text;
   for (const ConfigParameter& parameter : parameters) {
     const bool is_list = std::holds_alternative<Eigen::Vector3d*>(parameter.value);
     text << parameter.name << ": "
@@ -565,9 +565,8 @@ listedLabels(const std::string& names, const LabelSet& label_set,
   std::vector<Label> labels;
   if (names == "none")
     return labels;
-  std::istringstream stream(names);
-  for (std::string name; std::getline(stream, name, ',');) {
-    labels.push_back(label_set.find(name));
+  for (const std::string_view name : splitAt(',', names)) {
+    labels.push_back(label_set.find(std::string(name)));
     if (labels.back() == kUnlabelled)
       badParameter(what, ": class '", name, "' is not in the label set");
   }

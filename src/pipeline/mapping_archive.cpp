@@ -65,9 +65,13 @@ MappingArchive::~MappingArchive()
   catch (const std::exception&) { // what failed was reported where it did
   }
   archive_.reset();
-  std::error_code ignored;
-  for (const char* const ending : {"", "-wal", "-shm"})
-    std::filesystem::remove(options_.path + ending, ignored);
+  try {
+    std::error_code ignored;
+    for (const char* const ending : {"", "-wal", "-shm"})
+      std::filesystem::remove(options_.path + ending, ignored);
+  }
+  catch (const std::bad_alloc&) { // they stay
+  }
 }
 
 bool

@@ -2,6 +2,7 @@
 #include <pcl_semantic/pipeline/run_description.h>
 
 #include "core/fail.h"
+#include "core/split.h"
 #include "files/bytes.h"
 
 #include <pcl_semantic/files/input_file.h>
@@ -15,7 +16,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <sstream>
 
 namespace pcl_semantic {
 
@@ -40,7 +40,7 @@ describeInput(const std::string& value)
   if (value.empty() || !fs::exists(value, error))
     return value;
   const fs::path path = fs::weakly_canonical(value, error);
-  std::ostringstream text;
+  TextStream text;
   text << (error ? value : path.string());
   if (fs::is_regular_file(value, error))
     text << " (digest " << std::hex << digestOf(readBytes(value)) << ")";
@@ -117,11 +117,10 @@ std::map<std::string, std::string>
 valuesOf(const std::string& description)
 {
   std::map<std::string, std::string> values;
-  std::istringstream stream(description);
-  for (std::string line; std::getline(stream, line);) {
+  for (const std::string_view line : splitAt('\n', description)) {
     const std::size_t colon = line.find(": ");
-    values[line.substr(0, colon)] =
-        colon == std::string::npos ? "" : line.substr(colon + 2);
+    values[std::string(line.substr(0, colon))] =
+        colon == std::string_view::npos ? "" : line.substr(colon + 2);
   }
   return values;
 }
@@ -131,7 +130,7 @@ valuesOf(const std::string& description)
 std::string
 describeRun(const MappingRun& run)
 {
-  std::ostringstream text;
+  TextStream text;
   // Others round in another way.
   text << "version: " << PCL_SEMANTIC_VERSION << ", OpenCV " << CV_VERSION << "\n";
   for (const auto& [name, value] : run.inputs)
@@ -154,9 +153,9 @@ changeOfRun(const std::string& before, const std::string& now)
     const auto found = values.find(name);
     return found == values.end() || found->second.empty() ? "none" : found->second;
   };
-  std::istringstream stream(now + before); // in the order of the lines
-  for (std::string line; std::getline(stream, line);) {
-    const std::string name = line.substr(0, line.find(": "));
+  const std::string both = now + before; // in the order of the lines
+  for (const std::string_view line : splitAt('\n', both)) {
+    const std::string name(line.substr(0, line.find(": ")));
     const std::string was = valueIn(old_values, name), is = valueIn(new_values, name);
     if (was != is)
       return name + " was " + was + ", is " + is;

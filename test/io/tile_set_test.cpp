@@ -133,7 +133,7 @@ TEST_F(TiledMap, WithoutATileOrWithABadIndexIsRefused)
   for (const auto& [text, says] :
        {std::pair{"pcl_semantic_tiles 7 1 1\n0 0 1 1\n",
                   "line 1: is no index of tiles"},
-        {"pcl_semantic_tiles 1 2 1\n0 0 1 1\n", "line 3: expected four numbers"},
+        {"pcl_semantic_tiles 1 2 1\n0 0 1 1\n", "has other tiles than the 2"},
         {"pcl_semantic_tiles 1 2 1\n0 0 1 1\n0 1 0 x\n",
          "line 3: expected four numbers"},
         {"pcl_semantic_tiles 1 1 1\n0 0 1 1\n1 1 1 1\n", "has other tiles than the 1"},

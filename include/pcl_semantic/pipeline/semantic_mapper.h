@@ -22,6 +22,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -57,8 +58,12 @@ private:
 
     ~Stopwatch()
     {
-      times.seconds_.emplace_back(
-          name, std::chrono::duration<double>(Clock::now() - start).count());
+      try {
+        times.seconds_.emplace_back(
+            name, std::chrono::duration<double>(Clock::now() - start).count());
+      }
+      catch (const std::bad_alloc&) { // the stage has done its work
+      }
     }
   };
 

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Every allocation fails once.
+
+#include "faults.h"
+#include "fuzz/doors.h"
+
+#include "support/archives.h"
+#include "support/random_scan.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/map/semantic_voxel_map.h>
+
+#include <opencv2/core.hpp>
+
+#include <filesystem>
+#include <set>
+
+namespace pcl_semantic {
+
+namespace {
+
+// The first allocations one by one, then every sixteenth or so of those there are.
+long
+nextOf(long n)
+{
+  return n + 1 + n / 16;
+}
+
+// Runs something with each of these allocations failing. It has to end as if nothing
+// had happened, or for want of memory, whichever exception says so. \param[in]
+// may_refuse files: decoders of images say that these are damaged then
+template <typename Body>
+void
+sweep(Body&& body, bool may_refuse = false)
+{
+  const ThreadScope one_thread(1); // allocations of others do not fail
+  body();                          // what is made once is there now
+  int failures = 0;
+  for (long before = 0;; before = nextOf(before)) {
+    bool has_failed = false;
+    try {
+      const FailingAllocation fault(before);
+      struct Note {
+        const FailingAllocation& fault;
+        bool& has_failed;
+        ~Note() { has_failed = fault.hasFailed(); }
+      } note{fault, has_failed};
+      body();
+    }
+    catch (const std::bad_alloc&) {
+    }
+    catch (const cv::Exception& error) {
+      EXPECT_EQ(error.code, cv::Error::StsNoMem) << error.what();
+    }
+    catch (const BadInputException& error) {
+      EXPECT_TRUE(may_refuse) << before << ": " << error.what();
+    }
+    catch (const std::exception& error) {
+      ADD_FAILURE() << before << ": " << error.what();
+    }
+    failures += has_failed;
+    if (!has_failed || testing::Test::HasFailure())
+      break;
+  }
+  EXPECT_GT(failures, 0);
+}
+
+// Readers of pictures and YAML, whose libraries say, without memory, that the file is
+// damaged.
+bool
+hasLibrary(const std::string& door)
+{
+  static const std::set<std::string> doors{
+      "calibration", "crf_config",    "depth_png", "distributions_png",
+      "fleet_plan",  "image_jpg",     "image_png", "label_mapping",
+      "label_set",   "mapper_config", "network",   "pinhole_camera",
+      "stereo_rig"};
+  return doors.count(door) > 0;
+}
+
+SemanticVoxelMap::Parameters
+smallWindow()
+{
+  SemanticVoxelMap::Parameters parameters;
+  parameters.voxel_size = 0.25;
+  parameters.window = Eigen::Vector3d(8, 8, 8);
+  parameters.max_range = 4.0;
+  return parameters;
+}
+
+} // namespace
+
+TEST(Starved, ReadersRunOutOfMemory)
+{
+  const std::filesystem::path corpora = PCL_SEMANTIC_SOURCE_DIR "/test/fuzz/corpus";
+  for (const Door& door : doors()) {
+    SCOPED_TRACE(door.name);
+    // libtiff 4.5 writes to what it has not got; destructors of nlohmann's JSON take
+    // memory, and end the program without.
+    if (door.name == "image_tif" || door.name == "summary")
+      continue;
+    for (const auto& file : std::filesystem::directory_iterator(corpora / door.name)) {
+      const std::vector<std::uint8_t> bytes = readBytes(file.path());
+      const std::string text(bytes.begin(), bytes.end());
+      try {
+        door.read(text);
+      }
+      catch (const std::exception&) {
+        continue; // one that is refused
+      }
+      sweep([&] { door.read(text); }, hasLibrary(door.name));
+      break;
+    }
+  }
+}
+
+// After a scan that found no memory the map can still be used.
+TEST(Starved, TheMapRunsOutOfMemory)
+{
+  const LabelledScan scan = makeRandomScan(200, 3.0f, 3, 1);
+  SemanticVoxelMap used(threeClasses(), smallWindow());
+  sweep([&] {
+    SemanticVoxelMap map(threeClasses(), smallWindow());
+    map.integrate(scan.cloud, Eigen::Isometry3d::Identity(), scan.distributions);
+    map.occupied();
+  });
+  sweep([&] {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    for (int step = 0; step < 3; ++step) { // out of the window, and back
+      pose.translation().x() = step == 1 ? 20.0 : 0.0;
+      used.integrate(scan.cloud, pose, scan.distributions);
+    }
+    used.occupiedEverywhere();
+  });
+  EXPECT_GT(used.occupied().size(), 0u);
+}
+
+TEST(Starved, TheCrfRunsOutOfMemory)
+{
+  const LabelledScan scan = makeRandomScan(60, 1.0f, 3, 2);
+  for (const CRFModelType model : {CRFModelType::dense, CRFModelType::hierarchical}) {
+    pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud(
+        new pcl::PointCloud<pcl::PointXYZRGBL>);
+    for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+      pcl::PointXYZRGBL point;
+      point.getVector3fMap() = scan.cloud[i].getVector3fMap();
+      point.rgba = scan.cloud[i].rgba;
+      point.label = std::uint32_t(scan.distributions.mapLabel(Eigen::Index(i)));
+      cloud->push_back(point);
+    }
+    pcl::PointIndices clique;
+    clique.indices = {0, 1, 2, 3};
+    sweep([&] {
+      SemanticCRF<pcl::PointXYZRGBL> crf;
+      crf.setInputCloud(cloud);
+      crf.setModel(model);
+      crf.setLabelDistributions(scan.distributions);
+      if (model == CRFModelType::hierarchical)
+        crf.setCliques({clique});
+      pcl::PointCloud<pcl::PointXYZRGBL> refined;
+      crf.filter(refined);
+      EXPECT_EQ(refined.size(), cloud->size());
+    });
+  }
+}
+
+// Whatever allocation fails, the archive is as it was last committed.
+TEST(Starved, TheArchiveRunsOutOfMemory)
+{
+  const TemporaryFolder folder;
+  const Blocks first = makeRandomBlocks(5, 1), both = [&] {
+    Blocks blocks = first;
+    for (const auto& [index, block] : makeRandomBlocks(5, 2))
+      blocks[index] = block;
+    return blocks;
+  }();
+  const std::string begun = folder.path("begun"), path = folder.path("map");
+  {
+    const auto archive = MapArchive::create(begun, makeArchiveHeader());
+    putAll(first, *archive);
+    archive->commit({});
+    EXPECT_TRUE(archive->close());
+  }
+  bool committed = false;
+  const auto goOn = [&] {
+    for (const char* const ending : {"", "-wal", "-shm"})
+      std::filesystem::remove(path + ending);
+    std::filesystem::copy_file(begun, path);
+    committed = false;
+    MapArchive archive(path, ArchiveAccess::write);
+    putAll(both, archive);
+    archive.commit({});
+    committed = true;
+    archive.close();
+  };
+  const ThreadScope one_thread(1);
+  goOn();
+  for (long before = 0;; before = nextOf(before)) {
+    SCOPED_TRACE(before);
+    bool has_failed = false;
+    const auto fault = std::make_unique<FailingAllocation>(before);
+    try {
+      goOn();
+    }
+    catch (const std::bad_alloc&) {
+    }
+    catch (const std::filesystem::filesystem_error& error) {
+      EXPECT_EQ(error.code(), std::errc::not_enough_memory);
+    }
+    has_failed = fault->hasFailed();
+    if (!has_failed)
+      break;
+    if (!std::filesystem::exists(path))
+      continue; // it failed while the copy was made
+    const MapArchive archive(path, ArchiveAccess::read);
+    if (committed || archive.state().blocks == both.size())
+      expectHolds(archive, both);
+    else
+      expectHolds(archive, first);
+    ASSERT_FALSE(HasFailure());
+  }
+}
+
+} // namespace pcl_semantic
