@@ -3,6 +3,7 @@
 #include <pcl_semantic/evaluation/reliability.h>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include <cmath>
 #include <random>

@@ -6,6 +6,7 @@
 #include <pcl_semantic/map/voxel_set.h>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <limits>

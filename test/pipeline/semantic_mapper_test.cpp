@@ -440,6 +440,28 @@ TEST_F(Street, SameMapForAnyNumberOfThreads)
   }
 }
 
+// Each in a thread of its own, with threads of its own.
+TEST_F(Street, TwoMappersInOneProcessDoNotDisturbEachOther)
+{
+  const auto mapWith = [](int threads) {
+    MapperConfig config;
+    config.threads = threads;
+    SemanticMapper mapper = makeMapper(config);
+    for (int i = 0; i < 3; ++i)
+      mapper.process(frame(i));
+    return mapper.map().occupied();
+  };
+  const VoxelCloud alone = mapWith(1);
+  std::future<VoxelCloud> both[2];
+  for (int each = 0; each < 2; ++each)
+    both[each] = std::async(std::launch::async, mapWith, each + 1);
+  for (std::future<VoxelCloud>& each : both) {
+    const VoxelCloud voxels = each.get();
+    EXPECT_EQ(voxels.indices, alone.indices);
+    EXPECT_TRUE(voxels.refined.matrix() == alone.refined.matrix());
+  }
+}
+
 TEST_F(Street, ABlankPairIsMappedAsNothing)
 {
   SemanticMapper mapper = makeMapper(MapperConfig());

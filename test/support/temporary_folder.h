@@ -14,10 +14,10 @@ namespace pcl_semantic {
 /** \brief An empty folder of its own for a test; removed with all it holds. */
 class TemporaryFolder {
 public:
-  TemporaryFolder()
+  explicit TemporaryFolder(
+      const std::filesystem::path& parent = std::filesystem::temp_directory_path())
   {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "pcl_semantic_XXXXXX").string();
+    std::string name = (parent / "pcl_semantic_XXXXXX").string();
     if (!::mkdtemp(name.data()))
       ADD_FAILURE() << "no temporary folder " << name;
     path_ = name;
@@ -27,6 +27,16 @@ public:
   {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
+  }
+
+  /** \brief A parent in memory, where there is one, for tests that flush a lot. */
+  static std::filesystem::path
+  memory()
+  {
+    const std::filesystem::path shared = "/dev/shm";
+    return std::filesystem::is_directory(shared)
+               ? shared
+               : std::filesystem::temp_directory_path();
   }
 
   TemporaryFolder(const TemporaryFolder&) = delete;
