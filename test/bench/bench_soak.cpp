@@ -54,8 +54,10 @@ class EndlessStreet {
 public:
   explicit EndlessStreet(const SyntheticRenderer& renderer) : renderer_(renderer)
   {
-    for (int i = 0; i < kStreet; ++i)
+    for (int i = 0; i < kStreet; ++i) {
       views_.push_back(renderer.render(i));
+      labels_.push_back(syntheticDistributions(views_.back(), 3));
+    }
   }
 
   Eigen::Isometry3d
@@ -67,10 +69,10 @@ public:
            renderer_.pose(number % kStreet);
   }
 
-  LabelDistributions
+  const LabelDistributions&
   labels(int number) const
   {
-    return syntheticDistributions(viewOf(number), 3);
+    return labels_[std::size_t(number % kStreet)];
   }
 
   StereoFrame
@@ -89,6 +91,7 @@ private:
 
   const SyntheticRenderer& renderer_;
   std::vector<SyntheticView> views_;
+  std::vector<LabelDistributions> labels_;
 };
 
 class Poses : public PoseSource {
