@@ -37,9 +37,7 @@ function(pcl_semantic_compiler_options target group)
     # Behaviour is ours to check, not that of the tests, which then compile in two thirds.
     if(PCL_SEMANTIC_SANITIZE STREQUAL "address" AND NOT group STREQUAL tests)
       target_compile_options(${target} PRIVATE
-        -fsanitize=undefined -fno-sanitize-recover=undefined
-        # What the fuzzers (test/fuzz) are told of: which way was taken.
-        $<$<CXX_COMPILER_ID:Clang>:-fsanitize=fuzzer-no-link>)
+        -fsanitize=undefined -fno-sanitize-recover=undefined)
     endif()
     if(PCL_SEMANTIC_SANITIZE STREQUAL "address")
       target_link_options(${target} PRIVATE -fsanitize=undefined)
