@@ -86,6 +86,16 @@ expectEqualsPlain(const PlainCrf& plain, const LabelDistributions& refined)
             0.2f);
 }
 
+// doc/parameters.md has the reasons.
+TEST(ImageCRF, DefaultsAreThoseForImages)
+{
+  const SemanticCRFParameters parameters = SemanticCRFParameters::forImages();
+  EXPECT_EQ(parameters.smoothness_deviation, 3.0);
+  EXPECT_EQ(parameters.appearance_deviation, 40.0);
+  EXPECT_EQ(parameters.colour_deviation, 4.0);
+  EXPECT_EQ(parameters.iterations, 5);
+}
+
 TEST(ImageCRF, EqualsThePlainModelOverPixels)
 {
   for (const int channels : {1, 3}) {

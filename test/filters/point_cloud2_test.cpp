@@ -151,6 +151,37 @@ TEST(PointCloud2Filters, ChangeTheLabelsOfTheirIndicesInPclsOwnLayout)
   EXPECT_TRUE(crf.getRemovedIndices()->empty());
 }
 
+// What makes cliques of an image finds its rows.
+TEST(PointCloud2Filters, GiveGeneratorsAnOrganizedCloud)
+{
+  struct Watcher : CliqueGenerator {
+    std::vector<pcl::PointIndices>
+    generate(const CliqueGenerator::Cloud& cloud) override
+    {
+      width = cloud.width;
+      height = cloud.height;
+      return {};
+    }
+
+    std::uint32_t width = 0, height = 0;
+  };
+  const CrfCloud cloud = labelledCloud();
+  cloud.cloud->width = 40;
+  cloud.cloud->height = 10;
+  Blob::Ptr blob(new Blob);
+  pcl::toPCLPointCloud2(*cloud.cloud, *blob);
+  const auto watcher = std::make_shared<Watcher>();
+  SemanticCRF<Blob> crf;
+  crf.setModel(CRFModelType::hierarchical);
+  crf.setLabelConfidence(0.8, 4);
+  crf.setInputCloud(blob);
+  crf.setCliqueGenerator(watcher);
+  Blob output;
+  crf.filter(output);
+  EXPECT_EQ(watcher->width, 40u);
+  EXPECT_EQ(watcher->height, 10u);
+}
+
 TEST(PointCloud2Filters, RefuseCloudsThatLackAField)
 {
   const Blob::Ptr blob = blobOf(labelledCloud(), false);
@@ -196,6 +227,8 @@ TEST(LabelVoxelGrid, KeepsThePointNearestToTheMeanWithTheMostFrequentLabel)
   Cloud thin;
   pcl::fromPCLPointCloud2(output, thin);
   ASSERT_EQ(thin.size(), 3u);
+  EXPECT_EQ(output.row_step, 3 * output.point_step);
+  EXPECT_EQ(output.data.size(), output.row_step);
   EXPECT_EQ(thin[0].x, 0.05f);
   EXPECT_EQ(thin[0].label, 3u);
   EXPECT_EQ(thin[1].label, 3u); // 0 says nothing
