@@ -24,6 +24,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <set>
 
 using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
@@ -88,7 +89,9 @@ parse(int argc, char** argv)
         "or "
         "TUM's, in its frame (default: poses.txt of the SEQUENCE)"},
        {"frames", options.frames,
-        "of such a MAP: the frames A:B of the SEQUENCE that it is compared with"},
+        "of such a MAP: the frames A:B of the SEQUENCE that it is compared with "
+        "(default: "
+        "those that the archive was made of, of a merged one all)"},
        {"archive", options.archives,
         "archive of the map of a SEQUENCE: judges its probabilities of occupancy, too, "
         "by "
@@ -156,8 +159,12 @@ readAround(const std::string& archive_path, const KittiSequence& sequence,
   MapFolder map;
   VoxelSelection around;
   around.box.setEmpty();
+  std::set<int> mapped; // of one drive that was not merged
+  archive.forEachFrame([&](int frame, const auto&) { mapped.insert(frame); });
   for (const std::size_t i : chooseFrames(named, sequence, options.frames)) {
     const int frame = sequence.frameNumber(i);
+    if (options.frames == ":" && !mapped.empty() && mapped.count(frame) == 0)
+      continue;
     const Eigen::Isometry3d pose = poseAt(*poses, {frame, sequence.timestamp(i)});
     map.frames.push_back(frame);
     map.T_world_camera0.resize(std::size_t(frame) + 1, Eigen::Isometry3d::Identity());
@@ -170,6 +177,9 @@ readAround(const std::string& archive_path, const KittiSequence& sequence,
   around.box.extend((around.box.min() - farthest).eval());
   around.box.extend((around.box.max() + farthest).eval());
   map.voxels = readVoxels(archive, around);
+  if (map.voxels.size() == 0)
+    fail<BadInputException>(archive_path, ": has no voxel around the poses of ", path,
+                            ": are they in its frame?");
   return map;
 }
 

@@ -18,6 +18,7 @@
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -43,6 +44,22 @@ MapSource::makeMapper(std::unique_ptr<PoseSource> poses,
   return mapper;
 }
 
+namespace {
+
+// The words of --also as a value that is no path.
+std::string
+wordsIn(const std::string& also)
+{
+  std::vector<std::string> words = splitAtCommas(also);
+  std::sort(words.begin(), words.end());
+  std::string text;
+  for (const std::string& word : words)
+    text += (text.empty() ? "[" : ", ") + word;
+  return text.empty() ? text : text + "]";
+}
+
+} // namespace
+
 void
 MapSource::setInputs(const Inputs& more)
 {
@@ -51,7 +68,7 @@ MapSource::setInputs(const Inputs& more)
   run_.inputs.insert(run_.inputs.end(),
                      {{"label_calibration", arguments_.label_calibration},
                       {"clique_calibration", arguments_.clique_calibration},
-                      {"also", arguments_.also}}); // a part of the frames would have it
+                      {"also", wordsIn(arguments_.also)}});
 }
 
 void

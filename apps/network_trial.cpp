@@ -22,6 +22,9 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -32,7 +35,7 @@ namespace {
 
 constexpr const char* mode = "--try-network";
 
-constexpr std::chrono::seconds patience{60};
+constexpr std::chrono::seconds patience{120};
 
 void
 limitResources()
@@ -43,10 +46,13 @@ limitResources()
   const rlim_t memory =
       rlim_t(::sysconf(_SC_PHYS_PAGES)) * rlim_t(::sysconf(_SC_PAGESIZE)) / 4 * 3;
   rlimit limit{};
-  if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur > memory) {
+  if (::getrlimit(RLIMIT_DATA, &limit) == 0 && limit.rlim_cur > memory) {
     limit.rlim_cur = memory;
-    ::setrlimit(RLIMIT_AS, &limit);
+    ::setrlimit(RLIMIT_DATA, &limit);
   }
+#endif
+#ifdef __linux__
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // nobody else would end it
 #endif
 }
 
@@ -75,7 +81,7 @@ waitFor(pid_t process, int& status)
 {
   const auto end = std::chrono::steady_clock::now() + patience;
   while (::waitpid(process, &status, WNOHANG) == 0) {
-    if (std::chrono::steady_clock::now() > end) {
+    if (interrupted() || std::chrono::steady_clock::now() > end) {
       ::kill(process, SIGKILL);
       ::waitpid(process, &status, 0);
       return false;
@@ -85,6 +91,15 @@ waitFor(pid_t process, int& status)
   return true;
 }
 
+// What the user has sent to both of us.
+bool
+isInterrupt(int status)
+{
+  return WIFSIGNALED(status) &&
+         (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ||
+          WTERMSIG(status) == SIGHUP);
+}
+
 } // namespace
 
 void
@@ -92,23 +107,33 @@ tryNetwork(const std::string& description, const std::string& model,
            const std::string& engine)
 {
   static std::set<std::tuple<std::string, std::string, std::string>> tried;
-  if (!tried.insert({description, model, engine}).second)
+  const auto network = std::make_tuple(description, model, engine);
+  if (tried.count(network) > 0)
     return;
+  std::signal(SIGCHLD,
+              SIG_DFL); // some parents leave it so that nobody can be waited for
   const pid_t process = start(
       {"pcl_semantic_" + std::string(mode + 2), mode, description, model, engine});
   if (process == 0)
     return; // as in a system without /proc
   const std::string name = model.empty() ? description : model;
   int status = 0;
-  if (!waitFor(process, status))
+  const bool has_ended = waitFor(process, status);
+  if (isInterrupt(status) || interrupted())
+    throw Exit{exit_interrupted};
+  if (!has_ended)
     fail<BadModelException>(name, ": the network has not labelled an image within ",
                             patience.count(), " s");
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
+    fail<BadModelException>(name, ": what tried the network was killed: is there too "
+                                  "little memory for it?");
   if (WIFSIGNALED(status))
     fail<BadModelException>(name, ": the network ends the program that loads it (",
                             ::strsignal(WTERMSIG(status)), "): damaged, or not for ",
                             engine.empty() ? "this engine" : engine);
   if (WEXITSTATUS(status) == exit_out_of_memory)
     throw std::bad_alloc();
+  tried.insert(network);
 }
 
 std::optional<int>

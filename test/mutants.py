@@ -16,6 +16,7 @@ import collections
 import pathlib
 import random
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -66,6 +67,11 @@ def candidates(module):
                 yield path.relative_to(SOURCE), number, line, mistake
 
 
+def bound_memory():
+    """A mistake may let something grow for ever."""
+    resource.setrlimit(resource.RLIMIT_DATA, (8 << 30, 8 << 30))
+
+
 class Workshop:
     """A copy of the sources in which mistakes are made."""
 
@@ -94,6 +100,7 @@ class Workshop:
             return subprocess.run([self.build / "test" / f"test_{module}",
                                    "--gtest_brief=1", "--gtest_fail_fast"],
                                   cwd=self.build / "test", timeout=patience,
+                                  preexec_fn=bound_memory,
                                   stdout=subprocess.DEVNULL,
                                   stderr=subprocess.DEVNULL).returncode == 0
         except subprocess.TimeoutExpired:

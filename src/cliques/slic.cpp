@@ -3,7 +3,6 @@
 
 #include "core/disjoint_sets.h"
 #include "core/fail.h"
-#include "core/parallel_guard.h"
 #include "kernels/slic_assignment.h"
 
 #include <opencv2/core.hpp>
@@ -15,6 +14,8 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
+
+#include <omp.h>
 
 namespace pcl_semantic {
 
@@ -224,11 +225,11 @@ std::vector<SlicSum>
 sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
 {
   std::vector<SlicSum> sums(centres);
-  ParallelGuard guard;
+  std::vector<std::vector<SlicSum>> parts(std::size_t(omp_get_max_threads()), sums);
 #pragma omp parallel
-  guard.run([&] {
-    std::vector<SlicSum> part(centres);
-#pragma omp for schedule(static) nowait
+  {
+    std::vector<SlicSum>& part = parts[std::size_t(omp_get_thread_num())];
+#pragma omp for schedule(static)
     for (int v = 0; v < labels.rows; ++v) {
       const cv::Vec3b* const pixels = lab.bytes.ptr<cv::Vec3b>(v);
       const int* const row = labels.ptr<int>(v);
@@ -238,11 +239,10 @@ sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
             SlicSum(lab_bytes[0], lab_bytes[1], lab_bytes[2], u, v, 1);
       }
     }
-#pragma omp critical
+  }
+  for (const std::vector<SlicSum>& part : parts)
     for (std::size_t c = 0; c < centres; ++c)
       sums[c] += part[c];
-  });
-  guard.rethrow();
   return sums;
 }
 

@@ -95,9 +95,10 @@ statedSize(const std::vector<std::uint8_t>& bytes)
 void
 requirePlausibleSize(const std::vector<std::uint8_t>& bytes, const std::string& path)
 {
-  constexpr std::uint64_t most = 10000;      // pixels a byte
-  const StatedSize size = statedSize(bytes); // of 32 bits each
-  if (size.columns != 0 && size.rows > most * bytes.size() / size.columns)
+  constexpr std::uint64_t harmless = 100000000, most = 10000; // pixels in all, a byte
+  const StatedSize size = statedSize(bytes);                  // of 32 bits each
+  if (size.columns != 0 &&
+      size.rows > std::max(harmless, most * bytes.size()) / size.columns)
     badInput(path, ": states ", size.columns, " x ", size.rows, " pixels, which its ",
              bytes.size(), " bytes cannot hold");
 }

@@ -18,7 +18,7 @@ struct StatedSize {
 StatedSize statedSize(const std::vector<std::uint8_t>& bytes);
 
 /** \brief Makes sure that a file could hold what it states, before a decoder takes
- * memory for it: ten thousand pixels a byte are more than an image of one colour has.
+ * memory for it: beyond 10^8 pixels no more than ten thousand a byte.
  * \param[in] path for the message
  * \throws BadInputException */
 void requirePlausibleSize(const std::vector<std::uint8_t>& bytes,

@@ -3,10 +3,11 @@
 
 #include "calibration_term.h"
 #include "core/fail.h"
-#include "core/parallel_guard.h"
 #include "files/yaml_config.h"
 
 #include <limits>
+
+#include <omp.h>
 
 namespace pcl_semantic {
 
@@ -143,16 +144,16 @@ calibrate(const LabelCalibration& calibration, const LabelDistributions& distrib
                                     " classes of ", distributions.size(),
                                     " points, features of ", features.size());
   LabelDistributions result = distributions;
-  ParallelGuard guard;
+  const auto threads = static_cast<std::size_t>(omp_get_max_threads());
+  std::vector<Calibrator> calibrators(threads, Calibrator(calibration));
 #pragma omp parallel
-  guard.run([&] {
-    Calibrator calibrator(calibration);
-#pragma omp for nowait
+  {
+    Calibrator& calibrator = calibrators[std::size_t(omp_get_thread_num())];
+#pragma omp for
     for (Eigen::Index i = 0; i < result.size(); ++i)
       calibrator.apply(features.empty() ? PointFeatures{} : features[std::size_t(i)],
                        result.column(i));
-  });
-  guard.rethrow();
+  }
   return result;
 }
 

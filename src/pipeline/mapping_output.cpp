@@ -83,6 +83,7 @@ MappingOutput::MappingOutput(const std::string& folder, const MappingRun& run,
 {
   requireImages();
   refuseForeignImages();
+  RunFolder::requireRoom(folder_);
   makeOutputFolder(folder_);
   lock_ = std::make_unique<FolderLock>(folder_);
   if (!has_images_)

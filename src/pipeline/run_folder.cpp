@@ -36,10 +36,26 @@ summaryAt(const std::string& path)
 }
 
 bool
-isFinished(const std::string& folder)
+isFinished(const nlohmann::json& summary)
 {
-  const nlohmann::json summary = summaryAt(folder + "/summary.json");
-  return summary.is_object() && summary.value("finished", false);
+  const auto finished = summary.find("finished");
+  return summary.is_object() && finished != summary.end() && finished->is_boolean() &&
+         finished->get<bool>();
+}
+
+// Says that we have made the folder `previous`, and may remove it. Links are not ours.
+std::string
+markOf(const std::string& previous)
+{
+  return previous + "/.set_aside";
+}
+
+bool
+isOurs(const std::string& previous)
+{
+  std::error_code error;
+  return fs::is_directory(fs::symlink_status(previous, error)) &&
+         fs::exists(markOf(previous), error);
 }
 
 // What a run has left, but for files of the kept frames.
@@ -76,14 +92,26 @@ imageFolders()
   return names;
 }
 
-// A whole map folder and itself, unless it holds something else.
 void
-removeMap(const std::string& folder)
+removePrevious(const std::string& folder)
 {
-  removeFrames(folder, {});
-  removeEmpty(folder, RunFolder::names());
+  const std::string previous = folder + "/" + RunFolder::previous;
+  if (!isOurs(previous))
+    return;
+  removeFrames(previous, {});
+  removeEmpty(previous, RunFolder::names());
   std::error_code error;
-  fs::remove(folder, error);
+  fs::remove(markOf(previous), error);
+  fs::remove(previous, error); // unless it holds something else
+}
+
+void
+removeLive(const std::string& folder)
+{
+  const std::string live = folder + "/" + RunFolder::live;
+  removeEmpty(live, {"summary.json", "map.pcd", "label_set.yaml", "trajectory.txt"});
+  std::error_code error;
+  fs::remove(live, error);
 }
 
 void
@@ -93,6 +121,11 @@ moveIfThere(const std::string& from, const std::string& to)
   if (!fs::exists(from, error))
     return;
   fs::rename(from, to, error);
+  if (error == std::errc::cross_device_link) {
+    fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+    if (!error)
+      fs::remove(from, error);
+  }
   if (error)
     fail<OutputException>(from, ": cannot be moved to ", to, ": ", error.message());
 }
@@ -104,8 +137,10 @@ setAside(const std::string& folder)
 {
   const std::string previous = folder + "/" + RunFolder::previous;
   if (fs::exists(previous + "/summary.json"))
-    removeMap(previous);
+    removePrevious(folder);
   makeOutputFolder(previous);
+  writeTextFile(markOf(previous), "");
+  const std::vector<std::string> images = imageFolders();
   for (const std::string& name : RunFolder::names()) {
     std::error_code error;
     const std::string from = folder + "/" + name, to = previous + "/" + name;
@@ -116,8 +151,11 @@ setAside(const std::string& folder)
     if (name == RunFolder::previous || name == RunFolder::live)
       continue;
     makeOutputFolder(to);
-    for (const FrameFile& file : listFrameFiles(from, {".png", ".label", ".npy"}))
-      moveIfThere(file.path, to + "/" + fs::path(file.path).filename().string());
+    const bool is_of_images = std::count(images.begin(), images.end(), name) > 0;
+    for (const char* const extension : {".png", ".label", ".npy"})
+      if (!is_of_images || extension == std::string(".png"))
+        for (const FrameFile& file : listFrameFiles(from, {extension}))
+          moveIfThere(file.path, to + "/" + fs::path(file.path).filename().string());
   }
 }
 
@@ -143,16 +181,33 @@ RunFolder::isSummary(const std::string& path)
 }
 
 void
+RunFolder::requireRoom(const std::string& folder)
+{
+  const std::string previous = folder + "/" + RunFolder::previous;
+  std::error_code error;
+  if (fs::exists(fs::symlink_status(previous, error)) && !isOurs(previous) &&
+      isFinished(summaryAt(folder + "/summary.json")))
+    fail<OutputException>(previous, ": is not what an earlier run has set aside, but "
+                                    "the map of this folder would be: choose another "
+                                    "folder, or move that");
+}
+
+void
 RunFolder::beginRun(const std::string& folder, const std::vector<int>& kept,
                     bool has_images)
 {
-  if (kept.empty() && isFinished(folder))
-    setAside(folder);
+  const nlohmann::json summary = summaryAt(folder + "/summary.json");
+  if (isFinished(summary)) {
+    if (summary.contains("frame_numbers") && summary["frame_numbers"] == kept)
+      return; // this very run, which only ends once more
+    if (kept.empty())
+      setAside(folder);
+  }
   removeFrames(folder, kept);
   if (!has_images)
     removeEmpty(folder, imageFolders());
   removeEmpty(folder, {std::begin(map_files), std::end(map_files)});
-  removeMap(folder + "/" + live);
+  removeLive(folder);
   const nlohmann::ordered_json unfinished{
       {"finished", false}, {"versions", {{"pcl_semantic", PCL_SEMANTIC_VERSION}}}};
   writeTextFile(folder + "/summary.json", jsonText(unfinished));
@@ -164,8 +219,8 @@ RunFolder::beginRun(const std::string& folder, const std::vector<int>& kept,
 void
 RunFolder::endRun(const std::string& folder)
 {
-  removeMap(folder + "/" + live);
-  removeMap(folder + "/" + previous);
+  removeLive(folder);
+  removePrevious(folder);
 }
 
 } // namespace pcl_semantic

@@ -28,16 +28,22 @@ struct RunFolder {
   /** \brief Whether a file is the summary of a run of ours, finished or not. */
   static bool isSummary(const std::string& path);
 
+  /** \brief Before a run: makes sure that a finished map can be set aside.
+   * \throws OutputException if `previous` is somebody else's */
+  static void requireRoom(const std::string& folder);
+
   /** \brief Makes room for the frames of a run: a finished map that lies there is moved
    * to `previous`, what an unfinished run has left is removed, and a summary says that
-   * the new one is not finished. Files of others stay.
+   * the new one is not finished. Files of others stay, and so does the finished map of
+   * this very run, whose frames are all kept.
    *
    * \param[in] kept frames, in order, that the run has mapped before, whose images stay
    * \param[in] has_images whether it writes images \throws OutputException */
   static void beginRun(const std::string& folder, const std::vector<int>& kept,
                        bool has_images);
 
-  /** \brief Once the new map is whole: removes `live` and `previous`. */
+  /** \brief Once the new map is whole: removes `live`, and `previous` if it was set
+   * aside. */
   static void endRun(const std::string& folder);
 };
 

@@ -244,7 +244,7 @@ TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
   refuses("--hit-probability 0.70000001", "hit_probability was 0.7");
   refuses("--crf none", "crf was dense, is none");
   refuses("--network-every 2", "network_every was 1");
-  refuses("--also depth", "also was none, is depth");
+  refuses("--also depth", "also was none, is [depth]");
   refuses("--frames 0:10", "frames was 11, from 0 to 10, is 10, from 0 to 9");
   fs::copy(street + "/labels", copies.path("labels"), fs::copy_options::recursive);
   const std::string set = copies.path("set.yaml");

@@ -329,12 +329,18 @@ TEST_F(EvaluatedMap, GeometryOfAnArchiveIsThatOfItsFolder)
   const auto of_folder = nlohmann::json::parse(
       succeed("evaluate_map " + folder + " " + street() + " --json"));
   const auto of_archive = nlohmann::json::parse(
-      succeed("evaluate_map " + archive + " " + street() + " --frames 0:2 --json"));
+      succeed("evaluate_map " + archive + " " + street() + " --json"));
   EXPECT_EQ(of_archive, of_folder);
-  EXPECT_NE(nlohmann::json::parse(
-                succeed("evaluate_map " + archive + " " + street() + " --json")),
+  EXPECT_NE(nlohmann::json::parse(succeed("evaluate_map " + archive + " " + street() +
+                                          " --frames 0:3 --json")),
             of_folder)
       << "of all frames";
+  const std::string far = folder_->path("far.txt");
+  std::filesystem::copy_file(street() + "/poses.txt", far);
+  for (const std::size_t line : {1, 2, 3})
+    setWord(far, line, 12, "900000");
+  expectFails("evaluate_map " + archive + " " + street() + " --poses " + far, 3,
+              "has no voxel around the poses of " + far);
   std::filesystem::rename(street() + "/poses.txt", folder_->path("elsewhere.txt"));
   expectFails("evaluate_map " + archive + " " + street(), 3, "expected --poses");
   EXPECT_EQ(nlohmann::json::parse(succeed("evaluate_map " + archive + " " + street() +
@@ -413,6 +419,19 @@ TEST_F(EvaluatedMap, TheEarlierMapStaysUntilTheNewOneIsWhole)
   succeed(mapOf(street_copy) + " " + options);
   EXPECT_EQ(filesIn(again), files) << "and nothing else";
   EXPECT_TRUE(bytesOf(again + "/map.pcd") == map);
+
+  // Somebody else's folder of that name is neither used nor removed.
+  std::filesystem::create_directories(previous);
+  std::ofstream(previous + "/map.pcd") << "mine";
+  expectFails(mapOf(street_copy) + " " + options, 5,
+              "previous: is not what an earlier run has set aside");
+  EXPECT_TRUE(bytesOf(again + "/map.pcd") == map);
+  std::filesystem::remove_all(previous);
+  std::filesystem::create_directories(folder_->path("elsewhere"));
+  std::ofstream(folder_->path("elsewhere/map.pcd")) << "mine";
+  std::filesystem::create_directory_symlink(folder_->path("elsewhere"), previous);
+  expectFails(mapOf(street_copy) + " " + options, 5, "has set aside");
+  EXPECT_EQ(bytesOf(folder_->path("elsewhere/map.pcd")), "mine");
 }
 
 TEST(EvaluateMapTool, BadInput)

@@ -3,7 +3,7 @@
 // A drive of many hours: the synthetic street again and again, each time behind the
 // last one, 20,000 frames and 17 km, with an archive and without. Prints, every
 // thousand frames, memory, open files, size of the archive and time of a frame as a
-// table in Markdown, and at the end how far each has moved since the first thousand.
+// table in Markdown, and at the end how far each has moved since the second thousand.
 // The number of frames may be given.
 
 #include "support/temporary_folder.h"

@@ -186,7 +186,7 @@ private:
 TEST(ArchiveStates, RandomSequencesGiveWhatAMapInMemoryHolds)
 {
   const char* const more = std::getenv("PCL_SEMANTIC_SEQUENCES");
-  const unsigned sequences = more ? unsigned(std::atoi(more)) : 200;
+  const unsigned sequences = more ? unsigned(std::atoi(more)) : 100;
   for (unsigned seed = 1; seed <= sequences; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Machine machine(seed);
