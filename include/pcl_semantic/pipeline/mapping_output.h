@@ -38,11 +38,15 @@ class MappingOutput {
 public:
   /** \brief Makes the folders. What an earlier run left in them stays until the first
    * frame is written; a finished map then lies in `previous` until the new one is
-   * whole. \param[in] run what is mapped; without a camera there are no images. Its
-   * inputs go to the summary \param[in] records of the frames that are in the map
-   * already, of a run that goes on: images of others are removed with the first frame
-   * that is written \param[in] extra what is written beside the map \throws
-   * InvalidParameterException if \a extra asks for measured labels, depth or
+   * whole.
+   *
+   * \param[in] run what is mapped; without a camera there are no images. Its inputs
+   * go to the summary
+   * \param[in] records of the frames that are in the map already, of a run that goes
+   * on: images of others are removed with the first frame that is written
+   * \param[in] extra what is written beside the map
+   *
+   * \throws InvalidParameterException if \a extra asks for measured labels, depth or
    * probabilities, but not for images
    * \throws BadInputException if images of those frames are missing
    * \throws OutputException also if images lie there that no run of ours has left, or
