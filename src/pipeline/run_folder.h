@@ -38,7 +38,9 @@ struct RunFolder {
    * this very run, whose frames are all kept.
    *
    * \param[in] kept frames, in order, that the run has mapped before, whose images stay
-   * \param[in] has_images whether it writes images \throws OutputException */
+   * \param[in] has_images whether it writes images
+   *
+   * \throws OutputException */
   static void beginRun(const std::string& folder, const std::vector<int>& kept,
                        bool has_images);
 
