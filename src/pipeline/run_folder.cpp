@@ -183,13 +183,13 @@ RunFolder::isSummary(const std::string& path)
 void
 RunFolder::requireRoom(const std::string& folder)
 {
-  const std::string previous = folder + "/" + RunFolder::previous;
+  const std::string path = folder + "/" + previous;
   std::error_code error;
-  if (fs::exists(fs::symlink_status(previous, error)) && !isOurs(previous) &&
+  if (fs::exists(fs::symlink_status(path, error)) && !isOurs(path) &&
       isFinished(summaryAt(folder + "/summary.json")))
-    fail<OutputException>(previous, ": is not what an earlier run has set aside, but "
-                                    "the map of this folder would be: choose another "
-                                    "folder, or move that");
+    fail<OutputException>(path, ": is not what an earlier run has set aside, but "
+                                "the map of this folder would be: choose another "
+                                "folder, or move that");
 }
 
 void
