@@ -17,6 +17,8 @@
 #include <opencv2/core.hpp>
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <set>
 
 namespace pcl_semantic {
@@ -31,24 +33,22 @@ nextOf(long n)
 }
 
 // Runs something with each of these allocations failing. It has to end as if nothing
-// had happened, or for want of memory, whichever exception says so. \param[in]
-// may_refuse files: decoders of images say that these are damaged then
+// had happened, or for want of memory, whichever exception says so.
+// \param[in] check called after each
+// \param[in] may_refuse whether BadInputException may say so, too
 template <typename Body>
 void
-sweep(Body&& body, bool may_refuse = false)
+sweep(
+    Body&& body, const std::function<void()>& check = [] {}, bool may_refuse = false)
 {
   const ThreadScope one_thread(1); // allocations of others do not fail
   body();                          // what is made once is there now
+  check();
   int failures = 0;
   for (long before = 0;; before = nextOf(before)) {
-    bool has_failed = false;
+    SCOPED_TRACE(before);
+    std::optional<FailingAllocation> fault(std::in_place, before);
     try {
-      const FailingAllocation fault(before);
-      struct Note {
-        const FailingAllocation& fault;
-        bool& has_failed;
-        ~Note() { has_failed = fault.hasFailed(); }
-      } note{fault, has_failed};
       body();
     }
     catch (const std::bad_alloc&) {
@@ -57,11 +57,14 @@ sweep(Body&& body, bool may_refuse = false)
       EXPECT_EQ(error.code, cv::Error::StsNoMem) << error.what();
     }
     catch (const BadInputException& error) {
-      EXPECT_TRUE(may_refuse) << before << ": " << error.what();
+      EXPECT_TRUE(may_refuse) << error.what();
     }
     catch (const std::exception& error) {
-      ADD_FAILURE() << before << ": " << error.what();
+      ADD_FAILURE() << error.what();
     }
+    const bool has_failed = fault->hasFailed();
+    fault.reset();
+    check();
     failures += has_failed;
     if (!has_failed || testing::Test::HasFailure())
       break;
@@ -117,7 +120,7 @@ TEST(Starved, ReadersRunOutOfMemory)
       catch (const std::exception&) {
         continue; // one that is refused
       }
-      sweep([&] { door.read(text); }, hasLibrary(door.name));
+      sweep([&] { door.read(text); }, [] {}, hasLibrary(door.name));
       break;
     }
   }
@@ -190,44 +193,30 @@ TEST(Starved, TheArchiveRunsOutOfMemory)
     archive->commit({});
     EXPECT_TRUE(archive->close());
   }
-  bool committed = false;
-  const auto goOn = [&] {
+  const auto begin = [&] {
     for (const char* const ending : {"", "-wal", "-shm"})
       std::filesystem::remove(path + ending);
     std::filesystem::copy_file(begun, path);
-    committed = false;
-    MapArchive archive(path, ArchiveAccess::write);
-    putAll(both, archive);
-    archive.commit({});
-    committed = true;
-    archive.close();
   };
-  const ThreadScope one_thread(1);
-  goOn();
-  for (long before = 0;; before = nextOf(before)) {
-    SCOPED_TRACE(before);
-    bool has_failed = false;
-    const auto fault = std::make_unique<FailingAllocation>(before);
-    try {
-      goOn();
-    }
-    catch (const std::bad_alloc&) {
-    }
-    catch (const std::filesystem::filesystem_error& error) {
-      EXPECT_EQ(error.code(), std::errc::not_enough_memory);
-    }
-    has_failed = fault->hasFailed();
-    if (!has_failed)
-      break;
-    if (!std::filesystem::exists(path))
-      continue; // it failed while the copy was made
-    const MapArchive archive(path, ArchiveAccess::read);
-    if (committed || archive.state().blocks == both.size())
-      expectHolds(archive, both);
-    else
-      expectHolds(archive, first);
-    ASSERT_FALSE(HasFailure());
-  }
+  bool committed = false;
+  begin();
+  sweep(
+      [&] {
+        committed = false;
+        MapArchive archive(path, ArchiveAccess::write);
+        putAll(both, archive);
+        archive.commit({});
+        committed = true;
+        archive.close();
+      },
+      [&] {
+        {
+          const MapArchive archive(path, ArchiveAccess::read);
+          const bool has_both = committed || archive.state().blocks == both.size();
+          expectHolds(archive, has_both ? both : first);
+        }
+        begin();
+      });
 }
 
 } // namespace pcl_semantic

@@ -6,6 +6,8 @@
 #include "io/block_encoding.h"
 #include "io/tile_set.h"
 #include "labelling/onnx_check.h"
+#include "support/archives.h"
+#include "support/temporary_folder.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
@@ -28,12 +30,9 @@
 #include <pcl_semantic/pipeline/mapper_config.h>
 #include <pcl_semantic/pipeline/run_description.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <mutex>
 #include <stdexcept>
-
-#include <unistd.h>
 
 namespace pcl_semantic {
 
@@ -41,59 +40,21 @@ namespace {
 
 constexpr int kColumns = 8, kRows = 4, kClasses = 3;
 
-// A folder in memory, where there is one, for the files that readers want.
-class ScratchFolder {
-public:
-  ScratchFolder()
-      : path_((std::filesystem::exists("/dev/shm")
-                   ? std::filesystem::path("/dev/shm")
-                   : std::filesystem::temp_directory_path()) /
-              ("pcl_semantic_door_" + std::to_string(::getpid())))
-  {
-    std::filesystem::create_directories(path_);
-  }
-
-  ~ScratchFolder()
-  {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-  }
-
-  std::string
-  path(const std::string& name) const
-  {
-    return (path_ / name).string();
-  }
-
-private:
-  std::filesystem::path path_;
-};
-
-const ScratchFolder&
+const TemporaryFolder&
 scratch()
 {
-  static const ScratchFolder folder;
+  static const TemporaryFolder folder(TemporaryFolder::memory());
   return folder;
 }
 
 std::string
 fileOf(const std::string& bytes, const std::string& name)
 {
-  const std::string path = scratch().path(name);
-  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
-  return path;
-}
-
-LabelSet
-threeClasses()
-{
-  return LabelSet({{"road", {128, 64, 128}},
-                   {"sky", {70, 130, 180}, true},
-                   {"car", {64, 0, 128}, false, true}});
+  return scratch().write(name, bytes);
 }
 
 std::vector<std::uint8_t>
-bytesOf(const std::string& bytes)
+toBytes(const std::string& bytes)
 {
   return {bytes.begin(), bytes.end()};
 }
@@ -109,7 +70,7 @@ readArchive(const std::string& bytes)
 void
 readBlock(const std::string& bytes)
 {
-  decodeBlock(bytesOf(bytes), VoxelIndex(1, -2, 3), kClasses);
+  decodeBlock(toBytes(bytes), VoxelIndex(1, -2, 3), kClasses);
 }
 
 void
@@ -122,17 +83,16 @@ readDepthImage(const std::string& bytes)
 void
 readTileIndex(const std::string& bytes)
 {
-  static const bool has_tile = [] {
+  static std::once_flag once;
+  std::call_once(once, [] {
     std::filesystem::create_directories(scratch().path("tiles"));
     ArchiveHeader header;
     header.label_set = threeClasses();
     const auto tile = MapArchive::create(scratch().path("tiles/0_0.map"), header);
     tile->put(VoxelIndex(0, 0, 0), VoxelBlock());
     tile->commit({});
-    return tile->close();
-  }();
-  if (!has_tile)
-    throw std::logic_error("the tile is still open");
+    tile->close();
+  });
   TileSet(fileOf(bytes, "map.tiles"));
 }
 
@@ -140,7 +100,9 @@ readTileIndex(const std::string& bytes)
 void
 readNetworkFile(const std::string& bytes)
 {
-  writeLabelSet(scratch().path("classes.yaml"), threeClasses());
+  static std::once_flag once;
+  std::call_once(once,
+                 [] { writeLabelSet(scratch().path("classes.yaml"), threeClasses()); });
   readNetworkDescription(fileOf(bytes, "net.yaml"));
 }
 
@@ -166,7 +128,7 @@ doors()
   static const std::vector<Door> all{
       {"archive", readArchive},
       {"archive_block", readBlock},
-      {"archive_frame", [](const std::string& b) { decodeFrameRecord(7, bytesOf(b)); }},
+      {"archive_frame", [](const std::string& b) { decodeFrameRecord(7, toBytes(b)); }},
       {"archive_seal",
        [](const std::string& b) { unseal(b.data(), b.size(), 1 << 16); }},
       {"calibration",
@@ -202,7 +164,7 @@ doors()
       {"label_set", [](const std::string& b) { readLabelSet(fileOf(b, "set.yaml")); }},
       {"mapper_config", readConfigFile<MapperConfig, readMapperConfig>},
       {"network", readNetworkFile},
-      {"network_onnx", [](const std::string& b) { checkOnnx(bytesOf(b), "net.onnx"); }},
+      {"network_onnx", [](const std::string& b) { checkOnnx(toBytes(b), "net.onnx"); }},
       {"npy", [](const std::string& b) { readNpy(fileOf(b, "a.npy")); }},
       {"pinhole_camera",
        [](const std::string& b) { readPinholeCamera(fileOf(b, "camera.yaml")); }},

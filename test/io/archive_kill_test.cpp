@@ -2,7 +2,7 @@
 
 // A writer that ends before any one of its system calls.
 
-#include "support/archives.h"
+#include "support/committed_archive.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -78,40 +78,7 @@ runUntil(int calls_before, const std::function<void()>& write)
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-// The blocks that are there after so many commits.
-Blocks
-blocksAfter(int commits)
-{
-  Blocks blocks;
-  for (unsigned i = 0; i < 4u * unsigned(commits); ++i)
-    blocks[VoxelIndex(int(i), 0, 0)] = makeRandomBlock(20, 3, i);
-  return blocks;
-}
-
 constexpr int kCommits = 2;
-
-void
-writeAll(const std::string& path, int& commits)
-{
-  const auto archive = MapArchive::create(path, makeArchiveHeader());
-  for (int commit = 1; commit <= kCommits; ++commit) {
-    putAll(blocksAfter(commit), *archive);
-    archive->commit({});
-    commits = commit;
-  }
-  archive->close();
-}
-
-// EXPECTs what is left to be the map after these commits or the one that was under way.
-void
-expectCommitted(const MapArchive& archive, int commits)
-{
-  int blocks = 0;
-  archive.forEach([&](const VoxelIndex&, const VoxelBlock&) { ++blocks; });
-  const int found = blocks / 4;
-  EXPECT_TRUE(found == commits || found == commits + 1) << blocks;
-  expectHolds(archive, blocksAfter(found));
-}
 
 } // namespace
 
@@ -127,7 +94,9 @@ TEST(ArchiveKill, BeforeAnySystemCallNothingCommittedIsLost)
     const TemporaryFolder folder;
     const std::string path = folder.path("map"), copy = folder.path("copy");
     commits = 0;
-    ended = runUntil(calls_before, [&] { writeAll(path, commits); });
+    ended = runUntil(calls_before, [&] {
+      commitTimes(kCommits, *MapArchive::create(path, makeArchiveHeader()), commits);
+    });
     if (!fs::exists(path)) {
       EXPECT_EQ(commits, 0);
       continue;
