@@ -195,10 +195,7 @@ merge(const Arguments& arguments)
                                         arguments.files.end() - 1);
   for (auto input = inputs.begin(); input != inputs.end(); ++input)
     refuseIf(std::any_of(input + 1, inputs.end(),
-                         [&](const std::string& other) {
-                           std::error_code error;
-                           return std::filesystem::equivalent(*input, other, error);
-                         }),
+                         [&](const auto& other) { return areSameFile(*input, other); }),
              *input + ": is named twice, and would be believed twice");
   refuseSameFiles(inputs, {arguments.files.back()});
   const std::vector<Submap> submaps = submapsOf(arguments, inputs);

@@ -162,23 +162,26 @@ warnOfOtherFiles(const std::string& folder, const std::vector<std::string>& writ
          ", which stay: of an earlier run?");
 }
 
+bool
+areSameFile(const std::string& a, const std::string& b)
+{
+  namespace fs = std::filesystem;
+  std::error_code error;
+  return !a.empty() && !b.empty() &&
+         (fs::absolute(a, error).lexically_normal() ==
+              fs::absolute(b, error).lexically_normal() ||
+          fs::equivalent(a, b, error));
+}
+
 void
 refuseSameFiles(const std::vector<std::string>& inputs,
                 const std::vector<std::string>& outputs)
 {
-  const auto isSame = [](const std::string& a, const std::string& b) {
-    namespace fs = std::filesystem;
-    std::error_code error;
-    return !a.empty() && !b.empty() &&
-           (fs::absolute(a, error).lexically_normal() ==
-                fs::absolute(b, error).lexically_normal() ||
-            fs::equivalent(a, b, error));
-  };
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     std::vector<std::string> others = inputs;
     others.insert(others.end(), outputs.begin() + long(i) + 1, outputs.end());
     for (const std::string& other : others)
-      if (isSame(outputs[i], other))
+      if (areSameFile(outputs[i], other))
         fail<InvalidParameterException>(outputs[i],
                                         ": is named as an output and once more");
   }

@@ -54,6 +54,9 @@ void requireOutput(const std::string& path, const std::string& extension);
 void warnOfOtherFiles(const std::string& folder,
                       const std::vector<std::string>& written);
 
+/** \brief Whether two paths mean one file; empty ones are none. */
+bool areSameFile(const std::string& a, const std::string& b);
+
 /** \brief Refuses outputs that are also inputs, or each other; empty paths are no
  * files. \throws InvalidParameterException */
 void refuseSameFiles(const std::vector<std::string>& inputs,

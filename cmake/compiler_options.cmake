@@ -34,13 +34,14 @@ function(pcl_semantic_compiler_options target group)
       $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
       -fsanitize=${PCL_SEMANTIC_SANITIZE} -fno-omit-frame-pointer)
     target_link_options(${target} PRIVATE -fsanitize=${PCL_SEMANTIC_SANITIZE})
-    # Behaviour is ours to check, not that of the tests, which then compile in two thirds.
-    if(PCL_SEMANTIC_SANITIZE STREQUAL "address" AND NOT group STREQUAL tests)
-      target_compile_options(${target} PRIVATE
-        -fsanitize=undefined -fno-sanitize-recover=undefined)
-    endif()
     if(PCL_SEMANTIC_SANITIZE STREQUAL "address")
       target_link_options(${target} PRIVATE -fsanitize=undefined)
+      # Behaviour is ours to check, not that of the tests, which then compile in two
+      # thirds.
+      if(NOT group STREQUAL tests)
+        target_compile_options(${target} PRIVATE
+          -fsanitize=undefined -fno-sanitize-recover=undefined)
+      endif()
     endif()
   endif()
 endfunction()

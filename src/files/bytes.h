@@ -30,6 +30,16 @@ bitsOf(T value)
   return bits;
 }
 
+/** \brief A whole number of up to eight bytes, in the order of another's format. */
+inline std::uint64_t
+wholeNumber(const std::uint8_t* bytes, std::size_t size, bool is_big_endian = true)
+{
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < size; ++i)
+    value = value << 8 | bytes[is_big_endian ? i : size - 1 - i];
+  return value;
+}
+
 /** \brief Writes numbers and texts one after the other, little-endian on any machine.
  */
 class ByteWriter {

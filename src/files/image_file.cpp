@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/files/image_file.h>
 
+#include "bytes.h"
 #include "image_size.h"
 #include "quiet_opencv.h"
 
@@ -19,20 +20,11 @@ namespace pcl_semantic {
 
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
 bool
 beginsWith(const Bytes& bytes, std::initializer_list<std::uint8_t> signature)
 {
   return bytes.size() >= signature.size() &&
          std::equal(signature.begin(), signature.end(), bytes.begin());
-}
-
-std::uint32_t
-bigEndian(const std::uint8_t* bytes)
-{
-  return std::uint32_t(bytes[0]) << 24 | std::uint32_t(bytes[1]) << 16 |
-         std::uint32_t(bytes[2]) << 8 | std::uint32_t(bytes[3]);
 }
 
 std::uint32_t
@@ -51,9 +43,9 @@ isWhole(const Bytes& bytes)
   constexpr std::size_t frame = 12; // length, name and check sum around the data
   std::size_t at = 8;               // behind the signature
   while (at + frame <= bytes.size()) {
-    const std::size_t length = bigEndian(&bytes[at]);
+    const std::size_t length = wholeNumber(&bytes[at], 4);
     if (length > bytes.size() - at - frame ||
-        crc32(&bytes[at + 4], length + 4) != bigEndian(&bytes[at + 8 + length]))
+        crc32(&bytes[at + 4], length + 4) != wholeNumber(&bytes[at + 8 + length], 4))
       return false;
     const bool is_last = std::equal(&bytes[at + 4], &bytes[at + 8], "IEND");
     at += frame + length;

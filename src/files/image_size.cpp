@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "image_size.h"
 
+#include "bytes.h"
+
 #include "core/fail.h"
 
 #include <algorithm>
@@ -9,18 +11,12 @@ namespace pcl_semantic {
 
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
 // A whole number of some bytes; 0 behind the end.
 std::uint64_t
 number(const Bytes& bytes, std::size_t at, std::size_t size, bool is_little_endian)
 {
-  if (at > bytes.size() || size > bytes.size() - at)
-    return 0;
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < size; ++i)
-    value = value << 8 | bytes[is_little_endian ? at + size - 1 - i : at + i];
-  return value;
+  const bool is_there = at <= bytes.size() && size <= bytes.size() - at;
+  return is_there ? wholeNumber(&bytes[at], size, !is_little_endian) : 0;
 }
 
 // In the chunk IHDR, which comes first.

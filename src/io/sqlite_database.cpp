@@ -2,6 +2,7 @@
 #include "sqlite_database.h"
 
 #include "core/fail.h"
+#include "files/bytes.h"
 #include "write_ahead_log.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -59,10 +60,7 @@ needsLog(sqlite3* connection)
   unsigned char bytes[4] = {};
   if (!readFile(connection, bytes, sizeof bytes, at))
     return false;
-  std::int64_t mark = 0;
-  for (const unsigned char byte : bytes)
-    mark = mark << 8 | byte;
-  return mark == SqliteDatabase::with_log;
+  return wholeNumber(bytes, sizeof bytes) == SqliteDatabase::with_log;
 }
 
 // Whether a log holds what FILE has already, or its mark alone, as while somebody

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "write_ahead_log.h"
 
+#include "files/bytes.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/input_file.h>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <iterator>
 
 namespace pcl_semantic {
 
@@ -17,10 +21,7 @@ constexpr std::uint32_t kMagic = 0x377F0682; // its last bit: words are big-endi
 std::uint32_t
 wordAt(const std::uint8_t* bytes, bool is_big_endian = true)
 {
-  std::uint32_t word = 0;
-  for (int i = 0; i < 4; ++i)
-    word = word << 8 | bytes[is_big_endian ? i : 3 - i];
-  return word;
+  return std::uint32_t(wholeNumber(bytes, 4, is_big_endian));
 }
 
 // The running check sum of a log.
@@ -48,11 +49,15 @@ private:
   std::array<std::uint32_t, 2> sums_{};
 };
 
-std::vector<std::uint8_t>
+Bytes
 contentOf(const std::string& path)
 {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  try {
+    return readBytes(path);
+  }
+  catch (const BadInputException&) { // there is none, or its writer has just ended it
+    return {};
+  }
 }
 
 } // namespace

@@ -69,12 +69,6 @@ ExtraOutput::ExtraOutput(const std::string& folder,
     : folder_(folder), camera_(camera), max_depth_(max_depth),
       options_(std::move(options))
 {
-  makeFolders();
-}
-
-void
-ExtraOutput::makeFolders() const
-{
   for (const Folder& each : folders)
     if (isWanted(each, options_, camera_.has_value()))
       makeOutputFolder((std::filesystem::path(folder_) / each.name).string());

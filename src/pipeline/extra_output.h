@@ -33,9 +33,6 @@ public:
   /** \brief All folders that any run may write. */
   static const std::vector<std::string>& names();
 
-  /** \brief Makes those that are wanted. \throws OutputException */
-  void makeFolders() const;
-
   /** \brief Removes what an earlier run left in the folder of a map.
    * \param[in] kept frames whose files at a frame stay, in order */
   static void removeEarlier(const std::string& folder, const std::vector<int>& kept);

@@ -57,8 +57,8 @@ digestOf(const LabelDistributions& labels)
   if (labels.empty())
     return 0;
   Digest digest;
-  for (Eigen::Index i = 0; i < labels.size(); ++i)
-    digest.add(labels.column(i), std::size_t(labels.classes()) * sizeof(float));
+  digest.add(labels.matrix().data(),
+             std::size_t(labels.matrix().size()) * sizeof(float));
   return digest.value();
 }
 

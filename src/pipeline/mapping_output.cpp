@@ -129,7 +129,6 @@ MappingOutput::replaceEarlierRun()
       kept.push_back(frame.number);
   std::sort(kept.begin(), kept.end());
   RunFolder::beginRun(folder_, kept, has_images_);
-  extra_->makeFolders();
   replaced_ = true;
 }
 

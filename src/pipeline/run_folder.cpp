@@ -211,9 +211,6 @@ RunFolder::beginRun(const std::string& folder, const std::vector<int>& kept,
   const nlohmann::ordered_json unfinished{
       {"finished", false}, {"versions", {{"pcl_semantic", PCL_SEMANTIC_VERSION}}}};
   writeTextFile(folder + "/summary.json", jsonText(unfinished));
-  if (has_images)
-    for (const std::string& name : imageFolders())
-      makeOutputFolder(folder + "/" + name);
 }
 
 void
