@@ -59,12 +59,12 @@ def mistakes_in(line):
     return made
 
 
-def candidates(module):
-    for path in sorted((SOURCE / "src" / module).rglob("*.cpp")):
+def candidates(tree, module):
+    for path in sorted((tree / "src" / module).rglob("*.cpp")):
         lines = path.read_text().splitlines()
         for number, line in enumerate(lines):
             for mistake in mistakes_in(line):
-                yield path.relative_to(SOURCE), number, line, mistake
+                yield path.relative_to(tree), number, line, mistake
 
 
 def bound_memory():
@@ -133,7 +133,7 @@ def main():
         for module in arguments.modules:
             if not workshop.compile(module) or not workshop.test(module):
                 sys.exit(f"{module}: its tests fail before any mistake is made")
-            drawn = list(candidates(module))
+            drawn = list(candidates(workshop.tree, module))
             random.Random(arguments.seed).shuffle(drawn)
             verdicts = collections.Counter()
             for path, number, line, mistake in drawn:

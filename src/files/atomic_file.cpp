@@ -2,6 +2,7 @@
 #include <pcl_semantic/files/atomic_file.h>
 
 #include "core/fail.h"
+#include "temporary_name.h"
 
 #include <pcl_semantic/files/input_file.h>
 
@@ -41,10 +42,7 @@ synchronize(const fs::path& path, int flags)
 } // namespace
 
 AtomicFile::AtomicFile(const std::string& path)
-    : path_(path),
-      temporary_path_((folderOf(path) / ("." + fs::path(path).filename().string() +
-                                         "." + std::to_string(::getpid()) + ".tmp"))
-                          .string())
+    : path_(path), temporary_path_(temporaryNameOf(path))
 {
   // Renaming onto /dev/stdout or a pipe would replace it.
   std::error_code ignored;
@@ -106,6 +104,7 @@ makeOutputFolder(const std::string& path)
   fs::create_directories(path, error);
   if (error)
     fail<OutputException>(path, ": cannot be made: ", error.message());
+  removeAbandoned(path);
   AtomicFile probe((fs::path(path) / "pcl_semantic_probe").string());
 }
 

@@ -4,7 +4,7 @@
 #include "core/fail.h"
 #include "files/quiet_opencv.h"
 #include "files/yaml_config.h"
-#include "onnx_check.h"
+#include "onnx_interface.h"
 #include "onnx_runtime_runner.h"
 #include "opencv_runner.h"
 
@@ -297,7 +297,7 @@ NetworkPredictor::load(NetworkEngine engine)
 {
   const std::string& path = network_->path;
   std::vector<std::uint8_t> bytes = readBytes(path);
-  const OnnxInterface interface = checkOnnx(bytes, path);
+  const OnnxInterface interface = readOnnxInterface(bytes, path);
   requireNames(interface, description_, engine, path);
   network_->other_size = otherSize(interface, description_);
   try {

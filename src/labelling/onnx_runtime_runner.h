@@ -12,7 +12,7 @@ namespace pcl_semantic {
 
 /** \brief A network in ONNX Runtime, which computes it by as many threads as are set
  * now. Only there if the library is built with it (PCL_SEMANTIC_ONNX_RUNTIME).
- * \param[in] bytes content of the ONNX file, which checkOnnx() has passed
+ * \param[in] bytes content of the ONNX file
  * \param[in] input, output their names in it
  * \throws EngineError, std::bad_alloc */
 std::unique_ptr<NetworkRunner>

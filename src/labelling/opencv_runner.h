@@ -11,7 +11,7 @@
 namespace pcl_semantic {
 
 /** \brief A network in OpenCV's module dnn.
- * \param[in] bytes content of the ONNX file, which checkOnnx() has passed
+ * \param[in] bytes content of the ONNX file
  * \param[in] input, output their names in it
  * \throws cv::Exception, std::logic_error of a nonsensical size */
 std::unique_ptr<NetworkRunner> runWithOpenCv(std::vector<std::uint8_t> bytes,

@@ -8,8 +8,11 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <locale>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 using namespace pcl_semantic;
 
@@ -117,6 +120,31 @@ TEST(MakeOutputFolder, MakesTheParentsAndLeavesNothing)
     makeOutputFolder(folder.path(name));
     EXPECT_TRUE(std::filesystem::is_empty(folder.path(name))) << name;
   }
+}
+
+// What a kill leaves, and nothing of a process that may still write.
+TEST(MakeOutputFolder, RemovesTheTemporariesOfEndedProcesses)
+{
+  const TemporaryFolder folder;
+  const pid_t killed = ::fork();
+  if (killed == 0) {
+    AtomicFile file(folder.path("a.txt"));
+    file.stream() << "half" << std::flush;
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::waitpid(killed, nullptr, 0);
+  ASSERT_EQ(folder.entries(), 1u);
+  const std::string left =
+      std::filesystem::directory_iterator(folder.path())->path().string();
+  writeTextFile(left + "-wal", "of SQLite");
+  writeTextFile(left + "2", "of somebody else");
+  writeTextFile(folder.path(".a.txt.elsewhere." + std::to_string(killed) + ".tmp"), "");
+  AtomicFile file(folder.path("b.txt"));
+  makeOutputFolder(folder.path());
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_EQ(folder.entries(), 3u);
+  file.commit();
+  EXPECT_EQ(folder.entries(), 3u);
 }
 
 TEST(MakeOutputFolder, RefusesWhatIsNoFolder)

@@ -5,7 +5,7 @@
 #include "io/archive_database.h"
 #include "io/block_encoding.h"
 #include "io/tile_set.h"
-#include "labelling/onnx_check.h"
+#include "labelling/onnx_interface.h"
 #include "support/archives.h"
 #include "support/temporary_folder.h"
 
@@ -164,7 +164,8 @@ doors()
       {"label_set", [](const std::string& b) { readLabelSet(fileOf(b, "set.yaml")); }},
       {"mapper_config", readConfigFile<MapperConfig, readMapperConfig>},
       {"network", readNetworkFile},
-      {"network_onnx", [](const std::string& b) { checkOnnx(toBytes(b), "net.onnx"); }},
+      {"network_onnx",
+       [](const std::string& b) { readOnnxInterface(toBytes(b), "net.onnx"); }},
       {"npy", [](const std::string& b) { readNpy(fileOf(b, "a.npy")); }},
       {"pinhole_camera",
        [](const std::string& b) { readPinholeCamera(fileOf(b, "camera.yaml")); }},

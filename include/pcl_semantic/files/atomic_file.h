@@ -47,7 +47,8 @@ void writeBytes(const std::string& path, const void* bytes, std::size_t size);
 /** \brief Likewise a text file. \throws OutputException */
 void writeTextFile(const std::string& path, const std::string& text);
 
-/** \brief Makes a folder and its parents and checks that a file can be written there.
+/** \brief Makes a folder and its parents, checks that a file can be written there, and
+ * removes the temporary files that killed processes of this machine have left.
  * \throws OutputException */
 void makeOutputFolder(const std::string& path);
 

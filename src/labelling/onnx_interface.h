@@ -19,15 +19,17 @@ struct OnnxInterface {
   std::vector<std::string> inner;   ///< of all nodes, these outputs too
 };
 
-/** \brief Checks an ONNX file before an engine reads it: OpenCV 4.6 trusts the
- * dimensions of tensors and ends the program where they exceed the data.
+/** \brief Reads the interface of an ONNX file, and says in plain words what engines
+ * say in theirs, or not at all: that a file is cut off or none of ONNX, and that its
+ * weights lie in another file.
  *
- * Walks the protocol buffer as far as tensors go and requires that it is well formed,
- * has at least one node, that every node has inputs and outputs and that every tensor
- * has exactly the data its dimensions state. \param[in] bytes content of the file
+ * It is no check of the network: OpenCV 4.6 trusts what a tensor or an operator states,
+ * and some damaged networks end the program that loads them.
+ *
+ * \param[in] bytes content of the file
  * \param[in] path its name, for messages
  * \throws BadModelException */
-OnnxInterface checkOnnx(const std::vector<std::uint8_t>& bytes,
-                        const std::string& path);
+OnnxInterface readOnnxInterface(const std::vector<std::uint8_t>& bytes,
+                                const std::string& path);
 
 } // namespace pcl_semantic
