@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ply_file.h"
-#include "pcd_file.h"
+#include "pcd_data.h"
+#include "pcd_header.h"
 
 #include "core/fail.h"
 

@@ -2,7 +2,7 @@
 #include <pcl_semantic/io/voxel_cloud_file.h>
 
 #include "core/fail.h"
-#include "files/pcd_file.h"
+#include "files/pcd_header.h"
 
 #include <algorithm>
 #include <cstring>

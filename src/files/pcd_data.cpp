@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcd_data.h"
+#include "core/fail.h"
+#include "parse_whole.h"
+#include "pcd_table.h"
+
+#include <pcl_semantic/files/input_file.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+namespace pcl_semantic {
+
+namespace {
+
+enum class Outcome { done, no_number, out_of_range };
+
+// A number too small for its type is the type's zero, one too large is refused: the two
+// are told apart in double.
+Outcome
+parseTiny(std::string_view word, float& value)
+{
+  double wide = 0.0;
+  if (!parseWhole(word, wide) || std::abs(wide) > 1.0)
+    return Outcome::out_of_range;
+  value = static_cast<float>(wide);
+  return Outcome::done;
+}
+
+template <typename T>
+Outcome
+parseElement(std::string_view word, std::uint8_t* bytes)
+{
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-')
+    word.remove_prefix(1);
+  T value{};
+  const char* const end = word.data() + word.size();
+  const auto [rest, error] = std::from_chars(word.data(), end, value);
+  if (error == std::errc::invalid_argument || rest != end)
+    return Outcome::no_number;
+  Outcome outcome = Outcome::done;
+  if (error == std::errc::result_out_of_range) {
+    outcome = Outcome::out_of_range;
+    if constexpr (std::is_same_v<T, float>)
+      outcome = parseTiny(word, value);
+  }
+  std::memcpy(bytes, &value, sizeof(value));
+  return outcome;
+}
+
+struct Element {
+  const PcdField* field;
+  Outcome (*parse)(std::string_view, std::uint8_t*);
+};
+
+std::vector<Element>
+elementsOf(const PcdTable& table)
+{
+  std::vector<Element> elements;
+  for (const PcdField& field : table.fields)
+    elements.insert(elements.end(), std::size_t(field.count),
+                    {&field, withTypeOf(field, [](auto zero) {
+                       return &parseElement<decltype(zero)>;
+                     })});
+  return elements;
+}
+
+void
+parsePoint(std::string_view line, const std::vector<Element>& elements,
+           const std::string& path, int number, std::vector<std::uint8_t>& data)
+{
+  std::string_view rest = line;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const PcdField& field = *elements[i].field;
+    const std::string_view word = takeWord(rest);
+    if (word.empty())
+      badInput(atLine(path, number), ": has ", i, " number(s), expected ",
+               elements.size());
+    std::uint8_t bytes[8];
+    const Outcome outcome = elements[i].parse(word, bytes);
+    if (outcome != Outcome::done)
+      badInput(atLine(path, number), ": ", inQuotes(word),
+               outcome == Outcome::no_number ? " is not" : " is too large for",
+               " a number of field ", inQuotes(field.name), ", type ", field.type,
+               " of ", field.size, " bytes");
+    data.insert(data.end(), bytes, bytes + field.size);
+  }
+  if (!takeWord(rest).empty())
+    badInput(atLine(path, number), ": has more than ", elements.size(), " numbers");
+}
+
+std::vector<std::uint8_t>
+decodeAscii(const std::string& path, const PcdHeader& header, std::string_view file)
+{
+  // At least two characters an element: what a false number of points asks for is no
+  // reason to allocate.
+  const std::vector<Element> elements = elementsOf(header.table);
+  const std::size_t possible =
+      (file.size() - header.data_offset + 1) / (2 * elements.size());
+  std::vector<std::uint8_t> data;
+  data.reserve(std::min(header.table.points, possible) * header.table.pointSize());
+  std::size_t offset = header.data_offset, points = 0;
+  for (int number = header.data_line + 1; offset < file.size(); ++number) {
+    const std::string_view line = takeLine(file, offset);
+    if (line.find_first_not_of(" \t") == std::string_view::npos)
+      continue;
+    if (points++ == header.table.points)
+      badInput(atLine(path, number), ": is beyond the ", header.table.points,
+               " points of the header");
+    parsePoint(line, elements, path, number, data);
+  }
+  if (points != header.table.points)
+    badInput(path, ": has ", points, " points, expected ", header.table.points);
+  return data;
+}
+
+// PCL fills the last page of a file; pages have up to 64 KiB.
+void
+checkBehindData(const std::string& path, std::string_view rest)
+{
+  constexpr std::size_t most = 65536;
+  if (rest.size() > most || rest.find_first_not_of('\0') != std::string_view::npos)
+    badInput(path, ": has ", rest.size(), " bytes behind the data of its points");
+}
+
+// Bytes of all points, which fit 64 bits: points < 2^64 and what the file has are
+// compared before they are multiplied.
+std::size_t
+dataSize(const std::string& path, const PcdTable& table, std::size_t available)
+{
+  const std::size_t size = table.pointSize();
+  if (table.points > available / size)
+    badInput(path, ": holds ", available, " bytes of data, expected ", table.points,
+             " points of ", size, " bytes");
+  return table.points * size;
+}
+
+std::uint32_t
+readUint32(std::string_view bytes)
+{
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data(), sizeof(value));
+  return value;
+}
+
+// Unpacks LZF: a control byte c < 32 is followed by c + 1 bytes as they are; any other
+// repeats earlier ones: length (c >> 5) + 2, where 7 + 2 is lengthened by the next
+// byte, from (c & 31) * 256 + next byte + 1 bytes back. False unless `packed` is whole
+// and gives exactly `size` bytes.
+bool
+unpackLzf(std::string_view packed, std::size_t size, std::vector<std::uint8_t>& result)
+{
+  result.reserve(size);
+  for (std::size_t i = 0; i < packed.size();) {
+    const std::size_t control = static_cast<std::uint8_t>(packed[i++]);
+    if (control < 32) {
+      const std::string_view literal = packed.substr(i, control + 1);
+      if (literal.size() <= control || literal.size() > size - result.size())
+        return false;
+      result.insert(result.end(), literal.begin(), literal.end());
+      i += literal.size();
+      continue;
+    }
+    std::size_t length = control >> 5;
+    if (packed.size() - i < (length == 7 ? 2u : 1u))
+      return false;
+    if (length == 7)
+      length += static_cast<std::uint8_t>(packed[i++]);
+    length += 2;
+    const std::size_t back =
+        (control & 31) * 256 + static_cast<std::uint8_t>(packed[i++]) + 1;
+    if (back > result.size() || length > size - result.size())
+      return false;
+    for (std::size_t k = 0; k < length; ++k) // may read what it has just written
+      result.push_back(result[result.size() - back]);
+  }
+  return result.size() == size;
+}
+
+// Field by field to point by point.
+std::vector<std::uint8_t>
+toRows(const PcdTable& table, const std::vector<std::uint8_t>& columns)
+{
+  const std::size_t row = table.pointSize();
+  std::vector<std::uint8_t> rows(columns.size());
+  const std::uint8_t* from = columns.data();
+  std::size_t offset = 0;
+  for (const PcdField& field : table.fields) {
+    for (std::size_t i = 0; i < table.points; ++i, from += field.bytes())
+      std::copy_n(from, field.bytes(), rows.data() + i * row + offset);
+    offset += field.bytes();
+  }
+  return rows;
+}
+
+std::vector<std::uint8_t>
+decodeCompressed(const std::string& path, const PcdTable& table, std::string_view data)
+{
+  constexpr std::size_t sizes = 8, max_expansion = 88; // 3 bytes give up to 264
+  if (data.size() < sizes)
+    badInput(path, ": ends before the sizes of the compressed data");
+  const std::size_t packed_size = readUint32(data);
+  const std::size_t unpacked_size = readUint32(data.substr(4));
+  data.remove_prefix(sizes);
+  if (packed_size > data.size())
+    badInput(path, ": holds ", data.size(), " bytes of compressed data, expected ",
+             packed_size);
+  checkBehindData(path, data.substr(packed_size));
+  const std::size_t expected = dataSize(path, table, packed_size * max_expansion);
+  if (unpacked_size != expected)
+    badInput(path, ": its compressed data are ", unpacked_size,
+             " bytes long, expected ", expected, " for ", table.points, " points");
+  std::vector<std::uint8_t> columns;
+  if (!unpackLzf(data.substr(0, packed_size), expected, columns))
+    badInput(path, ": its compressed data are damaged");
+  return toRows(table, columns);
+}
+
+} // namespace
+
+std::vector<std::uint8_t>
+decodeData(const std::string& path, const PcdHeader& header, std::string_view file)
+{
+  if (header.encoding == PcdEncoding::ascii)
+    return decodeAscii(path, header, file);
+  const std::string_view data = file.substr(header.data_offset);
+  if (header.encoding == PcdEncoding::binary_compressed)
+    return decodeCompressed(path, header.table, data);
+  const std::size_t size = dataSize(path, header.table, data.size());
+  checkBehindData(path, data.substr(size));
+  return {data.begin(), data.begin() + static_cast<std::ptrdiff_t>(size)};
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/files/cloud_file.h>
+
+#include <cstddef>
+#include <iosfwd>
+#include <string>
+#include <string_view>
+
+namespace pcl_semantic {
+
+enum class PcdEncoding { ascii, binary, binary_compressed };
+
+/** \brief What the header of a `.pcd` file says, or that of a `.ply` file. */
+struct PcdHeader {
+  PcdTable table; ///< without data, but with the fields of padding
+  PcdEncoding encoding = PcdEncoding::binary;
+  std::size_t data_offset = 0; ///< of the first byte of the data in the file
+  int data_line = 0;           ///< number of the line DATA, counted from 1
+};
+
+/** \brief The header at the beginning of a file.
+ *
+ * Its lines may come in any order before DATA, each once; WIDTH x HEIGHT has to be
+ * POINTS. Fields called `_` are PCL's padding: any number of them; other names are
+ * unique. \throws BadInputException as readPcd() */
+PcdHeader parsePcdHeader(const std::string& path, std::string_view file);
+
+/** \brief The header of the files that writeCloudTable() writes, for those who write
+ * the points themselves. \param[in] table its data do not matter */
+void writePcdHeader(std::ostream& stream, const PcdTable& table);
+
+/** \brief The next line from \a offset on, without carriage return; \a offset moves
+ * behind it. */
+std::string_view takeLine(std::string_view text, std::size_t& offset);
+
+/** \brief The next word of \a line, which is cut off it; empty at its end. */
+std::string_view takeWord(std::string_view& line);
+
+} // namespace pcl_semantic
