@@ -13,7 +13,7 @@
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
-#include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/pipeline/crf_config.h>
 
 #include <pcl/common/io.h>
 #include <pcl/common/point_tests.h>

@@ -9,7 +9,7 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
-#include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/pipeline/crf_config.h>
 
 #include <algorithm>
 #include <cstring>

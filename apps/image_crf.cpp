@@ -10,7 +10,7 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/filters/image_crf.h>
 #include <pcl_semantic/io/map_images.h>
-#include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/pipeline/crf_config.h>
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/voxel_cloud.h>
-#include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/pipeline/config_parameter.h>
 
 #include <Eigen/Geometry>
 #include <pcl/PointIndices.h>

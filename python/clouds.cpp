@@ -3,6 +3,7 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/pipeline/crf_config.h>
 
 #include <pcl/common/io.h>
 

@@ -162,7 +162,7 @@ TEST(Starved, TheCrfRunsOutOfMemory)
     }
     pcl::PointIndices clique;
     clique.indices = {0, 1, 2, 3};
-    sweep([&] {
+    const auto refine = [&] {
       SemanticCRF<pcl::PointXYZRGBL> crf;
       crf.setInputCloud(cloud);
       crf.setModel(model);
@@ -171,7 +171,16 @@ TEST(Starved, TheCrfRunsOutOfMemory)
         crf.setCliques({clique});
       pcl::PointCloud<pcl::PointXYZRGBL> refined;
       crf.filter(refined);
-      EXPECT_EQ(refined.size(), cloud->size());
+      return refined;
+    };
+    for (auto& point : *cloud) // so that a cloud that was not refined shows
+      point.label = 0;
+    const pcl::PointCloud<pcl::PointXYZRGBL> expected = refine();
+    sweep([&] {
+      const pcl::PointCloud<pcl::PointXYZRGBL> refined = refine();
+      ASSERT_EQ(refined.size(), cloud->size());
+      for (std::size_t i = 0; i < refined.size(); ++i)
+        EXPECT_EQ(refined[i].label, expected[i].label);
     });
   }
 }

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/filters/checked_filter.h>
 
 #include <pcl/PCLPointCloud2.h>
-#include <pcl/filters/filter.h>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -17,7 +17,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * most probable class; without probabilities the label is the most frequent one, the
  * smaller one if two are, and 0 only if no point of the voxel has a label. Points that
  * are not finite are dropped. The output is not organized; voxels come by z, y, x. */
-class LabelVoxelGrid : public pcl::Filter<pcl::PCLPointCloud2> {
+class LabelVoxelGrid : public CheckedFilter<pcl::PCLPointCloud2> {
 public:
   LabelVoxelGrid() { this->filter_name_ = "LabelVoxelGrid"; }
 

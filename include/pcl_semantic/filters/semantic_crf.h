@@ -2,10 +2,10 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/filters/checked_filter.h>
 #include <pcl_semantic/filters/cloud_refiner.h>
 
 #include <pcl/PCLPointCloud2.h>
-#include <pcl/filters/filter.h>
 #include <pcl/point_types.h>
 
 #include <memory>
@@ -24,11 +24,11 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * Works for every registered point type with the fields x, y, z (float) and label; the
  * kernels of colours are there for types with rgb or rgba. */
 template <typename PointT>
-class SemanticCRF : public pcl::Filter<PointT>, public CloudRefiner {
+class SemanticCRF : public CheckedFilter<PointT>, public CloudRefiner {
 public:
   using Ptr = std::shared_ptr<SemanticCRF<PointT>>;
   using ConstPtr = std::shared_ptr<const SemanticCRF<PointT>>;
-  using typename pcl::Filter<PointT>::PointCloud;
+  using typename CheckedFilter<PointT>::PointCloud;
 
   SemanticCRF() { this->filter_name_ = "SemanticCRF"; }
 
@@ -51,7 +51,7 @@ private:
  * `probability` rewritten. */
 template <>
 class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PCLPointCloud2>
-    : public pcl::Filter<pcl::PCLPointCloud2>, public CloudRefiner {
+    : public CheckedFilter<pcl::PCLPointCloud2>, public CloudRefiner {
 public:
   using Ptr = std::shared_ptr<SemanticCRF<pcl::PCLPointCloud2>>;
   using ConstPtr = std::shared_ptr<const SemanticCRF<pcl::PCLPointCloud2>>;

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/abi_check.h>
+
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/filters/filter.h>
+#include <pcl/point_cloud.h>
+
+#include <cstddef>
+#include <memory>
+#include <numeric>
+#include <type_traits>
+
+namespace pcl_semantic {
+
+/** \brief A pcl::Filter that throws where there is no memory for the indices of all
+ * points. PCL itself prints a line and gives back an empty cloud (1.15), or one that
+ * was not filtered (1.13). */
+template <typename PointT> class CheckedFilter : public pcl::Filter<PointT> {
+public:
+  using PointCloud = std::conditional_t<std::is_same_v<PointT, pcl::PCLPointCloud2>,
+                                        PointT, pcl::PointCloud<PointT>>;
+
+  /** \brief As pcl::Filter::filter(). \throws std::bad_alloc */
+  void
+  filter(PointCloud& output)
+  {
+    if (this->input_ && (!this->indices_ || this->fake_indices_)) {
+      const auto all = std::make_shared<pcl::Indices>(
+          std::size_t(this->input_->width) * std::size_t(this->input_->height));
+      std::iota(all->begin(), all->end(), 0);
+      this->indices_ = all;
+      this->fake_indices_ = true;
+    }
+    pcl::Filter<PointT>::filter(output);
+  }
+};
+
+} // namespace pcl_semantic
