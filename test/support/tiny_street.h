@@ -17,7 +17,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Three frames of the synthetic street, as the test apps.tiny_street has left
+/** \brief Three frames of the synthetic street, as the test fault.tiny_street has left
  * them; nobody changes them. */
 inline const std::string&
 tinyStreet()
@@ -25,7 +25,7 @@ tinyStreet()
   static const std::string street = [] {
     const std::string path = PCL_SEMANTIC_BINARY_DIR "/test/tiny_street";
     EXPECT_TRUE(std::filesystem::exists(path + "/poses.txt"))
-        << "run apps.tiny_street first, or the tests by ctest";
+        << "run fault.tiny_street first, or the tests by ctest";
     return path;
   }();
   return street;
