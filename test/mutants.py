@@ -13,6 +13,7 @@ verdict, module, place, what stood there and what was put in its place.
 
 import argparse
 import collections
+import filecmp
 import pathlib
 import random
 import re
@@ -77,12 +78,17 @@ class Workshop:
 
     def __init__(self, folder):
         self.tree, self.build = folder / "tree", folder / "build"
-        shutil.rmtree(self.tree, ignore_errors=True)
         files = subprocess.run(["git", "ls-files"], cwd=SOURCE, check=True, text=True,
                                stdout=subprocess.PIPE).stdout.split()
+        for left in self.tree.rglob("*"):
+            if left.is_file() and str(left.relative_to(self.tree)) not in files:
+                left.unlink()
+        # What an interrupted run has left changed is new again, for the compiler.
         for name in files:
-            (self.tree / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(SOURCE / name, self.tree / name)
+            copy = self.tree / name
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            if not copy.is_file() or not filecmp.cmp(SOURCE / name, copy, shallow=False):
+                shutil.copyfile(SOURCE / name, copy)
         synthesizer = SOURCE / "build/bin/pcl_semantic_synthesize"
         subprocess.run(["cmake", "-S", self.tree, "-B", self.build, "-G", "Ninja",
                         "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1",
