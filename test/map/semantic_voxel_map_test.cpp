@@ -56,6 +56,22 @@ expectEqual(const VoxelCloud& voxels, const std::map<Key, std::vector<float>>& e
   }
 }
 
+TEST(SemanticVoxelMap, LabelsAddedLaterAreThoseOfTheScan)
+{
+  const LabelSet label_set({{"house", {200, 0, 0}}, {"road", {9, 9, 9}}});
+  SemanticVoxelMap at_once(label_set, smallWindow()), later(label_set, smallWindow());
+  for (int i = 0; i < 3; ++i) {
+    const LabelledScan scan = makeRandomScan(3000, 5.0f, 2, unsigned(i));
+    const Eigen::Isometry3d pose = poseAt(0.3 * i, 0.1, 0.0, 0.2 * i);
+    at_once.integrate(scan.cloud, pose, scan.distributions);
+    later.integrate(scan.cloud, pose);
+    EXPECT_GT(later.addLabels(scan.cloud, pose, scan.distributions), 1000u);
+  }
+  const VoxelCloud expected = at_once.occupied(), voxels = later.occupied();
+  ASSERT_EQ(voxels.size(), expected.size());
+  EXPECT_TRUE(voxels.measured.matrix().isApprox(expected.measured.matrix(), 1e-5f));
+}
+
 TEST(SemanticVoxelMap, EqualsAPlainMapOverSeveralScans)
 {
   const LabelSet label_set = threeClasses();
