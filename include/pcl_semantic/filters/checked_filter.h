@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/filters/filter.h>
@@ -12,7 +13,7 @@
 #include <numeric>
 #include <type_traits>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A pcl::Filter that throws where there is no memory for the indices of all
  * points. PCL itself prints a line and gives back an empty cloud (1.15), or one that
