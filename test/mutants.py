@@ -61,7 +61,8 @@ def mistakes_in(line):
 
 
 def candidates(tree, module):
-    for path in sorted((tree / "src" / module).rglob("*.cpp")):
+    folder = tree / "src" / module
+    for path in sorted([*folder.rglob("*.cpp"), *folder.rglob("*.h")]):
         lines = path.read_text().splitlines()
         for number, line in enumerate(lines):
             for mistake in mistakes_in(line):
@@ -89,6 +90,9 @@ class Workshop:
             copy.parent.mkdir(parents=True, exist_ok=True)
             if not copy.is_file() or not filecmp.cmp(SOURCE / name, copy, shallow=False):
                 shutil.copyfile(SOURCE / name, copy)
+        data = folder / "data"  # where programs look for it, beside their build
+        if not data.is_symlink():
+            data.symlink_to(self.tree / "data")
         synthesizer = SOURCE / "build/bin/pcl_semantic_synthesize"
         subprocess.run(["cmake", "-S", self.tree, "-B", self.build, "-G", "Ninja",
                         "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1",

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lattice_runs.h"
-#include "bucket_sort.h"
 #include "kernels/lattice_filter.h"
 #include "lattice_table.h"
 #include "parallel_loops.h"
+#include "sorted_buckets.h"
 
 #include <algorithm>
 #include <cstddef>

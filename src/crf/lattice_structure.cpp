@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lattice_structure.h"
-#include "bucket_sort.h"
 #include "core/fail.h"
 #include "lattice_keys.h"
 #include "lattice_runs.h"
 #include "lattice_vertices.h"
 #include "self_responses.h"
+#include "sorted_buckets.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace pcl_semantic {
@@ -22,7 +23,7 @@ namespace {
 
 using Features = Eigen::Ref<const Eigen::MatrixXf>;
 
-constexpr std::size_t part_size = 8192; // of what threads look through at a time
+constexpr std::size_t part_size = SortedBuckets::part_size;
 constexpr std::size_t tile_points = 2048;
 
 /** \brief The least features and the extents from there to the largest.

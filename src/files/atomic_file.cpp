@@ -2,16 +2,18 @@
 #include <pcl_semantic/files/atomic_file.h>
 
 #include "core/fail.h"
-#include "temporary_name.h"
 
 #include <pcl_semantic/files/input_file.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
 #include <locale>
 #include <system_error>
+
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 namespace pcl_semantic {
@@ -39,6 +41,57 @@ synchronize(const fs::path& path, int flags)
   return done;
 }
 
+constexpr const char* temporary_ending = ".pcl_semantic";
+
+// Hidden, in the same folder: .NAME.PROCESS.pcl_semantic
+std::string
+temporaryNameOf(const std::string& path)
+{
+  const std::string name = "." + fs::path(path).filename().string() + "." +
+                           std::to_string(::getpid()) + temporary_ending;
+  return (folderOf(path) / name).string();
+}
+
+// Whoever writes a temporary file holds its lock, on whatever machine, to the end of
+// the process. \return -1 if somebody does, or there are no locks
+int
+lock(const std::string& path)
+{
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor < 0 || ::flock(descriptor, LOCK_EX | LOCK_NB) == 0)
+    return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
+bool
+isAbandoned(const fs::directory_entry& entry)
+{
+  // Between its first moment and its lock a file is neither.
+  constexpr std::chrono::seconds settled{10};
+  std::error_code error;
+  return entry.path().filename().string()[0] == '.' &&
+         entry.path().extension() == temporary_ending && entry.is_regular_file(error) &&
+         fs::file_time_type::clock::now() - entry.last_write_time(error) > settled &&
+         !error;
+}
+
+void
+removeAbandoned(const std::string& folder)
+{
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (!isAbandoned(*entry))
+      continue;
+    const int descriptor = lock(entry->path().string());
+    if (descriptor < 0)
+      continue;
+    ::unlink(entry->path().c_str());
+    ::close(descriptor);
+  }
+}
+
 } // namespace
 
 AtomicFile::AtomicFile(const std::string& path)
@@ -55,12 +108,15 @@ AtomicFile::AtomicFile(const std::string& path)
   stream_.open(temporary_path_, std::ios::binary | std::ios::trunc);
   if (!stream_)
     fail<OutputException>(path_, ": cannot be written: ", std::strerror(errno));
+  lock_ = lock(temporary_path_);
 }
 
 AtomicFile::~AtomicFile()
 {
   stream_.close();
   ::unlink(temporary_path_.c_str()); // without memory, too
+  if (lock_ >= 0)
+    ::close(lock_);
 }
 
 void

@@ -3,7 +3,6 @@
 #include "block_encoding.h"
 #include "core/fail.h"
 #include "core/split.h"
-#include "files/temporary_name.h"
 #include "write_ahead_log.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -83,7 +82,9 @@ rename(const std::string& from, const std::string& to)
 
 // Removes what was made if it has not got its name.
 struct Temporary {
-  explicit Temporary(const std::string& path) : name(temporaryNameOf(path))
+  explicit Temporary(const fs::path& path)
+      : name(path.parent_path() / ("." + path.filename().string() + "." +
+                                   std::to_string(::getpid()) + ".tmp"))
   {
     remove();
   }

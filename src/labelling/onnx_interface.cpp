@@ -3,6 +3,8 @@
 #include "core/fail.h"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <set>
 #include <string_view>
 
@@ -22,21 +24,53 @@ struct Field {
 
 // Field numbers of onnx.proto.
 namespace model_field {
-constexpr std::uint32_t graph = 7;
+constexpr std::uint32_t graph = 7, functions = 25;
 }
 namespace graph_field {
 constexpr std::uint32_t node = 1, initializer = 5, input = 11, output = 12;
 }
 namespace node_field {
-constexpr std::uint32_t output = 2;
+constexpr std::uint32_t output = 2, attribute = 5;
+}
+namespace attribute_field {
+constexpr std::uint32_t tensor = 5, tensors = 10;
 }
 namespace tensor_field {
-constexpr std::uint32_t name = 8, external_data = 13;
+constexpr std::uint32_t dims = 1, type = 2, segment = 3, float_data = 4, int32_data = 5,
+                        string_data = 6, int64_data = 7, name = 8, raw_data = 9,
+                        double_data = 10, uint64_data = 11, external_data = 13,
+                        location = 14;
 }
+
 namespace value_field { // and of the messages within its type
 constexpr std::uint32_t name = 1, type = 2, tensor = 1, shape = 2, dimension = 1,
                         value = 1;
 }
+
+// How the elements of a tensor are stored if not as raw bytes.
+struct ElementType {
+  std::uint64_t type;
+  std::uint64_t size; // in raw_data [bytes]
+  std::uint32_t field;
+};
+
+constexpr ElementType element_types[] = {{1, 4, tensor_field::float_data},  // float
+                                         {2, 1, tensor_field::int32_data},  // uint8
+                                         {3, 1, tensor_field::int32_data},  // int8
+                                         {6, 4, tensor_field::int32_data},  // int32
+                                         {7, 8, tensor_field::int64_data},  // int64
+                                         {9, 1, tensor_field::int32_data},  // bool
+                                         {10, 2, tensor_field::int32_data}, // float16
+                                         {11, 8, tensor_field::double_data}};
+
+struct Tensor {
+  std::string name;
+  std::vector<std::uint64_t> dims;
+  std::uint64_t type = 0;
+  std::uint64_t raw_bytes = 0;
+  std::uint32_t typed_field = 0; // the field that holds the elements, if not raw
+  std::uint64_t typed_elements = 0;
+};
 
 class OnnxReader {
 public:
@@ -52,18 +86,26 @@ public:
         interface = readGraph(messageOf(field));
         ++graphs;
       }
+      else if (field.number == model_field::functions)
+        refuseContent("has functions of its own, which are not supported");
     if (graphs != 1)
-      fail<BadModelException>(path_, ": is no ONNX file: it has ", graphs,
-                              " graphs, expected 1");
+      refuseContent("is no ONNX file: it has ", graphs, " graphs, expected 1");
     return interface;
   }
 
 private:
   template <typename... Parts>
   [[noreturn]] void
+  refuseContent(const Parts&... why) const
+  {
+    fail<BadModelException>(path_, ": ", why...);
+  }
+
+  template <typename... Parts>
+  [[noreturn]] void
   refuse(const Parts&... why) const
   {
-    fail<BadModelException>(path_, ": is no ONNX file, or damaged: ", why...);
+    refuseContent("is no ONNX file, or damaged: ", why...);
   }
 
   // A number at the beginning of the bytes, which it is cut off from.
@@ -136,10 +178,10 @@ private:
       switch (field.number) {
       case graph_field::node:
         has_nodes = true;
-        readOutputs(messageOf(field), interface.inner);
+        readNode(messageOf(field), interface.inner);
         break;
       case graph_field::initializer:
-        weights.insert(nameOfTensor(messageOf(field)));
+        weights.insert(checkTensor(messageOf(field)).name);
         break;
       case graph_field::input:
         interface.inputs.push_back(readValue(messageOf(field)));
@@ -149,7 +191,7 @@ private:
         break;
       }
     if (!has_nodes)
-      fail<BadModelException>(path_, ": the network has no nodes");
+      refuseContent("the network has no nodes");
     interface.inputs.erase(
         std::remove_if(interface.inputs.begin(), interface.inputs.end(),
                        [&](const auto& input) { return weights.count(input.name); }),
@@ -158,25 +200,126 @@ private:
   }
 
   void
-  readOutputs(std::string_view node, std::vector<std::string>& names) const
+  readNode(std::string_view node, std::vector<std::string>& outputs) const
   {
     for (Field field; next(node, field);)
       if (field.number == node_field::output)
-        names.emplace_back(messageOf(field));
+        outputs.emplace_back(messageOf(field));
+      else if (field.number == node_field::attribute)
+        checkAttribute(messageOf(field));
   }
 
-  std::string
-  nameOfTensor(std::string_view tensor) const
+  // Repeated numbers come one a field, or packed into one.
+  template <typename Visit>
+  void
+  forEachNumber(const Field& field, const Visit& visit) const
   {
-    std::string name;
-    for (Field field; next(tensor, field);)
-      if (field.number == tensor_field::name)
-        name = messageOf(field);
-      else if (field.number == tensor_field::external_data)
-        fail<BadModelException>(path_, ": weights '", name,
-                                "' lie in another file, which is not supported: "
-                                "export the network into one file");
-    return name;
+    if (field.type == Field::varint)
+      return visit(field.value);
+    for (std::string_view packed = messageOf(field); !packed.empty();)
+      visit(readVarint(packed));
+  }
+
+  // A TensorProto has exactly the data that its dimensions state, in the file itself
+  // and of a type that OpenCV reads.
+  Tensor
+  checkTensor(std::string_view message) const
+  {
+    const Tensor tensor = readTensor(message);
+    const std::string who = "tensor '" + tensor.name.substr(0, 80) + "' ";
+    std::uint64_t elements = 1;
+    constexpr std::uint64_t limit = std::numeric_limits<std::int32_t>::max();
+    for (const std::uint64_t dim : tensor.dims) {
+      if (dim > limit || (dim != 0 && elements > limit / dim))
+        refuseContent(who, "has impossible dimensions");
+      elements *= dim;
+    }
+    const auto type =
+        std::find_if(std::begin(element_types), std::end(element_types),
+                     [&](const ElementType& each) { return each.type == tensor.type; });
+    if (type == std::end(element_types))
+      refuseContent(who, "has data type ", tensor.type, ", which is not supported");
+    if (tensor.typed_field != 0 &&
+        (tensor.typed_field != type->field || tensor.raw_bytes != 0))
+      refuseContent(who, "has data of two types");
+    if (tensor.raw_bytes % type->size != 0)
+      refuseContent(who, "has a cut-off number");
+    const std::uint64_t stored = tensor.raw_bytes / type->size + tensor.typed_elements;
+    if (stored != elements)
+      refuseContent(who, "has ", stored, " elements, its dimensions state ", elements);
+    return tensor;
+  }
+
+  Tensor
+  readTensor(std::string_view message) const
+  {
+    Tensor tensor;
+    for (Field field; next(message, field);)
+      switch (field.number) {
+      case tensor_field::dims:
+        forEachNumber(field, [&](std::uint64_t dim) { tensor.dims.push_back(dim); });
+        break;
+      case tensor_field::type:
+        tensor.type = field.value;
+        break;
+      case tensor_field::name:
+        tensor.name = field.data;
+        break;
+      case tensor_field::raw_data:
+        tensor.raw_bytes = messageOf(field).size();
+        break;
+      case tensor_field::float_data:
+      case tensor_field::int32_data:
+      case tensor_field::int64_data:
+      case tensor_field::double_data:
+        countElements(field, tensor);
+        break;
+      case tensor_field::segment:
+      case tensor_field::string_data:
+      case tensor_field::uint64_data:
+      case tensor_field::external_data:
+      case tensor_field::location:
+        if (field.type != Field::varint || field.value != 0)
+          refuseContent("tensor '", tensor.name,
+                        "' has external, segmented, text or uint64 data, which is not "
+                        "supported");
+        break;
+      }
+    return tensor;
+  }
+
+  void
+  countElements(const Field& field, Tensor& tensor) const
+  {
+    if (tensor.typed_field != 0 && tensor.typed_field != field.number)
+      refuseContent("tensor '", tensor.name, "' has data of two types");
+    tensor.typed_field = field.number;
+    const bool floats = field.number == tensor_field::float_data;
+    if (!floats && field.number != tensor_field::double_data) {
+      forEachNumber(field, [&](std::uint64_t) { ++tensor.typed_elements; });
+      return;
+    }
+    const bool is_single = field.type == (floats ? Field::fixed32 : Field::fixed64);
+    const std::size_t bytes = is_single ? field.data.size() : messageOf(field).size();
+    const std::size_t size = floats ? 4 : 8;
+    if (bytes % size != 0)
+      refuseContent("tensor '", tensor.name, "' has a cut-off number");
+    tensor.typed_elements += bytes / size;
+  }
+
+  // Weights may be constants in nodes.
+  void
+  checkAttribute(std::string_view attribute) const
+  {
+    int single_tensors = 0;
+    for (Field field; next(attribute, field);)
+      if (field.number == attribute_field::tensor ||
+          field.number == attribute_field::tensors) {
+        checkTensor(messageOf(field));
+        single_tensors += field.number == attribute_field::tensor;
+      }
+    if (single_tensors > 1) // they would be merged into one, dimensions and all
+      refuseContent("has an attribute with two values");
   }
 
   OnnxInterface::Input

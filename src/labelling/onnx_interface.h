@@ -19,12 +19,12 @@ struct OnnxInterface {
   std::vector<std::string> inner;   ///< of all nodes, these outputs too
 };
 
-/** \brief Reads the interface of an ONNX file, and says in plain words what engines
- * say in theirs, or not at all: that a file is cut off or none of ONNX, and that its
- * weights lie in another file.
+/** \brief Reads the interface of an ONNX file, and refuses what would not be noticed
+ * later: a file that is cut off or none of ONNX, and tensors whose data are elsewhere,
+ * or not as many as their dimensions state, of which OpenCV 4.6 reads what lies behind.
  *
- * It is no check of the network: OpenCV 4.6 trusts what a tensor or an operator states,
- * and some damaged networks end the program that loads them.
+ * It is no check of the operators: OpenCV 4.6 trusts their attributes and operands, and
+ * some damaged networks end the program that loads them.
  *
  * \param[in] bytes content of the file
  * \param[in] path its name, for messages

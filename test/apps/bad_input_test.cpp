@@ -262,6 +262,9 @@ TEST(BadInput, Networks)
   net.weights.resize(12, 0.5f);
   net.bias.resize(4, 0.1f);
   const std::string whole = net.file();
+  net.weights.resize(6);
+  const std::string short_of_weights = net.file();
+  net.weights.resize(12, 0.5f);
   net.bias[0] = std::numeric_limits<float>::quiet_NaN();
   expectAllFail({
       {"no description", 3, "net.yaml: cannot be read", options},
@@ -272,6 +275,9 @@ TEST(BadInput, Networks)
       {"missing", 3, "none.onnx: cannot be read", options + " --model STREET/none.onnx",
        network(4)},
       {"channels", 4, "frame 0: ", options, network(5)},
+      // OpenCV 4.6 reads on behind them.
+      {"short", 4, "'weights' has 6 elements, its dimensions state 12", options,
+       network(short_of_weights)},
       {"NaN", 4, "frame 0: ", options, network(net.file())},
       // OpenCV 4.6 ends the program that loads this one.
       {"deadly", 4, "the network ", options + " --engine opencv",

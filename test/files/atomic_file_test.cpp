@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
 #include <locale>
 #include <sys/stat.h>
@@ -122,9 +123,10 @@ TEST(MakeOutputFolder, MakesTheParentsAndLeavesNothing)
   }
 }
 
-// What a kill leaves, and nothing of a process that may still write.
+// What a kill leaves, and nothing that somebody may still write.
 TEST(MakeOutputFolder, RemovesTheTemporariesOfEndedProcesses)
 {
+  namespace fs = std::filesystem;
   const TemporaryFolder folder;
   const pid_t killed = ::fork();
   if (killed == 0) {
@@ -134,17 +136,21 @@ TEST(MakeOutputFolder, RemovesTheTemporariesOfEndedProcesses)
   }
   ::waitpid(killed, nullptr, 0);
   ASSERT_EQ(folder.entries(), 1u);
-  const std::string left =
-      std::filesystem::directory_iterator(folder.path())->path().string();
-  writeTextFile(left + "-wal", "of SQLite");
-  writeTextFile(left + "2", "of somebody else");
-  writeTextFile(folder.path(".a.txt.elsewhere." + std::to_string(killed) + ".tmp"), "");
+  const fs::path left = fs::directory_iterator(folder.path())->path();
   AtomicFile file(folder.path("b.txt"));
+  file.stream() << "whole" << std::flush;
   makeOutputFolder(folder.path());
-  EXPECT_FALSE(std::filesystem::exists(left));
-  EXPECT_EQ(folder.entries(), 3u);
+  EXPECT_TRUE(fs::exists(left)) << "as young as one that is not locked yet";
+  const auto before = fs::file_time_type::clock::now() - std::chrono::seconds(11);
+  folder.write(".hidden", "of somebody else");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.path()))
+    fs::last_write_time(entry, before);
+  makeOutputFolder(folder.path());
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_EQ(folder.entries(), 2u);
   file.commit();
-  EXPECT_EQ(folder.entries(), 3u);
+  EXPECT_EQ(bytesOf(folder.path("b.txt")), "whole");
+  EXPECT_TRUE(fs::exists(folder.path(".hidden")));
 }
 
 TEST(MakeOutputFolder, RefusesWhatIsNoFolder)

@@ -36,6 +36,7 @@ private:
   std::string path_;
   std::string temporary_path_;
   std::ofstream stream_;
+  int lock_ = -1; ///< descriptor by which others know that somebody writes
 };
 
 /** \brief Brings the name of a file to the disk, where its folder may be read. */
@@ -48,7 +49,7 @@ void writeBytes(const std::string& path, const void* bytes, std::size_t size);
 void writeTextFile(const std::string& path, const std::string& text);
 
 /** \brief Makes a folder and its parents, checks that a file can be written there, and
- * removes the temporary files that killed processes of this machine have left.
+ * removes the temporary files of AtomicFile that killed processes have left there.
  * \throws OutputException */
 void makeOutputFolder(const std::string& path);
 

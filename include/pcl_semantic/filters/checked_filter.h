@@ -7,6 +7,7 @@
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/filters/filter.h>
 #include <pcl/point_cloud.h>
+#include <pcl/types.h>
 
 #include <cstddef>
 #include <memory>
@@ -28,13 +29,26 @@ public:
   filter(PointCloud& output)
   {
     if (this->input_ && (!this->indices_ || this->fake_indices_)) {
-      const auto all = std::make_shared<pcl::Indices>(
-          std::size_t(this->input_->width) * std::size_t(this->input_->height));
+      const auto all = std::make_shared<pcl::Indices>(pointsOf(*this->input_));
       std::iota(all->begin(), all->end(), 0);
       this->indices_ = all;
       this->fake_indices_ = true;
     }
     pcl::Filter<PointT>::filter(output);
+  }
+
+private:
+  static std::size_t
+  pointsOf(const PointCloud& cloud)
+  {
+    if constexpr (std::is_same_v<PointT, pcl::PCLPointCloud2>) {
+      // A cloud may state any size: one without the data is for applyFilter() to
+      // refuse.
+      const std::size_t points = std::size_t(cloud.width) * cloud.height;
+      return points <= cloud.data.size() ? points : 0;
+    }
+    else
+      return cloud.size();
   }
 };
 

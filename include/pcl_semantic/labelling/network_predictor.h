@@ -45,7 +45,11 @@ std::vector<NetworkEngine> networkEngines();
  *
  * The image is resized bilinearly to the network's input; its output becomes class
  * distributions as distributionsFromLogits() says. Grey images are taken as colour
- * images with three equal channels. Not for use from several threads at once. */
+ * images with three equal channels. Not for use from several threads at once.
+ *
+ * OpenCV 4.6 ends the program at some damaged networks: let pcl_semantic_label, which
+ * tries them in a process of its own, load those first that you have not seen before.
+ */
 class NetworkPredictor : public LabelPredictor {
 public:
   /** \param[in] description of the network

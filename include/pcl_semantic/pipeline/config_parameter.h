@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
 
 #include <Eigen/Core>
