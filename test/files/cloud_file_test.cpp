@@ -52,6 +52,23 @@ refuses(const std::string& name, const std::string& content, const std::string& 
 
 } // namespace
 
+// Only bytes are taken for a colour; anything else keeps its fields.
+TEST(CloudFile, TakesWiderColoursOfPlyForSomethingElse)
+{
+  const TemporaryFolder folder;
+  for (const char* const type : {"ushort", "char", "float"}) {
+    const std::string property = "property " + std::string(type) + " ";
+    folder.write("a.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n" +
+                     property + "red\n" + property + "green\n" + property +
+                     "blue\nend_header\n1 100 20 3\n");
+    const PcdTable table = readCloudTable(folder.path("a.ply"));
+    EXPECT_LT(table.find("rgba"), 0) << type;
+    ASSERT_GE(table.find("red"), 0) << type;
+    EXPECT_EQ(PcdColumn(table, table.find("red"))(0), 100.0) << type;
+  }
+}
+
 TEST(CloudFile, ReadsPly)
 {
   const TemporaryFolder folder;

@@ -81,6 +81,9 @@ TEST(FrameNumbersOf, AreNamesThatAreNumbers)
   EXPECT_TRUE(throws<BadInputException>("1.pcd and 01.pcd: are both frame 1", [] {
     frameNumbersOf({"1.pcd", "01.pcd"});
   }));
+  EXPECT_TRUE(throws<BadInputException>("04.pcd and 4.pcd: are both frame 4", [] {
+    frameNumbersOf({"1.pcd", "2.pcd", "04.pcd", "4.pcd", "5.pcd"});
+  }));
 }
 
 } // namespace pcl_semantic

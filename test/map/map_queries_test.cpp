@@ -109,6 +109,10 @@ TEST(MapQueries, ABoxGivesItsKnownVoxels)
     EXPECT_EQ(again.measured, state.measured);
   }
   EXPECT_TRUE(map.states(Eigen::AlignedBox3d()).empty());
+  const Eigen::Vector3d hit = scan.cloud[0].getVector3fMap().cast<double>();
+  const std::vector<VoxelState> at_point = map.states(Eigen::AlignedBox3d(hit, hit));
+  ASSERT_EQ(at_point.size(), 1u);
+  EXPECT_EQ(at_point[0].index, map.voxelOf(hit));
 }
 
 TEST(MapQueries, ARayFindsTheFirstOccupiedVoxel)
