@@ -3,12 +3,13 @@
 """Measures whether tests notice mistakes: makes one small mistake at a time in the
 sources of a module, compiles, and runs the module's own tests.
 
-    test/mutants.py BUILD MODULE... [--count N] [--seed S] [--log FILE]
+    test/mutants.py BUILD MODULE... [--count N] [--seed S] [--log FILE] [--again LOG]
 
 BUILD is a folder for a copy of the sources and what is compiled of it. Mistakes are
 drawn at random, the same ones for a seed: comparisons and their ends, signs and
 constants, conditions, and statements that are left out. FILE gets a line for each:
-verdict, module, place, what stood there and what was put in its place.
+verdict, module, place, what stood there and what was put in its place. With --again
+those are made that survived in an earlier LOG: tests may have been added.
 """
 
 import argparse
@@ -136,8 +137,15 @@ def main():
     parser.add_argument("modules", nargs="+")
     parser.add_argument("--count", type=int, default=60, help="mistakes a module")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--again", type=pathlib.Path, help="earlier log")
     parser.add_argument("--log", type=pathlib.Path, default="/dev/stdout")
     arguments = parser.parse_args()
+    survivors = set()
+    if arguments.again:
+        for line in arguments.again.read_text().splitlines():
+            verdict, module, _, before, after = line.split("\t")
+            if verdict == "survived":
+                survivors.add((module, before, after))
     workshop = Workshop(arguments.build.resolve())
     with open(arguments.log, "a", buffering=1) as log:
         for module in arguments.modules:
@@ -145,6 +153,9 @@ def main():
                 sys.exit(f"{module}: its tests fail before any mistake is made")
             drawn = list(candidates(workshop.tree, module))
             random.Random(arguments.seed).shuffle(drawn)
+            if arguments.again:
+                drawn = [each for each in drawn
+                         if (module, each[2].strip(), each[3].strip()) in survivors]
             verdicts = collections.Counter()
             for path, number, line, mistake in drawn:
                 if verdicts["killed"] + verdicts["survived"] >= arguments.count:

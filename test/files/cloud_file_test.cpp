@@ -52,6 +52,23 @@ refuses(const std::string& name, const std::string& content, const std::string& 
 
 } // namespace
 
+// The upper half of a label is the number of a thing, which is no class.
+TEST(CloudFile, ReadsTheLabelsOfAScanWithoutInstances)
+{
+  const TemporaryFolder folder;
+  const std::string path =
+      folder.write("000000.bin", bytes<float>({1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0}));
+  folder.write("000000.label",
+               bytes<std::uint32_t>({0xFFFF000Au, 0x00070028u, 0xABCD0102u}));
+  const PcdTable table = readCloudTable(path);
+  ASSERT_EQ(table.points, 3u);
+  const PcdColumn label(table, table.find("label")), z(table, table.find("z"));
+  EXPECT_EQ(label.bits(0), 0x0Au);
+  EXPECT_EQ(label.bits(1), 0x28u);
+  EXPECT_EQ(label.bits(2), 0x102u);
+  EXPECT_EQ(z(2), 9.0);
+}
+
 // Only bytes are taken for a colour; anything else keeps its fields.
 TEST(CloudFile, TakesWiderColoursOfPlyForSomethingElse)
 {

@@ -236,7 +236,12 @@ TEST(TrajectoryFormat, IsKnownByTheNumbers)
     EXPECT_EQ(format(before + identity), TrajectoryFormat::kitti);
     EXPECT_EQ(format(std::string(before) + "1 0 0 0 0 0 0 1"), TrajectoryFormat::tum);
   }
-  for (const char* const bad : {"", "\n", "# nothing\n", "1 2 3\n", "a b\n"})
+  for (const char* const near :
+       {"1 0 0 0 0 1 0 0 0 0 1\n", "0 1 0 0 0 0 1 0 0 0 0 1 0\n"})
+    EXPECT_EQ(format(near), TrajectoryFormat::kitti) << "whose reader names the line";
+  for (const char* const bad :
+       {"", "\n", "# nothing\n", "1 2 3\n", "a b\n", "1 0 0 0 0 1 0 0 0 0\n",
+        "0 1 0 0 0 0 1 0 0 0 0 1 0 0\n"})
     thrownMessage<BadInputException>([&] { format(bad); });
 }
 

@@ -78,6 +78,14 @@ TEST_F(NetworkDescriptionTest, ModelAndSoftmaxMayBeLeftOut)
   EXPECT_TRUE(read(4, "output: {name: logits}").softmax);
 }
 
+TEST_F(NetworkDescriptionTest, TakesInputsUpToTheLimit)
+{
+  EXPECT_EQ(read(3, "input: {name: image, width: 8192, height: 1}").input_width, 8192);
+  expectRefusal<BadInputException>("width is 8193, expected 1 to 8192", [&] {
+    read(3, "input: {name: image, width: 8193, height: 1}");
+  });
+}
+
 TEST_F(NetworkDescriptionTest, RefusesWithTheLine)
 {
   for (const auto& [line, text] : std::vector<std::pair<std::size_t, std::string>>{
@@ -264,6 +272,22 @@ TEST_P(NetworkPredictorTest, RefusesAnUnknownOperation)
   std::string content = network_.file();
   content.replace(content.find("Conv"), 4, "Vonc");
   expectRefused(content, path_);
+}
+
+TEST_P(NetworkPredictorTest, SaysForWhatSizeANetworkThatFailsWasExported)
+{
+  const Message add =
+      Message().bytes(1, "image").bytes(1, "offset").bytes(2, "logits").bytes(4, "Add");
+  const std::string file =
+      onnxModel(Message()
+                    .message(1, add)
+                    .bytes(2, "graph")
+                    .message(5, floatTensor("offset", {1, 3, 6, 8},
+                                            std::vector<float>(3 * 6 * 8, 1.0f)))
+                    .message(11, floatValue("image", {1, 3, 6, 8}))
+                    .message(12, floatValue("logits", {1, 3, 6, 8})));
+  description_.input_width = 16;
+  expectRefused(file, "exported for images of 8 x 6, its description says 16 x 6");
 }
 
 // An engine would run them unchecked.

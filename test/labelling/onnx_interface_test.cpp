@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <random>
 
 namespace pcl_semantic {
@@ -76,6 +77,28 @@ TEST(OnnxInterface, AcceptsEveryWayToStoreATensor)
       Message().number(1, 3).number(2, 7).bytes(7, std::string("\x01\x80\x01\x05"));
   EXPECT_NO_THROW(read(withWeights(int64))) << "three packed numbers";
   EXPECT_NO_THROW(read(withWeights(Message().number(2, 7).number(7, 5)))) << "scalar";
+}
+
+// TensorProto.DataType, as onnx.proto numbers them, and the bytes of an element.
+TEST(OnnxInterface, KnowsTheSizeOfEveryType)
+{
+  const std::map<int, int> sizes = {{1, 4}, {2, 1}, {3, 1},  {6, 4},
+                                    {7, 8}, {9, 1}, {10, 2}, {11, 8}};
+  for (int type = 0; type <= 20; ++type) {
+    const auto tensor = [&](int bytes) {
+      return withWeights(Message()
+                             .number(1, 5)
+                             .number(2, std::uint64_t(type))
+                             .bytes(9, std::string(std::size_t(5 * bytes), '\0')));
+    };
+    const auto size = sizes.find(type);
+    if (size != sizes.end()) {
+      EXPECT_NO_THROW(read(tensor(size->second))) << type;
+    }
+    for (const int other : {1, 2, 4, 8})
+      if (size == sizes.end() || other != size->second)
+        expectRefused(tensor(other), "type " + std::to_string(type));
+  }
 }
 
 TEST(OnnxInterface, RefusesDimensionsThatTheDataDoNotFill)
