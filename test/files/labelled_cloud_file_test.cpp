@@ -260,6 +260,17 @@ TEST(LabelledCloudFile, LabelsWithoutProbabilitiesAndTheOtherWayRound)
   EXPECT_TRUE(soft.has_labels);
 }
 
+TEST(LabelledCloudFile, RefusesDistributionsOfOtherPoints)
+{
+  for (const int classes : {1, 2}) {
+    LabelledCloud labelled = read(pcdText({x, y, z, label}, "1 2 3 1\n1 2 3 0\n", 2));
+    labelled.distributions = LabelDistributions(classes, 3);
+    EXPECT_TRUE(throws<InvalidParameterException>(
+        "the cloud has 2 points, its table 2, its distributions 3",
+        [&] { tableOf(labelled, "cloud"); }));
+  }
+}
+
 TEST(LabelledCloudFile, OtherFieldsSurvive)
 {
   const TemporaryFolder folder;

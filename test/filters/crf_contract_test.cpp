@@ -486,6 +486,8 @@ TEST(CRFInput, WhatDoesNotFitIsRefused)
                       crf.setCliqueWeights(Eigen::MatrixXf::Constant(1, 2, 2e9f));
                     }),
                     "the weight of clique 0 is 2e+09, expected 0 to 1e+09"));
+  Filter at_the_limit;
+  EXPECT_NO_THROW(at_the_limit.setCliqueWeights(Eigen::MatrixXf::Constant(1, 2, 1e9f)));
   EXPECT_TRUE(holds(complaint([&](Filter& crf) {
                       LabelDistributions initial(4, 40);
                       initial.matrix()(2, 17) = -1.0f;
@@ -592,7 +594,7 @@ TEST(CRFInput, ParametersOutOfRangeAreRefused)
     refused([&](SemanticCRFParameters& p) { p.clique_smoothness_weight = bad; });
     refused([&](SemanticCRFParameters& p) { p.clique_appearance_weight = bad; });
   }
-  for (const double bad : {-1.0, nan, 1e300, 1e-12}) {
+  for (const double bad : {-1.0, nan, 1e300, 1e-12, 9.9e-10}) {
     refused([&](SemanticCRFParameters& p) { p.smoothness_deviation = bad; });
     refused([&](SemanticCRFParameters& p) { p.appearance_deviation = bad; });
   }

@@ -177,6 +177,12 @@ TEST(CalibrationFit, StreetKnotsComeInOrderAndOnce)
   options.curves = streetKnots(everyFeature());
   EXPECT_EQ(options.curves.size(), feature_count);
   EXPECT_NO_THROW(options.validate());
+  for (const auto& curve : options.curves) {
+    const bool is_fraction =
+        curve.feature == Feature::level || curve.feature == Feature::brightness ||
+        curve.feature == Feature::red || curve.feature == Feature::green;
+    EXPECT_LE(curve.knots.back(), is_fraction ? 1.0f : 50.0f) << int(curve.feature);
+  }
 }
 
 TEST(CalibrationFit, FitsWithoutCurves)

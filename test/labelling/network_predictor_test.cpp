@@ -278,16 +278,23 @@ TEST_P(NetworkPredictorTest, SaysForWhatSizeANetworkThatFailsWasExported)
 {
   const Message add =
       Message().bytes(1, "image").bytes(1, "offset").bytes(2, "logits").bytes(4, "Add");
-  const std::string file =
-      onnxModel(Message()
-                    .message(1, add)
-                    .bytes(2, "graph")
-                    .message(5, floatTensor("offset", {1, 3, 6, 8},
-                                            std::vector<float>(3 * 6 * 8, 1.0f)))
-                    .message(11, floatValue("image", {1, 3, 6, 8}))
-                    .message(12, floatValue("logits", {1, 3, 6, 8})));
+  const auto file = [&](std::uint64_t rows, std::uint64_t columns) {
+    const std::vector<std::uint64_t> size = {1, 3, rows, columns};
+    return onnxModel(
+        Message()
+            .message(1, add)
+            .bytes(2, "graph")
+            .message(5, floatTensor("offset", size,
+                                    std::vector<float>(3 * rows * columns, 1.0f)))
+            .message(11, floatValue("image", size))
+            .message(12, floatValue("logits", size)));
+  };
   description_.input_width = 16;
-  expectRefused(file, "exported for images of 8 x 6, its description says 16 x 6");
+  expectRefused(file(6, 8),
+                "exported for images of 8 x 6, its description says 16 x 6");
+  description_.input_height = 2;
+  expectRefused(file(1, 8),
+                "exported for images of 8 x 1, its description says 16 x 2");
 }
 
 // An engine would run them unchecked.
