@@ -59,7 +59,9 @@ isWhole(const Bytes& bytes)
 void
 requireWholeJpeg(const Bytes& bytes, const std::string& path)
 {
-  if (bytes.size() < 4 || !beginsWith(bytes, {0xFF, 0xD8}))
+  // All three, by which OpenCV knows one: it would try other formats, and GDCM ends the
+  // program where a file names DICOM and is damaged.
+  if (bytes.size() < 4 || !beginsWith(bytes, {0xFF, 0xD8, 0xFF}))
     badInput(path, ": is not a JPEG image");
   std::size_t end = bytes.size();
   while (end > 2 && bytes[end - 1] == 0)

@@ -183,6 +183,17 @@ TEST(ReadImage, ATiffIsReadOrRefusedWithAWord)
 }
 
 // Of a few bytes that promise many pixels no memory is taken.
+// OpenCV looks for formats one after the other, and one of its decoders aborts.
+TEST(ReadImage, TakesNothingElseForAJpeg)
+{
+  const TemporaryFolder folder;
+  std::string dicom(128, '\xC7');
+  dicom.replace(0, 4, std::string("\xFF\xD8\x8C\0", 4));
+  folder.write("a.jpg", dicom + "DICM\xFF\xD9");
+  EXPECT_TRUE(throws<BadInputException>("a.jpg: is not a JPEG image",
+                                        [&] { readImage(folder.path("a.jpg")); }));
+}
+
 TEST(ReadImage, RefusesMorePixelsThanTheFileCanHold)
 {
   const TemporaryFolder folder;
