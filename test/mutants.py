@@ -70,6 +70,11 @@ def candidates(tree, module):
                 yield path.relative_to(tree), number, line, mistake
 
 
+def entry(module, path, number, line, mistake):
+    """What a log says of a mistake, behind the verdict."""
+    return module, f"{path}:{number + 1}", line.strip(), mistake.strip()
+
+
 def bound_memory():
     """A mistake may let something grow for ever."""
     resource.setrlimit(resource.RLIMIT_DATA, (8 << 30, 8 << 30))
@@ -143,9 +148,9 @@ def main():
     survivors = set()
     if arguments.again:
         for line in arguments.again.read_text().splitlines():
-            verdict, module, _, before, after = line.split("\t")
+            verdict, *mistake = line.split("\t")
             if verdict == "survived":
-                survivors.add((module, before, after))
+                survivors.add(tuple(mistake))
     workshop = Workshop(arguments.build.resolve())
     with open(arguments.log, "a", buffering=1) as log:
         for module in arguments.modules:
@@ -154,16 +159,15 @@ def main():
             drawn = list(candidates(workshop.tree, module))
             random.Random(arguments.seed).shuffle(drawn)
             if arguments.again:
-                drawn = [each for each in drawn
-                         if (module, each[2].strip(), each[3].strip()) in survivors]
+                drawn = [each for each in drawn if entry(module, *each) in survivors]
             verdicts = collections.Counter()
             for path, number, line, mistake in drawn:
                 if verdicts["killed"] + verdicts["survived"] >= arguments.count:
                     break
                 verdict = workshop.verdict(module, path, number, mistake)
                 verdicts[verdict] += 1
-                log.write(f"{verdict}\t{module}\t{path}:{number + 1}\t{line.strip()}\t"
-                          f"{mistake.strip()}\n")
+                log.write("\t".join((verdict, *entry(module, path, number, line, mistake)))
+                          + "\n")
             tried = verdicts["killed"] + verdicts["survived"]
             print(f"{module}: {verdicts['killed']} of {tried} killed "
                   f"({100 * verdicts['killed'] / max(tried, 1):.0f} %)", flush=True)

@@ -36,7 +36,7 @@ frameOf(const Features& features, double* extents)
     badParameter("points have ", d, " features, expected 1 to ",
                  kernels::max_dimensions);
   const auto count = std::size_t(features.cols()),
-             parts = (count + part_size - 1) / part_size;
+             parts = SortedBuckets::partsOf(count);
   Eigen::ArrayXXf lows(d, parts), highs(d, parts);
   bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite)

@@ -15,14 +15,19 @@ namespace pcl_semantic {
 struct SortedBuckets {
   static constexpr std::size_t part_size = 8192; ///< of what threads count at a time
 
+  static constexpr std::size_t
+  partsOf(std::size_t count)
+  {
+    return (count + part_size - 1) / part_size;
+  }
+
   AlignedArray<std::int32_t> members;
   std::vector<std::size_t> begins; ///< of each bucket, with an end
 
   SortedBuckets(const AlignedArray<std::int32_t>& bucket_of, std::size_t buckets)
       : members(bucket_of.size()), begins(buckets + 1, 0)
   {
-    const std::size_t count = bucket_of.size(),
-                      parts = (count + part_size - 1) / part_size;
+    const std::size_t count = bucket_of.size(), parts = partsOf(count);
     // Members of each bucket in each part, then where the first of them goes.
     std::vector<std::size_t> indices(parts * buckets, 0);
 #pragma omp parallel for schedule(static)

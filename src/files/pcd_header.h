@@ -20,11 +20,8 @@ struct PcdHeader {
   int data_line = 0;           ///< number of the line DATA, counted from 1
 };
 
-/** \brief The header at the beginning of a file.
- *
- * Its lines may come in any order before DATA, each once; WIDTH x HEIGHT has to be
- * POINTS. Fields called `_` are PCL's padding: any number of them; other names are
- * unique. \throws BadInputException as readPcd() */
+/** \brief The header at the beginning of a file, as readPcd() says.
+ * \throws BadInputException likewise */
 PcdHeader parsePcdHeader(const std::string& path, std::string_view file);
 
 /** \brief The header of the files that writeCloudTable() writes, for those who write

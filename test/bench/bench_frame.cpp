@@ -8,6 +8,7 @@
 // whole, with all that lies between the stages, and pcl_semantic_map as a process.
 
 #include "bench/kitti_map.h"
+#include "bench/median.h"
 #include "bench/ratio.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
@@ -70,12 +71,6 @@ quantile(std::vector<double> values, double fraction)
 {
   std::sort(values.begin(), values.end());
   return values[std::size_t(fraction * double(values.size() - 1) + 0.5)];
-}
-
-double
-median(const std::vector<double>& values)
-{
-  return quantile(values, 0.5);
 }
 
 std::string

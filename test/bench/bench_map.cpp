@@ -6,6 +6,7 @@
 // ones did.
 
 #include "bench/kitti_map.h"
+#include "bench/median.h"
 #include "bench/ratio.h"
 #include "support/random_scan.h"
 
@@ -96,14 +97,6 @@ readFrames(const std::string& name)
     removeSky(label_set, frames.back());
   }
   return frames;
-}
-
-double
-median(std::vector<double> values)
-{
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 octomap::Pointcloud

@@ -9,6 +9,7 @@
 //
 //   bench_soak [FRAMES [none|archive]]
 
+#include "bench/median.h"
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/dataset/synthetic_labels.h>
@@ -183,14 +184,6 @@ private:
   std::unique_ptr<MappingArchive> archive_;
   std::unique_ptr<SemanticMapper> mapper_;
 };
-
-double
-median(std::vector<double> values)
-{
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Row {
   double memory; // resident [MB]

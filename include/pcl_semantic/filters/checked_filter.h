@@ -28,16 +28,24 @@ public:
   void
   filter(PointCloud& output)
   {
-    if (this->input_ && (!this->indices_ || this->fake_indices_)) {
-      const auto all = std::make_shared<pcl::Indices>(pointsOf(*this->input_));
-      std::iota(all->begin(), all->end(), 0);
-      this->indices_ = all;
-      this->fake_indices_ = true;
-    }
+    if (this->input_ && (!this->indices_ || this->fake_indices_))
+      indexAll(pointsOf(*this->input_));
     pcl::Filter<PointT>::filter(output);
   }
 
 private:
+  // As PCL does: those of the last cloud serve again if it had as many points.
+  void
+  indexAll(std::size_t points)
+  {
+    if (this->indices_ && this->indices_->size() == points)
+      return;
+    const auto all = std::make_shared<pcl::Indices>(points);
+    std::iota(all->begin(), all->end(), 0);
+    this->indices_ = all;
+    this->fake_indices_ = true;
+  }
+
   static std::size_t
   pointsOf(const PointCloud& cloud)
   {
