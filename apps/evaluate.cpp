@@ -65,7 +65,7 @@ parse(int argc, char** argv)
        {"covered-by", options.covered_by,
         "folder of label images: count only pixels that are not 0 there"},
        {"truth-depth", options.truth_depths,
-        "folder of the ground truth's depth, see pcl_semantic_lidar_truth"},
+        "folder of the ground truth's depth (.png, 256 x metres, or .bin)"},
        {"probabilities", options.probabilities,
         "folder of the predictions' class probabilities (.npy or .bin): print their "
         "expected calibration error too"},

@@ -26,6 +26,6 @@ mkdir -p "$out"
 "$bin/pcl_semantic_render" "$map" "$out/above.png" --view above "${render[@]}"
 "$bin/pcl_semantic_render" "$map" "$out/measured.png" --colour rgb "${render[@]}"
 "$bin/pcl_semantic_render" "$map" "$out/changes.png" --compare "$before" "${render[@]}"
-"$bin/pcl_semantic_compare" --image "$images" --truth "$truth" \
+PYTHONPATH=$bin/../../python /usr/bin/python3 -m lab.compare --image "$images" --truth "$truth" \
   --labels "$map/network_labels" "$before/labels" "$map/labels" \
   --names "2D network,fused,after the CRF" --output "$out/sheets" "${sheet[@]}"

@@ -2,9 +2,7 @@
 #include <pcl_semantic/evaluation/depth_file.h>
 
 #include "core/fail.h"
-#include "files/bytes.h"
 
-#include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -43,17 +41,6 @@ writeDepthImage(const std::string& path, const cv::Mat& depth)
   cv::Mat image;
   depth.convertTo(image, CV_16U, steps_per_metre); // rounds and saturates
   writePng(path, image);
-}
-
-void
-writePointDepths(const std::string& path, const std::vector<float>& depths)
-{
-  ByteWriter bytes;
-  bytes.putColumn(depths);
-  AtomicFile file(path);
-  file.stream().write(reinterpret_cast<const char*>(bytes.bytes().data()),
-                      std::streamsize(bytes.bytes().size()));
-  file.commit();
 }
 
 cv::Mat

@@ -5,7 +5,7 @@
 #include "core/parallel_guard.h"
 #include "files/report_text.h"
 
-#include <pcl_semantic/evaluation/lidar_truth.h>
+#include <pcl_semantic/core/visible_points.h>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>

@@ -7,12 +7,10 @@
 namespace pcl_semantic {
 
 LabelChanges
-countLabelChanges(const std::vector<Label>& before, const std::vector<Label>& after,
-                  const std::vector<Label>& truth)
+countLabelChanges(const std::vector<Label>& before, const std::vector<Label>& after)
 {
-  if (before.size() != after.size() || (!truth.empty() && truth.size() != after.size()))
-    badParameter("labels of ", before.size(), " and ", after.size(),
-                 " positions, truth of ", truth.size());
+  if (before.size() != after.size())
+    badParameter("labels of ", before.size(), " and ", after.size(), " positions");
   LabelChanges changes;
   std::vector<std::size_t> counts(256 * 256, 0);
   for (std::size_t i = 0; i < after.size(); ++i) {
@@ -22,10 +20,6 @@ countLabelChanges(const std::vector<Label>& before, const std::vector<Label>& af
     if (before[i] == after[i])
       continue;
     ++counts[std::size_t(before[i]) * 256 + after[i]];
-    if (!truth.empty() && truth[i] != kUnlabelled) {
-      changes.right += after[i] == truth[i];
-      changes.wrong += before[i] == truth[i];
-    }
   }
   for (std::size_t pair = 0; pair < counts.size(); ++pair)
     if (counts[pair] > 0) {

@@ -2,9 +2,9 @@
 #include "extra_output.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
-#include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -19,36 +19,41 @@ namespace pcl_semantic {
 
 namespace {
 
-// Folders and what they need: those of "final_..." are written when the map is
-// finished, the others at each frame.
+// What a folder needs to be written: options, or a camera.
+namespace need {
+constexpr unsigned measured = 1, depth = 2, probabilities = 4, scans = 8;
+constexpr unsigned within = 16, camera = 32;
+} // namespace need
+
+// Those of "final_..." are written when the map is finished, the others at each frame.
 struct Folder {
   const char* name;
-  bool measured, depth, scans, near, probabilities = false;
+  unsigned needs;
 };
 
 constexpr Folder folders[] = {
-    {"measured_labels", true, false, false, false},
-    {"measured_labels_at_depth", true, false, false, false},
-    {"depth", false, true, false, false},
-    {"probabilities_at_depth", false, false, false, false, true},
-    {"scan_labels", false, false, true, false},
-    {"measured_scan_labels", true, false, true, false},
-    {"network_scan_labels", false, false, true, false},
-    {"near_scan_labels", false, false, true, true},
-    {"measured_near_scan_labels", true, false, true, true},
-    {"final_measured_labels", true, false, false, false},
-    {"final_scan_labels", false, false, true, false},
-    {"final_measured_scan_labels", true, false, true, false},
-    {"final_near_scan_labels", false, false, true, true},
-    {"final_measured_near_scan_labels", true, false, true, true}};
+    {"measured_labels", need::camera | need::measured},
+    {"measured_labels_at_depth", need::camera | need::measured},
+    {"depth", need::camera | need::depth},
+    {"probabilities_at_depth", need::camera | need::probabilities},
+    {"scan_labels", need::scans},
+    {"measured_scan_labels", need::scans | need::measured},
+    {"network_scan_labels", need::scans},
+    {"near_scan_labels", need::scans | need::within},
+    {"measured_near_scan_labels", need::scans | need::within | need::measured},
+    {"final_measured_labels", need::camera | need::measured},
+    {"final_scan_labels", need::scans},
+    {"final_measured_scan_labels", need::scans | need::measured},
+    {"final_near_scan_labels", need::scans | need::within},
+    {"final_measured_near_scan_labels", need::scans | need::within | need::measured}};
 
-bool
-isWanted(const Folder& folder, const ExtraOptions& options, bool has_camera)
+unsigned
+needsMet(const ExtraOptions& options, bool has_camera)
 {
-  return (folder.scans || has_camera) && (!folder.measured || options.measured) &&
-         (!folder.depth || options.depth) && (!folder.scans || options.scan) &&
-         (!folder.near || options.within > 0.0) &&
-         (!folder.probabilities || options.probabilities);
+  return (options.measured ? need::measured : 0u) | (options.depth ? need::depth : 0u) |
+         (options.probabilities ? need::probabilities : 0u) |
+         (options.scan ? need::scans : 0u) |
+         (options.within > 0.0 ? need::within : 0u) | (has_camera ? need::camera : 0u);
 }
 
 cv::Mat
@@ -69,8 +74,9 @@ ExtraOutput::ExtraOutput(const std::string& folder,
     : folder_(folder), camera_(camera), max_depth_(max_depth),
       options_(std::move(options))
 {
+  const unsigned met = needsMet(options_, camera_.has_value());
   for (const Folder& each : folders)
-    if (isWanted(each, options_, camera_.has_value()))
+    if ((each.needs & ~met) == 0)
       makeOutputFolder((std::filesystem::path(folder_) / each.name).string());
 }
 

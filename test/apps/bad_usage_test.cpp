@@ -111,11 +111,6 @@ TEST(BadUsage, OtherTools)
       {"no label set", 3, "none.yaml", gt + "STREET/gt --label-set none.yaml"},
       {"below a file", 5, "calib.txt",
        gt + "STREET/gt --output STREET/calib.txt/x" + set},
-      {"no mapping", 2, "label-mapping", "lidar_truth STREET --output OUT" + set},
-      {"no scans", 3, "velodyne",
-       "lidar_truth STREET --output OUT --label-mapping " PCL_SEMANTIC_SOURCE_DIR
-       "/data/label_mappings/semantic_kitti_to_kitti11.yaml" +
-           set},
   });
 }
 

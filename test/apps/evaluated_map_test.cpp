@@ -7,7 +7,6 @@
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
-#include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/map_folder.h>

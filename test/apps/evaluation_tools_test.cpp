@@ -131,7 +131,9 @@ TEST_F(EvaluateTool, TakesLabelsOfScans)
     fs::create_directories(folder_.path(name));
   writeScanLabels(folder_.path("p/000003.label"), {3, 3, 1, 0, 1});
   writeScanLabels(folder_.path("t/000003.label"), {3, 1, 1, 1, 0});
-  writePointDepths(folder_.path("d/000003.bin"), {4.0f, 4.0f, 30.0f, 30.0f, 4.0f});
+  const float depths[] = {4.0f, 4.0f, 30.0f, 30.0f, 4.0f};
+  std::ofstream(folder_.path("d/000003.bin"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(depths), sizeof(depths));
   // The same truth in SemanticKITTI's numbers: 40 is road, 50 building, 0 nothing.
   writeScanLabels(folder_.path("raw/000003.label"), {40, 50, 50, 50, 0});
   const std::string begin =
@@ -170,74 +172,6 @@ TEST_F(EvaluateTool, RefusesBadInput)
   expectFails(one, 3, "p1/000000.png");
   writeImage(folder_.path("p1"), "000000.png", cv::Mat1b(2, 3, Label(12)));
   expectFails(one, 3, "label 12");
-}
-
-TEST(LidarTruthTool, ProjectsAGeneratedScan)
-{
-  const TemporaryFolder folder;
-  const cv::Mat1b grey(40, 60, std::uint8_t(90));
-  for (const char* camera : {"image_0/", "image_1/"})
-    writeImage(folder.path(camera), "000002.png", grey);
-  writeTextFile(folder.path("calib.txt"),
-                "P0: 50 0 30 0 0 50 20 0 0 0 1 0\nP1: 50 0 30 -25 0 50 20 0 0 0 1 0\n"
-                "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
-  fs::create_directories(folder.path("velodyne"));
-  fs::create_directories(folder.path("labels"));
-  const float points[] = {10, 2, 1, 0, 50, 0, 0, 0}; // the second is too far
-  const std::uint32_t labels[] = {40 | 9u << 16, 40};
-  std::ofstream(folder.path("velodyne/000002.bin"), std::ios::binary)
-      .write(reinterpret_cast<const char*>(points), sizeof(points));
-  std::ofstream(folder.path("labels/000002.label"), std::ios::binary)
-      .write(reinterpret_cast<const char*>(labels), sizeof(labels));
-
-  const std::string command = "lidar_truth " + folder.path() + label_set +
-                              label_mapping + " --output " + (folder.path("truth"));
-  succeed(command);
-  const cv::Mat1b truth = readPng(folder.path("truth/000002.png"), ImageKind::labels);
-  EXPECT_EQ(cv::countNonZero(truth), 1);
-  EXPECT_EQ(truth(15, 20), 3);
-
-  succeed(command + " --depth " + folder.path("depth") + " --scan-labels " +
-          folder.path("points") + " --scan-depth " + folder.path("point_depth"));
-  const cv::Mat1f depth = readDepths(folder.path("depth/000002.png"));
-  EXPECT_EQ(cv::countNonZero(depth), 1);
-  EXPECT_EQ(depth(15, 20), 10.0f);
-  EXPECT_EQ(readScanLabels(folder.path("points/000002.label"), 11),
-            (std::vector<Label>{3, 0}));
-  const cv::Mat1f point_depth = readDepths(folder.path("point_depth/000002.bin"));
-  EXPECT_EQ(point_depth(0, 0), 10.0f);
-  EXPECT_EQ(point_depth(0, 1), 0.0f);
-  expectFails(command + " --depth " + folder.path("truth"), 2, "are one folder");
-  expectFails(command + " --scan-labels " + folder.path("labels"), 2,
-              "holds files of the sequence");
-  expectFails(command + "/../image_0", 2, "holds files of the sequence");
-  expectFails(command + " --frames 10:5", 2, "10:5");
-  expectFails(command + " --frames 3:5", 3, "3:5");
-  expectFails(command + " --max-depth nan", 2, "max-depth");
-  fs::resize_file(folder.path("labels/000002.label"), 7);
-  fs::remove_all(folder.path("truth"));
-  expectFails(command, 3, "000002.label: has 7 bytes");
-  EXPECT_FALSE(fs::exists(folder.path("truth/000002.png")));
-}
-
-TEST(LidarTruthTool, AgreesWithTheHandMadeImage)
-{
-  const char* recordings = std::getenv("PCL_SEMANTIC_DATA");
-  if (!recordings)
-    GTEST_SKIP() << "skipped: PCL_SEMANTIC_DATA is not set";
-  const TemporaryFolder folder;
-  const std::string sequence = std::string(recordings) + "/kitti/05";
-  succeed("lidar_truth " + sequence + label_set + label_mapping +
-          " --frames 0:1 --output " + (folder.path("truth")));
-  succeed("evaluate --prediction " + sequence + "/gt --truth " +
-          (folder.path("truth")) + label_set + " --ignore sky,7,8,sidewalk --output " +
-          (folder.path("out")));
-  std::ifstream stream(folder.path("out/metrics.json"));
-  const auto json = nlohmann::json::parse(stream);
-  EXPECT_EQ(json["classes"][0]["name"], "building");
-  EXPECT_GT(json["classes"][0]["iou_exclusive"], 0.9);
-  EXPECT_EQ(json["classes"][1]["name"], "road");
-  EXPECT_GT(json["classes"][1]["recall"], 0.99);
 }
 
 } // namespace pcl_semantic

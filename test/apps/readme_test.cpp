@@ -28,13 +28,15 @@ TEST(Readme, ItsCommandsRun)
   fs::create_directory_symlink(PCL_SEMANTIC_BINARY_DIR "/bin",
                                folder.path("build/bin"));
   fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/data", folder.path("data"));
+  fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/python",
+                               folder.path("python"));
   const std::string street = folder.path("build/demo/sequence");
   copyStreet(street);
   addScan(street);
   succeed(mapOf(street) + " --output " + folder.path("build/demo/map"));
   const std::string variables = "SEQUENCE=" + street +
                                 "; MODEL=" + folder.write("city.onnx", cityNetwork()) +
-                                "; ";
+                                "; PATH=/usr/bin:$PATH; "; // Debian's Python
   int run = 0;
   std::vector<std::string> commands = bashCommandsOf(readme);
   for (const std::string& command : bashCommandsOf(kitti))

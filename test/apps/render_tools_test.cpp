@@ -117,28 +117,6 @@ TEST(RenderTool, DrawsEveryViewAndColour)
   EXPECT_EQ(coloured, 0);
 }
 
-TEST(CompareTool, DrawsOneFigureOrOneAFrame)
-{
-  const Maps maps;
-  const std::string labels = " --labels " + maps.path("map/network_labels") +
-                             "SUFFIX " + maps.path("map/labels") + "SUFFIX --truth " +
-                             tinyStreet() + "/gtSUFFIX --image " + tinyStreet() +
-                             "/image_2SUFFIX --width 640 --names 'a b,c' --output ";
-  for (const auto& [suffix, output] :
-       {std::pair("", "figures"), std::pair("/000001.png", "one.png")}) {
-    const ToolResult result =
-        runTool("compare" + replaceAll(labels, "SUFFIX", suffix) + maps.path(output));
-    EXPECT_EQ(result.code, 0) << result.text;
-  }
-  for (const char* const frame : {"000000", "000001", "000002"})
-    EXPECT_EQ(
-        readPng(maps.path("figures/") + frame + ".png", ImageKind::grey_or_colour).cols,
-        640);
-  EXPECT_TRUE(
-      isSameImage(readPng(maps.path("one.png"), ImageKind::grey_or_colour),
-                  readPng(maps.path("figures/000001.png"), ImageKind::grey_or_colour)));
-}
-
 TEST(BadUsage, RenderTool)
 {
   const std::string one = "0.05 0.05 0.05 1\n0.15 0.05 0.05 2\n";
@@ -196,47 +174,6 @@ TEST(BadUsage, RenderTool)
       {"below a file", 5, "calib.txt", "render STREET/a.pcd STREET/calib.txt/b.png",
        labelled},
       {"label set", 3, "none.yaml", draw + " --label-set none.yaml", labelled},
-  };
-  for (const BadCase& bad : cases)
-    expectFails(bad);
-}
-
-TEST(BadUsage, CompareTool)
-{
-  const std::string begin = "compare --image STREET/image_2/000000.png ";
-  const std::string one = begin + "--labels STREET/gt/000000.png ";
-  const std::vector<BadCase> cases = {
-      {"nothing", 2, "--image, --labels or --output is missing", "compare"},
-      {"no labels", 2, "is missing", begin + "--output OUT.png"},
-      {"no png", 2, "ends in .png", one + "--output OUT"},
-      {"names", 2, "--names has 2 names for 1 --labels",
-       one + "--names a,b -o OUT.png"},
-      {"width", 2, "--width is 10, expected 320 to 16384",
-       one + "--width 10 -o OUT.png"},
-      {"file and folder", 2, "expected two files or two folders",
-       begin + "--labels STREET/gt -o OUT.png"},
-      {"no image", 3, "none.png: cannot be read",
-       "compare --image STREET/none.png --labels STREET/gt/000000.png -o OUT.png"},
-      {"no label image", 3, "image_2/000000.png",
-       begin + "--labels STREET/image_2/000000.png -o OUT.png"},
-      {"sizes", 3, "has 20 x 10 pixels, the image 208 x 64",
-       begin + "--labels STREET/a.png -o OUT.png",
-       [](const std::string& street) {
-         writePng(street + "/a.png", cv::Mat::ones(10, 20, CV_8UC1));
-       }},
-      {"beyond the set", 3, "label 77 is beyond the 11 classes",
-       begin + "--labels STREET/a.png -o OUT.png",
-       [](const std::string& street) {
-         writePng(street + "/a.png", cv::Mat(64, 208, CV_8UC1, cv::Scalar(77)));
-       }},
-      {"no frames", 3, "holds no label images",
-       "compare --image STREET/image_2 --labels STREET -o OUT"},
-      {"missing frame", 3, "000002.png: cannot be read",
-       "compare --image STREET/image_2 --labels STREET/gt -o OUT",
-       [](const std::string& street) { fs::remove(street + "/image_2/000002.png"); }},
-      {"its own image", 2, "is named as an output and once more",
-       one + "-o STREET/image_2/000000.png"},
-      {"below a file", 5, "calib.txt", one + "-o STREET/calib.txt/a.png"},
   };
   for (const BadCase& bad : cases)
     expectFails(bad);

@@ -5,14 +5,14 @@
 // as a second opinion.
 //
 // The truth: returns projected into the left image, the nearest of a pixel, without
-// those that projectLidarTruth finds hidden from the camera.
+// those that seenPoints finds hidden from the camera.
 
 #include "bench/ratio.h"
 
 #include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
-#include <pcl_semantic/evaluation/lidar_truth.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 
@@ -123,22 +123,13 @@ lidarDisparities(const KittiSequence& sequence, int number)
   const StereoCamera& camera = sequence.camera();
   VisibilityParameters parameters;
   parameters.max_depth = max_depth;
-  const cv::Mat1b kept = projectLidarTruth(*scan, std::vector<Label>(scan->size(), 1),
-                                           camera, T_camera_scanner, parameters)
-                             .labels;
-  cv::Mat1f disparities(kept.size(), 0.0f);
-  for (const pcl::PointXYZI& point : *scan) {
-    const Eigen::Vector3d p = T_camera_scanner * point.getVector3fMap().cast<double>();
-    if (!(p.z() > 0.1))
-      continue;
-    const Eigen::Vector2d pixel = camera.project(p);
-    const int u = int(std::floor(pixel.x() + 0.5)),
-              v = int(std::floor(pixel.y() + 0.5));
-    if (u < 0 || v < 0 || u >= kept.cols || v >= kept.rows || kept(v, u) == 0)
-      continue;
-    const float disparity = float(camera.fx * camera.baseline / p.z());
-    disparities(v, u) = std::max(disparities(v, u), disparity);
-  }
+  cv::Mat1f disparities(camera.height, camera.width, 0.0f);
+  for (const SeenPoint& point :
+       seenPoints(pointsInCamera(*scan, T_camera_scanner), camera, parameters))
+    if (point.depth > 0.0f) {
+      float& disparity = disparities(point.row, point.column);
+      disparity = std::max(disparity, float(camera.fx * camera.baseline / point.depth));
+    }
   return disparities;
 }
 

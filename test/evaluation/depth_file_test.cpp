@@ -12,6 +12,17 @@
 
 namespace pcl_semantic {
 
+namespace {
+
+std::string
+floatBytes(const std::vector<float>& depths)
+{
+  return {reinterpret_cast<const char*>(depths.data()),
+          depths.size() * sizeof(depths[0])};
+}
+
+} // namespace
+
 TEST(DepthFile, ImagesAreKittis)
 {
   const TemporaryFolder folder;
@@ -30,7 +41,7 @@ TEST(DepthFile, ImagesAreKittis)
 TEST(DepthFile, PointsAreFloats)
 {
   const TemporaryFolder folder;
-  writePointDepths(folder.path("a.bin"), {0.0f, 12.3456f, 1000.0f});
+  folder.write("a.bin", floatBytes({0.0f, 12.3456f, 1000.0f}));
   const cv::Mat1f read = readDepths(folder.path("a.bin"));
   ASSERT_EQ(read.size(), cv::Size(3, 1));
   EXPECT_EQ(read(0, 1), 12.3456f);
@@ -39,7 +50,7 @@ TEST(DepthFile, PointsAreFloats)
   };
   for (const float bad : {-1.0f, std::numeric_limits<float>::quiet_NaN(),
                           std::numeric_limits<float>::infinity()}) {
-    writePointDepths(folder.path("a.bin"), {1.0f, bad});
+    folder.write("a.bin", floatBytes({1.0f, bad}));
     EXPECT_TRUE(holds(refusal(), "a.bin: point 1"));
   }
   folder.write("a.bin", "12345");

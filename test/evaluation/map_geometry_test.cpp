@@ -2,7 +2,7 @@
 #include "support/stereo_rigs.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/evaluation/lidar_truth.h>
+#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/evaluation/map_geometry.h>
 
 #include <gtest/gtest.h>
@@ -202,10 +202,10 @@ TEST(MapGeometry, SurfaceIsCountedByBand)
   const GeometrySamples samples = measure(world, parameters);
   std::vector<SurfaceCounts> expected(3);
   std::vector<float> seen; // of all scans
-  for (const auto& scan : world.scans) {
-    const std::vector<float> depths = seenDepths(scan, smallCamera(), scannerPose());
-    seen.insert(seen.end(), depths.begin(), depths.end());
-  }
+  for (const auto& scan : world.scans)
+    for (const SeenPoint& point :
+         seenPoints(pointsInCamera(scan, scannerPose()), smallCamera()))
+      seen.push_back(point.depth);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (seen[i] == 0.0f)
       continue;

@@ -6,7 +6,6 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/io/label_comparison.h>
 #include <pcl_semantic/io/map_images.h>
 #include <pcl_semantic/io/scene_image.h>
 
@@ -88,14 +87,13 @@ TEST(LabelChanges, EqualAPlainLoop)
 {
   std::mt19937 random(1);
   std::uniform_int_distribution<int> any(0, 5);
-  std::vector<Label> before, after, truth;
+  std::vector<Label> before, after;
   for (int i = 0; i < 4000; ++i) {
     before.push_back(Label(any(random)));
     after.push_back(i % 3 ? before.back() : Label(any(random)));
-    truth.push_back(Label(any(random)));
   }
   std::map<std::pair<Label, Label>, std::size_t> kinds;
-  std::size_t compared = 0, changed = 0, right = 0, wrong = 0;
+  std::size_t compared = 0, changed = 0;
   for (std::size_t i = 0; i < before.size(); ++i)
     if (before[i] != 0 && after[i] != 0) {
       ++compared;
@@ -103,14 +101,10 @@ TEST(LabelChanges, EqualAPlainLoop)
         continue;
       ++changed;
       ++kinds[{before[i], after[i]}];
-      right += truth[i] == after[i];
-      wrong += truth[i] == before[i];
     }
-  const LabelChanges changes = countLabelChanges(before, after, truth);
+  const LabelChanges changes = countLabelChanges(before, after);
   EXPECT_EQ(changes.compared, compared);
   EXPECT_EQ(changes.changed, changed);
-  EXPECT_EQ(changes.right, right);
-  EXPECT_EQ(changes.wrong, wrong);
   ASSERT_EQ(changes.kinds.size(), kinds.size());
   for (std::size_t i = 0; i < changes.kinds.size(); ++i) {
     const LabelChange& kind = changes.kinds[i];
@@ -119,7 +113,6 @@ TEST(LabelChanges, EqualAPlainLoop)
       EXPECT_GE(changes.kinds[i - 1].count, kind.count);
     }
   }
-  EXPECT_EQ(countLabelChanges(before, after).right, 0u);
   EXPECT_THROW(countLabelChanges(before, {1, 2}), InvalidParameterException);
 }
 
@@ -345,73 +338,4 @@ TEST(VoxelColours, CliquesDifferAndNoneIsGrey)
   }
   EXPECT_GT(seen.size(), 95u);
   EXPECT_EQ(colours.note.rfind("99 cliques", 0), 0u) << colours.note;
-}
-
-namespace {
-
-// With two panels of 320 pixels a row. The lower right one of images of 320 x 100
-// begins at 12 + 320 + 12 and 28 + 100 + 6 + 28.
-cv::Mat
-compare(const cv::Mat& image, const cv::Mat& before, const cv::Mat& after,
-        const cv::Mat& truth)
-{
-  return drawLabelComparison(image, {{"a", before}, {"b", after}}, truth,
-                             threeClasses(), 2 * 320 + 36);
-}
-
-} // namespace
-
-TEST(LabelSheet, MarksWhatBecameRightAndWrong)
-{
-  const cv::Size size(320, 100);
-  const cv::Mat image(size, CV_8UC1, cv::Scalar(100));
-  cv::Mat before(size, CV_8UC1, cv::Scalar(1)), after = before.clone(),
-                                                truth = before.clone();
-  // Columns of 80 pixels: the same, right, wrong, no truth.
-  after.colRange(80, 320) = 2;
-  truth.colRange(80, 160) = 2;
-  truth.colRange(240, 320) = 0;
-  const cv::Mat figure = compare(image, before, after, truth);
-  const auto at = [&](int u) { return figure.at<cv::Vec3b>(162 + 50, 344 + u); };
-  EXPECT_EQ(at(40)[0], at(40)[1]); // grey
-  EXPECT_GT(at(120)[1], at(120)[2] + 80);
-  EXPECT_GT(at(200)[2], at(200)[1] + 80);
-  EXPECT_EQ(at(280), cv::Vec3b(50, 40, 30));
-  // The panels above it: the labels of before, and the truth.
-  const cv::Mat expected = blendLabels(image, before, threeClasses());
-  EXPECT_EQ(figure.at<cv::Vec3b>(28 + 50, 12 + 40), expected.at<cv::Vec3b>(50, 40));
-  const cv::Mat no_truth = compare(image, before, after, cv::Mat());
-  EXPECT_EQ(no_truth.at<cv::Vec3b>(212, 344 + 120), cv::Vec3b(50, 40, 30));
-  EXPECT_EQ(no_truth.at<cv::Vec3b>(28 + 50, 344 + 40), cv::Vec3b(100, 100, 100));
-}
-
-TEST(LabelSheet, SparseTruthIsSeen)
-{
-  const cv::Mat image(100, 320, CV_8UC1, cv::Scalar(100));
-  const cv::Mat before = cv::Mat::ones(100, 320, CV_8UC1), after = before * 2;
-  cv::Mat truth = cv::Mat::zeros(100, 320, CV_8UC1);
-  truth.at<Label>(50, 100) = 2;
-  truth.at<Label>(50, 200) = 1;
-  const cv::Mat figure = compare(image, before, after, truth);
-  const auto at = [&](int v, int u) { return figure.at<cv::Vec3b>(162 + v, 344 + u); };
-  EXPECT_GT(at(48, 102)[1], at(48, 102)[2] + 80);
-  EXPECT_GT(at(52, 198)[2], at(52, 198)[1] + 80);
-  EXPECT_EQ(at(50, 104), cv::Vec3b(50, 40, 30));
-}
-
-TEST(LabelSheet, RefusesWhatDoesNotFit)
-{
-  const cv::Mat image(20, 40, CV_8UC1, cv::Scalar(100));
-  const cv::Mat labels = cv::Mat::ones(20, 40, CV_8UC1);
-  const cv::Mat none, turned = labels.t(), beyond = labels * 4;
-  const auto draw = [&](const std::vector<NamedLabels>& rows, const cv::Mat& truth,
-                        int width) {
-    drawLabelComparison(image, rows, truth, threeClasses(), width);
-  };
-  EXPECT_NO_THROW(draw({{"a", labels}}, none, 400));
-  EXPECT_THROW(draw({}, none, 400), InvalidParameterException);
-  EXPECT_THROW(draw({{"a", labels}}, none, 20), InvalidParameterException);
-  EXPECT_THROW(draw({{"a", turned}}, none, 400), InvalidParameterException);
-  EXPECT_THROW(draw({{"a", labels}}, turned, 400), InvalidParameterException);
-  EXPECT_THROW(draw({{"a", beyond}}, none, 400), InvalidParameterException);
 }

@@ -49,7 +49,7 @@ blankImages(const std::string& street)
                cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(90)));
 }
 
-/** \brief Adds a scan of two points and their labels, for pcl_semantic_lidar_truth. */
+/** \brief Adds a scan of two points and their labels. */
 inline void
 addScan(const std::string& street)
 {

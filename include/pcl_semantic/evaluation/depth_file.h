@@ -6,7 +6,6 @@
 #include <opencv2/core/mat.hpp>
 
 #include <string>
-#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -15,11 +14,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \throws OutputException */
 void writeDepthImage(const std::string& path, const cv::Mat& depth);
 
-/** \brief Writes depths of the points of a scan: float32 a point, little-endian [m].
- * \throws OutputException */
-void writePointDepths(const std::string& path, const std::vector<float>& depths);
-
-/** \brief Reads either of them, by extension (`.png`, `.bin`).
+/** \brief Reads depths of an image (`.png`), or of the points of a scan (`.bin`:
+ * float32 a point, little-endian [m]).
  * \return CV_32FC1 [m], that of a scan has one row; 0 = none
  * \throws BadInputException if it is damaged or a depth is negative or not finite */
 cv::Mat readDepths(const std::string& path);
