@@ -78,17 +78,18 @@ textOf(const Eigen::Vector3d& position)
 int
 info(const Arguments& arguments)
 {
-  const MapArchive archive(onlyFile(arguments), ArchiveAccess::read);
-  const ArchiveExtent extent = archiveExtent(archive, showProgress("reading"));
-  const ArchiveHeader& header = archive.header();
-  const ArchiveState state = archive.state();
+  const std::unique_ptr<MapReader> archive = MapReader::open(onlyFile(arguments));
+  const ArchiveExtent extent = archiveExtent(*archive, showProgress("reading"));
+  const ArchiveHeader& header = archive->header();
+  const ArchiveState state = archive->state();
   std::string classes;
   for (int label = 1; label <= header.label_set.size(); ++label)
     classes += (label > 1 ? " " : "") + header.label_set[Label(label)].name;
-  Results results = {{"file", archive.path()},
-                     {"bytes", std::size_t(std::filesystem::file_size(archive.path()))},
-                     {"run", std::string(state.finished ? "finished" : "interrupted")},
-                     {"frames", std::size_t(state.frames)}};
+  Results results = {
+      {"file", archive->path()},
+      {"bytes", std::size_t(std::filesystem::file_size(archive->path()))},
+      {"run", std::string(state.finished ? "finished" : "interrupted")},
+      {"frames", std::size_t(state.frames)}};
   if (state.frames > 0)
     results.push_back({"last_frame", std::size_t(state.last_frame)});
   results.push_back({"voxel_size", header.parameters.voxel_size});
@@ -144,10 +145,10 @@ exportCloud(const Arguments& arguments)
 {
   refuseIf(arguments.files.size() != 2, "'export' needs FILE and OUT.pcd");
   refuseSameFiles({arguments.files[0]}, {arguments.files[1]});
-  const MapArchive archive(arguments.files[0], ArchiveAccess::read);
-  const VoxelSelection selection = selectionOf(arguments, archive.header().label_set);
+  const std::unique_ptr<MapReader> archive = MapReader::open(arguments.files[0]);
+  const VoxelSelection selection = selectionOf(arguments, archive->header().label_set);
   const std::size_t voxels =
-      exportVoxels(archive, selection, arguments.files[1], VoxelColour::measured,
+      exportVoxels(*archive, selection, arguments.files[1], VoxelColour::measured,
                    showProgress("exporting"));
   printResults({{"voxels", voxels}, {"cloud", arguments.files[1]}});
   return exit_done;
@@ -179,8 +180,7 @@ changes(const Arguments& arguments)
   requireOutput(output, ".pcd");
   const std::vector<Submap> submaps = submapsOf(arguments, maps);
   const MapChanges found = findChanges(placed(submaps[0]), placed(submaps[1]));
-  writeVoxelCloud(output, found.voxels,
-                  MapArchive(maps[0], ArchiveAccess::read).header().label_set,
+  writeVoxelCloud(output, found.voxels, MapReader::open(maps[0])->header().label_set,
                   VoxelColour::measured);
   printFigures({{"went", found.went}, {"came", found.came}, {"cloud", output}});
   return exit_done;

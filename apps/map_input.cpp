@@ -70,7 +70,7 @@ labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& sce
     label_set = readLabelSet(own);
   else if (hints.label_set.empty() && !isFolder(path) &&
            fs::path(path).extension() != ".pcd")
-    label_set = MapArchive(path, ArchiveAccess::read).header().label_set;
+    label_set = MapReader::open(path)->header().label_set;
   else
     label_set = readLabelSetOrDefault(hints.label_set);
   const int classes = scene.voxels.refined.classes();

@@ -26,6 +26,8 @@ demo() {
   "$bin/pcl_semantic_synthesize" street --frames 30 --quiet
   map_street map --archive street.map
   "$bin/pcl_semantic_archive" export street.map export.pcd --quiet
+  "$bin/pcl_semantic_archive" export "$top/test/io/archive_version_2.map" \
+    old_export.pcd --quiet
   cat map/final_labels/*.png map/labels/*.png >labels
   "$bin/pcl_semantic_crf" map/map.pcd crf_map.pcd --label-set "$classes" --quiet
 }
@@ -61,7 +63,7 @@ real_clouds() {
 demo
 presets
 fleet
-results=(map/map.pcd export.pcd labels crf_map.pcd preset_*/map.pcd city/map.tiles
+results=(map/map.pcd export.pcd old_export.pcd labels crf_map.pcd preset_*/map.pcd city/map.tiles
   city/tiles/*)
 if [[ -n ${PCL_SEMANTIC_DATA:-} ]]; then
   real_clouds

@@ -53,7 +53,7 @@ describeMerge(std::vector<PlacedArchive> inputs)
 ArchiveHeader
 headerOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
 {
-  const MapArchive* first = &archives.front()->archive();
+  const MapReader* first = &archives.front()->archive();
   for (const auto& archive : archives)
     if (archive->archive().path() < first->path())
       first = &archive->archive();
@@ -226,6 +226,41 @@ tilesOf(const PlacedArchive& archive)
   for (const VoxelIndex& block : MovedArchive(archive.path, archive.motion).indices())
     tiles.insert(MapTile::of(block));
   return {tiles.begin(), tiles.end()};
+}
+
+namespace {
+
+bool
+areSame(const LabelSet& a, const LabelSet& b)
+{
+  if (a.size() != b.size())
+    return false;
+  for (int label = 1; label <= a.size(); ++label) {
+    const LabelClass &p = a[Label(label)], &q = b[Label(label)];
+    if (std::tie(p.name, p.colour, p.sky, p.dynamic, p.thin) !=
+        std::tie(q.name, q.colour, q.sky, q.dynamic, q.thin))
+      return false;
+  }
+  return true;
+}
+
+} // namespace
+
+std::string
+differenceOf(const ArchiveHeader& first, const ArchiveHeader& other)
+{
+  if (first.parameters.voxel_size != other.parameters.voxel_size)
+    return "voxel size";
+  if (!areSame(first.label_set, other.label_set))
+    return "label set";
+  // These say how far what was added can go, and what the result means.
+  const auto clamps = [](const FusionParameters& fusion) {
+    return std::tie(fusion.min_probability, fusion.max_probability,
+                    fusion.occupied_probability, fusion.label_max_ratio);
+  };
+  if (clamps(first.parameters.fusion) != clamps(other.parameters.fusion))
+    return "min_probability, max_probability, occupied_probability or label_max_ratio";
+  return {};
 }
 
 bool

@@ -7,7 +7,7 @@
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "files/bytes.h"
-#include "tile_set.h"
+#include "tiled_map.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/semantic_voxel.h>
@@ -160,6 +160,14 @@ struct MapArchive::Implementation {
   std::recursive_mutex mutex; // a visitor may ask for other blocks
 };
 
+std::unique_ptr<MapReader>
+MapReader::open(const std::string& path)
+{
+  if (TiledMap::isIndex(path))
+    return std::make_unique<TiledMap>(path);
+  return std::make_unique<MapArchive>(path, ArchiveAccess::read);
+}
+
 std::shared_ptr<MapArchive>
 MapArchive::create(const std::string& path, const ArchiveHeader& header)
 {
@@ -171,17 +179,13 @@ MapArchive::create(const std::string& path, const ArchiveHeader& header)
 }
 
 MapArchive::MapArchive(const std::string& path, ArchiveAccess access)
-{
-  if (access == ArchiveAccess::read && TileSet::isIndex(path))
-    tiles_ = std::make_unique<TileSet>(path);
-  else
-    implementation_ = std::make_unique<Implementation>(path, access);
-}
+    : implementation_(std::make_unique<Implementation>(path, access))
+{}
 
 MapArchive::~MapArchive()
 {
   try {
-    if (implementation_ && implementation_->writable)
+    if (implementation_->writable)
       close();
   }
   catch (const std::exception&) { // the file is as it was last committed all the same
@@ -191,7 +195,6 @@ MapArchive::~MapArchive()
 void
 MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
 {
-  requireOneFile();
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.requireWritable();
@@ -210,10 +213,6 @@ MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
 std::unique_ptr<VoxelBlock>
 MapArchive::get(const VoxelIndex& block) const
 {
-  if (tiles_) {
-    const MapArchive* const archive = tiles_->archiveOf(block);
-    return archive ? archive->get(block) : nullptr;
-  }
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   const auto waiting = my.pending.find(block);
@@ -227,12 +226,6 @@ MapArchive::get(const VoxelIndex& block) const
 std::vector<std::unique_ptr<VoxelBlock>>
 MapArchive::get(const std::vector<VoxelIndex>& blocks) const
 {
-  if (tiles_) {
-    std::vector<std::unique_ptr<VoxelBlock>> each;
-    for (const VoxelIndex& block : blocks)
-      each.push_back(get(block));
-    return each;
-  }
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   std::vector<std::unique_ptr<VoxelBlock>> found(blocks.size());
@@ -254,9 +247,6 @@ MapArchive::get(const std::vector<VoxelIndex>& blocks) const
 void
 MapArchive::forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const
 {
-  if (tiles_)
-    return tiles_->forEachArchive(
-        [&](const MapArchive& archive) { archive.forEachIndex(visit); });
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   std::vector<VoxelIndex> indices;
@@ -273,10 +263,6 @@ MapArchive::forEachIndex(const std::function<void(const VoxelIndex&)>& visit) co
 bool
 MapArchive::contains(const VoxelIndex& block) const
 {
-  if (tiles_) {
-    const MapArchive* const archive = tiles_->archiveOf(block);
-    return archive && archive->contains(block);
-  }
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   return my.pending.count(block) > 0 || my.stored.contains(block);
@@ -286,9 +272,6 @@ void
 MapArchive::forEach(
     const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const
 {
-  if (tiles_)
-    return tiles_->forEachArchive(
-        [&](const MapArchive& archive) { archive.forEach(visit); });
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   // Two ordered lists become one; what waits is newer.
@@ -324,7 +307,6 @@ MapArchive::forEach(
 void
 MapArchive::putFrame(int number, const std::vector<std::uint8_t>& record)
 {
-  requireOneFile();
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.write([&] { my.database.putFrame(number, record); });
@@ -334,8 +316,6 @@ void
 MapArchive::forEachFrame(
     const std::function<void(int, const std::vector<std::uint8_t>&)>& visit) const
 {
-  if (tiles_)
-    return; // they belong to the submaps
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.database.forEachFrame(visit);
@@ -344,7 +324,6 @@ MapArchive::forEachFrame(
 void
 MapArchive::commit(ArchiveState state)
 {
-  requireOneFile();
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.write([&] {
@@ -362,7 +341,6 @@ MapArchive::commit(ArchiveState state)
 bool
 MapArchive::close()
 {
-  requireOneFile();
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   bool is_one_file = false;
@@ -374,30 +352,20 @@ MapArchive::close()
 const std::string&
 MapArchive::path() const
 {
-  return tiles_ ? tiles_->path() : implementation_->database.path();
+  return implementation_->database.path();
 }
 
 const ArchiveHeader&
 MapArchive::header() const
 {
-  return tiles_ ? tiles_->header() : implementation_->header;
+  return implementation_->header;
 }
 
 ArchiveState
 MapArchive::state() const
 {
-  if (tiles_)
-    return tiles_->state();
   const std::lock_guard<std::recursive_mutex> lock(implementation_->mutex);
   return implementation_->state;
-}
-
-void
-MapArchive::requireOneFile() const
-{
-  if (tiles_)
-    fail<OutputException>(path(),
-                          ": is the index of a map in tiles, which is only read");
 }
 
 namespace {
@@ -427,8 +395,8 @@ checkBlocks(ArchiveDatabase& database, int classes, const ArchiveState& state,
 std::vector<std::string>
 verifyArchive(const std::string& path, const BlockProgress& progress)
 {
-  if (TileSet::isIndex(path))
-    return TileSet(path).faults(progress);
+  if (TiledMap::isIndex(path))
+    return TiledMap(path).faults(progress);
   ArchiveDatabase database(path, ArchiveDatabase::Access::read);
   std::vector<std::string> faults;
   const auto check = [&](const std::function<void()>& body) {

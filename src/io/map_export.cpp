@@ -13,8 +13,7 @@ namespace {
 // Visits the blocks that hold occupied voxels, and these as a cloud.
 template <typename Visit>
 void
-forEachCloud(const MapArchive& archive, const std::function<void()>& step,
-             Visit&& visit)
+forEachCloud(const MapReader& archive, const std::function<void()>& step, Visit&& visit)
 {
   const ArchiveHeader& header = archive.header();
   const Eigen::Vector3d origin = archive.state().cloud_origin;
@@ -49,7 +48,7 @@ select(const VoxelSelection& selection, const VoxelCloud& voxels)
 } // namespace
 
 ArchiveExtent
-archiveExtent(const MapArchive& archive, const BlockProgress& progress)
+archiveExtent(const MapReader& archive, const BlockProgress& progress)
 {
   ArchiveExtent extent;
   std::size_t done = 0;
@@ -69,7 +68,7 @@ archiveExtent(const MapArchive& archive, const BlockProgress& progress)
 }
 
 VoxelCloud
-readVoxels(const MapArchive& archive, const VoxelSelection& selection)
+readVoxels(const MapReader& archive, const VoxelSelection& selection)
 {
   VoxelCloud selected;
   selected.voxel_size = archive.header().parameters.voxel_size;
@@ -88,7 +87,7 @@ readVoxels(const MapArchive& archive, const VoxelSelection& selection)
 }
 
 std::size_t
-exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
+exportVoxels(const MapReader& archive, const VoxelSelection& selection,
              const std::string& path, VoxelColour colour, const BlockProgress& progress)
 {
   std::size_t done = 0;

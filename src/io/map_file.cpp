@@ -27,14 +27,14 @@ saveMap(const SemanticVoxelMap& map, const std::string& path)
 std::unique_ptr<SemanticVoxelMap>
 loadMap(const std::string& path)
 {
-  const MapArchive archive(path, ArchiveAccess::read);
+  const std::unique_ptr<MapReader> archive = MapReader::open(path);
   const auto store = std::make_shared<MemoryBlockStore>();
-  archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
+  archive->forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
     store->put(index, block);
   });
-  auto map = std::make_unique<SemanticVoxelMap>(archive.header().label_set,
-                                                archive.header().parameters, store);
-  map->setCloudOrigin(archive.state().cloud_origin);
+  auto map = std::make_unique<SemanticVoxelMap>(archive->header().label_set,
+                                                archive->header().parameters, store);
+  map->setCloudOrigin(archive->state().cloud_origin);
   return map;
 }
 

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <tuple>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -60,20 +59,6 @@ positionIn(const VoxelIndex& voxel, const Eigen::Vector3d& position)
   const Eigen::Array3i stored = inside.floor().max(0.0).min(unit - 1.0).cast<int>();
   return {std::uint16_t(stored.x()), std::uint16_t(stored.y()),
           std::uint16_t(stored.z())};
-}
-
-bool
-areSame(const LabelSet& a, const LabelSet& b)
-{
-  if (a.size() != b.size())
-    return false;
-  for (int label = 1; label <= a.size(); ++label) {
-    const LabelClass &p = a[Label(label)], &q = b[Label(label)];
-    if (std::tie(p.name, p.colour, p.sky, p.dynamic, p.thin) !=
-        std::tie(q.name, q.colour, q.sky, q.dynamic, q.thin))
-      return false;
-  }
-  return true;
 }
 
 // Resamples one block.
@@ -141,10 +126,10 @@ private:
 } // namespace
 
 MovedArchive::MovedArchive(const std::string& path, const Eigen::Isometry3d& motion)
-    : archive_(path, ArchiveAccess::read),
+    : archive_(MapReader::open(path)),
       is_moved_(!motion.isApprox(Eigen::Isometry3d::Identity(), 1e-12)), motion_(motion)
 {
-  motion_.translation() /= archive_.header().parameters.voxel_size;
+  motion_.translation() /= archive_->header().parameters.voxel_size;
   // A voxel at the far end of the diagonal still has an index of 32 bits.
   constexpr double farthest = 0.25 * kMaxVoxelIndex;
   if (!(motion_.translation().cwiseAbs().maxCoeff() <= farthest)) // or NaN
@@ -160,7 +145,7 @@ MovedArchive::indices(const std::function<bool(const VoxelIndex&)>& is_wanted) c
     if (!is_wanted || is_wanted(index))
       indices.push_back(index);
   };
-  archive_.forEachIndex([&](const VoxelIndex& index) {
+  archive_->forEachIndex([&](const VoxelIndex& index) {
     if (is_moved_)
       forEachIn(blocksAround(index, motion_, 0.0), add);
     else
@@ -175,17 +160,17 @@ std::vector<std::unique_ptr<VoxelBlock>>
 MovedArchive::read(const std::vector<VoxelIndex>& blocks) const
 {
   if (!is_moved_)
-    return archive_.get(blocks);
-  const Resampler resampler(motion_, archive_.header().label_set.size());
+    return archive_->get(blocks);
+  const Resampler resampler(motion_, archive_->header().label_set.size());
   std::unordered_set<VoxelIndex, VoxelIndexHash> needed;
   for (const VoxelIndex& block : blocks)
     forEachIn(resampler.sourcesOf(block), [&](const VoxelIndex& source) {
-      if (archive_.contains(source))
+      if (archive_->contains(source))
         needed.insert(source);
     });
   std::vector<VoxelIndex> order(needed.begin(), needed.end());
   std::sort(order.begin(), order.end(), VoxelIndexLess()); // as they lie in the file
-  auto read = archive_.get(order);
+  auto read = archive_->get(order);
   Blocks sources;
   for (std::size_t i = 0; i < order.size(); ++i)
     sources.emplace(order[i], std::move(read[i]));
@@ -198,25 +183,8 @@ MovedArchive::read(const std::vector<VoxelIndex>& blocks) const
   return moved;
 }
 
-std::string
-differenceOf(const ArchiveHeader& first, const ArchiveHeader& other)
-{
-  if (first.parameters.voxel_size != other.parameters.voxel_size)
-    return "voxel size";
-  if (!areSame(first.label_set, other.label_set))
-    return "label set";
-  // These say how far what was added can go, and what the result means.
-  const auto clamps = [](const FusionParameters& fusion) {
-    return std::tie(fusion.min_probability, fusion.max_probability,
-                    fusion.occupied_probability, fusion.label_max_ratio);
-  };
-  if (clamps(first.parameters.fusion) != clamps(other.parameters.fusion))
-    return "min_probability, max_probability, occupied_probability or label_max_ratio";
-  return {};
-}
-
 void
-requireSameKind(const MapArchive& first, const MapArchive& other)
+requireSameKind(const MapReader& first, const MapReader& other)
 {
   const std::string difference = differenceOf(first.header(), other.header());
   if (!difference.empty())

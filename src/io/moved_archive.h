@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/map_reader.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
 #include <Eigen/Geometry>
@@ -23,10 +23,10 @@ public:
   /** \param[in] motion from the world frame of the archive to that of the blocks [m] */
   MovedArchive(const std::string& path, const Eigen::Isometry3d& motion);
 
-  const MapArchive&
+  const MapReader&
   archive() const
   {
-    return archive_;
+    return *archive_;
   }
 
   /** \brief Blocks that may hold something, in the order z, y, x.
@@ -40,13 +40,13 @@ public:
   read(const std::vector<VoxelIndex>& blocks) const;
 
 private:
-  MapArchive archive_;
+  std::unique_ptr<MapReader> archive_;
   bool is_moved_;
   Eigen::Isometry3d motion_; // [voxels]
 };
 
 /** \brief Makes sure that two maps have voxels, labels and fusion in common.
  * \throws BadInputException that names what differs */
-void requireSameKind(const MapArchive& first, const MapArchive& other);
+void requireSameKind(const MapReader& first, const MapReader& other);
 
 } // namespace pcl_semantic

@@ -79,12 +79,12 @@ TEST_F(Fleet, MapsDrivesIntoOneMapInTiles)
     submaps += city + "/submaps/" + name + ".map ";
   const std::string whole = folder_.path("whole.map");
   succeed("archive merge " + submaps + whole);
-  const MapArchive a(city + "/map.tiles", ArchiveAccess::read),
-      b(whole, ArchiveAccess::read);
-  EXPECT_EQ(a.state().blocks, b.state().blocks);
+  const std::unique_ptr<MapReader> a = MapReader::open(city + "/map.tiles");
+  const MapArchive b(whole, ArchiveAccess::read);
+  EXPECT_EQ(a->state().blocks, b.state().blocks);
   EXPECT_GT(b.state().blocks, 500u);
   b.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-    const auto other = a.get(index);
+    const std::unique_ptr<VoxelBlock> other = std::move(a->get({index}).front());
     ASSERT_TRUE(other);
     EXPECT_EQ(other->log_odds, block.log_odds);
     ASSERT_EQ(other->refined.size(), block.refined.size());

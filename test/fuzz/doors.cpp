@@ -4,7 +4,7 @@
 #include "files/pcd_file.h"
 #include "io/archive_database.h"
 #include "io/block_encoding.h"
-#include "io/tile_set.h"
+#include "io/tiled_map.h"
 #include "labelling/onnx_interface.h"
 #include "support/archives.h"
 #include "support/temporary_folder.h"
@@ -93,7 +93,7 @@ readTileIndex(const std::string& bytes)
     tile->commit({});
     tile->close();
   });
-  TileSet(fileOf(bytes, "map.tiles"));
+  TiledMap(fileOf(bytes, "map.tiles"));
 }
 
 // The label set that the corpus names is beside it.

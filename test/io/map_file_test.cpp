@@ -177,4 +177,24 @@ TEST(MapFile, AMapInAnArchiveIsTheSameMap)
   EXPECT_TRUE(box.isApprox(extent.box));
 }
 
+// Written by the build of 2026-11-26: what it stores is read by all later ones.
+TEST(MapReader, ReadsAnEarlierArchive)
+{
+  const std::string path =
+      std::string(PCL_SEMANTIC_SOURCE_DIR) + "/test/io/archive_version_2.map";
+  EXPECT_TRUE(verifyArchive(path).empty());
+  const std::unique_ptr<MapReader> reader = MapReader::open(path);
+  EXPECT_EQ(reader->state().blocks, 12u);
+  EXPECT_EQ(reader->state().frames, 2u);
+  EXPECT_TRUE(reader->state().finished);
+  EXPECT_EQ(reader->header().parameters.voxel_size, 1.0);
+  const VoxelCloud voxels = readVoxels(*reader, {});
+  std::vector<int> labels(12, 0);
+  for (const auto& point : *voxels.cloud)
+    ++labels[point.label];
+  EXPECT_EQ(labels, (std::vector<int>{0, 17, 0, 69, 80, 5, 48, 0, 0, 0, 1, 0}));
+  for (Eigen::Index i = 0; i < voxels.refined.size(); ++i)
+    EXPECT_EQ(voxels.refined.mapLabel(i), (*voxels.cloud)[std::size_t(i)].label);
+}
+
 } // namespace pcl_semantic

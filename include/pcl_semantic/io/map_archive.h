@@ -2,11 +2,8 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/io/map_reader.h>
 #include <pcl_semantic/map/block_store.h>
-#include <pcl_semantic/map/map_parameters.h>
-
-#include <Eigen/Core>
 
 #include <cstdint>
 #include <functional>
@@ -16,30 +13,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a map archive is from its beginning. */
-struct ArchiveHeader {
-  LabelSet label_set;
-  MapParameters parameters;
-  std::string configuration; ///< what the map is made from and with, a line each
-};
-
-/** \brief What a map archive says of the map at its last commit. */
-struct ArchiveState {
-  Eigen::Vector3d cloud_origin = Eigen::Vector3d::Zero(); ///< world frame [m]
-  bool finished = false;        ///< nothing is missing; else the run can go on
-  std::uint64_t blocks = 0;     ///< set by MapArchive::commit
-  std::uint64_t key_sum = 0;    ///< of the indices of the blocks; likewise
-  std::uint64_t frames = 0;     ///< likewise
-  std::int64_t last_frame = -1; ///< number of the last of them; likewise
-};
-
-class TileSet;
-
 enum class ArchiveAccess { read, write };
-
-/** \brief Called with the blocks that long work on an archive is done with, and with
- * those there are. */
-using BlockProgress = std::function<void(std::size_t done, std::size_t blocks)>;
 
 /** \brief A map in one SQLite file, behind the interface by which a SemanticVoxelMap
  * keeps the blocks that leave its window; doc/map.md has the layout.
@@ -50,14 +24,11 @@ using BlockProgress = std::function<void(std::size_t done, std::size_t blocks)>;
  * Everything stored carries a checksum that covers the place it belongs to: damage is
  * reported, never read as a map. Not for network file systems.
  *
- * An index of tiles (writeTileIndex()) is read as if it were one archive; its blocks
- * are visited tile by tile.
- *
- * All methods may be called by several threads, those of an index by one. They throw
+ * All methods may be called by several threads. They throw
  * OutputException (disk full, read-only, another writer) or BadInputException (a
  * damaged file) with the name of the file and, where it is one, the block. After an
  * OutputException nothing more is written: the file stays as it was last committed. */
-class MapArchive : public BlockStore {
+class MapArchive : public BlockStore, public MapReader {
 public:
   /** \brief Makes a new file that holds an empty map, and opens it for writing.
    * \throws OutputException also if the file is there already */
@@ -73,20 +44,17 @@ public:
 
   std::unique_ptr<VoxelBlock> get(const VoxelIndex& block) const override;
 
-  /** \brief Several at once, unpacked by all threads; null where there is none. */
   std::vector<std::unique_ptr<VoxelBlock>>
-  get(const std::vector<VoxelIndex>& blocks) const;
+  get(const std::vector<VoxelIndex>& blocks) const override;
 
-  /** \copydoc BlockStore::forEach
+  /** \copydoc MapReader::forEach
    * \param[in] visit must not put */
   void forEach(const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit)
       const override;
 
-  /** \brief Visits the indices of all blocks, in the order z, y, x. */
-  void forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const;
+  void forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const override;
 
-  /** \brief Whether there is a block; takes no time. */
-  bool contains(const VoxelIndex& block) const;
+  bool contains(const VoxelIndex& block) const override;
 
   /** \brief Adds what a run keeps of a frame, for the next commit; replaces what was
    * kept of it. */
@@ -106,25 +74,21 @@ public:
    * is written, and ended, again */
   bool close();
 
-  const std::string& path() const;
+  const std::string& path() const override;
 
-  const ArchiveHeader& header() const;
+  const ArchiveHeader& header() const override;
 
-  /** \brief Of the last commit. */
-  ArchiveState state() const;
+  ArchiveState state() const override;
 
 private:
   struct Implementation;
-
-  void requireOneFile() const;
-
-  std::unique_ptr<Implementation> implementation_; // null if it is
-  std::unique_ptr<TileSet> tiles_;                 // a map in tiles
+  std::unique_ptr<Implementation> implementation_;
 };
 
-/** \brief Reads all of an archive and compares it with its checksums and counts.
- * \return what is wrong, a line each; empty if nothing is
- * \throws BadInputException if it cannot be read, or is no archive at all */
+/** \brief Reads all of an archive, or of the archives of an index of tiles, and
+ * compares it with its checksums and counts. \return what is wrong, a line each; empty
+ * if nothing is \throws BadInputException if it cannot be read, or is no archive at all
+ */
 std::vector<std::string> verifyArchive(const std::string& path,
                                        const BlockProgress& progress = nullptr);
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/map_reader.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 
 #include <Eigen/Geometry>
@@ -27,13 +27,13 @@ struct ArchiveExtent {
 };
 
 /** \brief Number and extent of the occupied voxels. Reads the whole archive. */
-ArchiveExtent archiveExtent(const MapArchive& archive,
+ArchiveExtent archiveExtent(const MapReader& archive,
                             const BlockProgress& progress = nullptr);
 
 /** \brief Occupied voxels, without distributions and observations. Takes memory for
  * those that are selected, and a block at a time. \throws BadInputException if the
  * archive is damaged */
-VoxelCloud readVoxels(const MapArchive& archive, const VoxelSelection& selection);
+VoxelCloud readVoxels(const MapReader& archive, const VoxelSelection& selection);
 
 /** \brief Writes occupied voxels as writeVoxelCloud() does; of the whole map the file
  * is the same byte by byte. Takes memory for a block at a time, and reads the archive
@@ -41,7 +41,7 @@ VoxelCloud readVoxels(const MapArchive& archive, const VoxelSelection& selection
  * \return number of voxels
  * \throws BadInputException if the archive is damaged
  * \throws OutputException */
-std::size_t exportVoxels(const MapArchive& archive, const VoxelSelection& selection,
+std::size_t exportVoxels(const MapReader& archive, const VoxelSelection& selection,
                          const std::string& path,
                          VoxelColour colour = VoxelColour::measured,
                          const BlockProgress& progress = nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tile_set.h"
+#include "tiled_map.h"
 
 #include "core/fail.h"
 #include "core/split.h"
@@ -58,7 +58,7 @@ writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
 }
 
 bool
-TileSet::isIndex(const std::string& path)
+TiledMap::isIndex(const std::string& path)
 {
   std::ifstream file(path, std::ios::binary);
   std::string begin(std::string(first_word).size(), ' ');
@@ -66,7 +66,7 @@ TileSet::isIndex(const std::string& path)
   return file && begin == first_word;
 }
 
-TileSet::TileSet(const std::string& path) : path_(path)
+TiledMap::TiledMap(const std::string& path) : path_(path)
 {
   std::size_t tiles = 0;
   std::uint64_t blocks = 0;
@@ -104,7 +104,7 @@ TileSet::TileSet(const std::string& path) : path_(path)
 
 // Its blocks have to be those that the index was written for.
 std::unique_ptr<MapArchive>
-TileSet::open(const MapTile& tile) const
+TiledMap::open(const MapTile& tile) const
 {
   const Tile& its = tiles_.at(tile);
   auto archive = std::make_unique<MapArchive>(its.path, ArchiveAccess::read);
@@ -116,7 +116,7 @@ TileSet::open(const MapTile& tile) const
 }
 
 std::vector<std::string>
-TileSet::faults(const BlockProgress& progress) const
+TiledMap::faults(const BlockProgress& progress) const
 {
   std::vector<std::string> faults;
   for (const auto& [tile, its] : tiles_)
@@ -133,7 +133,7 @@ TileSet::faults(const BlockProgress& progress) const
 }
 
 const MapArchive*
-TileSet::archiveOf(const VoxelIndex& block) const
+TiledMap::archiveOf(const VoxelIndex& block) const
 {
   const MapTile tile = MapTile::of(block);
   if (tiles_.count(tile) == 0)
@@ -146,11 +146,37 @@ TileSet::archiveOf(const VoxelIndex& block) const
   return (open_[tile] = open(tile)).get();
 }
 
+std::vector<std::unique_ptr<VoxelBlock>>
+TiledMap::get(const std::vector<VoxelIndex>& blocks) const
+{
+  std::vector<std::unique_ptr<VoxelBlock>> found;
+  for (const VoxelIndex& block : blocks) {
+    const MapArchive* const archive = archiveOf(block);
+    found.push_back(archive ? archive->get(block) : nullptr);
+  }
+  return found;
+}
+
+bool
+TiledMap::contains(const VoxelIndex& block) const
+{
+  const MapArchive* const archive = archiveOf(block);
+  return archive && archive->contains(block);
+}
+
 void
-TileSet::forEachArchive(const std::function<void(const MapArchive&)>& visit) const
+TiledMap::forEach(
+    const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const
 {
   for (const auto& [tile, its] : tiles_)
-    visit(*open(tile));
+    open(tile)->forEach(visit);
+}
+
+void
+TiledMap::forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const
+{
+  for (const auto& [tile, its] : tiles_)
+    open(tile)->forEachIndex(visit);
 }
 
 } // namespace pcl_semantic

@@ -14,41 +14,45 @@
 namespace pcl_semantic {
 
 /** \brief A map in tiles: an archive each, named by an index, which is a text file that
- * writeTileIndex() writes. For reading; few of them are open at a time. */
-class TileSet {
+ * writeTileIndex() writes. Few of them are open at a time. */
+class TiledMap : public MapReader {
 public:
   /** \brief Whether a file says that it is such an index. */
   static bool isIndex(const std::string& path);
 
   /** \throws BadInputException with the line, or if a tile cannot be read */
-  explicit TileSet(const std::string& path);
+  explicit TiledMap(const std::string& path);
 
-  const ArchiveHeader&
-  header() const
-  {
-    return header_;
-  }
+  std::vector<std::unique_ptr<VoxelBlock>>
+  get(const std::vector<VoxelIndex>& blocks) const override;
 
-  const ArchiveState&
-  state() const
-  {
-    return state_;
-  }
+  void forEach(const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit)
+      const override;
+
+  void forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const override;
+
+  bool contains(const VoxelIndex& block) const override;
 
   const std::string&
-  path() const
+  path() const override
   {
     return path_;
   }
 
+  const ArchiveHeader&
+  header() const override
+  {
+    return header_;
+  }
+
+  ArchiveState
+  state() const override
+  {
+    return state_;
+  }
+
   /** \brief What is wrong with the tiles, see verifyArchive(). */
   std::vector<std::string> faults(const BlockProgress& progress) const;
-
-  /** \brief The archive that holds a block if anyone does; null: there is none. */
-  const MapArchive* archiveOf(const VoxelIndex& block) const;
-
-  /** \brief Visits the archives one after the other, by y and x of their tiles. */
-  void forEachArchive(const std::function<void(const MapArchive&)>& visit) const;
 
 private:
   std::string path_; // of the index
@@ -58,6 +62,9 @@ private:
   };
 
   std::unique_ptr<MapArchive> open(const MapTile& tile) const;
+
+  /** \brief The archive that holds a block if any does; null: there is none. */
+  const MapArchive* archiveOf(const VoxelIndex& block) const;
 
   std::map<MapTile, Tile> tiles_;
   ArchiveHeader header_;

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/map/map_parameters.h>
+#include <pcl_semantic/map/semantic_voxel.h>
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief What a map archive is from its beginning. */
+struct ArchiveHeader {
+  LabelSet label_set;
+  MapParameters parameters;
+  std::string configuration; ///< what the map is made from and with, a line each
+};
+
+/** \brief What a map archive says of the map at its last commit. */
+struct ArchiveState {
+  Eigen::Vector3d cloud_origin = Eigen::Vector3d::Zero(); ///< world frame [m]
+  bool finished = false;        ///< nothing is missing; else the run can go on
+  std::uint64_t blocks = 0;     ///< set by MapArchive::commit
+  std::uint64_t key_sum = 0;    ///< of the indices of the blocks; likewise
+  std::uint64_t frames = 0;     ///< likewise
+  std::int64_t last_frame = -1; ///< number of the last of them; likewise
+};
+
+/** \brief Called with the blocks that long work on an archive is done with, and with
+ * those there are. */
+using BlockProgress = std::function<void(std::size_t done, std::size_t blocks)>;
+
+/** \brief A stored map: an archive (MapArchive), or a map in tiles, whose index
+ * writeTileIndex() writes.
+ *
+ * Methods throw BadInputException with the name of a damaged file. Those of a map in
+ * tiles are for one thread. */
+class MapReader {
+public:
+  /** \brief Opens an archive or an index of tiles. */
+  static std::unique_ptr<MapReader> open(const std::string& path);
+
+  virtual ~MapReader() = default;
+
+  /** \brief Blocks, unpacked by all threads; null where there is none. */
+  virtual std::vector<std::unique_ptr<VoxelBlock>>
+  get(const std::vector<VoxelIndex>& blocks) const = 0;
+
+  /** \brief Visits every block: of an archive in the order z, y, x of the indices, of a
+   * map in tiles so in each tile. */
+  virtual void forEach(
+      const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const = 0;
+
+  /** \brief Visits the indices of all blocks in that order. */
+  virtual void
+  forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const = 0;
+
+  /** \brief Whether there is a block; takes no time. */
+  virtual bool contains(const VoxelIndex& block) const = 0;
+
+  virtual const std::string& path() const = 0;
+
+  virtual const ArchiveHeader& header() const = 0;
+
+  /** \brief Of the last commit. */
+  virtual ArchiveState state() const = 0;
+};
+
+} // namespace pcl_semantic
