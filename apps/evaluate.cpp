@@ -6,9 +6,7 @@
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/evaluation/depth_file.h>
-#include <pcl_semantic/evaluation/reliability.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
@@ -31,9 +29,8 @@ namespace fs = std::filesystem;
 // points of scans (`.label`).
 struct Options {
   std::vector<std::string> predictions, truths;
-  std::vector<std::string> covered_by;    ///< empty = all pixels count
-  std::vector<std::string> probabilities; ///< of the predictions; empty = not judged
-  std::vector<std::string> truth_depths;  ///< `.png` or `.bin`, see readDepths()
+  std::vector<std::string> covered_by;   ///< empty = all pixels count
+  std::vector<std::string> truth_depths; ///< `.png` or `.bin`, see readDepths()
   std::vector<std::string> ranges;
   std::string label_set, label_mapping;
   std::optional<std::string> ignore;
@@ -66,9 +63,6 @@ parse(int argc, char** argv)
         "folder of label images: count only pixels that are not 0 there"},
        {"truth-depth", options.truth_depths,
         "folder of the ground truth's depth (.png, 256 x metres, or .bin)"},
-       {"probabilities", options.probabilities,
-        "folder of the predictions' class probabilities (.npy or .bin): print their "
-        "expected calibration error too"},
        {"range", options.ranges,
         "A:B = count only ground truth with depth A <= z < B [m]; repeat for several "
         "ranges"},
@@ -79,9 +73,7 @@ parse(int argc, char** argv)
        {"ignore", ignore,
         "classes not evaluated, as numbers or names separated by commas, or none "
         "(default: sky,pedestrian,cyclist, if in the label set)"},
-       {"output,o", options.output,
-        "output folder for metrics.json and confusion.csv; with --probabilities also "
-        "reliability.json and reliability.png"},
+       {"output,o", options.output, "output folder for metrics.json and confusion.csv"},
        {"row", options.row, "print a row of a Markdown table with this name"},
        {"header", options.header, "print the header of that table"}});
   refuseIf(manner().json && (options.header || !options.row.empty()),
@@ -187,30 +179,13 @@ parseDepthRange(const std::string& text)
   return range;
 }
 
-// Judges the probabilities of the predictions that count.
-void
-addProbabilities(const std::string& folder, const std::string& truth_path,
-                 const cv::Mat& truth, const cv::Mat& prediction,
-                 const cv::Mat& covered, int classes, Reliability& reliability)
-{
-  const std::string stem = folder + "/" + fs::path(truth_path).stem().string();
-  const bool has_npy = fs::exists(stem + ".npy");
-  if (!has_npy && !fs::exists(stem + ".bin"))
-    fail<BadInputException>(stem, ".npy: is missing, expected for ", truth_path);
-  cv::Mat counted = cv::Mat::zeros(truth.size(), CV_8UC1);
-  truth.copyTo(counted, covered.empty() ? prediction : (prediction & covered) != 0);
-  reliability.add(counted, readDistributions(stem + (has_npy ? ".npy" : ".bin"),
-                                             truth.cols, truth.rows, classes, 1.0f));
-}
-
 // Compares the files of the folders of one --truth.
 // \param[in] mapping of the classes of `.label` ground truth to ours; null = ours
 // \param[in,out] total a matrix for each range of the ground truth's depth, or one
 void
 compareFolders(const Options& options, std::size_t number,
                const std::vector<DepthRange>& ranges, const LabelSet& label_set,
-               const LabelMapping* mapping, std::vector<ConfusionMatrix>& total,
-               Reliability& reliability)
+               const LabelMapping* mapping, std::vector<ConfusionMatrix>& total)
 {
   const std::string& folder = options.truths[number];
   const std::vector<FrameFile> files = listFrameFiles(folder, {".png", ".label"});
@@ -231,9 +206,6 @@ compareFolders(const Options& options, std::size_t number,
       for (std::size_t i = 0; i < total.size(); ++i)
         total[i].add(ranges.empty() ? truth : truthIn(ranges[i], truth, depth),
                      prediction, covered);
-      if (!options.probabilities.empty())
-        addProbabilities(options.probabilities[number], file.path, truth, prediction,
-                         covered, label_set.size(), reliability);
     }
     catch (const BadInputException& error) {
       fail<BadInputException>(path, " against ", file.path, ": ", error.what());
@@ -248,7 +220,6 @@ requireFittingOptions(const Options& options)
   for (const auto& [name, folders] :
        {std::pair("--prediction", &options.predictions),
         std::pair("--covered-by", &options.covered_by),
-        std::pair("--probabilities", &options.probabilities),
         std::pair("--truth-depth", &options.truth_depths)})
     if (folders->size() != count && !folders->empty())
       fail<InvalidParameterException>("--truth and ", name, " are given ", count,
@@ -256,9 +227,6 @@ requireFittingOptions(const Options& options)
                                       " times, expected as many of each");
   if (options.ranges.empty() != options.truth_depths.empty())
     fail<InvalidParameterException>("--range and --truth-depth belong together");
-  if (!options.probabilities.empty() && !options.ranges.empty())
-    fail<InvalidParameterException>(
-        "--probabilities are judged at all depths, without --range");
   if (options.ranges.size() > 1 && !options.output.empty())
     fail<InvalidParameterException>(
         "--output takes the figures of one --range, not of ", options.ranges.size());
@@ -284,20 +252,6 @@ report(const Options& options, const ConfusionMatrix& confusion,
                  scoresJson(scores, label_set));
 }
 
-void
-reportReliability(const Options& options, const Reliability& reliability,
-                  const LabelSet& label_set)
-{
-  if (!options.output.empty()) {
-    writeTextFile(options.output + "/reliability.json",
-                  reliabilityJson(reliability, label_set));
-    writePng(options.output + "/reliability.png",
-             reliabilityDiagram(reliability, label_set));
-  }
-  if (!manner().json && !options.header && options.row.empty())
-    std::cout << "\n" << reliabilityTable(reliability, label_set);
-}
-
 int
 evaluate(const Options& options)
 {
@@ -314,17 +268,13 @@ evaluate(const Options& options)
     makeOutputFolder(options.output);
   std::vector<ConfusionMatrix> total(std::max<std::size_t>(ranges.size(), 1),
                                      ConfusionMatrix(label_set.size()));
-  Reliability reliability(label_set.size(), evaluated);
   for (std::size_t i = 0; i < options.truths.size(); ++i)
-    compareFolders(options, i, ranges, label_set, mapping ? &*mapping : nullptr, total,
-                   reliability);
+    compareFolders(options, i, ranges, label_set, mapping ? &*mapping : nullptr, total);
   if (options.header)
     std::cout << scoresMarkdownHeader(computeScores(total[0], evaluated), label_set);
   for (std::size_t i = 0; i < total.size(); ++i)
     report(options, total[i], label_set, evaluated,
            ranges.empty() ? "" : ranges[i].text);
-  if (!options.probabilities.empty())
-    reportReliability(options, reliability, label_set);
   return exit_done;
 }
 

@@ -108,6 +108,12 @@ class Sequence:
         self.scanner_rotation = rotation(tr[:, :3])
         self.scanner_translation = tr[:, 3] + self.camera0_to_camera
 
+    def camera0_from_camera(self):
+        """Pose of the left camera in camera 0, 4 x 4."""
+        pose = np.eye(4)
+        pose[:3, 3] = -self.camera0_to_camera
+        return pose
+
     def inputs(self):
         """Its folders that must not be written to."""
         names = ["labels", "velodyne"] + [f"image_{i}" for i in range(4)]

@@ -12,6 +12,18 @@ from lab import files
 ROWS, COLUMNS = 7, 3  # half the window that covers the gaps between 64 beams [px]
 
 
+def pixels(points, camera):
+    """Rows, columns, depths (float32, [m]) and which points in the camera's frame lie in the
+    image; 0 for the others."""
+    x, y, z = points.T
+    with np.errstate(all="ignore"):
+        u = np.floor(camera.fx * x / z + camera.cx + 0.5)
+        v = np.floor(camera.fy * y / z + camera.cy + 0.5)
+    inside = (z > 0.1) & (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
+    rows, columns = (np.where(inside, each, 0).astype(int) for each in (v, u))
+    return rows, columns, np.where(inside, z, 0).astype(np.float32), inside
+
+
 def seen(points, camera, max_depth=40.0, margin=0.5, relative_margin=0.05):
     """Rows, columns and depths (float32, [m]) of points in the camera's frame; depth 0 is
     outside of the image, hidden or too far.
@@ -19,13 +31,7 @@ def seen(points, camera, max_depth=40.0, margin=0.5, relative_margin=0.05):
     The scanner looks from another place than the camera, so what is behind an object shines
     through between its returns: a point is hidden if nearer returns (by both margins) lie
     within the window both at or above and at or below its row."""
-    x, y, z = points.T
-    with np.errstate(all="ignore"):
-        u = np.floor(camera.fx * x / z + camera.cx + 0.5)
-        v = np.floor(camera.fy * y / z + camera.cy + 0.5)
-    inside = (z > 0.1) & (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
-    rows, columns = (np.where(inside, each, 0).astype(int) for each in (v, u))
-    depths = np.where(inside, z, 0).astype(np.float32)
+    rows, columns, depths, inside = pixels(points, camera)
     nearest = np.full((camera.height, camera.width), np.inf, np.float32)
     np.minimum.at(nearest, (rows[inside], columns[inside]), depths[inside])
     wide = minimum_filter(nearest, (1, 2 * COLUMNS + 1), mode="constant", cval=np.inf)

@@ -227,25 +227,6 @@ TEST_F(Scans, TakeTheLabelsOfTheirMap)
   EXPECT_FALSE(fs::exists(folder.path("map/measured_labels"))); // there are no images
 }
 
-TEST_F(Scans, JudgeTheGeometryOfTheirMap)
-{
-  succeed(map(folder.path("poses.txt")));
-  const std::string command = "evaluate_map " + folder.path("map") + " --clouds " +
-                              folder.path("clouds") + " --output " +
-                              folder.path("geometry.json");
-  succeed(command);
-  const auto json = readJson(folder.path("geometry.json"));
-  EXPECT_GT(double(json["judged"]), 0.99 * double(json["voxels"])); // to 40 m
-  EXPECT_LT(json["distance"]["90 %"], 0.1);                         // a voxel
-  EXPECT_GT(json["surface"][0]["in_voxel"], 0.95);
-  mapStreet(tinyStreet(), folder.path("stereo"), "--crf none");
-  expectFails("evaluate_map " + folder.path("stereo") + " --clouds " +
-                  folder.path("clouds"),
-              3, "was not made of a scanner's clouds");
-  fs::remove(folder.path("clouds/3.pcd"));
-  expectFails(command, 3, "has no cloud of frame 3");
-}
-
 TEST_F(Scans, TimesAndTumPosesFindEachOther)
 {
   std::string rows;

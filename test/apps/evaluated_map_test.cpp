@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
+#include "support/map_folder.h"
 #include "support/mapped_street.h"
 #include "support/same_image.h"
 #include "support/thrown_message.h"
@@ -9,7 +10,6 @@
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/pipeline/map_folder.h>
 
 #include <opencv2/core.hpp>
 
@@ -43,27 +43,6 @@ addScans(const std::string& street)
         const float record[] = {point.x(), point.y(), point.z(), 0.5f};
         stream.write(reinterpret_cast<const char*>(record), sizeof(record));
       }
-  }
-}
-
-// Scans whose points are the centres of the voxels of a map.
-void
-addScansOfVoxels(const std::string& street, const MapFolder& map)
-{
-  const KittiSequence sequence(street);
-  std::filesystem::create_directories(street + "/velodyne");
-  for (const int frame : map.frames) {
-    const Eigen::Isometry3d T_velodyne_world =
-        (map.T_world_camera0[std::size_t(frame)] * sequence.T_camera0_velodyne())
-            .inverse();
-    std::ofstream stream(street + "/velodyne/" + frameFileName(frame, ".bin"),
-                         std::ios::binary);
-    for (const pcl::PointXYZRGBL& centre : *map.voxels.cloud) {
-      const Eigen::Vector3f point =
-          (T_velodyne_world * centre.getVector3fMap().cast<double>()).cast<float>();
-      const float record[] = {point.x(), point.y(), point.z(), 0.5f};
-      stream.write(reinterpret_cast<const char*>(record), sizeof(record));
-    }
   }
 }
 
@@ -232,7 +211,7 @@ TEST_F(EvaluatedMap, DepthIsThatOfTheStereoPair)
   EXPECT_GT(near, all * 3 / 4);
 }
 
-TEST_F(EvaluatedMap, ProbabilitiesAreThoseOfTheLabelsAndAreJudged)
+TEST_F(EvaluatedMap, ProbabilitiesAreThoseOfTheLabels)
 {
   const cv::Mat labels = imageOf(map("labels_at_depth/000001.png"));
   const LabelDistributions probabilities = readDistributions(
@@ -241,28 +220,6 @@ TEST_F(EvaluatedMap, ProbabilitiesAreThoseOfTheLabelsAndAreJudged)
   for (Eigen::Index i = 0; i < probabilities.size(); ++i)
     different += probabilities.mapLabel(i) != labels.data[i];
   EXPECT_LT(different, 10); // half precision makes a tie now and then
-  const std::string command = "evaluate --prediction " +
-                              map("labels_at_depth --truth ") + street() +
-                              "/gt --label-set " PCL_SEMANTIC_SOURCE_DIR
-                              "/data/label_sets/kitti11.yaml --probabilities ";
-  const std::string text = succeed(command + map("probabilities_at_depth") +
-                                   " --output " + folder_->path("judged"));
-  EXPECT_TRUE(holds(text, "expected calibration error\n  most probable class"));
-  const auto json = readJson(folder_->path("judged/reliability.json"));
-  const auto metrics = readJson(folder_->path("judged/metrics.json"));
-  std::uint64_t pixels = 0;
-  double right = 0.0;
-  for (const auto& bin : json["confidence"]["bins"])
-    if (bin["pixels"] > 0) {
-      pixels += std::uint64_t(bin["pixels"]);
-      right += double(bin["pixels"]) * double(bin["frequency"]);
-    }
-  EXPECT_EQ(pixels, std::uint64_t(metrics["mean"]["covered_pixels"]));
-  EXPECT_NEAR(right / double(pixels), metrics["global_accuracy"], 1e-4);
-  EXPECT_FALSE(
-      readPng(folder_->path("judged/reliability.png"), ImageKind::grey_or_colour)
-          .empty());
-  expectFails(command + map("depth"), 3, "000000.npy: is missing");
 }
 
 // The points of a map lie in their voxels; their centres are an option.
@@ -282,91 +239,6 @@ TEST_F(EvaluatedMap, CentresOfVoxelsAreAnOption)
   EXPECT_GT(moved, on_surface.voxels.size() / 2);
   EXPECT_EQ(bytesOf(centres + "/final_labels/000001.png"),
             bytesOf(map("final_labels/000001.png")));
-}
-
-TEST_F(EvaluatedMap, GeometryIsExactWhereTheLaserSawTheVoxelsThemselves)
-{
-  const std::string exact = folder_->path("exact");
-  copyStreet(exact);
-  addScansOfVoxels(exact, readMapFolder(folder_->path("map")));
-  const std::string command = "evaluate_map " + folder_->path("map ");
-  const std::string row = succeed(command + exact + " --header --row street -o " +
-                                  folder_->path("geometry.json"));
-  EXPECT_EQ(std::count(row.begin(), row.end(), '\n'), 3) << row;
-  EXPECT_TRUE(
-      holds(row, "| street | 0.0 | 0.0 | 0.0 | 100.0 | 100.0 | 100.0 | 100.0 "));
-  const auto json = readJson(folder_->path("geometry.json"));
-  EXPECT_EQ(json["voxels"], readJson(map("summary.json"))["voxels"]);
-  EXPECT_GT(json["judged"], 1000);
-  EXPECT_LT(json["distance"]["90 %"], 1e-3);
-
-  const std::string table = succeed(command + street());
-  EXPECT_TRUE(holds(table, "from a voxel to the nearest return\n  mean      "));
-}
-
-TEST_F(EvaluatedMap, GeometryOfTwoMapsIsPooled)
-{
-  succeed("evaluate_map --within 0.4 " + folder_->path("map ") + street() + " -o " +
-          folder_->path("once.json"));
-  const auto json = readJson(folder_->path("once.json"));
-  EXPECT_GT(json["within"]["0.5"], json["within"]["0.1"]);
-  EXPECT_LE(json["surface"][0]["in_voxel"], json["surface"][0]["next_to_voxel"]);
-  // Two maps that are the same are no other than one of them.
-  succeed("evaluate_map --within 0.4 --map " + folder_->path("map --map ") +
-          folder_->path("map") + " --sequence " + street() + " --sequence " + street() +
-          " -o " + folder_->path("twice.json"));
-  EXPECT_EQ(readJson(folder_->path("twice.json"))["within"], json["within"]);
-}
-
-// An archive knows no frames of its own: the sequence says which, and from where.
-TEST_F(EvaluatedMap, GeometryOfAnArchiveIsThatOfItsFolder)
-{
-  const std::string folder = folder_->path("archived"),
-                    archive = folder_->path("archived.map");
-  succeed(mapOf(street()) + " --crf dense --voxel-size 0.2 --frames 0:2 --output " +
-          folder + " --archive " + archive);
-  const auto of_folder = nlohmann::json::parse(
-      succeed("evaluate_map " + folder + " " + street() + " --json"));
-  const auto of_archive = nlohmann::json::parse(
-      succeed("evaluate_map " + archive + " " + street() + " --json"));
-  EXPECT_EQ(of_archive, of_folder);
-  EXPECT_NE(nlohmann::json::parse(succeed("evaluate_map " + archive + " " + street() +
-                                          " --frames 0:3 --json")),
-            of_folder)
-      << "of all frames";
-  const std::string far = folder_->path("far.txt");
-  std::filesystem::copy_file(street() + "/poses.txt", far);
-  for (const std::size_t line : {1, 2, 3})
-    setWord(far, line, 12, "900000");
-  expectFails("evaluate_map " + archive + " " + street() + " --poses " + far, 3,
-              "has no voxel around the poses of " + far);
-  std::filesystem::rename(street() + "/poses.txt", folder_->path("elsewhere.txt"));
-  expectFails("evaluate_map " + archive + " " + street(), 3, "expected --poses");
-  EXPECT_EQ(nlohmann::json::parse(succeed("evaluate_map " + archive + " " + street() +
-                                          " --frames 0:2 --json --poses " +
-                                          folder_->path("elsewhere.txt"))),
-            of_folder);
-  std::filesystem::rename(folder_->path("elsewhere.txt"), street() + "/poses.txt");
-}
-
-TEST_F(EvaluatedMap, ProbabilitiesOfOccupancyAreJudgedByScansOfOtherFrames)
-{
-  const std::string part = folder_->path("part"), archive = folder_->path("part.map");
-  succeed(mapOf(street()) + " --crf none --voxel-size 0.2 --frames 0:2 --output " +
-          part + " --archive " + archive);
-  const std::string command =
-      "evaluate_map " + part + " " + street() + " --archive " + archive;
-  EXPECT_TRUE(holds(succeed(command), "error where p is 0.2 to 0.8  0."));
-  const auto bins =
-      nlohmann::json::parse(succeed(command + " --json"))["occupancy"]["bins"];
-  ASSERT_EQ(bins.size(), 15u);
-  // What was found free is free, what was often hit is not.
-  EXPECT_LT(bins[0]["frequency"], 0.2);
-  EXPECT_GT(bins[6]["voxels"], 100) << "hit once";
-  EXPECT_GT(bins[6]["frequency"], bins[0]["frequency"]);
-  expectFails("evaluate_map " + folder_->path("map ") + street() + " --archive " +
-                  archive,
-              3, "are in the map; map a part of them");
 }
 
 TEST_F(EvaluatedMap, ALaterRunRemovesWhatItDoesNotWrite)
@@ -433,7 +305,7 @@ TEST_F(EvaluatedMap, TheEarlierMapStaysUntilTheNewOneIsWhole)
   EXPECT_EQ(bytesOf(folder_->path("elsewhere/map.pcd")), "mine");
 }
 
-TEST(EvaluateMapTool, BadInput)
+TEST(EvaluatedMapTool, BadInput)
 {
   const std::string map = "map STREET --output OUT --labels STREET/labels ";
   expectAllFail(
@@ -443,34 +315,7 @@ TEST(EvaluateMapTool, BadInput)
        {"scans of two cameras", 2, "needs a SEQUENCE",
         "map --left 'STREET/image_2/*.png' --right 'STREET/image_3/*.png' "
         "--calibration STREET/calib.txt --poses STREET/poses.txt "
-        "--labels STREET/labels --output OUT --also scans"},
-       {"nothing", 2, "expected MAP SEQUENCE", "evaluate_map"},
-       {"no sequence", 2, "as many of both", "evaluate_map OUT"},
-       {"both", 2, "exclude each other", "evaluate_map OUT STREET --clouds STREET"},
-       {"of no clouds", 2, "--calibration is for --clouds",
-        "evaluate_map OUT STREET --calibration STREET/calib.txt"},
-       {"archive of clouds", 2, "--archive is for a SEQUENCE",
-        "evaluate_map OUT --clouds STREET --archive x.map"},
-       {"too many archives", 2, "as many of --archive",
-        "evaluate_map OUT STREET --archive x.map --archive y.map"},
-       {"poses of a folder", 2, "for a MAP that is an archive",
-        "evaluate_map OUT STREET --poses STREET/poses.txt"},
-       {"archive and clouds", 2, "is compared with a SEQUENCE",
-        "evaluate_map STREET/calib.txt --clouds STREET"},
-       {"no archive", 3, "calib.txt", "evaluate_map STREET/calib.txt STREET"},
-       {"no map", 3, "summary.json", "evaluate_map OUT STREET"},
-       {"bands", 2, "have to grow", "evaluate_map OUT STREET --bands 0,20,10"},
-       {"no bands", 2, "--bands", "evaluate_map OUT STREET --bands 0,x"},
-       {"within", 2, "--within is nan", "evaluate_map OUT STREET --within nan"},
-       {"kind of output", 2, "ends in .json", "evaluate_map OUT STREET -o x.csv"},
-       {"unfinished", 3, "the map is not finished", "evaluate_map STREET STREET",
-        [](const std::string& street) {
-          std::ofstream(street + "/summary.json") << "{\"finished\": false}";
-        }},
-       {"another file", 3, "is no summary of a map", "evaluate_map STREET STREET",
-        [](const std::string& street) {
-          std::ofstream(street + "/summary.json") << "[1, 2]";
-        }}});
+        "--labels STREET/labels --output OUT --also scans"}});
 }
 
 } // namespace pcl_semantic

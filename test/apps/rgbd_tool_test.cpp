@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
+#include "support/map_folder.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
-#include <pcl_semantic/pipeline/map_folder.h>
 
 #include <opencv2/core.hpp>
 

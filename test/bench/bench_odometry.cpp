@@ -3,11 +3,11 @@
 // How exact and how fast StereoOdometry is: bench_odometry [frames of the street]
 
 #include "bench/ratio.h"
+#include "support/kitti_errors.h"
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/synthetic_renderer.h>
-#include <pcl_semantic/evaluation/trajectory_error.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
 #include <cstdlib>
@@ -77,7 +77,7 @@ track(const std::string& name, const Drive& drive)
   });
   const double count = double(drive.frames.size());
   std::printf("%s: %.0f frames, %.1f m, %d lost; a frame: %.1f ms, processor %.1f ms\n",
-              name.c_str(), count, lengthOf(drive.truth), odometry.lostFrames(),
+              name.c_str(), count, waysAlong(drive.truth).back(), odometry.lostFrames(),
               1e3 * wall / count, 1e3 * (processorSeconds() - processor) / count);
   printRatio(name + "_time", 0.03 / (wall / count), 1);
   return poses;
@@ -90,8 +90,7 @@ printErrors(const std::string& name, const Trajectory& truth,
   const auto from = std::ptrdiff_t(first);
   const SegmentErrors errors =
       kittiErrors({truth.begin() + from, truth.end()},
-                  {estimate.begin() + from, estimate.end()}, {10, 20, 30, 40, 50})
-          .back();
+                  {estimate.begin() + from, estimate.end()}, {10, 20, 30, 40, 50});
   std::printf("%s: translation %.3f %%, rotation %.5f degrees/m (%zu pieces)\n",
               name.c_str(), 100.0 * errors.translation, errors.rotation * 180.0 / M_PI,
               errors.segments);

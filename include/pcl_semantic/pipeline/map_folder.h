@@ -2,8 +2,8 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/voxel_cloud.h>
-#include <pcl_semantic/files/trajectory_file.h>
+
+#include <Eigen/Core>
 
 #include <optional>
 #include <string>
@@ -18,22 +18,10 @@ struct MapSummary {
   /// Numbers of the frames that are in the map; `live`, which is being made, names
   /// none.
   std::optional<std::vector<int>> frames;
-  std::string sensor; ///< what took the clouds it was made of; empty = none did
 };
 
 /** \brief Reads summary.json of a folder.
  * \throws BadInputException if it is missing or damaged, or the map is not finished */
 MapSummary readMapSummary(const std::string& folder);
-
-/** \brief A finished map as MappingOutput left it. */
-struct MapFolder {
-  VoxelCloud voxels;          ///< without distributions and observations
-  std::vector<int> frames;    ///< numbers of those that are in the map
-  Trajectory T_world_camera0; ///< row n belongs to frame n, KITTI's camera 0
-};
-
-/** \brief Reads map.pcd, trajectory.txt and summary.json of a folder.
- * \throws BadInputException if one is missing or damaged, or the map is not finished */
-MapFolder readMapFolder(const std::string& folder);
 
 } // namespace pcl_semantic

@@ -10,16 +10,6 @@ namespace pcl_semantic {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-BadCase::Damage
-trajectory(const std::string& text)
-{
-  return [=](const std::string& street) { std::ofstream(street + "/a.txt") << text; };
-}
-
-} // namespace
-
 TEST(OdometryTool, WritesBothFormats)
 {
   const TemporaryFolder folder;
@@ -65,25 +55,6 @@ TEST(OdometryTool, BlankImagesGiveNoTrajectory)
   EXPECT_TRUE(holds(result.text, "warning: frame 0: both images are blank"));
   EXPECT_TRUE(holds(result.text, street + ": no frame could be tracked\n"));
   EXPECT_FALSE(fs::exists(output));
-}
-
-TEST(TrajectoryTool, ComparesRowsAndTimes)
-{
-  const TemporaryFolder folder;
-  const std::string poses = tinyStreet() + "/poses.txt", tum = folder.path("tum.txt");
-  const Trajectory truth = readKittiTrajectory(poses);
-  writeTumTrajectory(tum, {{0.1, truth[1]}, {0.2, truth[2]}}); // frame 0 is a gap
-  const std::string rows =
-      succeed("trajectory compare " + poses + " " + poses + " --lengths 0.5");
-  EXPECT_EQ(rows.rfind("3 poses, 1.7 m\n", 0), 0u) << rows;
-  EXPECT_TRUE(holds(rows, "0.0000          0.00000"));
-  const std::string times = succeed("trajectory compare " + poses + " " + tum +
-                                    " --times " + tinyStreet() + "/times.txt");
-  EXPECT_EQ(times.rfind("pcl_semantic_trajectory: warning: 3 and 2 poses: the 2 of "
-                        "the same times are compared\n2 poses, 0.9 m\n",
-                        0),
-            0u)
-      << times;
 }
 
 TEST(MapTool, FindsItsPosesByOdometryWithoutPosesTxt)
@@ -175,7 +146,7 @@ TEST(MapTool, MakesPosesRigidWithOneWarning)
     EXPECT_TRUE(pose.linear().isIdentity(1e-12));
 }
 
-TEST(BadUsage, TrajectoryTools)
+TEST(BadUsage, OdometryTool)
 {
   const std::string poses = " STREET/poses.txt ";
   expectAllFail({
@@ -192,26 +163,6 @@ TEST(BadUsage, TrajectoryTools)
       {"blank", 3, "frame 0: both images are blank", "odometry STREET OUT --strict",
        blankImages},
       {"below a file", 5, "calib.txt", "odometry STREET STREET/calib.txt/x"},
-      {"no command", 2, "the command is missing", "trajectory"},
-      {"another command", 2, "unknown command 'show'", "trajectory show"},
-      {"one file", 2, "two trajectories", "trajectory compare" + poses},
-      {"lengths", 2, "--lengths",
-       "trajectory compare" + poses + poses + "--lengths 1,x"},
-      {"length 0", 2, "--lengths",
-       "trajectory compare" + poses + poses + "--lengths 0"},
-      {"step", 2, "step", "trajectory compare" + poses + poses + "--step 0"},
-      {"no file", 3, "none.txt: cannot be read", "trajectory compare none.txt" + poses},
-      {"three numbers", 3, "a.txt line 1: has 3",
-       "trajectory compare STREET/a.txt" + poses, trajectory("1 2 3\n")},
-      {"NaN", 3, "a.txt line 2: 'nan'", "trajectory compare STREET/a.txt" + poses,
-       trajectory("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 nan 0 1 0 0 0 0 1 0\n")},
-      {"no times", 2, "--times", "trajectory compare STREET/a.txt" + poses,
-       trajectory("1 0 0 0 0 0 0 1\n")},
-      {"other times", 3, "has no pose at the times",
-       "trajectory compare" + poses + "STREET/a.txt --times STREET/times.txt",
-       trajectory("900 0 0 0 0 0 0 1\n")},
-      {"commas", 3, "a.txt line 1: '1,0,0", "trajectory compare STREET/a.txt" + poses,
-       trajectory("1,0,0,0,0,1,0,0,0,0,1,0\n")},
       {"odometry and archive", 2, "--archive needs poses from a file",
        "--labels STREET/labels --poses odometry --archive TEMP/a.db"},
       {"no poses and archive", 2, "--archive needs poses from a file",
