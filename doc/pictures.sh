@@ -13,7 +13,7 @@
 set -euo pipefail
 render=() sheet=()
 if [[ ${1:-} == --small ]]; then
-  render=(--small --size 1000x560) sheet=(--small --width 1000)
+  render=(--small --size 1000x560) sheet=(--width 1000)
   shift
 fi
 (($# == 5)) ||

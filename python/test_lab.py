@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from lab import compare, files, lidar_truth, plots, scores, tables
+from lab import compare, files, lidar_truth, models, plots, scores, tables
 
 DATA = os.environ.get("PCL_SEMANTIC_DATA")
 
@@ -148,7 +148,7 @@ class Scores(Folder):
                          self.row(prediction, truth, "--ignore", "pedestrian"))
         header = program("evaluate", "--label-set", files.KITTI_CLASSES, "--header",
                          "--prediction", prediction, "--truth", truth)
-        self.assertEqual("\n".join(tables.Tables("", [], "").header()) + "\n", header)
+        self.assertEqual("\n".join(tables.header()) + "\n", header)
 
     def test_scans_point_by_point(self):
         truth, prediction = self.folder / "truth", self.folder / "prediction"
@@ -185,6 +185,16 @@ class Tables(Folder):
             "| **pooled** | 58.3 / 58.3 | +31.7 / +31.7 | +31.7 / +31.7 | +31.7 / +31.7 |"])
         for path in plots.page(found, self.folder / "images"):
             self.assertLess(path.stat().st_size, 60000)
+
+
+class Models(unittest.TestCase):
+    def test_their_options_are_understood(self):
+        for model, (_, options) in models.MODELS.items():
+            options = options.format(calibration="none.yaml", cliques="none.yaml").split()
+            with self.subTest(model):
+                subprocess.run([os.path.join(os.environ["PCL_SEMANTIC_BIN"], "pcl_semantic_map"),
+                                *options, "--print-config"], check=True, cwd=files.ROOT,
+                               stdout=subprocess.DEVNULL)
 
 
 class Compare(Folder):

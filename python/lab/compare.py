@@ -26,9 +26,9 @@ def blend(image, labels, colours):
                     image).astype(np.uint8)
 
 
-def larger(labels):
+def larger(labels, truth):
     """Truth of a laser scan is dots that would not be seen: they are drawn larger."""
-    sparse = np.count_nonzero(labels) < 0.2 * labels.size
+    sparse = np.count_nonzero(truth) < 0.2 * truth.size
     return grey_dilation(labels, (5, 5)) if sparse else labels
 
 
@@ -40,8 +40,7 @@ def changes(image, before, after, truth, colours):
     picture = np.repeat(0.45 * image.mean(axis=2, keepdims=True) + 120, 3, axis=2)
     unknown = changed & (truth == 0)
     picture[unknown] = colours[after[unknown]]
-    kinds = larger(np.select([right, wrong, changed & (truth > 0)], [1, 2, 3], 0)
-                   .astype(np.uint8))
+    kinds = larger(np.select([right, wrong, changed & (truth > 0)], [1, 2, 3]), truth)
     for kind, colour in enumerate((RIGHT, WRONG, STILL_WRONG), 1):
         picture[kinds == kind] = colour
     text = f"{100 * changed.sum() / max(1, both.sum()):.1f} % differ"
@@ -57,7 +56,7 @@ def draw(path, image, labels, truth, classes, width=1920):
             raise ValueError(f"{name}: labels are of another size, or beyond the label set")
     colours = np.array([(0, 0, 0)] + [each["colour"] for each in classes])
     known = truth if truth is not None else np.zeros(image.shape[:2], np.uint8)
-    side = ("ground truth", blend(image, larger(known), colours)) if known.any() else (
+    side = ("ground truth", blend(image, larger(known, known), colours)) if known.any() else (
         "image", image)
     height, below = width / 2 * image.shape[0] / image.shape[1] + 30, 60  # [px]
     figure, axes = pyplot.subplots(len(labels), 2, squeeze=False, layout="constrained", dpi=100,
@@ -84,7 +83,10 @@ def draw(path, image, labels, truth, classes, width=1920):
                   loc="lower center", ncols=7, fontsize=8, frameon=False)
     below /= height * len(labels) + below
     figure.get_layout_engine().set(rect=(0, below, 1, 1 - below))
-    files.replace(path, lambda file: figure.savefig(file, format="png"))
+    figure.canvas.draw()
+    picture = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[..., :3])
+    picture = picture.quantize(256, Image.Quantize.MAXCOVERAGE)  # half the bytes
+    files.replace(path, lambda file: picture.save(file, "png"))
     pyplot.close(figure)
 
 

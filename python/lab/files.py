@@ -2,6 +2,7 @@
 """Reads and writes the files of sequences, maps and label images (doc/formats.md)."""
 
 import os
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -139,5 +140,5 @@ def run(command):
     """Runs a command; what is wrong with its input is one line."""
     try:
         command()
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, subprocess.CalledProcessError) as error:
         sys.exit(f"{Path(sys.argv[0]).stem}: {error}")

@@ -96,7 +96,7 @@ class Run:
         calibration = OUT / "calibration" / f"without_{sequence}.yaml"
         if not calibration.exists():
             calibration = OUT / "calibration" / "calibration.yaml"
-        options = models.OPTIONS[model].format(
+        options = models.MODELS[model][1].format(
             calibration=calibration, cliques=OUT / sequence / "cliques" / "calibration.yaml")
         say(f"sequence {sequence}: {model}")
         tool("map", self.kitti / sequence, "--labels", OUT / sequence / "network_distributions",
@@ -131,7 +131,7 @@ class Run:
                      folder / truth.name, *options.split())
 
     def map_everything(self):
-        self.map_models(["15", *self.streets], models.mapped())
+        self.map_models(["15", *self.streets], models.MODELS)
         for sequence in self.drawn():
             self.refine_images(sequence)
         say("times, with the network")

@@ -3,125 +3,112 @@
 
 from lab import geometry, models, scores
 
-DEPTH, RENDERED = "labels_at_depth", "labels"
+DEPTH, RENDERED, NETWORK = "labels_at_depth", "labels", "network_labels"
 BANDS = ((0, 10), (10, 20), (20, 40))
 
 
+def header(ignored=scores.IGNORED):
+    classes = [each for each in scores.CLASSES if each not in ignored]
+    return scores.header(classes + ["mean", "global accuracy", "mean inclusive", "coverage"])
+
+
 class Tables:
-    """Tables as lists of lines. A street is a folder of \\a out, which holds folders of
-    ground truth and of models."""
+    """Tables as lists of lines. Each street has a folder in `out`, with folders of ground
+    truth and of models."""
 
     def __init__(self, out, streets, kitti):
         self.out, self.streets, self.kitti = out, streets, kitti
 
     def figures(self, sequences, model, prediction, truth="truth", covered=None, band=None,
                 ignored=scores.IGNORED):
-        """Pooled over sequences."""
-        def of(sequence):
-            folder = f"{self.out}/{sequence}"
-            return scores.confusion(
+        """Pooled over sequences; `covered` is a folder of the model, as the prediction is."""
+        counts = 0
+        for folder in (f"{self.out}/{each}" for each in sequences):
+            counts = counts + scores.confusion(
                 f"{folder}/{model}/{prediction}", f"{folder}/{truth}",
-                covered and f"{folder}/{model}/{covered}",
-                band and f"{folder}/{truth}_depth", band)
-        return scores.figures(sum(of(sequence) for sequence in sequences), ignored)
+                covered and f"{folder}/{model}/{covered}", band and f"{folder}/{truth}_depth",
+                band)
+        return scores.figures(counts, ignored)
 
-    def rows(self, sequences, name, prediction, network="network_labels", truth="truth",
-             which=None, bands=(None,)):
+    def row(self, name, *given, band=None, **options):
+        name += f", {band[0]}-{band[1]} m" if band else ""
+        return scores.row(name, self.figures(*given, band=band, **options).values())
+
+    def rows(self, sequences, name, prediction, which=None, bands=(None,)):
         """The network on what the map covers, the fused measurements, every model."""
+        scans = prediction.endswith("scan_labels")
+        network, truth = ("network_scan_labels", "truth_scan") if scans else (NETWORK, "truth")
         final = "final_" if prediction.startswith("final_") else ""
         fused = f"{final}measured_{prediction[len(final):]}"
-        lines = []
-
-        def add(title, *given):
-            for band in bands:
-                text = f"{name}: {title}" + (f", {band[0]}-{band[1]} m" if band else "")
-                found = self.figures(sequences, *given[:2], truth, *given[2:], band=band)
-                lines.append(scores.row(text, found.values()))
-
-        add("2D network, covered", "dense", network, prediction)
-        add("fused, before CRF", "dense", fused)
+        given = [("2D network, covered", "dense", network, prediction),
+                 ("fused, before CRF", "dense", fused, None)]
         for model in which or models.MAIN:
             if model == "calibrated_dense":
-                add("calibrated, fused, before CRF", model, fused)
+                given.append(("calibrated, fused, before CRF", model, fused, None))
             if model == "fine":  # it covers other pixels
-                add("2D network where the next covers", model, network, prediction)
-            add(models.TITLES[model], model, prediction)
-        return lines
-
-    def header(self, ignored=scores.IGNORED):
-        classes = [each for each in scores.CLASSES if each not in ignored]
-        return scores.header(classes + ["mean", "global accuracy", "mean inclusive", "coverage"])
+                given.append(("2D network where the next covers", model, network, prediction))
+            given.append((models.title(model), model, prediction, None))
+        return [self.row(f"{name}: {title}", sequences, model, labels, truth, covered, band=band)
+                for title, model, labels, covered in given for band in bands]
 
     def both(self, sequences, which=None):
-        return (self.rows(sequences, "at depth", DEPTH, which=which) +
-                self.rows(sequences, "rendered", RENDERED, which=which))
+        return (self.rows(sequences, "at depth", DEPTH, which) +
+                self.rows(sequences, "rendered", RENDERED, which))
 
     def finished(self, sequences):
         return self.rows(sequences, "rendered, finished map", "final_labels")
 
     def models(self, sequences):
         """Table I: the paper's models, then the calibrated ones."""
-        calibrated = [each for each in models.MAIN if each not in models.COMPARED]
-        return self.header() + self.both(sequences, models.COMPARED + calibrated)
+        others = [each for each in models.MAIN if each not in models.COMPARED]
+        return header() + self.both(sequences, models.COMPARED + others)
 
     def presets(self, sequences):
         """Its systems. Each covers pixels of its own, on which the network is scored too."""
-        lines = self.header()
+        lines = header()
         for model in models.PRESETS:
-            for title, prediction in ((f"2D network where {model} covers", "network_labels"),
-                                      (model, DEPTH)):
-                found = self.figures(sequences, model, prediction,
-                                     covered=None if prediction == DEPTH else DEPTH)
-                lines.append(scores.row(f"at depth: {title}", found.values()))
+            lines += [self.row(f"at depth: 2D network where {model} covers", sequences, model,
+                               NETWORK, covered=DEPTH),
+                      self.row(f"at depth: {model}", sequences, model, DEPTH)]
         return lines
 
     def ablations(self):
-        lines = self.header()
-        for name, view in (("at depth", DEPTH), ("rendered", RENDERED)):
-            for model in ["superpixel"] + models.ABLATIONS:
-                found = self.figures(self.streets, model, view)
-                lines.append(scores.row(f"{name}: {models.TITLES[model]}", found.values()))
-        return lines
+        return header() + [
+            self.row(f"{name}: {models.title(model)}", self.streets, model, view)
+            for name, view in (("at depth", DEPTH), ("rendered", RENDERED))
+            for model in ["superpixel"] + models.ABLATIONS]
 
     def pixels(self, sequences):
         """Table II: the truth is drawn by hand, and sky counts as in the paper."""
         ignored = ("pedestrian", "cyclist")
-        return self.header(ignored) + [
-            scores.row(title, self.figures(sequences, "", f"image_{model}", "truth_images",
-                                           ignored=ignored).values())
+        return header(ignored) + [
+            self.row(title, sequences, "", f"image_{model}", "truth_images", ignored=ignored)
             for model, (title, _) in models.IMAGE_MODELS.items()]
 
     def by_sequence(self, view):
         def line(title, model, prediction):
             def mean(sequences, labels):
-                found = self.figures(sequences, model, labels, covered=view)
-                return round(found["mean"], 1)
+                return round(self.figures(sequences, model, labels, covered=view)["mean"], 1)
             cells = [f"{mean([street], prediction):.1f}" for street in self.streets]
             for group in (self.streets, ["15"]):
                 ours = mean(group, prediction)
-                cells += [f"{ours:.1f}", f"{ours - mean(group, 'network_labels'):+.1f}"]
+                cells += [f"{ours:.1f}", f"{ours - mean(group, NETWORK):+.1f}"]
             return f"| {title} | {' | '.join(cells)} |"
-        compared = models.COMPARED + models.PRESETS
-        which = compared + [each for each in models.MAIN if each not in compared]
+        which = list(dict.fromkeys(models.COMPARED + models.PRESETS + models.MAIN))
         return (scores.header(self.streets + ["pooled", "over network", "15", "over network"]) +
-                [line("2D network, covered", "dense", "network_labels"),
+                [line("2D network, covered", "dense", NETWORK),
                  line("fused, before CRF", "dense", f"measured_{view}")] +
-                [line(models.TITLES[model], model, view) for model in which])
+                [line(models.title(model), model, view) for model in which])
 
     def distances(self):
-        return (self.header() +
-                self.rows(self.streets, "rendered", RENDERED, bands=BANDS) +
-                self.rows(self.streets, "in 3D to 0.3 m", "near_scan_labels",
-                          "network_scan_labels", "truth_scan", bands=BANDS))
+        return (header() + self.rows(self.streets, "rendered", RENDERED, bands=BANDS) +
+                self.rows(self.streets, "in 3D to 0.3 m", "near_scan_labels", bands=BANDS))
 
     def scans(self):
-        lines = self.header()
-        for name, prediction in (("causal", "scan_labels"),
-                                 ("causal, to 0.3 m", "near_scan_labels"),
-                                 ("final", "final_scan_labels"),
-                                 ("final, to 0.3 m", "final_near_scan_labels")):
-            lines += self.rows(self.streets, name, prediction, "network_scan_labels",
-                               "truth_scan")
+        lines = header()
+        for name, prefix in (("causal", ""), ("final", "final_")):
+            lines += self.rows(self.streets, name, f"{prefix}scan_labels")
+            lines += self.rows(self.streets, f"{name}, to 0.3 m", f"{prefix}near_scan_labels")
         return lines
 
     def gains(self, view, sequences):
@@ -133,17 +120,17 @@ class Tables:
 
         def over(ours, other):
             return tuple(a - b for a, b in zip(ours, other))
+        network = pair("dense", NETWORK, view)
         calibrated = pair("calibrated_dense", view)
-        return [pair("dense", "network_labels", view),
-                *(over(pair(model, view), pair(model, "network_labels", view))
-                  for model in ("dense", "calibrated_dense")),
+        return [network, over(pair("dense", view), network),
+                over(calibrated, pair("calibrated_dense", NETWORK, view)),
                 over(calibrated, pair("calibrated_dense", f"measured_{view}"))]
 
     def answer(self, view):
         def line(name, found):
-            first = "{:.1f} / {:.1f}".format(*found[0])
-            return f"| {name} | {first} | " + " | ".join(
-                "{:+.1f} / {:+.1f}".format(*each) for each in found[1:]) + " |"
+            cells = [f"{a:.1f} / {b:.1f}" for a, b in found[:1]]
+            cells += [f"{a:+.1f} / {b:+.1f}" for a, b in found[1:]]
+            return f"| {name} | {' | '.join(cells)} |"
         found = {street: self.gains(view, [street]) for street in self.streets}
         worst_first = sorted(found, key=lambda street: round(found[street][2][0], 1))
         return (["| street | 2D network | map | calibrated | the CRF's part |",
@@ -159,37 +146,36 @@ class Tables:
                 [row(street, [street]) for street in self.streets])
 
     def page(self, made):
-        return sections([
-            ("At depth", self.answer(DEPTH)), ("Rendered", self.answer(RENDERED)),
-            ("Geometry of the finished maps against the lidar", self.geometry() + ["", made])])
+        return sections({
+            "At depth": self.answer(DEPTH), "Rendered": self.answer(RENDERED),
+            "Geometry of the finished maps against the lidar": self.geometry() + ["", made]})
 
     def appendix(self, made, drawn, times):
         streets, pooled = self.streets, " ".join(self.streets)
-        tables = [
-            (f"Table I, models: sequences {pooled} pooled, lidar ground truth to 40 m",
-             self.models(streets)),
-            (f"Table I, systems: sequences {pooled} pooled", self.presets(streets)),
-            (f"Table II: CRFs over the pixels of images, sequences {' '.join(drawn)}",
-             self.pixels(drawn)),
-            ("Table III: seconds a frame, 1226 x 370 pixels", times),
-            ("Table I, models: sequence 15, hand-made ground truth of frames 0 and 3",
-             self.models(["15"])),
-            ("Table I, systems: sequence 15", self.presets(["15"])),
-            ("Table I by sequence: mean IoU at depth", self.by_sequence(DEPTH)),
-            ("Table I by sequence: mean IoU rendered", self.by_sequence(RENDERED)),
-            ("Ablations of the hierarchical model with superpixels", self.ablations()),
-            ("By distance", ["![Mean IoU by distance, rendered](images/results_distance.png)", "",
-                             *self.distances()]),
-            ("In 3D: labelled points against their voxels", self.scans()),
-            (f"Finished maps, sequences {pooled} pooled",
-             self.header() + self.finished(streets)),
-            ("Finished maps, sequence 15", self.header() + self.finished(["15"]))]
+        tables = {
+            f"Table I, models: sequences {pooled} pooled, lidar ground truth to 40 m":
+                self.models(streets),
+            f"Table I, systems: sequences {pooled} pooled": self.presets(streets),
+            f"Table II: CRFs over the pixels of images, sequences {' '.join(drawn)}":
+                self.pixels(drawn),
+            "Table III: seconds a frame, 1226 x 370 pixels": times,
+            "Table I, models: sequence 15, hand-made ground truth of frames 0 and 3":
+                self.models(["15"]),
+            "Table I, systems: sequence 15": self.presets(["15"]),
+            "Table I by sequence: mean IoU at depth": self.by_sequence(DEPTH),
+            "Table I by sequence: mean IoU rendered": self.by_sequence(RENDERED),
+            "Ablations of the hierarchical model with superpixels": self.ablations(),
+            "By distance": ["![Mean IoU by distance, rendered](images/results_distance.png)", ""]
+                           + self.distances(),
+            "In 3D: labelled points against their voxels": self.scans(),
+            f"Finished maps, sequences {pooled} pooled": header() + self.finished(streets),
+            "Finished maps, sequence 15": header() + self.finished(["15"])}
         if "05 07" in pooled:
-            pair = ["05", "07"]
-            tables.append(("Sequences 05 and 07 alone",
-                           self.header() + self.both(pair) + self.finished(pair)))
+            tables["Sequences 05 and 07 alone"] = (header() + self.both(["05", "07"]) +
+                                                   self.finished(["05", "07"]))
         return f"\n{made}\n" + sections(tables)
 
 
 def sections(tables):
-    return "".join("\n## " + "\n".join([title, "", *lines]) + "\n" for title, lines in tables)
+    return "".join(f"\n## {title}\n\n" + "\n".join(lines) + "\n"
+                   for title, lines in tables.items())

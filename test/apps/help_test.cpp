@@ -44,6 +44,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
   const TemporaryFolder folder;
   fs::create_directories(folder.path("sequences"));
   copyStreet(folder.path("sequences/05"));
+  addScan(folder.path("sequences/05"));
   fs::create_directory_symlink(folder.path("sequences/05/labels"),
                                folder.path("labels_05"));
   folder.write("city.onnx", cityNetwork());
