@@ -3,10 +3,10 @@
 // How exact and how fast StereoOdometry is: bench_odometry [frames of the street]
 
 #include "bench/ratio.h"
+#include "synthesize/renderer.h"
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/evaluation/trajectory_error.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 

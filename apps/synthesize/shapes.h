@@ -10,7 +10,7 @@
 
 namespace pcl_semantic::synthetic {
 
-/** \brief What a surface looks like (synthetic_materials.h). */
+/** \brief What a surface looks like (materials.h). */
 enum class Material : std::uint8_t {
   asphalt,
   paving,

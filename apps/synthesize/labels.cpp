@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/synthetic_labels.h>
+#include "labels.h"
 
 #include "core/fail.h"
-#include "synthetic_noise.h"
+#include "noise.h"
 
 #include <opencv2/core.hpp>
 

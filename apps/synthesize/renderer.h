@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
+#include "street.h"
+
 #include <pcl_semantic/core/stereo_camera.h>
-#include <pcl_semantic/dataset/synthetic_scene.h>
 
 #include <opencv2/core/mat.hpp>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief What a stereo camera sees of the synthetic street, and the ground truth about
  * it. */

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/synthetic_renderer.h>
+#include "renderer.h"
 
 #include "core/fail.h"
-
-#include "synthetic_materials.h"
+#include "materials.h"
 
 #include <opencv2/core.hpp>
 
