@@ -87,8 +87,7 @@ parse(int argc, char** argv)
       {"map_origin", "map_origin of the map's summary.json: X,Y,Z [m]",
        &frame.map_origin}};
   for (ConfigParameter& parameter : parametersOf(arguments.parameters))
-    if (parameter.name != "superpixel_keep") // needs several frames
-      parameters.push_back(std::move(parameter));
+    parameters.push_back(std::move(parameter));
   parameters.push_back({"threads", "0 = all processors", &arguments.threads});
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,

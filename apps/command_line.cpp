@@ -80,12 +80,15 @@ manualPage(const Usage& usage, const po::options_description& options)
   return page;
 }
 
-// Further names of a parameter are understood, but not shown.
+// Why an option is not known: it may be one of earlier versions.
 std::string
-namesOf(const ConfigParameter& parameter)
+refusalOf(const po::unknown_option& error)
 {
-  return parameter.option() + (parameter.old_name.empty() ? "" : ",") +
-         parameter.oldOption();
+  std::string name = error.get_option_name();
+  name.erase(0, name.find_first_not_of('-'));
+  std::replace(name.begin(), name.end(), '-', '_');
+  const std::string why = whyRemoved(name);
+  return why.empty() ? error.what() : error.get_option_name() + ": " + why;
 }
 
 // Parses the options of a tool and those that all have; ends it if it was for help.
@@ -137,6 +140,9 @@ parseOptions(int argc, char** argv, const Usage& usage,
     failUsage("too many positional arguments; a pattern of file names has to be in "
               "quotes: --left 'left/*.png'");
   }
+  catch (const po::unknown_option& error) {
+    failUsage(refusalOf(error));
+  }
   catch (const po::error& error) {
     failUsage(error.what());
   }
@@ -156,9 +162,10 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
     description.add_options()(option.names, option.target, option.text.c_str());
   po::options_description group("Parameters (with their defaults)");
   for (const ConfigParameter& parameter : parameters)
-    group.add_options()(namesOf(parameter).c_str(),
-                        po::value<std::string>()->value_name(parameter.text()),
-                        parameter.help.c_str());
+    if (parameter.preset_default.empty())
+      group.add_options()(parameter.option().c_str(),
+                          po::value<std::string>()->value_name(parameter.text()),
+                          parameter.help.c_str());
   if (!parameters.empty())
     description.add(group);
   po::positional_options_description order;

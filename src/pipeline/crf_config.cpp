@@ -56,24 +56,18 @@ parametersOf(CliqueParameters& parameters)
 {
   SuperpixelParameters& superpixel = parameters.superpixel;
   SupervoxelParameters& supervoxel = parameters.supervoxel;
-  return {
-      {"superpixel_keep", "keep voxels that are out of view in their last superpixel",
-       &superpixel.keep},
-      {"superpixel_depth_jump",
-       "split superpixels where the line through the points of neighbouring pixels "
-       "passes the camera closer than this [m]; 0 = off",
-       &superpixel.passing_distance},
-      {"superpixel_compactness",
-       "compactness of superpixels: high = square, low = along colour edges",
-       &superpixel.slic.compactness},
-      {"supervoxel_resolution", "voxel size of the supervoxel clustering [m]",
-       &supervoxel.voxel_resolution},
-      {"supervoxel_colour_weight", "weight of colour in the supervoxel clustering",
-       &supervoxel.colour_weight},
-      {"supervoxel_spatial_weight", "weight of distance in the supervoxel clustering",
-       &supervoxel.spatial_weight},
-      {"supervoxel_normal_weight", "weight of normals in the supervoxel clustering",
-       &supervoxel.normal_weight}};
+  return {{"superpixel_keep",
+           "keep voxels that are out of view in their last superpixel",
+           &superpixel.keep, "false"},
+          {"superpixel_depth_jump",
+           "split superpixels where the line through the points of neighbouring pixels "
+           "passes the camera closer than this [m]; 0 = off",
+           &superpixel.passing_distance},
+          {"superpixel_compactness",
+           "compactness of superpixels: high = square, low = along colour edges",
+           &superpixel.slic.compactness},
+          {"supervoxel_resolution", "voxel size of the supervoxel clustering [m]",
+           &supervoxel.voxel_resolution}};
 }
 
 bool
@@ -127,18 +121,10 @@ cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
        &crf.clique_truncation},
       {"clique_update_from_members",
        "whether members update their clique, eq. (10): true or false",
-       &crf.update_from_members, "clique_hears_members"},
-      {"clique_map_messages",
-       "whether a clique passes on its MAP label instead of its distribution: true "
-       "or false",
-       &crf.map_messages, "clique_members_hear_map"},
-      {"clique_smoothness_weight",
-       "weight of the kernel over the cliques' mean positions; 0 = off",
-       &crf.clique_smoothness_weight},
-      {"clique_smoothness_deviation", "its standard deviation [" + unit + "]",
-       &crf.clique_smoothness_deviation},
+       &crf.update_from_members},
       {"clique_appearance_weight",
-       "weight of the kernel over the cliques' mean positions and colours; 0 = off",
+       "weight of the kernel between cliques, over their mean positions and colours; 0 "
+       "= off",
        &crf.clique_appearance_weight},
       {"clique_appearance_deviation",
        "its standard deviation of positions [" + unit + "]",
@@ -153,9 +139,7 @@ ConfigParameters
 parametersOf(SemanticCRFParameters& crf, const std::string& unit)
 {
   ConfigParameters parameters = {
-      {"crf_iterations", "maximum number of mean-field updates", &crf.iterations},
-      {"crf_tolerance", "stop when no probability changes by more than this; 0 = never",
-       &crf.tolerance, "crf_settled"},
+      {"crf_iterations", "number of mean-field updates", &crf.iterations},
       {"crf_temperature",
        "temperature of the resulting probabilities: above 1 they are less sure, labels "
        "stay",

@@ -78,7 +78,7 @@ parametersOf(MapperConfig& config)
       {"min_hit_ratio",
        "minimum fraction of the pixels whose rays reach a voxel that must hit it, "
        "against foreground fattening; 0 = off",
-       &config.min_hit_ratio, "hit_share"},
+       &config.min_hit_ratio},
       {"label_confidence", "probability of the class that a .png of --labels gives",
        &config.label_confidence},
       {"network_every",
@@ -132,10 +132,10 @@ parametersOf(MapperConfig& config)
        &config.cliques},
       {"clique_exclude",
        "classes, separated by commas, whose voxels are in no clique, or none",
-       &config.clique_exclude, "clique_leaves_out"},
+       &config.clique_exclude},
       {"clique_exclude_threshold",
        "threshold on the probability of the classes of --clique-exclude",
-       &config.clique_exclude_threshold, "clique_leaves_out_above"}};
+       &config.clique_exclude_threshold}};
   append(parameters, parametersOf(config.clique_parameters));
   append(parameters, parametersOf(config.crf_parameters, "m"));
   parameters.push_back(

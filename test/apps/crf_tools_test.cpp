@@ -286,7 +286,7 @@ TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
         " --crf hierarchical --cliques slic:40 --crf-iterations 7 --clique-weight 2.5 "
         "--crf-kernels lattice --crf-normalization one-sided --crf-self-interaction "
         "true "
-        "--clique-free-label false --crf-tolerance 0.001 --print-config";
+        "--clique-free-label false --print-config";
     const std::string printed = succeed(tool + options);
     EXPECT_TRUE(holds(printed, "\ncrf_normalization: one-sided "));
     const std::string path = write(folder.path("config.yaml"), printed);
