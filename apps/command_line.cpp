@@ -82,20 +82,26 @@ manualPage(const Usage& usage, const po::options_description& options)
 
 // Why an option is not known: it may be one of earlier versions.
 std::string
-refusalOf(const po::unknown_option& error)
+refusalOf(const po::unknown_option& error, const ConfigParameters& parameters)
 {
-  std::string name = error.get_option_name();
+  std::string option = error.get_option_name();
+  option = option.substr(0, option.find('='));
+  std::string name = option;
   name.erase(0, name.find_first_not_of('-'));
   std::replace(name.begin(), name.end(), '-', '_');
-  const std::string why = whyRemoved(name);
-  return why.empty() ? error.what() : error.get_option_name() + ": " + why;
+  std::string why = whyRemoved(name);
+  for (const ConfigParameter& parameter : parameters)
+    if (parameter.name == name)
+      why = "is no option, but a key of --config files";
+  return why.empty() ? error.what() : option + ": " + why;
 }
 
 // Parses the options of a tool and those that all have; ends it if it was for help.
 po::variables_map
 parseOptions(int argc, char** argv, const Usage& usage,
              const po::options_description& options,
-             const po::positional_options_description& positional)
+             const po::positional_options_description& positional,
+             const ConfigParameters& parameters)
 {
   po::options_description general("General");
   Manner& how = manner();
@@ -141,7 +147,7 @@ parseOptions(int argc, char** argv, const Usage& usage,
               "quotes: --left 'left/*.png'");
   }
   catch (const po::unknown_option& error) {
-    failUsage(refusalOf(error));
+    failUsage(refusalOf(error, parameters));
   }
   catch (const po::error& error) {
     failUsage(error.what());
@@ -173,7 +179,7 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
     const std::size_t dots = name.find("...");
     order.add(name.substr(0, dots).c_str(), dots == std::string::npos ? 1 : -1);
   }
-  return parseOptions(argc, argv, usage, description, order);
+  return parseOptions(argc, argv, usage, description, order, parameters);
 }
 
 void

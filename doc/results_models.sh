@@ -20,6 +20,8 @@ all_models=("${main_models[@]}" pn_potts clique_kernels no_free_label supervoxel
 hierarchical="--crf hierarchical --cliques superpixel"
 calibrated_cliques="--config data/presets/calibrated_cliques.yaml
   --label-calibration {calibration} --clique-calibration {cliques}"
+write_back=build/write_back.yaml # a key that is no option
+mkdir -p build && echo "crf_write_back: true" >"$write_back"
 fine="--voxel-size 0.06 --max-deviation 3" # data/presets/fine.yaml
 declare -A title=(
   [dense]="after dense CRF"
@@ -52,7 +54,7 @@ declare -A options=(
   [fine]="$calibrated_cliques $fine"
   [every_4]="$hierarchical --crf-every 4"
   [five_updates]="$hierarchical --crf-iterations 5"
-  [write_back]="$hierarchical --crf-write-back true"
+  [write_back]="$hierarchical --config $write_back"
   [product]="$hierarchical --pixel-fusion product")
 for preset in "${presets[@]}"; do
   title[$preset]="preset $preset"

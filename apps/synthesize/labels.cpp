@@ -44,7 +44,7 @@ constexpr std::array<Confusion, 16> kConfusions{{
     {synthetic_sky, synthetic_building, -0.12},
 }};
 
-/** \brief What is known of a pixel's surroundings when its mistakes are drawn. */
+/** \brief Surroundings of a pixel, which its mistakes depend on. */
 struct Position {
   Vector3d image;    ///< column, row [units of image width / 100], the frame in between
   Vector3d world;    ///< [m]

@@ -19,7 +19,7 @@ using synthetic::Ray;
 using synthetic::Street;
 using synthetic::Surface;
 
-/** \brief What the ray of a pixel found. */
+/** \brief Result of the ray of a pixel. */
 struct Sample {
   Vector3f light = Vector3f::Zero(); ///< red, green, blue, linear
   double depth = 0.0;                ///< along the optical axis [m], 0 = sky

@@ -251,8 +251,7 @@ turn(double heading, double pitch)
 
 } // namespace
 
-SyntheticScene::SyntheticScene(std::uint32_t seed, int frames)
-    : seed_(seed), frames_(frames)
+SyntheticScene::SyntheticScene(std::uint32_t seed, int frames) : frames_(frames)
 {
   if (frames < 1 || frames > 100000)
     fail<InvalidParameterException>("frames of a synthetic scene: ", frames,

@@ -80,7 +80,7 @@ private:
   std::vector<Piece> pieces_;
 };
 
-/** \brief What a ray sees of the street, with all that shading needs. */
+/** \brief First surface along a ray, with all that shading needs. */
 struct Surface {
   double distance = 0.0; ///< in multiples of the ray's direction
   Label label = kUnlabelled;
@@ -141,7 +141,7 @@ private:
 
 namespace pcl_semantic {
 
-/** \brief Where a ray meets the synthetic street. */
+/** \brief Point at which a ray meets the street. */
 struct SyntheticHit {
   Label label = synthetic_sky;
   double distance = 0.0; ///< in multiples of the ray's direction; infinite for the sky
@@ -168,7 +168,7 @@ public:
   std::uint32_t
   seed() const
   {
-    return seed_;
+    return street_->seed();
   }
 
   int
@@ -189,7 +189,7 @@ public:
   SyntheticHit intersect(const Eigen::Vector3d& origin,
                          const Eigen::Vector3d& direction) const;
 
-  /** \brief What the renderer draws. */
+  /** \brief Geometry that the renderer draws. */
   const synthetic::Street&
   street() const
   {
@@ -197,7 +197,6 @@ public:
   }
 
 private:
-  std::uint32_t seed_;
   int frames_;
   std::shared_ptr<const synthetic::Street> street_;
 };

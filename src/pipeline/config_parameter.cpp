@@ -79,6 +79,8 @@ yamlText(const YamlMap& file, const std::string& key, bool is_triple)
 
 // Parameters of earlier versions and their names now; empty = removed.
 const std::map<std::string, std::string> removed_parameters = {
+    {"clique_appearance_deviation", ""},
+    {"clique_colour_deviation", ""},
     {"clique_hears_members", "clique_update_from_members"},
     {"clique_leaves_out", "clique_exclude"},
     {"clique_leaves_out_above", "clique_exclude_threshold"},
@@ -86,11 +88,14 @@ const std::map<std::string, std::string> removed_parameters = {
     {"clique_members_hear_map", ""},
     {"clique_smoothness_deviation", ""},
     {"clique_smoothness_weight", ""},
+    {"crf_radius", ""},
     {"crf_settled", ""},
     {"crf_tolerance", ""},
     {"hit_share", "min_hit_ratio"},
+    {"superpixel_compactness", ""},
     {"supervoxel_colour_weight", ""},
     {"supervoxel_normal_weight", ""},
+    {"supervoxel_resolution", "voxel_size"},
     {"supervoxel_spatial_weight", ""}};
 
 } // namespace

@@ -55,19 +55,13 @@ ConfigParameters
 parametersOf(CliqueParameters& parameters)
 {
   SuperpixelParameters& superpixel = parameters.superpixel;
-  SupervoxelParameters& supervoxel = parameters.supervoxel;
   return {{"superpixel_keep",
            "keep voxels that are out of view in their last superpixel",
            &superpixel.keep, "false"},
           {"superpixel_depth_jump",
            "split superpixels where the line through the points of neighbouring pixels "
            "passes the camera closer than this [m]; 0 = off",
-           &superpixel.passing_distance},
-          {"superpixel_compactness",
-           "compactness of superpixels: high = square, low = along colour edges",
-           &superpixel.slic.compactness},
-          {"supervoxel_resolution", "voxel size of the supervoxel clustering [m]",
-           &supervoxel.voxel_resolution}};
+           &superpixel.passing_distance}};
 }
 
 bool
@@ -109,7 +103,7 @@ makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
 namespace {
 
 ConfigParameters
-cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
+cliqueParametersOf(SemanticCRFParameters& crf)
 {
   return {
       {"clique_weight", "k_c, cost of a member whose label differs from its clique's",
@@ -125,12 +119,7 @@ cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
       {"clique_appearance_weight",
        "weight of the kernel between cliques, over their mean positions and colours; 0 "
        "= off",
-       &crf.clique_appearance_weight},
-      {"clique_appearance_deviation",
-       "its standard deviation of positions [" + unit + "]",
-       &crf.clique_appearance_deviation},
-      {"clique_colour_deviation", "its standard deviation of colours [grey levels]",
-       &crf.clique_colour_deviation}};
+       &crf.clique_appearance_weight}};
 }
 
 } // namespace
@@ -152,13 +141,12 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        "evaluation of the kernels: automatic, truncated (exact within a radius) or "
        "lattice",
        chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"})},
-      {"crf_radius", "radius of truncated kernels [standard deviations]", &crf.radius},
       {"crf_normalization",
        "normalisation of the kernels: symmetric, one-sided or none",
        chooseFrom(crf.normalization, {"symmetric", "one-sided", "none"})},
       {"crf_self_interaction",
        "whether kernels include the point itself, as densecrf does: true or false",
-       &crf.self_interaction},
+       &crf.self_interaction, "false"},
       {"smoothness_weight", "weight of the smoothness kernel (positions)",
        &crf.smoothness_weight},
       {"smoothness_deviation",
@@ -174,7 +162,7 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        &crf.appearance_deviation},
       {"colour_deviation", "its standard deviation of colours [grey levels]",
        &crf.colour_deviation}};
-  append(parameters, cliqueParametersOf(crf, unit));
+  append(parameters, cliqueParametersOf(crf));
   return parameters;
 }
 

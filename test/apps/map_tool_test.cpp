@@ -28,7 +28,9 @@ TEST(MapToolOptions, PresetsHaveKeysThatAreNoOptions)
 {
   EXPECT_FALSE(holds(runTool("map --help").text, "superpixel-keep"));
   EXPECT_FALSE(holds(succeed("map --print-config"), "superpixel_keep"));
-  EXPECT_EQ(runTool("map --superpixel-keep true --print-config").code, 2);
+  const ToolResult option = runTool("map --superpixel-keep true --print-config");
+  EXPECT_EQ(option.code, 2);
+  EXPECT_TRUE(holds(option.text, "--superpixel-keep: is no option, but a key"));
   EXPECT_TRUE(holds(succeed("map --config " PCL_SEMANTIC_SOURCE_DIR
                             "/data/presets/zhao16.yaml --print-config"),
                     "superpixel_keep: true"));
