@@ -83,12 +83,11 @@ parse(int argc, char** argv)
   Arguments arguments;
   CliqueFrame& frame = arguments.frame;
   ConfigParameters parameters = {
-      {"voxel_size", "voxel size of the map, for superpixels [m]", &frame.voxel_size},
+      {"voxel_size", "voxel size of the map [m]", &frame.voxel_size},
       {"map_origin", "map_origin of the map's summary.json: X,Y,Z [m]",
        &frame.map_origin}};
   for (ConfigParameter& parameter : parametersOf(arguments.parameters))
-    if (parameter.name != "superpixel_keep") // needs several frames
-      parameters.push_back(std::move(parameter));
+    parameters.push_back(std::move(parameter));
   parameters.push_back({"threads", "0 = all processors", &arguments.threads});
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,
@@ -106,6 +105,7 @@ parse(int argc, char** argv)
         "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
       {"input", "output"}, parameters);
   setParameters(values, parameters);
+  arguments.parameters.supervoxel.voxel_resolution = frame.voxel_size;
   arguments.parameters.validate();
   requireFittingOptions(arguments);
   return arguments;

@@ -80,19 +80,28 @@ manualPage(const Usage& usage, const po::options_description& options)
   return page;
 }
 
-// Further names of a parameter are understood, but not shown.
+// Why an option is not known: it may be one of earlier versions.
 std::string
-namesOf(const ConfigParameter& parameter)
+refusalOf(const po::unknown_option& error, const ConfigParameters& parameters)
 {
-  return parameter.option() + (parameter.old_name.empty() ? "" : ",") +
-         parameter.oldOption();
+  std::string option = error.get_option_name();
+  option = option.substr(0, option.find('='));
+  std::string name = option;
+  name.erase(0, name.find_first_not_of('-'));
+  std::replace(name.begin(), name.end(), '-', '_');
+  std::string why = whyRemoved(name);
+  for (const ConfigParameter& parameter : parameters)
+    if (parameter.name == name)
+      why = "is no option, but a key of --config files";
+  return why.empty() ? error.what() : option + ": " + why;
 }
 
 // Parses the options of a tool and those that all have; ends it if it was for help.
 po::variables_map
 parseOptions(int argc, char** argv, const Usage& usage,
              const po::options_description& options,
-             const po::positional_options_description& positional)
+             const po::positional_options_description& positional,
+             const ConfigParameters& parameters)
 {
   po::options_description general("General");
   Manner& how = manner();
@@ -137,6 +146,9 @@ parseOptions(int argc, char** argv, const Usage& usage,
     failUsage("too many positional arguments; a pattern of file names has to be in "
               "quotes: --left 'left/*.png'");
   }
+  catch (const po::unknown_option& error) {
+    failUsage(refusalOf(error, parameters));
+  }
   catch (const po::error& error) {
     failUsage(error.what());
   }
@@ -156,9 +168,10 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
     description.add_options()(option.names, option.target, option.text.c_str());
   po::options_description group("Parameters (with their defaults)");
   for (const ConfigParameter& parameter : parameters)
-    group.add_options()(namesOf(parameter).c_str(),
-                        po::value<std::string>()->value_name(parameter.text()),
-                        parameter.help.c_str());
+    if (parameter.preset_default.empty())
+      group.add_options()(parameter.option().c_str(),
+                          po::value<std::string>()->value_name(parameter.text()),
+                          parameter.help.c_str());
   if (!parameters.empty())
     description.add(group);
   po::positional_options_description order;
@@ -166,7 +179,7 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
     const std::size_t dots = name.find("...");
     order.add(name.substr(0, dots).c_str(), dots == std::string::npos ? 1 : -1);
   }
-  return parseOptions(argc, argv, usage, description, order);
+  return parseOptions(argc, argv, usage, description, order, parameters);
 }
 
 void

@@ -62,7 +62,8 @@ setParameters(const ConfigParameters& parameters, const py::kwargs& values)
         std::find_if(parameters.begin(), parameters.end(),
                      [&](const ConfigParameter& each) { return each.name == name; });
     if (found == parameters.end())
-      throw py::type_error("unknown parameter '" + name + "'");
+      throw py::type_error(whyRemoved(name).empty() ? "unknown parameter '" + name + "'"
+                                                    : name + ": " + whyRemoved(name));
     std::string text;
     if (py::isinstance<py::bool_>(value))
       text = value.cast<bool>() ? "true" : "false";

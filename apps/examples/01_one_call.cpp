@@ -6,8 +6,9 @@
 //   01_one_call SEQUENCE [MAP.pcd]     maps a folder in KITTI's layout with labels/ in
 //   it
 
+#include "synthesize/sequence.h"
+
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/synthetic_sequence.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>

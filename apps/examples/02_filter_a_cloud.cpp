@@ -5,7 +5,8 @@
 //   02_filter_a_cloud                      a cloud of the synthetic street
 //   02_filter_a_cloud IN.pcd [OUT.pcd]     any .pcd with x y z label
 
-#include <pcl_semantic/dataset/synthetic_sequence.h>
+#include "synthesize/sequence.h"
+
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>

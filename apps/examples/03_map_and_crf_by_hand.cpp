@@ -6,8 +6,9 @@
 //   03_map_and_crf_by_hand SEQUENCE      a folder in KITTI's layout with labels/ and
 //   poses
 
+#include "synthesize/sequence.h"
+
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/synthetic_sequence.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>

@@ -7,7 +7,8 @@
 //       (or probability), in the sensor's frame; line n of FOLDER/poses.txt is
 //       T_world_sensor of n.pcd, the upper 3 x 4 row by row
 
-#include <pcl_semantic/dataset/synthetic_scene.h>
+#include "synthesize/street.h"
+
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>

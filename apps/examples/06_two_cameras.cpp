@@ -6,7 +6,8 @@
 // synthetic street; of cameras of your own each has a FrameSequence and a
 // LabelPredictor.
 
-#include <pcl_semantic/dataset/synthetic_sequence.h>
+#include "synthesize/sequence.h"
+
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>

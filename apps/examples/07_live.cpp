@@ -8,7 +8,8 @@
 // frames. Who wants a whole frame takes what the callback hands out: nobody changes it
 // any more.
 
-#include <pcl_semantic/dataset/synthetic_sequence.h>
+#include "synthesize/sequence.h"
+
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>

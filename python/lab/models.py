@@ -24,7 +24,7 @@ MODELS = {
     "superpixel": ("after hierarchical CRF, superpixels", SUPERPIXEL),
     "clique_kernels": (
         "hierarchical with kernels between cliques",
-        f"{SUPERPIXEL} --clique-smoothness-weight 3 --clique-appearance-weight 8"),
+        f"{SUPERPIXEL} --clique-appearance-weight 8"),
     "no_free_label": ("hierarchical without the free label",
                       f"{SUPERPIXEL} --clique-free-label false"),
     "supervoxel": ("after hierarchical CRF, supervoxels", SUPERVOXEL),
@@ -39,7 +39,7 @@ MODELS = {
              f"{CLIQUES} --voxel-size 0.06 --max-deviation 3"),  # data/presets/fine.yaml
     "every_4": ("CRF at every fourth frame", f"{SUPERPIXEL} --crf-every 4"),
     "five_updates": ("five updates a frame", f"{SUPERPIXEL} --crf-iterations 5"),
-    "write_back": ("the posterior is the next prior", f"{SUPERPIXEL} --crf-write-back true"),
+    "write_back": ("the posterior is the next prior", f"{SUPERPIXEL} --config python/lab/write_back.yaml"),
     "product": ("product of pixels instead of their mean",
                 f"{SUPERPIXEL} --pixel-fusion product"),
     **{name: (f"preset {name}", f"--config data/presets/{name}.yaml") for name in PRESETS}}

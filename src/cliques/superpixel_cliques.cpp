@@ -182,13 +182,6 @@ SuperpixelCliques::setVoxels(const std::vector<VoxelIndex>& indices, double voxe
   voxel_size_ = voxel_size;
 }
 
-void
-SuperpixelCliques::clear()
-{
-  kept_voxels_.clear();
-  kept_parts_.clear();
-}
-
 std::vector<pcl::PointIndices>
 SuperpixelCliques::generate(const Cloud& cloud)
 {

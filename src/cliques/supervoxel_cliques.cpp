@@ -60,9 +60,6 @@ clusterSupervoxels(const Cloud& cloud, const SupervoxelParameters& parameters,
   pcl::SupervoxelClustering<pcl::PointXYZRGB> clustering(
       resolution, float(parameters.seed_resolution));
   clustering.setUseSingleCameraTransform(false);
-  clustering.setColorImportance(float(parameters.colour_weight));
-  clustering.setSpatialImportance(float(parameters.spatial_weight));
-  clustering.setNormalImportance(float(parameters.normal_weight));
   clustering.setInputCloud(
       std::make_shared<Cloud>(withCorners(cloud, double(resolution), voxels)));
   std::map<std::uint32_t, pcl::Supervoxel<pcl::PointXYZRGB>::Ptr> supervoxels;
@@ -162,10 +159,6 @@ SupervoxelParameters::validate() const
   require(seed_resolution >= 2.0 * voxel_resolution &&
               seed_resolution <= 100.0 * voxel_resolution,
           "seed resolution", seed_resolution, "2 to 100 voxel resolutions");
-  for (const auto& [name, weight] : {std::pair("colour weight", colour_weight),
-                                     std::pair("spatial weight", spatial_weight),
-                                     std::pair("normal weight", normal_weight)})
-    require(weight >= 0.0 && weight <= 1e6, name, weight, "0 to 1e6");
 }
 
 SupervoxelCliques::SupervoxelCliques(const SupervoxelParameters& parameters)
@@ -202,10 +195,9 @@ SupervoxelCliques::groupByCube(const Cloud& cloud) const
     const Eigen::Array3d position = point.getVector3fMap().cast<double>().array() -
                                     edge * cube.cast<double>().array();
     const Eigen::Array3f rounded = ((position / step).round() * step).cast<float>();
-    const std::uint32_t rgb =
-        parameters_.colour_weight > 0.0 ? point.rgba & 0xFFFFFF : 0;
     groups[entry->second].points.push_back(
-        {{rounded.x(), rounded.y(), rounded.z(), rgb}, pcl::index_t(i)});
+        {{rounded.x(), rounded.y(), rounded.z(), point.rgba & 0xFFFFFF},
+         pcl::index_t(i)});
   }
   return groups;
 }

@@ -2,11 +2,9 @@
 #include "clique_term.h"
 
 #include "kernels/inference_loops.h"
-#include "parallel_loops.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace pcl_semantic {
@@ -24,14 +22,13 @@ public:
         products_(std::size_t(stride_) * potential_.cliques->size())
   {}
 
-  double
+  void
   update(const PaddedColumns& marginals) override
   {
     const std::size_t count = potential_.cliques->size();
 #pragma omp parallel for schedule(dynamic, 8) if (count > 8)
     for (std::size_t c = 0; c < count; ++c)
       multiplyMembers(Eigen::Index(c), marginals);
-    return 0.0;
   }
 
   void
@@ -43,22 +40,6 @@ public:
         cliques.starts.data() + begin, cliques.indices.data(), std::size_t(end - begin),
         products_.data(), marginals.column(begin), std::size_t(stride_),
         messages.column(begin));
-  }
-
-  double
-  freeEnergy(const PaddedColumns& marginals) const override
-  {
-    const auto count = Eigen::Index(potential_.cliques->size());
-    return orderedSum(count, 64, [&](Eigen::Index c) {
-      auto cost = double(potential_.largestWeight(c));
-      for (Eigen::Index l = 0; l < labels_; ++l) {
-        auto product = double(weights(c)[l]);
-        for (const std::int32_t i : potential_.cliques->members()[std::size_t(c)])
-          product *= double(marginals.column(i)[l]);
-        cost -= product;
-      }
-      return cost;
-    });
   }
 
 private:
@@ -117,18 +98,16 @@ public:
         updateCliqueMessage(c);
   }
 
-  double
+  void
   update(const PaddedColumns& marginals) override
   {
     if (!potential_.update_from_members)
-      return 0.0;
+      return;
     passMessages();
-    float change = 0.0f;
     const Eigen::Index count = marginals_.columns();
-#pragma omp parallel for schedule(dynamic, 8) reduction(max : change) if (count > 8)
+#pragma omp parallel for schedule(dynamic, 8) if (count > 8)
     for (Eigen::Index c = 0; c < count; ++c)
-      change = std::max(change, updateClique(c, marginals));
-    return double(change);
+      updateClique(c, marginals);
   }
 
   void
@@ -140,28 +119,6 @@ public:
         cliques.starts.data() + begin, cliques.indices.data(), std::size_t(end - begin),
         clique_messages_.column(0), std::size_t(clique_messages_.stride()),
         messages.column(begin));
-  }
-
-  double
-  freeEnergy(const PaddedColumns& marginals) const override
-  {
-    PaddedColumns messages(marginals_.rows(), marginals_.columns());
-    messages.setZero();
-    for (const auto& kernel : potential_.kernels)
-      kernel->addProduct(marginals_.view(), messages.view());
-    return orderedSum(marginals_.columns(), 64, [&](Eigen::Index c) {
-      alignas(64) std::array<double, max_labels> sums, costs;
-      sumMembers(c, marginals, sums.data());
-      std::copy_n(costs_.column(c), marginals_.rows(), costs.data());
-      addCosts(c, sums.data(), messages.column(c), 0.5, costs.data()); // each pair once
-      double sum = 0.0;
-      for (Eigen::Index l = 0; l < marginals_.rows(); ++l) {
-        const double q = marginals_.column(c)[l];
-        if (q > 0.0)
-          sum += q * (costs[std::size_t(l)] + std::log(q));
-      }
-      return sum;
-    });
   }
 
   const PaddedColumns*
@@ -216,10 +173,9 @@ private:
   }
 
   // Adds the mean costs of the labels of y_c: those of the members, from the sums of
-  // their marginals, and a multiple of those between cliques, from the messages of the
-  // others.
+  // their marginals, and those between cliques, from the messages of the others.
   void
-  addCosts(Eigen::Index c, const double* sums, const float* messages, double factor,
+  addCosts(Eigen::Index c, const double* sums, const float* messages,
            double* costs) const
   {
     const auto size = double(potential_.cliques->members()[std::size_t(c)].size());
@@ -228,20 +184,19 @@ private:
     for (Eigen::Index l = 0; l < labels_; ++l)
       all += double(messages[l]);
     for (Eigen::Index l = 0; l < labels_; ++l)
-      costs[l] +=
-          double(weight[l]) * (size - sums[l]) + factor * (all - double(messages[l]));
+      costs[l] += double(weight[l]) * (size - sums[l]) + (all - double(messages[l]));
   }
 
   // Eq. (10). The costs of a large clique are large, and their differences count: they
   // are taken in double precision until the least is 0.
-  float
+  void
   updateClique(Eigen::Index c, const PaddedColumns& marginals)
   {
     const Eigen::Index rows = marginals_.rows();
     alignas(64) std::array<double, max_labels> sums, costs;
     sumMembers(c, marginals, sums.data());
     std::copy_n(costs_.column(c), rows, costs.data());
-    addCosts(c, sums.data(), messages_.column(c), 1.0, costs.data());
+    addCosts(c, sums.data(), messages_.column(c), costs.data());
     const double least = *std::min_element(costs.data(), costs.data() + rows);
     alignas(64) std::array<float, max_labels> shifted;
     for (std::size_t l = 0; l < std::size_t(rows); ++l)
@@ -249,11 +204,10 @@ private:
     std::fill(shifted.begin() + rows, shifted.begin() + marginals_.stride(),
               kernels::padding_cost);
     std::fill_n(messages_.column(c), messages_.stride(), 0.0f); // they are in the costs
-    const float change = kernels::inferenceLoops().softMax(
-        shifted.data(), messages_.column(c), marginals_.column(c), 1,
-        std::size_t(marginals_.stride()));
+    kernels::inferenceLoops().softMax(shifted.data(), messages_.column(c),
+                                      marginals_.column(c), 1,
+                                      std::size_t(marginals_.stride()));
     updateCliqueMessage(c);
-    return change;
   }
 
   void

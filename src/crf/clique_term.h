@@ -16,17 +16,13 @@ public:
   CliqueTerm(CliquePotential&& potential, Eigen::Index labels);
   virtual ~CliqueTerm() = default;
 
-  /** \brief Updates all cliques at once from Q(x).
-   * \return the largest change of a marginal of y */
-  virtual double update(const PaddedColumns& marginals) = 0;
+  /** \brief Updates all cliques at once from Q(x). */
+  virtual void update(const PaddedColumns& marginals) = 0;
 
   /** \brief Adds the messages of the cliques to those of the variables begin..end-1:
    * minus the mean cost of each label, up to a constant of the variable. */
   virtual void addMessages(const PaddedColumns& marginals, Eigen::Index begin,
                            Eigen::Index end, PaddedColumns& messages) const = 0;
-
-  /** \brief Mean cost of the potential under Q, minus the entropy of Q(y). */
-  virtual double freeEnergy(const PaddedColumns& marginals) const = 0;
 
   /** \brief Q(y), or null where there is no y. */
   virtual const PaddedColumns*

@@ -23,7 +23,6 @@ LabelCompatibility::LabelCompatibility(Eigen::MatrixXf costs) : costs_(std::move
         badParameter("the compatibility of labels ", l, " and ", k, " (from 0) is ",
                      costs_(l, k), ", expected -1e9 to 1e9");
       is_potts_ = is_potts_ && costs_(l, k) == float(l != k);
-      is_symmetric_ = is_symmetric_ && costs_(l, k) == costs_(k, l);
     }
 }
 

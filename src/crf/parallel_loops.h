@@ -3,9 +3,6 @@
 
 #include "core/parallel_guard.h"
 
-#include <Eigen/Core>
-
-#include <algorithm>
 #include <cstddef>
 
 namespace pcl_semantic {
@@ -25,24 +22,6 @@ forEachInParallel(std::size_t count, MakeLocal&& make_local, Work&& work)
       guard.run([&] { work(i, local); });
   });
   guard.rethrow();
-}
-
-/** \brief Sum of \a term(i) for 0 <= i < count, in parallel and always in the same
- * order.
- * \param[in] block terms that a thread adds up at once */
-template <typename Term>
-double
-orderedSum(Eigen::Index count, Eigen::Index block, Term&& term)
-{
-  Eigen::VectorXd parts = Eigen::VectorXd::Zero((count + block - 1) / block);
-#pragma omp parallel for schedule(dynamic, 1) if (count > block)
-  for (Eigen::Index b = 0; b < parts.size(); ++b)
-    for (Eigen::Index i = b * block; i < std::min(count, (b + 1) * block); ++i)
-      parts[b] += term(i);
-  double sum = 0.0;
-  for (const double part : parts)
-    sum += part;
-  return sum;
 }
 
 } // namespace pcl_semantic

@@ -6,7 +6,6 @@
 #include "core/fail.h"
 #include "core/split.h"
 
-#include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
@@ -46,24 +45,6 @@ readCliques(const std::string& path, std::size_t points)
       cliques.push_back(parseClique(text, points, atLine(path, line.number)));
   }
   return cliques;
-}
-
-void
-writeCliques(const std::string& path, const std::vector<pcl::PointIndices>& cliques)
-{
-  AtomicFile file(path);
-  for (std::size_t c = 0; c < cliques.size(); ++c) {
-    const pcl::Indices& indices = cliques[c].indices;
-    if (indices.empty() || *std::min_element(indices.begin(), indices.end()) < 0)
-      badParameter(path, ": clique ", c, " is empty or has a negative index");
-    const char* separator = "";
-    for (const pcl::index_t index : indices) {
-      file.stream() << separator << index;
-      separator = " ";
-    }
-    file.stream() << '\n';
-  }
-  file.commit();
 }
 
 } // namespace pcl_semantic

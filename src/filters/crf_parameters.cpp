@@ -49,14 +49,11 @@ SemanticCRFParameters::validate() const
   require(radius > 0.0 && radius <= 100.0, "radius", radius,
           "more than 0, at most 100");
   require(iterations >= 0, "iterations", iterations, "0 or more");
-  require(tolerance >= 0.0, "tolerance", tolerance, "0 or more");
   require(temperature >= 0.01 && temperature <= 1000.0, "temperature", temperature,
           "0.01 to 1000");
   requireWeight("clique_weight", clique_weight);
   require(clique_truncation > 0.0 && clique_truncation <= 1.0, "clique_truncation",
           clique_truncation, "more than 0, at most 1");
-  requireWeight("clique_smoothness_weight", clique_smoothness_weight);
-  requireDeviation("clique_smoothness_deviation", clique_smoothness_deviation);
   requireWeight("clique_appearance_weight", clique_appearance_weight);
   requireDeviation("clique_appearance_deviation", clique_appearance_deviation);
   requireDeviation("clique_colour_deviation", clique_colour_deviation);
@@ -86,7 +83,6 @@ SemanticCRFParameters::forImages()
   parameters.colour_deviation = 4.0;
   parameters.iterations = 5;
   parameters.keep_thin = false;
-  parameters.clique_smoothness_deviation = 40.0;
   parameters.clique_appearance_deviation = 40.0;
   return parameters;
 }

@@ -2,7 +2,6 @@
 #include <pcl_semantic/filters/label_refiner.h>
 
 #include "core/fail.h"
-#include "crf/crf_energy.h"
 #include "crf/lattice_kernel.h"
 #include "kernels/negative_logs.h"
 
@@ -128,15 +127,15 @@ meansOf(const Eigen::MatrixXf& values,
   return means;
 }
 
-// What belongs to the cliques that take part, of one column a clique.
+// The costs of the cliques that take part.
 Eigen::MatrixXf
-keptColumns(const Eigen::MatrixXf& matrix, std::size_t cliques,
-            const std::vector<int>& kept, const char* what)
+keptCosts(const Eigen::MatrixXf& costs, std::size_t cliques,
+          const std::vector<int>& kept)
 {
-  if (matrix.size() > 0 && std::size_t(matrix.cols()) != cliques)
-    badParameter("there are clique ", what, " of ", matrix.cols(),
-                 " cliques, expected ", cliques);
-  return matrix.size() > 0 ? gather(matrix, kept) : matrix;
+  if (costs.size() > 0 && std::size_t(costs.cols()) != cliques)
+    badParameter("there are clique costs of ", costs.cols(), " cliques, expected ",
+                 cliques);
+  return costs.size() > 0 ? gather(costs, kept) : costs;
 }
 
 } // namespace
@@ -168,21 +167,6 @@ public:
     if (refiner_.usesCliques())
       addCliques(model);
     return model;
-  }
-
-  /** \brief Marginals to start from, L x n; empty = from the measurements. */
-  Eigen::MatrixXf
-  initial() const
-  {
-    const LabelDistributions& initial = refiner_.initial_;
-    if (initial.empty())
-      return {};
-    if (std::size_t(initial.size()) != elements_.total ||
-        initial.classes() != measured_.classes())
-      badParameter("initial distributions are ", initial.classes(), " x ",
-                   initial.size(), ", expected ", measured_.classes(), " x ",
-                   elements_.total);
-    return gather(initial.matrix(), elements_.indices);
   }
 
 private:
@@ -234,23 +218,18 @@ private:
     refiner_.report_.skipped_cliques = refiner_.cliques_.size() - cliques.size();
     if (cliques.empty())
       return;
-    const std::size_t all = refiner_.cliques_.size();
     CliquePotential potential;
     potential.cliques =
         std::make_shared<CliqueSet>(cliques, std::size_t(model.unary.cols()));
     potential.weights.setConstant(1, 1, float(parameters_.clique_weight));
-    if (refiner_.clique_weights_.cols() == 1) // of all cliques
-      potential.weights = refiner_.clique_weights_;
-    else if (refiner_.clique_weights_.size() > 0)
-      potential.weights = keptColumns(refiner_.clique_weights_, all, kept, "weights");
     potential.type = CliquePotential::Type::pn_potts;
     if (refiner_.model_ == CRFModelType::hierarchical) {
       potential.type = CliquePotential::Type::robust;
       potential.free_label = parameters_.free_label;
       potential.truncation = float(parameters_.clique_truncation);
       potential.update_from_members = parameters_.update_from_members;
-      potential.map_messages = parameters_.map_messages;
-      potential.unary = keptColumns(refiner_.clique_costs_, all, kept, "costs");
+      potential.unary =
+          keptCosts(refiner_.clique_costs_, refiner_.cliques_.size(), kept);
       potential.kernels = cliqueKernels(cliques);
     }
     model.cliques.push_back(std::move(potential));
@@ -289,9 +268,9 @@ private:
   cliqueKernels(const std::vector<std::vector<std::int32_t>>& cliques) const
   {
     const std::vector<GaussianTerm> terms = makeTerms(
-        parameters_.clique_smoothness_weight, parameters_.clique_smoothness_deviation,
-        parameters_.clique_appearance_weight, parameters_.clique_appearance_deviation,
-        meansOf(elements_.colours, cliques), parameters_.clique_colour_deviation);
+        0.0, 1.0, parameters_.clique_appearance_weight,
+        parameters_.clique_appearance_deviation, meansOf(elements_.colours, cliques),
+        parameters_.clique_colour_deviation);
     if (terms.empty())
       return {};
     const Eigen::MatrixXf positions = meansOf(elements_.positions, cliques);
@@ -397,28 +376,6 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
   }
 }
 
-// The row of the largest value of every column.
-std::vector<int>
-largestRows(const MeanField::Marginals& values)
-{
-  std::vector<int> rows(static_cast<std::size_t>(values.cols()));
-  for (Eigen::Index i = 0; i < values.cols(); ++i) {
-    Eigen::Index row = 0;
-    values.col(i).maxCoeff(&row);
-    rows[std::size_t(i)] = int(row);
-  }
-  return rows;
-}
-
-double
-energyOfMap(const CrfModel& model, const MeanField& inference)
-{
-  const std::vector<int> labels = largestRows(inference.marginals());
-  if (model.cliques.empty() || model.cliques[0].type == CliquePotential::Type::pn_potts)
-    return energy(model, labels, {});
-  return energy(model, labels, largestRows(inference.cliqueMarginals()));
-}
-
 } // namespace
 
 void
@@ -446,12 +403,6 @@ LabelRefiner::addKernel(const Eigen::MatrixXf& features, float weight)
 }
 
 void
-LabelRefiner::clearKernels()
-{
-  kernels_.clear();
-}
-
-void
 LabelRefiner::setCliques(const std::vector<pcl::PointIndices>& cliques)
 {
   for (std::size_t c = 0; c < cliques.size(); ++c)
@@ -459,17 +410,6 @@ LabelRefiner::setCliques(const std::vector<pcl::PointIndices>& cliques)
       badParameter("clique ", c, " is empty");
   cliques_ = cliques;
   has_cliques_ = true;
-}
-
-void
-LabelRefiner::setCliqueWeights(const Eigen::MatrixXf& weights)
-{
-  for (Eigen::Index c = 0; c < weights.cols(); ++c)
-    for (Eigen::Index l = 0; l < weights.rows(); ++l)
-      if (!(weights(l, c) >= 0.0f && weights(l, c) <= greatest_weight))
-        badParameter("the weight of clique ", c, " is ", weights(l, c),
-                     ", expected 0 to ", greatest_weight);
-  clique_weights_ = weights;
 }
 
 void
@@ -481,47 +421,20 @@ LabelRefiner::setCliqueCosts(const Eigen::MatrixXf& costs)
 }
 
 void
-LabelRefiner::setInitialDistributions(const LabelDistributions& distributions)
-{
-  for (Eigen::Index i = 0; i < distributions.size(); ++i)
-    if (!isDistribution(distributions.matrix().col(i)))
-      badParameter("the initial distribution of point ", i,
-                   " has a negative or non-finite probability");
-  initial_ = distributions;
-}
-
-void
-LabelRefiner::setComputeEnergies(bool compute)
-{
-  compute_energies_ = compute;
-}
-
-void
 LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
 {
   const ThreadScope threads(threads_);
   report_ = CRFReport();
   report_.spacing = elements.spacing;
   report_.unlabelled = checkMeasurements(distributions, elements.indices);
-  if (compute_energies_ && !compatibility_.isSymmetric())
-    badParameter("energies need a symmetric label compatibility");
   if (elements.indices.empty())
     return;
   if (model_ == CRFModelType::unary)
     return normalize(elements.indices, distributions);
   Builder builder(*this, elements, distributions);
-  CrfModel model = builder.build();
-  const Eigen::MatrixXf initial = builder.initial();
-  CrfModel kept;
-  if (compute_energies_)
-    kept = model;
-  MeanField inference(std::move(model), initial.size() > 0 ? &initial : nullptr);
-  report_.updates = inference.run(parameters_.iterations, parameters_.tolerance);
-  report_.last_change = inference.lastChange();
-  if (compute_energies_) {
-    report_.free_energy = inference.freeEnergy();
-    report_.energy = energyOfMap(kept, inference);
-  }
+  MeanField inference(builder.build());
+  inference.run(parameters_.iterations);
+  report_.updates = parameters_.iterations;
   writeResult(inference.marginals(), elements.indices,
               {parameters_.temperature,
                parameters_.keep_thin ? thin_labels_ : std::vector<Label>()},

@@ -508,15 +508,6 @@ SemanticVoxelMap::occupancy(const Eigen::Vector3d& point) const
   return block ? state_->reader.occupancy(*block, offset) : Occupancy::unknown;
 }
 
-Label
-SemanticVoxelMap::label(const Eigen::Vector3d& point) const
-{
-  const auto reading = state_->lock.read();
-  int offset = 0;
-  const VoxelBlock* const block = state_->findVoxel(point, offset);
-  return labelOf(state_->reader, block, offset);
-}
-
 std::vector<Label>
 SemanticVoxelMap::labels(const std::vector<Eigen::Vector3d>& points) const
 {

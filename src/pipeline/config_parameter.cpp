@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace pcl_semantic {
 
@@ -76,25 +77,35 @@ yamlText(const YamlMap& file, const std::string& key, bool is_triple)
   return text;
 }
 
-std::string
-withDashes(std::string name)
-{
-  std::replace(name.begin(), name.end(), '_', '-');
-  return name;
-}
+// Parameters of earlier versions and their names now; empty = removed.
+const std::map<std::string, std::string> removed_parameters = {
+    {"clique_appearance_deviation", ""},
+    {"clique_colour_deviation", ""},
+    {"clique_hears_members", "clique_update_from_members"},
+    {"clique_leaves_out", "clique_exclude"},
+    {"clique_leaves_out_above", "clique_exclude_threshold"},
+    {"clique_map_messages", ""},
+    {"clique_members_hear_map", ""},
+    {"clique_smoothness_deviation", ""},
+    {"clique_smoothness_weight", ""},
+    {"crf_radius", ""},
+    {"crf_settled", ""},
+    {"crf_tolerance", ""},
+    {"hit_share", "min_hit_ratio"},
+    {"superpixel_compactness", ""},
+    {"supervoxel_colour_weight", ""},
+    {"supervoxel_normal_weight", ""},
+    {"supervoxel_resolution", "voxel_size"},
+    {"supervoxel_spatial_weight", ""}};
 
 } // namespace
 
 std::string
 ConfigParameter::option() const
 {
-  return withDashes(name);
-}
-
-std::string
-ConfigParameter::oldOption() const
-{
-  return withDashes(old_name);
+  std::string option = name;
+  std::replace(option.begin(), option.end(), '_', '-');
+  return option;
 }
 
 std::string
@@ -138,18 +149,29 @@ joinWords(const std::vector<std::string>& words)
   return joined;
 }
 
+std::string
+whyRemoved(const std::string& name)
+{
+  const auto removed = removed_parameters.find(name);
+  if (removed == removed_parameters.end())
+    return {};
+  return removed->second.empty() ? "had no effect, removed"
+                                 : "is " + removed->second + " now";
+}
+
 void
 readParameters(const std::string& path, ConfigParameters parameters)
 {
   const YamlMap file = YamlMap::load(path);
   for (ConfigParameter& parameter : parameters) {
     const bool is_triple = std::holds_alternative<Eigen::Vector3d*>(parameter.value);
-    for (const std::string& key : {parameter.name, parameter.old_name})
-      if (!key.empty() && file.has(key)) {
-        parameter.set(yamlText(file, key, is_triple), file.where(key));
-        break; // the old name beside the new one is an unknown key
-      }
+    if (file.has(parameter.name))
+      parameter.set(yamlText(file, parameter.name, is_triple),
+                    file.where(parameter.name));
   }
+  for (const std::string& key : file.keys())
+    if (const std::string why = whyRemoved(key); !why.empty())
+      badInput(file.where(key), ": ", key, ": ", why);
   file.refuseUnknownKeys();
 }
 
@@ -158,6 +180,8 @@ printParameters(const ConfigParameters& parameters)
 {
   TextStream text;
   for (const ConfigParameter& parameter : parameters) {
+    if (parameter.text() == parameter.preset_default)
+      continue;
     const bool is_list = std::holds_alternative<Eigen::Vector3d*>(parameter.value);
     text << parameter.name << ": "
          << (is_list ? "[" + parameter.text() + "]" : parameter.text()) << "  # "

@@ -55,25 +55,13 @@ ConfigParameters
 parametersOf(CliqueParameters& parameters)
 {
   SuperpixelParameters& superpixel = parameters.superpixel;
-  SupervoxelParameters& supervoxel = parameters.supervoxel;
-  return {
-      {"superpixel_keep", "keep voxels that are out of view in their last superpixel",
-       &superpixel.keep},
-      {"superpixel_depth_jump",
-       "split superpixels where the line through the points of neighbouring pixels "
-       "passes the camera closer than this [m]; 0 = off",
-       &superpixel.passing_distance},
-      {"superpixel_compactness",
-       "compactness of superpixels: high = square, low = along colour edges",
-       &superpixel.slic.compactness},
-      {"supervoxel_resolution", "voxel size of the supervoxel clustering [m]",
-       &supervoxel.voxel_resolution},
-      {"supervoxel_colour_weight", "weight of colour in the supervoxel clustering",
-       &supervoxel.colour_weight},
-      {"supervoxel_spatial_weight", "weight of distance in the supervoxel clustering",
-       &supervoxel.spatial_weight},
-      {"supervoxel_normal_weight", "weight of normals in the supervoxel clustering",
-       &supervoxel.normal_weight}};
+  return {{"superpixel_keep",
+           "keep voxels that are out of view in their last superpixel",
+           &superpixel.keep, "false"},
+          {"superpixel_depth_jump",
+           "split superpixels where the line through the points of neighbouring pixels "
+           "passes the camera closer than this [m]; 0 = off",
+           &superpixel.passing_distance}};
 }
 
 bool
@@ -115,7 +103,7 @@ makeCliqueGenerator(const std::string& text, const CliqueParameters& parameters)
 namespace {
 
 ConfigParameters
-cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
+cliqueParametersOf(SemanticCRFParameters& crf)
 {
   return {
       {"clique_weight", "k_c, cost of a member whose label differs from its clique's",
@@ -127,24 +115,11 @@ cliqueParametersOf(SemanticCRFParameters& crf, const std::string& unit)
        &crf.clique_truncation},
       {"clique_update_from_members",
        "whether members update their clique, eq. (10): true or false",
-       &crf.update_from_members, "clique_hears_members"},
-      {"clique_map_messages",
-       "whether a clique passes on its MAP label instead of its distribution: true "
-       "or false",
-       &crf.map_messages, "clique_members_hear_map"},
-      {"clique_smoothness_weight",
-       "weight of the kernel over the cliques' mean positions; 0 = off",
-       &crf.clique_smoothness_weight},
-      {"clique_smoothness_deviation", "its standard deviation [" + unit + "]",
-       &crf.clique_smoothness_deviation},
+       &crf.update_from_members},
       {"clique_appearance_weight",
-       "weight of the kernel over the cliques' mean positions and colours; 0 = off",
-       &crf.clique_appearance_weight},
-      {"clique_appearance_deviation",
-       "its standard deviation of positions [" + unit + "]",
-       &crf.clique_appearance_deviation},
-      {"clique_colour_deviation", "its standard deviation of colours [grey levels]",
-       &crf.clique_colour_deviation}};
+       "weight of the kernel between cliques, over their mean positions and colours; 0 "
+       "= off",
+       &crf.clique_appearance_weight}};
 }
 
 } // namespace
@@ -153,9 +128,7 @@ ConfigParameters
 parametersOf(SemanticCRFParameters& crf, const std::string& unit)
 {
   ConfigParameters parameters = {
-      {"crf_iterations", "maximum number of mean-field updates", &crf.iterations},
-      {"crf_tolerance", "stop when no probability changes by more than this; 0 = never",
-       &crf.tolerance, "crf_settled"},
+      {"crf_iterations", "number of mean-field updates", &crf.iterations},
       {"crf_temperature",
        "temperature of the resulting probabilities: above 1 they are less sure, labels "
        "stay",
@@ -168,13 +141,12 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        "evaluation of the kernels: automatic, truncated (exact within a radius) or "
        "lattice",
        chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"})},
-      {"crf_radius", "radius of truncated kernels [standard deviations]", &crf.radius},
       {"crf_normalization",
        "normalisation of the kernels: symmetric, one-sided or none",
        chooseFrom(crf.normalization, {"symmetric", "one-sided", "none"})},
       {"crf_self_interaction",
        "whether kernels include the point itself, as densecrf does: true or false",
-       &crf.self_interaction},
+       &crf.self_interaction, "false"},
       {"smoothness_weight", "weight of the smoothness kernel (positions)",
        &crf.smoothness_weight},
       {"smoothness_deviation",
@@ -190,7 +162,7 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
        &crf.appearance_deviation},
       {"colour_deviation", "its standard deviation of colours [grey levels]",
        &crf.colour_deviation}};
-  append(parameters, cliqueParametersOf(crf, unit));
+  append(parameters, cliqueParametersOf(crf));
   return parameters;
 }
 

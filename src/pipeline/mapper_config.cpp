@@ -38,6 +38,7 @@ MapperConfig::validate()
   map.fusion.clearing =
       Clearing(requireChoice("clearing", clearing, {"none", "full", "careful"}));
   requireChoice("crf", crf, crf_models);
+  clique_parameters.supervoxel.voxel_resolution = map.voxel_size;
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // is for organized clouds
     badParameter("cliques are '", cliques,
@@ -78,7 +79,7 @@ parametersOf(MapperConfig& config)
       {"min_hit_ratio",
        "minimum fraction of the pixels whose rays reach a voxel that must hit it, "
        "against foreground fattening; 0 = off",
-       &config.min_hit_ratio, "hit_share"},
+       &config.min_hit_ratio},
       {"label_confidence", "probability of the class that a .png of --labels gives",
        &config.label_confidence},
       {"network_every",
@@ -97,11 +98,11 @@ parametersOf(MapperConfig& config)
       {"miss_probability", "probability of being occupied, given a ray that passes",
        &fusion.miss_probability},
       {"min_probability", "lower bound of the occupancy probability",
-       &fusion.min_probability},
+       &fusion.min_probability, "0.03"},
       {"max_probability", "upper bound of the occupancy probability",
-       &fusion.max_probability},
+       &fusion.max_probability, "0.97"},
       {"occupied_probability", "a voxel is occupied at this probability or above",
-       &fusion.occupied_probability},
+       &fusion.occupied_probability, "0.5"},
       {"clearing",
        "what of a ray clears space: none of it, full, or careful: not its end, where "
        "it may run along the surface that it meets",
@@ -109,33 +110,33 @@ parametersOf(MapperConfig& config)
       {"per_ray_counting",
        "count every ray instead of one hit or miss a frame, as in the paper: true or "
        "false",
-       &fusion.per_ray_counting},
+       &fusion.per_ray_counting, "false"},
       {"dynamic_decay",
        "log-odds that voxels of dynamic classes lose per frame; 0 = off",
-       &fusion.dynamic_decay},
+       &fusion.dynamic_decay, "0"},
       {"pixel_fusion", "fusion of the pixels of a frame in one voxel: mean or product",
        &config.pixel_fusion},
       {"label_min_probability", "lower bound of each measured class probability",
-       &fusion.label_min_probability},
+       &fusion.label_min_probability, "0.01"},
       {"label_max_ratio",
        "upper bound of largest / smallest probability of a fused distribution",
-       &fusion.label_max_ratio},
+       &fusion.label_max_ratio, "10000"},
       {"crf", "model: " + joinWords(crf_models), &config.crf},
       {"crf_every", "run the CRF at the first frame and every N-th after it",
        &config.crf_every},
       {"crf_write_back",
        "replace the measured distributions by those of the CRF: true or false",
-       &config.crf_write_back},
+       &config.crf_write_back, "false"},
       {"cliques",
        "cliques of pn-potts and hierarchical: cubes:SIZE [m], superpixel[:NUMBER] (of "
        "a frame) or supervoxel[:SEED_DISTANCE [m]]",
        &config.cliques},
       {"clique_exclude",
        "classes, separated by commas, whose voxels are in no clique, or none",
-       &config.clique_exclude, "clique_leaves_out"},
+       &config.clique_exclude},
       {"clique_exclude_threshold",
        "threshold on the probability of the classes of --clique-exclude",
-       &config.clique_exclude_threshold, "clique_leaves_out_above"}};
+       &config.clique_exclude_threshold}};
   append(parameters, parametersOf(config.clique_parameters));
   append(parameters, parametersOf(config.crf_parameters, "m"));
   parameters.push_back(

@@ -196,7 +196,9 @@ TEST_F(ArchivedRun, ADifferentNumberOfThreadsMayGoOn)
 
 TEST_F(ArchivedRun, WhatTheCrfWroteBackIsInTheArchive)
 {
-  const std::string more = "--crf-write-back true --network-every 3";
+  const std::string more = "--config " +
+                           folder_.write("back.yaml", "crf_write_back: true\n") +
+                           " --network-every 3";
   const std::string whole = folder_.path("back.map");
   succeed(mapCommand(folder_.path("back"), whole, more));
   EXPECT_FALSE(exportOf(whole) == exportOf(whole_archive_));

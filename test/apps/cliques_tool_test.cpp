@@ -118,11 +118,10 @@ TEST_F(CliquesTool, WritesWhatTheGeneratorsSayAndKeepsEverythingElse)
   const Cliques cubes = listsOf(CubeCliques(0.7).generate(points));
   SupervoxelParameters parameters;
   parameters.seed_resolution = 0.5;
-  parameters.normal_weight = 2.0;
   const Cliques supervoxels = listsOf(SupervoxelCliques(parameters).generate(points));
   for (const auto& [method, expected] :
        {std::pair<std::string, Cliques>("cubes:0.7", cubes),
-        {"supervoxel:0.5 --supervoxel-normal-weight 2", supervoxels}}) {
+        {"supervoxel:0.5", supervoxels}}) {
     const std::string text =
         succeed("cliques " + map() + " " + out + " --method " + method);
     EXPECT_TRUE(holds(text, "cliques: " + std::to_string(expected.size()) + "\n"));
@@ -211,9 +210,10 @@ TEST_F(CliquesTool, MapsTakeEveryKindOfCliques)
   const std::string tool =
       mapOf(tinyStreet()) + " --crf hierarchical --output " + path("grouped");
   std::set<std::vector<std::uint8_t>> maps;
+  std::ofstream(path("keep.yaml")) << "superpixel_keep: true\n";
   const std::vector<std::string> kinds = {
       " --cliques cubes", " --cliques superpixel:60",
-      " --cliques superpixel:60 --superpixel-keep true",
+      " --cliques superpixel:60 --config " + path("keep.yaml"),
       " --cliques superpixel:60 --superpixel-depth-jump 0",
       " --cliques supervoxel:0.5"};
   for (const std::string& kind : kinds) {
@@ -278,8 +278,8 @@ TEST(CliquesToolBadInput, IsRefused)
       {"seeds of a word", 2, "'far'", tool + "--method supervoxel:far"},
       {"superpixels", 2, "superpixel:N with N 1",
        tool + "--method superpixel:0 --frame x"},
-      {"weight", 2, "colour weight is -1",
-       tool + "--method supervoxel --supervoxel-colour-weight -1"},
+      {"removed", 2, "--supervoxel-colour-weight: had no effect, removed",
+       tool + "--method supervoxel --supervoxel-colour-weight=1"},
       {"jump", 2, "passing distance is -1",
        tool + "--method superpixel --frame x --superpixel-depth-jump -1"},
       {"no frame", 2, "needs --frame", tool + "--method superpixel"},
@@ -316,8 +316,8 @@ TEST(CliquesToolBadInput, IsRefused)
       {"crf of a frame's", 2, "cliques are 'superpixel', expected",
        "crf STREET/in.pcd OUT.pcd --crf pn-potts --cliques superpixel", image},
       {"kept superpixels and an archive", 2, "--archive does not go with",
-       "--labels STREET/labels --crf hierarchical --cliques superpixel "
-       "--superpixel-keep true --archive TEMP/map.sqlite"},
+       "--labels STREET/labels --config " PCL_SEMANTIC_SOURCE_DIR
+       "/data/presets/zhao16.yaml --archive TEMP/map.sqlite"},
   });
 }
 

@@ -4,9 +4,9 @@
 #include "support/mapped_street.h"
 #include "support/run_tool.h"
 #include "support/thrown_message.h"
+#include "synthesize/street.h"
 
 #include <pcl_semantic/dataset/lidar_scan.h>
-#include <pcl_semantic/dataset/synthetic_scene.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>

@@ -284,9 +284,8 @@ TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
   for (const std::string tool : {"crf", "image_crf"}) {
     const std::string options =
         " --crf hierarchical --cliques slic:40 --crf-iterations 7 --clique-weight 2.5 "
-        "--crf-kernels lattice --crf-normalization one-sided --crf-self-interaction "
-        "true "
-        "--clique-free-label false --crf-tolerance 0.001 --print-config";
+        "--crf-kernels lattice --crf-normalization one-sided "
+        "--clique-free-label false --print-config";
     const std::string printed = succeed(tool + options);
     EXPECT_TRUE(holds(printed, "\ncrf_normalization: one-sided "));
     const std::string path = write(folder.path("config.yaml"), printed);
@@ -403,8 +402,8 @@ TEST(BadInput, OfTheCrfTools)
       {"weight", 2, "clique_weight is -1", crf + "--clique-weight -1"},
       {"deviation", 2, "smoothness_deviation is -1", crf + "--smoothness-deviation -1"},
       {"a word", 2, "--crf-iterations: 'many'", crf + "--crf-iterations many"},
-      {"neither", 2, "--crf-self-interaction: 'maybe', expected false or true",
-       crf + "--crf-self-interaction maybe"},
+      {"neither", 2, "--crf-keep-thin: 'maybe', expected false or true",
+       crf + "--crf-keep-thin maybe"},
       {"config", 3, "config.yaml line 1: key 'voxel_size'",
        crf + "--config STREET/config.yaml", file("config.yaml", "voxel_size: 1\n")},
       {"config out of range", 3, "config.yaml: clique_truncation is 2",

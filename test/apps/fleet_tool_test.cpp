@@ -165,8 +165,9 @@ TEST_F(Fleet, RefusesWhatCannotBe)
   folder_.write("short.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   expectFails(plan(begin + ", submap_every: 2, corrected_poses: short.txt}\n"), 3,
               "drive 'a': short.txt: has 1 poses, none for frame 1");
-  expectFails(plan(begin + "}\n  - {name: b, sequence: " + street +
-                   ", labels: " + street + "/labels, max_probability: 0.9}\n"),
+  folder_.write("preset.yaml", "max_probability: 0.9\n");
+  expectFails(plan(begin + "}\n  - {name: b, sequence: " + street + ", labels: " +
+                   street + "/labels, config: " + folder_.path("preset.yaml") + "}\n"),
               2, "drive 'b': has another min_probability, max_probability");
   expectFails(plan(begin + ", strict: maybe}\n"), 2, "strict is 'maybe'");
   EXPECT_FALSE(fs::exists(folder_.path("none")));

@@ -14,12 +14,26 @@ namespace pcl_semantic {
 
 namespace fs = std::filesystem;
 
-TEST(MapToolOptions, OldNamesAreUnderstoodAndNotShown)
+TEST(MapToolOptions, OldNamesAreRefused)
 {
-  EXPECT_TRUE(
-      holds(succeed("map --hit-share 0.2 --print-config"), "min_hit_ratio: 0.2"));
-  EXPECT_FALSE(holds(runTool("map --help").text, "hit-share"));
-  EXPECT_EQ(runTool("map --hit-share 0.2 --min-hit-ratio 0.3 --print-config").code, 2);
+  const ToolResult renamed = runTool("map --hit-share 0.2 --print-config");
+  EXPECT_EQ(renamed.code, 2);
+  EXPECT_TRUE(holds(renamed.text, "--hit-share: is min_hit_ratio now"));
+  const ToolResult removed = runTool("map --crf-tolerance=0.1 --print-config");
+  EXPECT_EQ(removed.code, 2);
+  EXPECT_TRUE(holds(removed.text, "--crf-tolerance: had no effect, removed"));
+}
+
+TEST(MapToolOptions, PresetsHaveKeysThatAreNoOptions)
+{
+  EXPECT_FALSE(holds(runTool("map --help").text, "superpixel-keep"));
+  EXPECT_FALSE(holds(succeed("map --print-config"), "superpixel_keep"));
+  const ToolResult option = runTool("map --superpixel-keep true --print-config");
+  EXPECT_EQ(option.code, 2);
+  EXPECT_TRUE(holds(option.text, "--superpixel-keep: is no option, but a key"));
+  EXPECT_TRUE(holds(succeed("map --config " PCL_SEMANTIC_SOURCE_DIR
+                            "/data/presets/zhao16.yaml --print-config"),
+                    "superpixel_keep: true"));
 }
 
 TEST(MapTool, FramesKeepTheirNumbers)

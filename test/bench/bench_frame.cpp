@@ -12,10 +12,10 @@
 #include "bench/ratio.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
+#include "synthesize/labels.h"
+#include "synthesize/renderer.h"
 
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/npy_file.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>

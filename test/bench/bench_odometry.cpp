@@ -4,10 +4,10 @@
 
 #include "bench/ratio.h"
 #include "support/kitti_errors.h"
+#include "synthesize/renderer.h"
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 
 #include <cstdlib>

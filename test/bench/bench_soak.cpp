@@ -11,9 +11,9 @@
 
 #include "bench/median.h"
 #include "support/temporary_folder.h"
+#include "synthesize/labels.h"
+#include "synthesize/renderer.h"
 
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>

@@ -161,8 +161,6 @@ TEST_F(SuperpixelsOfAStreet, WhatIsKeptGroupsMoreVoxels)
   const std::size_t kept = membersOf(cliquesOf(keeping, 3));
   const std::size_t seen = membersOf(cliquesOf(forgetful, 3));
   EXPECT_GT(double(kept), 1.05 * double(seen));
-  keeping.clear();
-  EXPECT_TRUE(cliquesOf(keeping, 3) == cliquesOf(forgetful, 3));
 }
 
 TEST_F(SuperpixelsOfAStreet, VoxelsThatLeaveTheCloudAreForgotten)

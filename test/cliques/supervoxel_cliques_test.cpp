@@ -306,9 +306,4 @@ TEST(SupervoxelCliques, RefuseWhatCannotBe)
     EXPECT_TRUE(holds(complaint([&](auto& p) { p.seed_resolution = bad; }), "seed"));
   for (const double bad : {0.0, -1.0, 1e9, double(kNaN)})
     EXPECT_TRUE(holds(complaint([&](auto& p) { p.voxel_resolution = bad; }), "voxel"));
-  for (const double bad : {-1.0, 1e9, double(kNaN)}) {
-    EXPECT_TRUE(holds(complaint([&](auto& p) { p.colour_weight = bad; }), "colour"));
-    EXPECT_TRUE(holds(complaint([&](auto& p) { p.spatial_weight = bad; }), "spatial"));
-    EXPECT_TRUE(holds(complaint([&](auto& p) { p.normal_weight = bad; }), "normal"));
-  }
 }

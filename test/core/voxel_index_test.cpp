@@ -10,28 +10,6 @@
 
 using namespace pcl_semantic;
 
-TEST(VoxelIndex, FloorDivideRoundsTowardsMinusInfinity)
-{
-  static_assert(floorDivide(-1, 8) == -1);
-  for (const int divisor : {1, 2, 3, 7, 8, 1000})
-    for (int value = -2100; value <= 2100; ++value)
-      ASSERT_EQ(floorDivide(value, divisor),
-                static_cast<int>(std::floor(double(value) / divisor)))
-          << value << " / " << divisor;
-}
-
-TEST(VoxelIndex, FloorDivideWorksAtTheEndsOfTheRange)
-{
-  constexpr std::int32_t lowest = std::numeric_limits<std::int32_t>::min();
-  constexpr std::int32_t largest = std::numeric_limits<std::int32_t>::max();
-  for (const std::int32_t divisor : {1, 2, 8, largest})
-    for (const std::int32_t value :
-         {lowest, lowest + 1, -kMaxVoxelIndex, kMaxVoxelIndex, largest - 1, largest})
-      EXPECT_EQ(floorDivide(value, divisor),
-                static_cast<std::int32_t>(std::floor(double(value) / divisor)))
-          << value << " / " << divisor;
-}
-
 TEST(VoxelIndex, TheOrderIsZThenYThenX)
 {
   const VoxelIndexLess less;

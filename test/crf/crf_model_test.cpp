@@ -93,11 +93,10 @@ TEST(CrfModel, RefusesWhatCannotWork)
   }
 }
 
-TEST(LabelCompatibility, KnowsPottsAndSymmetry)
+TEST(LabelCompatibility, KnowsPottsAndItsCosts)
 {
   const LabelCompatibility potts;
   EXPECT_TRUE(potts.isPotts());
-  EXPECT_TRUE(potts.isSymmetric());
   EXPECT_EQ(potts.labels(), 0);
   EXPECT_EQ(potts.cost(3, 3), 0.0f);
   EXPECT_EQ(potts.cost(3, 4), 1.0f);
@@ -107,10 +106,8 @@ TEST(LabelCompatibility, KnowsPottsAndSymmetry)
   EXPECT_EQ(LabelCompatibility(costs).labels(), 3);
   costs(0, 2) = costs(2, 0) = 0.5f;
   EXPECT_FALSE(LabelCompatibility(costs).isPotts());
-  EXPECT_TRUE(LabelCompatibility(costs).isSymmetric());
   costs(0, 2) = 0.25f;
   const LabelCompatibility lopsided(costs);
-  EXPECT_FALSE(lopsided.isSymmetric());
   EXPECT_EQ(lopsided.cost(0, 2), 0.25f);
   EXPECT_EQ(lopsided.cost(2, 0), 0.5f);
 }

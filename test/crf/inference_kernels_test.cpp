@@ -70,13 +70,12 @@ TEST_P(InferenceKernels, SoftMax)
   };
   const Eigen::MatrixXf costs = steps(makeRandomMatrix(rows, count, 0.0f, 30.0f, 1));
   const Eigen::MatrixXf heard = steps(makeRandomMatrix(rows, count, -60.0f, 60.0f, 2));
-  const Eigen::MatrixXf before = makeRandomMatrix(rows, count, 0.0f, 1.0f, 3);
   const PaddedColumns padded_costs = padded(costs, kernels::padding_cost);
-  PaddedColumns messages = padded(heard), marginals = padded(before);
-  const float change = kernels::inferenceLoops(tier).softMax(
-      padded_costs.column(0), messages.column(0), marginals.column(0),
-      std::size_t(count), std::size_t(marginals.stride()));
-  double largest_change = 0.0;
+  PaddedColumns messages = padded(heard);
+  PaddedColumns marginals = padded(makeRandomMatrix(rows, count, 0.0f, 1.0f, 3));
+  kernels::inferenceLoops(tier).softMax(padded_costs.column(0), messages.column(0),
+                                        marginals.column(0), std::size_t(count),
+                                        std::size_t(marginals.stride()));
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::VectorXd exponents = (heard.col(i) - costs.col(i)).cast<double>();
     const Eigen::VectorXd below = exponents.array() - exponents.maxCoeff();
@@ -90,7 +89,6 @@ TEST_P(InferenceKernels, SoftMax)
       else if (below(l) < -55.1) {
         ASSERT_EQ(q, 0.0);
       }
-      largest_change = std::max(largest_change, std::abs(q - double(before(l, i))));
     }
     for (Eigen::Index l = 0; l < marginals.stride(); ++l) {
       ASSERT_EQ(messages.column(i)[l], 0.0f);
@@ -99,7 +97,6 @@ TEST_P(InferenceKernels, SoftMax)
       }
     }
   }
-  EXPECT_NEAR(double(change), largest_change, 1e-6);
 }
 
 TEST_P(InferenceKernels, SumsOfColumns)

@@ -22,7 +22,7 @@ double
 errorOfMeanField(const PlainCrf& crf)
 {
   MeanField inference(makeModel(crf));
-  inference.run(300, 1e-7);
+  inference.run(300);
   return (inference.marginals().cast<double>() - exactMarginals(crf))
       .cwiseAbs()
       .maxCoeff();
@@ -44,56 +44,29 @@ TEST(MeanFieldTheory, HalvingAllCouplingsAtLeastThirdsTheError)
   }
 }
 
-TEST(MeanFieldTheory, FreeEnergyEqualsItsDefinition)
+double
+freeEnergyAfter(int updates, const PlainCrf& crf)
 {
-  for (const int updates : {0, 1, 3})
-    for (const NamedCrf& model : makeEveryModel(4, 3, 2, 2.0f, 10)) {
-      SCOPED_TRACE(model.name + ", updates " + std::to_string(updates));
-      MeanField inference(makeModel(model.crf));
-      inference.run(updates);
-      std::vector<Eigen::MatrixXd> q_cliques;
-      for (std::size_t p = 0; p < model.crf.cliques.size(); ++p)
-        q_cliques.push_back(model.crf.cliques[p].isRobust()
-                                ? inference.cliqueMarginals(p).cast<double>()
-                                : Eigen::MatrixXd());
-      const double expected = enumeratedFreeEnergy(
-          model.crf, inference.marginals().cast<double>(), q_cliques);
-      EXPECT_NEAR(inference.freeEnergy(), expected, 1e-5);
-    }
-}
-
-TEST(MeanFieldTheory, FreeEnergyCountsLargeCostsOfCertainVariables)
-{
-  PlainCrf crf;
-  crf.unary = makeRandomMatrix(3, 4, 900.0f, 1100.0f, 11);
-  crf.kernels.push_back(makeSymmetricKernel(4, 2.0f, 12));
   MeanField inference(makeModel(crf));
-  inference.update();
-  EXPECT_NEAR(inference.freeEnergy(),
-              enumeratedFreeEnergy(crf, inference.marginals().cast<double>(), {}),
-              1e-2);
+  inference.run(updates);
+  std::vector<Eigen::MatrixXd> q_cliques;
+  for (std::size_t p = 0; p < crf.cliques.size(); ++p)
+    q_cliques.push_back(crf.cliques[p].isRobust()
+                            ? inference.cliqueMarginals(p).cast<double>()
+                            : Eigen::MatrixXd());
+  return enumeratedFreeEnergy(crf, inference.marginals().cast<double>(), q_cliques);
 }
 
-// The free energy bounds -log Z from above, and touches it without couplings.
-TEST(MeanFieldTheory, FreeEnergyIsMinusLogZWithoutCouplings)
+TEST(MeanFieldTheory, UpdatesLowerTheFreeEnergy)
 {
-  PlainCrf crf;
-  crf.unary = makeRandomMatrix(4, 50, -2.0f, 2.0f, 13);
-  double expected = 0.0;
-  for (int i = 0; i < 50; ++i)
-    expected -= std::log((-crf.unary.col(i).cast<double>()).array().exp().sum());
-  EXPECT_NEAR(MeanField(makeModel(crf)).freeEnergy(), expected, 1e-4);
-}
-
-TEST(MeanFieldTheory, AFreeEnergyNeedsASymmetricCompatibility)
-{
-  PlainCrf crf = makeEveryModel(6, 3, 2, 1.0f, 30)[1].crf;
-  crf.compatibility = makeRandomMatrix(3, 3, 0.0f, 1.0f, 31);
-  MeanField lopsided(makeModel(crf));
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] { (void)lopsided.freeEnergy(); }),
-      "symmetric label"));
-  EXPECT_NO_THROW(lopsided.update());
+  const auto models = makeEveryModel(4, 3, 2, 0.6f, 10);
+  for (std::size_t m = 1; m < models.size(); ++m) { // 0 has no couplings
+    SCOPED_TRACE(models[m].name);
+    const double before = freeEnergyAfter(0, models[m].crf);
+    const double once = freeEnergyAfter(1, models[m].crf);
+    EXPECT_LT(once, before);
+    EXPECT_LT(freeEnergyAfter(3, models[m].crf), once);
+  }
 }
 
 // new_order[i] is where i goes.
@@ -199,7 +172,6 @@ TEST(MeanFieldTheory, SameBitsForAnyNumberOfThreads)
   for (NamedCrf& model : makeEveryModel(300, 11, 60, 5.0f, 41)) {
     SCOPED_TRACE(model.name);
     std::vector<Eigen::MatrixXf> marginals, cliques;
-    std::vector<double> energies;
     for (const int threads : {1, 2, 7}) {
       setNumberOfThreads(threads);
       MeanField inference(makeModel(model.crf));
@@ -208,13 +180,11 @@ TEST(MeanFieldTheory, SameBitsForAnyNumberOfThreads)
       cliques.push_back(model.crf.cliques.empty() || !model.crf.cliques[0].isRobust()
                             ? Eigen::MatrixXf()
                             : inference.cliqueMarginals());
-      energies.push_back(inference.freeEnergy());
     }
     setNumberOfThreads(0);
     for (const std::size_t k : {1u, 2u}) {
       EXPECT_TRUE(marginals[0] == marginals[k]);
       EXPECT_TRUE(cliques[0] == cliques[k]);
-      EXPECT_EQ(energies[0], energies[k]);
     }
   }
 }

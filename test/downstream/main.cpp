@@ -100,7 +100,7 @@ checkMapAndFilter()
                            ps::SemanticVoxelMap::Parameters());
   map.integrate(*cloud, Eigen::Isometry3d::Identity(), labels);
   check(map.occupied().size() == cloud->size(), "a voxel a point");
-  check(map.label({4.05, 0.15, 0.15}) == 2, "label of a place in the map");
+  check(map.labels({{4.05, 0.15, 0.15}})[0] == 2, "label of a place in the map");
   check(map.occupancy({2.0, 0.0, 0.0}) == ps::Occupancy::free, "free space");
 
   ps::SemanticCRF<LaserPoint> crf;

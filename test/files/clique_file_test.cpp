@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/mutate.h"
-#include "support/process_limits.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
@@ -22,15 +21,6 @@ listsOf(const std::vector<pcl::PointIndices>& cliques)
   for (const pcl::PointIndices& clique : cliques)
     lists.push_back(clique.indices);
   return lists;
-}
-
-std::vector<pcl::PointIndices>
-cliquesOf(const Lists& lists)
-{
-  std::vector<pcl::PointIndices> cliques(lists.size());
-  for (std::size_t i = 0; i < lists.size(); ++i)
-    cliques[i].indices = lists[i];
-  return cliques;
 }
 
 Lists
@@ -60,17 +50,7 @@ TEST(CliqueFile, ReadsListsBlanksAndComments)
             (Lists{{1, 2, 3}, {0, 999}, {1}}));
   EXPECT_EQ(read(""), Lists());
   EXPECT_EQ(read("# nothing\n"), Lists());
-}
-
-TEST(CliqueFile, ReadsWhatItWrote)
-{
-  const TemporaryFolder folder;
-  const Lists lists = {{0, 5, 7}, {5}, {1, 2, 2147483646}};
-  writeCliques(folder.path("a.txt"), cliquesOf(lists));
-  EXPECT_EQ(listsOf(readCliques(folder.path("a.txt"))), lists);
-  EXPECT_EQ(bytesOf(folder.path("a.txt")), "0 5 7\n5\n1 2 2147483646\n");
-  writeCliques(folder.path("a.txt"), {});
-  EXPECT_TRUE(readCliques(folder.path("a.txt")).empty());
+  EXPECT_EQ(read("2147483646", 2147483647), Lists{{2147483646}});
 }
 
 TEST(CliqueFile, NamesTheLineOfABadIndex)
@@ -112,18 +92,4 @@ TEST(CliqueFile, DamagedFilesAreReadOrRefused)
   }
   EXPECT_GT(read_well, 30);
   EXPECT_GT(refused, 30);
-}
-
-TEST(CliqueFile, WritesNothingThatCannotBeReadBack)
-{
-  const TemporaryFolder folder;
-  for (const Lists& lists : {Lists{{1}, {}}, Lists{{0, -1}}})
-    thrownMessage<InvalidParameterException>(
-        [&] { writeCliques(folder.path("a.txt"), cliquesOf(lists)); });
-  EXPECT_EQ(folder.entries(), 0u);
-  const FullDisk full(1000);
-  thrownMessage<OutputException>([&] {
-    writeCliques(folder.path("a.txt"), cliquesOf(Lists(5000, {1, 2, 3})));
-  });
-  EXPECT_EQ(folder.entries(), 0u);
 }

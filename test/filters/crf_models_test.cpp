@@ -83,7 +83,6 @@ struct Setting {
     potential.weights.setConstant(1, 1, float(parameters.clique_weight));
     potential.free_label = parameters.free_label;
     potential.truncation = float(parameters.clique_truncation);
-    potential.map_messages = parameters.map_messages;
     crf.cliques.push_back(potential);
     return crf;
   }
@@ -199,30 +198,19 @@ TEST(CRFModels, FullCompatibility)
   }
 }
 
-TEST(CRFModels, WeightsAndCostsStayWithTheirCliques)
+TEST(CRFModels, CostsStayWithTheirCliques)
 {
   const Setting setting;
   const auto all = Eigen::Index(setting.cliques.size());
-  // Wherever they come from, those of the first clique belong to one that is skipped.
-  const Eigen::MatrixXf weights = makeRandomMatrix(4, all, 0.0f, 1.5f, 14);
+  // Those of the first clique belong to one that is skipped.
   const Eigen::MatrixXf costs = makeRandomMatrix(4, all, 0.0f, 2.0f, 15);
   ASSERT_EQ(setting.cliquesThatTakePart().size(), setting.cliques.size() - 1);
-  for (const CRFModelType model :
-       {CRFModelType::pn_potts, CRFModelType::hierarchical}) {
-    PlainCrf plain = setting.plain(model);
-    plain.cliques[0].weights = weights.rightCols(all - 1);
-    Filter crf;
-    setting.prepare(crf, model);
-    crf.setCliqueWeights(weights);
-    if (model == CRFModelType::hierarchical) {
-      plain.cliques[0].unary = costs.rightCols(all - 1);
-      crf.setCliqueCosts(costs);
-    }
-    expectEqualsPlain(setting, crf, plain, "of both");
-    plain.cliques[0].weights = weights.leftCols(1);
-    crf.setCliqueWeights(weights.leftCols(1));
-    expectEqualsPlain(setting, crf, plain, "of labels");
-  }
+  PlainCrf plain = setting.plain(CRFModelType::hierarchical);
+  plain.cliques[0].unary = costs.rightCols(all - 1);
+  Filter crf;
+  setting.prepare(crf, CRFModelType::hierarchical);
+  crf.setCliqueCosts(costs);
+  expectEqualsPlain(setting, crf, plain, "costs");
 }
 
 TEST(CRFModels, TheHierarchicalModelsOptions)
@@ -236,14 +224,11 @@ TEST(CRFModels, TheHierarchicalModelsOptions)
   };
   expect([](SemanticCRFParameters& p) { p.free_label = false; }, "no free label");
   expect([](SemanticCRFParameters& p) { p.clique_truncation = 0.8; }, "truncation");
-  expect([](SemanticCRFParameters& p) { p.map_messages = true; }, "MAP of y");
 }
 
-TEST(CRFModels, KernelsBetweenCliques)
+TEST(CRFModels, TheKernelBetweenCliques)
 {
   Setting setting;
-  setting.parameters.clique_smoothness_weight = 0.6;
-  setting.parameters.clique_smoothness_deviation = 0.4;
   setting.parameters.clique_appearance_weight = 0.9;
   setting.parameters.clique_appearance_deviation = 0.5;
   setting.parameters.clique_colour_deviation = 5.0;
@@ -264,14 +249,12 @@ TEST(CRFModels, KernelsBetweenCliques)
     }
   PlainCrf plain = setting.plain(CRFModelType::hierarchical);
   plain.cliques[0].kernels = {
-      plainKernelMatrix(positions, {}, 0.6, 0.4, setting.parameters),
       plainKernelMatrix(positions, colours / 5.0f, 0.9, 0.5, setting.parameters)};
   Filter crf;
   setting.prepare(crf, CRFModelType::hierarchical);
-  expectEqualsPlain(setting, crf, plain, "kernels between cliques");
-  // They matter.
+  expectEqualsPlain(setting, crf, plain, "kernel between cliques");
+  // It matters.
   const Eigen::MatrixXf with = crf.getLabelDistributions().matrix();
-  setting.parameters.clique_smoothness_weight = 0.0;
   setting.parameters.clique_appearance_weight = 0.0;
   crf.setParameters(setting.parameters);
   Cloud output;
@@ -306,13 +289,6 @@ TEST(CRFModels, AKernelOfTheCallersOwn)
           .cwiseAbs()
           .maxCoeff(),
       1e-5f);
-  own.clearKernels();
-  own.filter(output); // what is ruled out has 1e-6, and takes as much from the others
-  EXPECT_LT(
-      (own.getLabelDistributions().matrix() - setting.input.distributions.matrix())
-          .cwiseAbs()
-          .maxCoeff(),
-      4e-6f);
 }
 
 // Two groups of points that hear nothing of each other; in the second none is measured.
@@ -356,65 +332,6 @@ TEST(CRFModels, WhatHearsOfNoLabelStaysUnlabelled)
     crf.setCompatibility(costs);
     crf.filter(output);
     EXPECT_EQ(output[60].label, 1u);
-  }
-}
-
-TEST(CRFModels, StartsFromGivenMarginals)
-{
-  Setting setting;
-  setting.parameters.iterations = 40;
-  Filter first;
-  setting.prepare(first, CRFModelType::dense);
-  Cloud output;
-  first.filter(output);
-  EXPECT_EQ(first.getReport().updates, 40);
-  const double last_change = first.getReport().last_change;
-  EXPECT_LT(last_change, 1e-3);
-  setting.parameters.tolerance = 2e-3;
-  Filter second;
-  setting.prepare(second, CRFModelType::dense);
-  second.filter(output);
-  const int cold = second.getReport().updates;
-  EXPECT_GT(cold, 2);
-  EXPECT_LT(cold, 40);
-  second.setInitialDistributions(first.getLabelDistributions());
-  second.filter(output);
-  EXPECT_EQ(second.getReport().updates, 1); // it had converged
-}
-
-TEST(CRFModels, EnergiesAreThoseOfTheMapLabels)
-{
-  Setting setting;
-  for (const CRFModelType model : every_model) {
-    Filter crf;
-    setting.prepare(crf, model);
-    crf.setComputeEnergies(true);
-    Cloud output;
-    crf.filter(output);
-    const PlainCrf plain = setting.plain(model);
-    std::vector<int> x;
-    for (const pcl::index_t i : setting.indices)
-      x.push_back(int(output[std::size_t(i)].label) - 1);
-    PlainMeanField inference(plain);
-    for (int i = 0; i < 3; ++i)
-      inference.update();
-    std::vector<int> y;
-    if (model == CRFModelType::hierarchical)
-      for (Eigen::Index c = 0; c < inference.q_cliques[0].cols(); ++c) {
-        Eigen::Index label = 0;
-        inference.q_cliques[0].col(c).maxCoeff(&label);
-        y.push_back(int(label));
-      }
-    const double expected = plainEnergy(plain, x, y);
-    EXPECT_NEAR(crf.getReport().energy, expected, 0.005 * std::abs(expected));
-    // The free energy is that of a distribution: no more than of its best labels,
-    // without updates it is larger.
-    const double free_energy = crf.getReport().free_energy;
-    setting.parameters.iterations = 0;
-    crf.setParameters(setting.parameters);
-    crf.filter(output);
-    EXPECT_LT(free_energy, crf.getReport().free_energy);
-    setting.parameters.iterations = 3;
   }
 }
 

@@ -75,8 +75,6 @@ randomParameters(Random& random)
   parameters.free_label = random.flip();
   parameters.clique_truncation = random.between(0.1, 0.5);
   parameters.update_from_members = random.flip();
-  // What rounding makes of a tie would be another answer after several updates.
-  parameters.map_messages = parameters.iterations == 1 && random.flip();
   return parameters;
 }
 
@@ -127,7 +125,6 @@ plainResult(const Problem& problem)
     cliques.free_label = parameters.free_label;
     cliques.truncation = float(parameters.clique_truncation);
     cliques.update_from_members = parameters.update_from_members;
-    cliques.map_messages = parameters.map_messages;
     crf.cliques.push_back(cliques);
   }
   PlainMeanField field(crf);

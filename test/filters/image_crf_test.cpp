@@ -116,8 +116,6 @@ TEST(ImageCRF, SegmentsAreCliques)
   for (int i = 0; i < pixels; ++i)
     if (segments(i / width, i % width) > 0)
       cliques.members[segments(i / width, i % width) == 4 ? 0 : 1].push_back(i);
-  cliques.weights.resize(1, 2);
-  cliques.weights << 1.0f, 0.2f;
   for (const CRFModelType model : {CRFModelType::pn_potts, CRFModelType::hierarchical})
     for (const int type : {CV_8U, CV_16U, CV_32S}) {
       cliques.type = model == CRFModelType::pn_potts ? CliquePotential::Type::pn_potts
@@ -128,7 +126,10 @@ TEST(ImageCRF, SegmentsAreCliques)
       crf.setModel(model);
       crf.setParameters(makeParameters());
       crf.setSegments(makeSegments(type));
-      crf.setCliqueWeights(cliques.weights);
+      if (model == CRFModelType::hierarchical) { // in the order of the numbers
+        plain.cliques[0].unary = makeRandomMatrix(3, 2, 0.0f, 2.0f, 5);
+        crf.setCliqueCosts(plain.cliques[0].unary);
+      }
       expectEqualsPlain(plain, crf.refine(image, makeDistributions()));
       EXPECT_EQ(crf.getReport().cliques, 2u);
     }

@@ -275,7 +275,7 @@ TEST(SemanticVoxelMap, AHitWinsOverAMissOfTheSameScan)
   EXPECT_EQ(map.occupancy({2.0, 0.1, 0.1}), Occupancy::occupied);
   EXPECT_EQ(map.occupancy({3.0, 0.15, 0.15}), Occupancy::free);
   EXPECT_EQ(map.occupancy({5.0, 0.2, 0.2}), Occupancy::unknown);
-  EXPECT_EQ(map.label({2.0, 0.1, 0.1}), kUnlabelled);
+  EXPECT_EQ(map.labels({{2.0, 0.1, 0.1}})[0], kUnlabelled);
 }
 
 TEST(SemanticVoxelMap, PointsBeyondTheRangeOnlyClear)
@@ -340,7 +340,7 @@ TEST(SemanticVoxelMap, RefinedDistributionsAreReadAndMeasurementsKept)
   EXPECT_TRUE(after.measured.matrix() == before.measured.matrix());
   EXPECT_TRUE(after.refined.matrix() == refined.matrix());
   const Eigen::Vector3d first = (before.indices[0].cast<double>().array() + 0.5) * 0.25;
-  EXPECT_EQ(map.label(first), 3);
+  EXPECT_EQ(map.labels({first})[0], 3);
   EXPECT_THROW(map.setRefined(before, LabelDistributions(3, 1)),
                InvalidParameterException);
   for (const float bad : {std::nanf(""), INFINITY, -0.1f, 1.1f}) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/temporary_folder.h"
+#include "synthesize/sequence.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/synthetic_sequence.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/map_sequence.h>

@@ -49,25 +49,28 @@ TEST(MapperConfig, SetsWhatTheFileNamesAndKeepsTheRest)
   EXPECT_EQ(config.crf_every, 5);
 }
 
-TEST(MapperConfig, UnderstandsOldNames)
+TEST(MapperConfig, OldKeysAreRefused)
 {
-  const TemporaryFolder folder;
+  EXPECT_TRUE(holds(complaintAbout("voxel_size: 0.2\nhit_share: 0.2\n"),
+                    "line 2: hit_share: is min_hit_ratio now"));
+  EXPECT_TRUE(holds(complaintAbout("crf_tolerance: 0\n"),
+                    "line 1: crf_tolerance: had no effect, removed"));
+  EXPECT_EQ(whyRemoved("voxel_size"), "");
+}
+
+TEST(MapperConfig, KeysOfPresetsArePrintedWhereTheyAreNotTheDefault)
+{
   MapperConfig config;
-  readMapperConfig(writeConfig(folder, "hit_share: 0.2\ncrf_settled: 0.01\n"
-                                       "clique_hears_members: false\n"
-                                       "clique_members_hear_map: true\n"
-                                       "clique_leaves_out: pole\n"
-                                       "clique_leaves_out_above: 0.4\n"),
-                   config);
-  EXPECT_EQ(config.min_hit_ratio, 0.2);
-  EXPECT_EQ(config.crf_parameters.tolerance, 0.01);
-  EXPECT_FALSE(config.crf_parameters.update_from_members);
-  EXPECT_TRUE(config.crf_parameters.map_messages);
-  EXPECT_EQ(config.clique_exclude, "pole");
-  EXPECT_EQ(config.clique_exclude_threshold, 0.4);
-  EXPECT_EQ(printMapperConfig(config).find("hit_share"), std::string::npos);
-  EXPECT_TRUE(
-      holds(complaintAbout("hit_share: 0.2\nmin_hit_ratio: 0.3\n"), "hit_share"));
+  const std::string printed = printMapperConfig(config);
+  for (const ConfigParameter& parameter : parametersOf(config)) {
+    EXPECT_EQ(whyRemoved(parameter.name), "") << parameter.name;
+    if (parameter.preset_default.empty())
+      continue;
+    EXPECT_EQ(parameter.preset_default, parameter.text()) << parameter.name;
+    EXPECT_FALSE(holds(printed, "\n" + parameter.name + ":")) << parameter.name;
+  }
+  config.clique_parameters.superpixel.keep = true;
+  EXPECT_TRUE(holds(printMapperConfig(config), "\nsuperpixel_keep: true"));
 }
 
 TEST(MapperConfig, WhatIsPrintedIsReadBackTheSame)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
+#include "synthesize/labels.h"
+#include "synthesize/renderer.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/cloud_file.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/thrown_message.h"
+#include "synthesize/renderer.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/stereo/pair_check.h>
 

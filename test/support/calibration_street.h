@@ -2,9 +2,9 @@
 #pragma once
 
 #include "support/temporary_folder.h"
+#include "synthesize/labels.h"
+#include "synthesize/writer.h"
 
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_writer.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/mapper_config.h>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
+#include "synthesize/labels.h"
+#include "synthesize/renderer.h"
+
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>

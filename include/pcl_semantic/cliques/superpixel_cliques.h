@@ -75,9 +75,6 @@ public:
    * \throws InvalidParameterException if they are another number */
   std::vector<pcl::PointIndices> generate(const Cloud& cloud) override;
 
-  /** \brief Forgets what was kept. */
-  void clear();
-
 private:
   void keepParts(std::vector<int>& parts);
 

@@ -15,9 +15,6 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 struct SupervoxelParameters {
   double seed_resolution = 0.8;  ///< distance from supervoxel to supervoxel [m]
   double voxel_resolution = 0.1; ///< points in a cube of this edge are one voxel [m]
-  double colour_weight = 0.1;
-  double spatial_weight = 0.4;
-  double normal_weight = 1.0;
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;

@@ -44,13 +44,6 @@ struct VoxelIndexHash {
   }
 };
 
-/** \brief Quotient rounded towards minus infinity, for \a divisor > 0. */
-constexpr std::int32_t
-floorDivide(std::int32_t value, std::int32_t divisor)
-{
-  return value >= 0 ? value / divisor : -((-(value + 1)) / divisor) - 1;
-}
-
 /** \brief Centre of a voxel, world frame [m].
  * \param[in] voxel VoxelIndex, or the whole numbers of one beyond its range
  * \param[in] voxel_size [m] */

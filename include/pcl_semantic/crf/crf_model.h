@@ -34,14 +34,6 @@ public:
     return is_potts_;
   }
 
-  /** \brief mu(l, l') = mu(l', l) for all labels, to the last bit. Updates do without;
-   * an energy needs it. */
-  bool
-  isSymmetric() const
-  {
-    return is_symmetric_;
-  }
-
   /** \brief L; 0 = any number. */
   Eigen::Index
   labels() const
@@ -59,7 +51,6 @@ public:
 private:
   Eigen::MatrixXf costs_; // empty = Potts for any number of labels
   bool is_potts_ = true;
-  bool is_symmetric_ = true;
 };
 
 /** \brief A run of indices, for range-based loops. */
@@ -240,8 +231,8 @@ struct CrfModel {
   LabelCompatibility compatibility;
 
   /** \brief Every variable receives its own message through every kernel (K_ii, between
-   * cliques too), as in densecrf and PCL, instead of j != i only as eqs. (10)-(11) say.
-   * It is part of the updates, not of any energy. */
+   * cliques too), as in densecrf and PCL, instead of j != i only as eqs. (10)-(11)
+   * say. */
   bool self_interaction = false;
 
   std::vector<CliquePotential> cliques;

@@ -20,32 +20,17 @@ public:
 
   /** \brief Starts at Q(x_i) ~ exp(-psi_i) and Q(y_c) ~ exp(-psi_c).
    * \param[in] model is checked once, here
-   * \param[in] initial marginals to start from instead, L x N with columns of any
-   * positive scale, as those of an earlier frame; a column of zeros starts as without
-   * \throws InvalidParameterException as CrfModel::validate(); if \a initial has
-   * another size, or a value that is negative or not finite */
-  explicit MeanField(CrfModel model, const Eigen::MatrixXf* initial = nullptr);
+   * \throws InvalidParameterException as CrfModel::validate() */
+  explicit MeanField(CrfModel model);
   ~MeanField();
   MeanField(MeanField&&) noexcept;
   MeanField& operator=(MeanField&&) noexcept;
 
-  /** \brief One update of all variables.
-   * \return the largest change of a marginal, of x or y */
-  double update();
+  /** \brief One update of all variables. */
+  void update();
 
-  /** \brief Updates until the largest change is at most \a tolerance, but no more than
-   * \a max_updates.
-   * \param[in] tolerance 0 = never stop early
-   * \return the number of updates made
-   * \throws InvalidParameterException if an argument is negative or not a number */
-  int run(int max_updates, double tolerance = 0.0);
-
-  /** \brief What the last update returned; 0 before the first. */
-  double
-  lastChange() const
-  {
-    return last_change_;
-  }
+  /** \brief Several updates. \throws InvalidParameterException if \a updates < 0 */
+  void run(int updates);
 
   /** \brief Q(x), L x N, columns sum to one: not a copy, the next update changes it. */
   Marginals marginals() const;
@@ -55,15 +40,9 @@ public:
    * or it is P^n Potts and has no y */
   Eigen::MatrixXf cliqueMarginals(std::size_t potential = 0) const;
 
-  /** \brief Mean of E(x, y) under Q minus the entropy of Q: KL(Q | P) up to the
-   * constant log Z. Energies are those of crf_energy.h. \throws
-   * InvalidParameterException if the compatibility is not symmetric */
-  double freeEnergy() const;
-
 private:
   class Engine;
   std::unique_ptr<Engine> engine_;
-  double last_change_ = 0.0;
 };
 
 } // namespace pcl_semantic

@@ -22,10 +22,4 @@ std::vector<pcl::PointIndices>
 readCliques(const std::string& path,
             std::size_t points = std::numeric_limits<pcl::index_t>::max());
 
-/** \brief Writes the format of readCliques().
- * \throws InvalidParameterException if a clique is empty or an index negative
- * \throws OutputException */
-void writeCliques(const std::string& path,
-                  const std::vector<pcl::PointIndices>& cliques);
-
 } // namespace pcl_semantic

@@ -168,7 +168,7 @@ PcdTable tableOf(const LabelledCloud& labelled, const std::string& name);
  * place of the old ones or behind the others. A cloud without table gets x y z and, if
  * it has colour, rgba.
  * \throws InvalidParameterException if the sizes of cloud, table and distributions
- * differ, or cliques overlap: those go to writeCliques()
+ * differ, or cliques overlap, see readCliques()
  * \throws OutputException */
 void writeLabelledCloud(const std::string& path, const LabelledCloud& labelled);
 

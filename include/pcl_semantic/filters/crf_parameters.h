@@ -32,8 +32,7 @@ struct SemanticCRFParameters {
   Normalization normalization = Normalization::symmetric;
   bool self_interaction = false; ///< kernels include the point itself, as densecrf does
 
-  int iterations = 1;     ///< mean-field updates, at most
-  double tolerance = 0.0; ///< stop when no marginal changed by more; 0 = never
+  int iterations = 1; ///< mean-field updates
   /// T: what is returned of the marginals Q is Q^(1/T), normalised. The label stays,
   /// but it is less sure of itself (Guo et al. 2017); doc/calibration.md. The unary
   /// model has none.
@@ -48,14 +47,11 @@ struct SemanticCRFParameters {
   double clique_truncation =
       0.3; ///< q, the fraction of members that may disagree before
   bool update_from_members = true; ///< else Q(y_c) follows from the clique costs alone
-  bool map_messages = false; ///< the clique's MAP label instead of its distribution
 
-  // Kernels between cliques, over the mean position and colour of their members.
-  double clique_smoothness_weight = 0.0;    ///< of positions alone
-  double clique_smoothness_deviation = 1.0; ///< of positions, in that kernel
-  double clique_appearance_weight = 0.0;    ///< of positions and colours
-  double clique_appearance_deviation = 1.0; ///< of positions, in that kernel
-  double clique_colour_deviation = 8.0; ///< of colours, in that kernel [grey levels]
+  // The kernel between cliques, over the mean position and colour of their members.
+  double clique_appearance_weight = 0.0;
+  double clique_appearance_deviation = 1.0; ///< of positions
+  double clique_colour_deviation = 8.0;     ///< of colours [grey levels]
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
@@ -78,12 +74,9 @@ struct CRFReport {
   /// nearest neighbour [m]; 0 = too few points.
   double spacing = 0.0;
   int updates = 0;                 ///< mean-field updates made
-  double last_change = 0.0;        ///< largest change of a marginal in the last of them
   std::size_t unlabelled = 0;      ///< elements that take part without a measurement
   std::size_t cliques = 0;         ///< cliques that take part
   std::size_t skipped_cliques = 0; ///< cliques of which no member does
-  double free_energy = 0.0;        ///< MeanField::freeEnergy(), if it was asked for
-  double energy = 0.0;             ///< energy() of the MAP labels, likewise
 };
 
 } // namespace pcl_semantic

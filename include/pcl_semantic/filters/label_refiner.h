@@ -26,12 +26,6 @@ public:
     model_ = model;
   }
 
-  CRFModelType
-  getModel() const
-  {
-    return model_;
-  }
-
   /** \throws InvalidParameterException */
   void setParameters(const SemanticCRFParameters& parameters);
 
@@ -52,22 +46,9 @@ public:
    * the weight is not 0 to 1e9 */
   void addKernel(const Eigen::MatrixXf& features, float weight);
 
-  void clearKernels();
-
-  /** \brief k_c^l instead of the parameter clique_weight: L x C, or 1 x C or L x 1
-   * where all labels or cliques have the same; empty = the parameter.
-   * \throws InvalidParameterException unless all are 0 to 1e9 */
-  void setCliqueWeights(const Eigen::MatrixXf& weights);
-
   /** \brief psi_c(l), L x C, of the hierarchical model; empty = the mean unary cost of
    * the members. \throws InvalidParameterException unless all are finite */
   void setCliqueCosts(const Eigen::MatrixXf& costs);
-
-  /** \brief Marginals to start from, as the result of the previous frame: L x number of
-   * elements; a column of zeros starts from its measurement. Empty = all do.
-   * \throws InvalidParameterException if one is negative or not finite; another size is
-   * found in the run */
-  void setInitialDistributions(const LabelDistributions& distributions);
 
   /** \brief Classes of things that are thinner than the kernels are wide; see
    * SemanticCRFParameters::keep_thin. None unless it is set. */
@@ -76,10 +57,6 @@ public:
   {
     thin_labels_ = labels;
   }
-
-  /** \brief Whether the report has energies; they cost about as much as an update, and
-   * need a symmetric compatibility. */
-  void setComputeEnergies(bool compute);
 
   /** \brief Threads of a run; 0 = all processors. Unless it is set: as many as OpenMP
    * gives the calling thread. The result does not depend on it. */
@@ -142,11 +119,8 @@ private:
   SemanticCRFParameters parameters_;
   LabelCompatibility compatibility_;
   std::vector<GaussianTerm> kernels_; // the caller's own: weights and features
-  Eigen::MatrixXf clique_weights_;
   Eigen::MatrixXf clique_costs_;
-  LabelDistributions initial_;
   std::vector<Label> thin_labels_;
-  bool compute_energies_ = false;
   CRFReport report_;
 };
 

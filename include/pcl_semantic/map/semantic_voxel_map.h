@@ -105,10 +105,8 @@ public:
   /** \brief Queries of the window, world frame [m]; what lies outside is unknown. */
   Occupancy occupancy(const Eigen::Vector3d& point) const;
 
-  /** \brief MAP label (refined if there is one) of the occupied voxel at a point, or of
-   * many at one moment; kUnlabelled if it is not occupied. */
-  Label label(const Eigen::Vector3d& point) const;
-
+  /** \brief MAP labels (refined if there are some) of the occupied voxels at points,
+   * all at one moment; kUnlabelled where there is none. */
   std::vector<Label> labels(const std::vector<Eigen::Vector3d>& points) const;
 
   VoxelState state(const Eigen::Vector3d& point) const;

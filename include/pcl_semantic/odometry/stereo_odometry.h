@@ -83,9 +83,6 @@ public:
    * than each other or the camera's, or of another type than 8 bit grey or BGR */
   const OdometryResult& process(const StereoFrame& frame);
 
-  /** \brief Of the frame that came last. */
-  const OdometryResult& result() const;
-
   /** \brief How many frames were lost since the beginning. */
   int lostFrames() const override;
 

@@ -40,13 +40,12 @@ struct ConfigParameter {
   std::string name;
   std::string help;
   Value value;
-  std::string old_name{}; ///< that is still understood; empty = none
+  /// Its default, if it is a key of presets alone: no option, and printed only where it
+  /// has another value.
+  std::string preset_default{};
 
   /** \brief Name of the option: dashes for underscores. */
   std::string option() const;
-
-  /** \brief The old name as an option; empty = none. */
-  std::string oldOption() const;
 
   /** \brief The value as text: "0.1", "25,25,8", "true". */
   std::string text() const;
@@ -62,11 +61,16 @@ using ConfigParameters = std::vector<ConfigParameter>;
 /** \brief "a, b or c". */
 std::string joinWords(const std::vector<std::string>& words);
 
+/** \brief Why a parameter of earlier versions is refused, as "had no effect, removed";
+ * empty if there was none of that name. */
+std::string whyRemoved(const std::string& name);
+
 /** \brief Sets the parameters a YAML file names; the others keep their values.
  * \throws BadInputException with file and line, at a misspelt key for example */
 void readParameters(const std::string& path, ConfigParameters parameters);
 
-/** \brief The parameters as a YAML file that readParameters takes. */
+/** \brief The parameters as a YAML file that readParameters takes, without those of
+ * presets that have their defaults. */
 std::string printParameters(const ConfigParameters& parameters);
 
 } // namespace pcl_semantic

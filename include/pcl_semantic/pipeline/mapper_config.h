@@ -36,7 +36,8 @@ struct MapperConfig {
   SemanticCRFParameters crf_parameters = SemanticCRFParameters::forMaps();
   int threads = 0; ///< 0 = all processors
 
-  /** \brief Carries pixel_fusion and clearing into map and checks every value.
+  /** \brief Carries pixel_fusion and clearing into map, the size of its voxels to the
+   * supervoxels, and checks every value.
    * \throws InvalidParameterException */
   void validate();
 

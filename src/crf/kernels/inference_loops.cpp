@@ -92,12 +92,14 @@ joined(D d, hn::Vec<D> (&parts)[Parts])
 // Columns next to each other, Rows of each at once: one column alone would have the
 // processor wait for one result after the other. They go through the cache three times:
 // largest exponent, exponentials and their sum, probabilities.
-template <std::size_t Rows, std::size_t Columns, typename V, std::size_t Parts>
+template <std::size_t Rows, std::size_t Columns>
 HWY_INLINE void
 softMaxColumns(const float* HWY_RESTRICT cost, float* HWY_RESTRICT message,
-               float* HWY_RESTRICT marginal, std::size_t stride, V (&changes)[Parts])
+               float* HWY_RESTRICT marginal, std::size_t stride)
 {
   const hn::CappedTag<float, Rows> d;
+  using V = hn::Vec<decltype(d)>;
+  constexpr std::size_t Parts = Rows / hn::MaxLanes(d);
   const auto exponent = [&](std::size_t at) HWY_ATTR {
     return hn::Sub(hn::LoadU(d, message + at), hn::LoadU(d, cost + at));
   };
@@ -124,36 +126,29 @@ softMaxColumns(const float* HWY_RESTRICT cost, float* HWY_RESTRICT message,
   });
   for (std::size_t c = 0; c < Columns; ++c)
     scale[c] = hn::Set(d, 1.0f / joined<Sum>(d, sum[c]));
-  forAll(0, stride, [&](std::size_t c, std::size_t k, std::size_t at) HWY_ATTR {
+  forAll(0, stride, [&](std::size_t c, std::size_t, std::size_t at) HWY_ATTR {
     const auto probability = hn::Mul(hn::LoadU(d, message + at), scale[c]);
-    const auto change = hn::Abs(hn::Sub(probability, hn::LoadU(d, marginal + at)));
-    changes[k] = hn::Max(change, changes[k]);
     hn::StoreU(probability, d, marginal + at);
     hn::StoreU(hn::Zero(d), d, message + at);
   });
 }
 
 template <std::size_t Rows>
-HWY_INLINE float
+HWY_INLINE void
 softMaxOf(const float* costs, float* messages, float* marginals, std::size_t columns,
           std::size_t stride)
 {
-  const hn::CappedTag<float, Rows> d;
-  hn::Vec<decltype(d)> change[Rows / hn::MaxLanes(d)];
-  for (auto& part : change)
-    part = hn::Zero(d);
   std::size_t i = 0;
   // Four long columns would be more streams than the processor fetches ahead.
   for (; stride <= 64 && i + 4 <= columns; i += 4)
     softMaxColumns<Rows, 4>(costs + i * stride, messages + i * stride,
-                            marginals + i * stride, stride, change);
+                            marginals + i * stride, stride);
   for (; i < columns; ++i)
     softMaxColumns<Rows, 1>(costs + i * stride, messages + i * stride,
-                            marginals + i * stride, stride, change);
-  return joined<Larger>(d, change);
+                            marginals + i * stride, stride);
 }
 
-float
+void
 softMax(const float* costs, float* messages, float* marginals, std::size_t columns,
         std::size_t stride)
 {

@@ -21,11 +21,9 @@ struct InferenceLoops {
    * up.
    * \param[in] costs of the rows; padding_cost in padding
    * \param[in,out] messages finite, read and cleared
-   * \param[in,out] marginals the old ones are compared with the new ones
-   * \param[in] columns how many
-   * \return the largest change of a marginal */
-  float (*softMax)(const float* costs, float* messages, float* marginals,
-                   std::size_t columns, std::size_t stride);
+   * \param[in] columns how many */
+  void (*softMax)(const float* costs, float* messages, float* marginals,
+                  std::size_t columns, std::size_t stride);
 
   /** \brief columns(:, i) = - matrix columns(:, i): what was heard of labels k becomes
    * what is said of labels l, minus the mean of mu(l, k).

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
+#include "renderer.h"
+
 #include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
 
 #include <string>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief Writes the synthetic street as a sequence of KITTI's odometry benchmark:
  * `image_2 image_3 calib.txt times.txt poses.txt`, with the ground truth beside it:

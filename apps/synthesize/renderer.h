@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
+#include "street.h"
+
 #include <pcl_semantic/core/stereo_camera.h>
-#include <pcl_semantic/dataset/synthetic_scene.h>
 
 #include <opencv2/core/mat.hpp>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
-/** \brief What a stereo camera sees of the synthetic street, and the ground truth about
- * it. */
+/** \brief Images that a stereo camera takes of the street, and their ground truth. */
 struct SyntheticView {
   int frame = 0;
   cv::Mat left;      ///< CV_8UC3 (BGR), camera 2
@@ -44,7 +43,7 @@ public:
   /** \throws InvalidParameterException if the scene has no such frame */
   SyntheticView render(int frame) const;
 
-  /** \brief What the pair sees from another place, as when it is mounted elsewhere.
+  /** \brief Renders the view from another place, as when the pair is mounted elsewhere.
    * \param[in] T_world_camera pose of its left camera */
   SyntheticView render(int frame, const Eigen::Isometry3d& T_world_camera) const;
 

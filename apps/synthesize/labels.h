@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
+#include "renderer.h"
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+#include <pcl_semantic/core/label_distributions.h>
+
+namespace pcl_semantic {
 
 /** \brief Fraction of the full label noise at which the default sequence is as hard as
  * a good network makes real streets. */

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/same_image.h"
 #include "support/temporary_folder.h"
+#include "synthesize/labels.h"
+#include "synthesize/writer.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_writer.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "synthetic_noise.h"
+#include "noise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "synthetic_materials.h"
+#include "materials.h"
 
-#include "synthetic_noise.h"
+#include "noise.h"
 
 #include <algorithm>
 #include <array>
@@ -27,9 +27,6 @@ skyColour(const Vector3d& direction, std::uint32_t seed)
 }
 
 namespace {
-
-using Eigen::Vector3d;
-using Eigen::Vector3f;
 
 double
 fraction(double x)
@@ -284,7 +281,7 @@ plainColour(const Surface& surface, double footprint, std::uint32_t seed)
   }
 }
 
-/** \brief How strongly the grain varies the brightness, in the order of Material. */
+/** \brief Variation of the brightness by the grain, in the order of Material. */
 constexpr std::array<double, 15> kGrain{0.30, 0.22, 0.15, 0.45, 0.13, 0.22, 0.22, 0.5,
                                         0.75, 0.06, 0.06, 0.15, 0.15, 0.15, 0.15};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "dataset/synthetic_objects.h"
+#include "synthesize/objects.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/synthetic_sequence.h>
+#include "sequence.h"
 
-#include <pcl_semantic/dataset/synthetic_labels.h>
+#include "labels.h"
 
 namespace pcl_semantic {
 

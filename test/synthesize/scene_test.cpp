@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/same_image.h"
+#include "synthesize/labels.h"
+#include "synthesize/renderer.h"
+#include "synthesize/sequence.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
-#include <pcl_semantic/dataset/synthetic_sequence.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>

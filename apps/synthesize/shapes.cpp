@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "synthetic_shapes.h"
+#include "shapes.h"
 
-#include "synthetic_noise.h"
+#include "noise.h"
 
 #include <algorithm>
 #include <cmath>

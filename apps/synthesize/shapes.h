@@ -10,7 +10,7 @@
 
 namespace pcl_semantic::synthetic {
 
-/** \brief What a surface looks like (synthetic_materials.h). */
+/** \brief Look of a surface (materials.h). */
 enum class Material : std::uint8_t {
   asphalt,
   paving,
@@ -29,7 +29,7 @@ enum class Material : std::uint8_t {
   cloth
 };
 
-/** \brief What a primitive is made of. */
+/** \brief Form of a primitive. */
 enum class Shape : std::uint8_t {
   box,      ///< six planes; the taper makes wedges, cabins and gable roofs of it
   cylinder, ///< upright, round
@@ -86,7 +86,7 @@ struct Ray {
   Eigen::Vector3d direction;
 };
 
-/** \brief Where a ray enters a primitive.
+/** \brief Finds the point where a ray enters a primitive.
  * \param[in,out] distance in multiples of the ray's direction; only entries in front of
  * the origin and before its old value count
  * \param[out] normal outward, the primitive's axes, length 1; null: not wanted, and

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "labels.h"
 #include "messages.h"
 #include "tool.h"
+#include "writer.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/synthetic_labels.h>
-#include <pcl_semantic/dataset/synthetic_writer.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <cstdio>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "synthetic_street.h"
+#include "street.h"
 
 #include <vector>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/synthetic_labels.h>
+#include "labels.h"
 
 #include "core/fail.h"
-#include "synthetic_noise.h"
+#include "noise.h"
 
 #include <opencv2/core.hpp>
 
@@ -44,7 +44,7 @@ constexpr std::array<Confusion, 16> kConfusions{{
     {synthetic_sky, synthetic_building, -0.12},
 }};
 
-/** \brief What is known of a pixel's surroundings when its mistakes are drawn. */
+/** \brief Surroundings of a pixel, which its mistakes depend on. */
 struct Position {
   Vector3d image;    ///< column, row [units of image width / 100], the frame in between
   Vector3d world;    ///< [m]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "synthetic_objects.h"
+#include "objects.h"
 
-#include <pcl_semantic/dataset/synthetic_scene.h>
+#include "street.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/synthetic_writer.h>
+#include "writer.h"
 
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/distribution_file.h>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/dataset/synthetic_renderer.h>
+#include "renderer.h"
 
 #include "core/fail.h"
-
-#include "synthetic_materials.h"
+#include "materials.h"
 
 #include <opencv2/core.hpp>
 
@@ -20,7 +19,7 @@ using synthetic::Ray;
 using synthetic::Street;
 using synthetic::Surface;
 
-/** \brief What the ray of a pixel found. */
+/** \brief Result of the ray of a pixel. */
 struct Sample {
   Vector3f light = Vector3f::Zero(); ///< red, green, blue, linear
   double depth = 0.0;                ///< along the optical axis [m], 0 = sky

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/export.h>
+#include "renderer.h"
+
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
-#include <pcl_semantic/dataset/synthetic_renderer.h>
 
-namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+namespace pcl_semantic {
 
 /** \brief The synthetic street as a sequence in memory: frames are rendered when they
  * are asked for, and it knows the poses and labels of each. Its first frame is at the
