@@ -5,7 +5,6 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/class_statistics.h>
 #include <pcl_semantic/io/occupancy_grid.h>
 #include <pcl_semantic/io/octree_file.h>
 #include <pcl_semantic/io/ply_file.h>
@@ -25,103 +24,57 @@ const Usage usage{
     R"(Writes a labelled map for other programs. MAP is a folder that pcl_semantic_map has
 written, a labelled .pcd, or a map archive. OUT says by its name what is written:
   .bt    octree of OctoMap, occupied and free
-  .ot    the same in colours (ColorOcTree)
-  .ply   points; with --format mesh the faces of the voxels; both with labels
-  .pgm   occupancy grid with its .yaml, as map_server of ROS reads it; with
-         --format traversability where one can go
-  .csv   voxels, volume, area and heights of each class
+  .ply   points with labels
+  .pgm   occupancy grid with its .yaml, as map_server of ROS reads it
 Only an archive knows which space is free. Of a folder or a .pcd, which hold what is
-occupied, octrees leave all else unknown, and occupancy grids take for free where
-ground is seen and nothing stands. Parts of an archive: pcl_semantic_archive export.)",
+occupied, octrees leave all else unknown, and grids take for free where ground is seen
+and nothing stands. Parts of an archive: pcl_semantic_archive export.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \
     --archive /tmp/street_map && \
   pcl_semantic_export /tmp/street_map /tmp/street.bt && \
-  pcl_semantic_export /tmp/map /tmp/street.ply --format mesh && \
-  pcl_semantic_export /tmp/map /tmp/street.pgm --format traversability \
-    --traversable road)"};
+  pcl_semantic_export /tmp/map /tmp/street.ply && \
+  pcl_semantic_export /tmp/map /tmp/street.pgm --ground road)"};
 
-enum class Format {
-  octree,
-  colour_octree,
-  points,
-  mesh,
-  occupancy,
-  traversability,
-  statistics
-};
+enum class Format { octree, points, grid };
 
 struct Arguments {
-  std::string map, output, format_name;
+  std::string map, output;
   Format format = Format::points;
   MapHints hints;
   std::string colour = "class"; ///< or rgb, as measured
-  /// Names of classes; empty = usual ones, as far as the label set has them.
-  std::string ground, traversable;
+  std::string
+      ground; ///< names of classes; empty = usual ones, as far as there are such
   double min_height = 0.3, max_height = 2.0, reach = 5.0; ///< [m]
 };
 
-struct FormatName {
-  Format format;
-  const char* name;
-  const char* extension;
-};
-
-// Of one extension, the first is meant if none is named.
-constexpr FormatName formats[] = {{Format::octree, "octree", ".bt"},
-                                  {Format::colour_octree, "colour-octree", ".ot"},
-                                  {Format::points, "points", ".ply"},
-                                  {Format::mesh, "mesh", ".ply"},
-                                  {Format::occupancy, "occupancy", ".pgm"},
-                                  {Format::traversability, "traversability", ".pgm"},
-                                  {Format::statistics, "statistics", ".csv"}};
-
 Format
-formatOf(const std::string& output, const std::string& name)
+formatOf(const std::string& output)
 {
   const std::string extension = std::filesystem::path(output).extension().string();
-  for (const FormatName& format : formats) {
-    if (name.empty() ? extension != format.extension : name != format.name)
-      continue;
-    requireOutput(output, format.extension);
-    return format.format;
-  }
-  refuseIf(name.empty(),
-           output + ": expected a name that ends in .bt, .ot, .ply, .pgm or .csv");
-  failUsage("--format is '" + name +
-            "', expected octree, colour-octree, points, mesh, occupancy, "
-            "traversability or statistics");
+  if (extension != ".bt" && extension != ".ply" && extension != ".pgm")
+    failUsage(output + ": expected a name that ends in .bt, .ply or .pgm");
+  requireOutput(output, extension);
+  return extension == ".bt"    ? Format::octree
+         : extension == ".ply" ? Format::points
+                               : Format::grid;
 }
 
 // Options that the format has no use for were meant for something else.
 void
 refuseOthers(const po::variables_map& values, const std::vector<const char*>& options,
-             const std::string& formats_of_them)
+             const std::string& extension)
 {
   for (const char* const option : options)
     refuseIf(values.count(option) && !values[option].defaulted(),
-             std::string("--") + option + " is for " + formats_of_them);
-}
-
-void
-refuseUnused(const po::variables_map& values, Format format)
-{
-  if (format != Format::occupancy && format != Format::traversability)
-    refuseOthers(values, {"ground", "min-height", "max-height", "ground-reach"},
-                 "occupancy and traversability");
-  if (format != Format::traversability)
-    refuseOthers(values, {"traversable"}, "traversability");
-  if (format != Format::points && format != Format::mesh &&
-      format != Format::colour_octree)
-    refuseOthers(values, {"colour"}, "points, mesh and colour-octree");
+             std::string("--") + option + " is for " + extension);
 }
 
 void
 validate(const Arguments& arguments)
 {
   std::vector<std::string> outputs = {arguments.output};
-  if (arguments.format == Format::occupancy ||
-      arguments.format == Format::traversability)
+  if (arguments.format == Format::grid)
     outputs.push_back(gridDescription(arguments.output));
   refuseSameFiles({arguments.map, arguments.hints.label_set}, outputs);
   refuseIf(arguments.colour != "class" && arguments.colour != "rgb",
@@ -136,14 +89,14 @@ validate(const Arguments& arguments)
 Arguments
 parse(int argc, char** argv)
 {
+  refuseRemoved(argc, argv,
+                {{"format", "the name of OUT says what is written"},
+                 {"traversable", "--ground names the classes that count as ground"}});
   Arguments arguments;
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,
       {{"map", arguments.map, "the map"},
        {"output", arguments.output, "output file"},
-       {"format", arguments.format_name,
-        "octree, colour-octree, points, mesh, occupancy, traversability or statistics "
-        "(default: by the name of the output)"},
        {"label-set", arguments.hints.label_set,
         "label set (YAML; default: that of the archive, or label_sets/kitti11.yaml)"},
        {"voxel-size", arguments.hints.voxel_size,
@@ -151,10 +104,7 @@ parse(int argc, char** argv)
        {"ground", arguments.ground,
         "ground classes, separated by commas (default: road, sidewalk, terrain, "
         "parking and other ground, if there are such)"},
-       {"traversable", arguments.traversable,
-        "traversable classes of the ground (default: road, sidewalk and parking)"},
-       {"colour", withDefault(arguments.colour),
-        "colour of points and meshes: class or rgb"},
+       {"colour", withDefault(arguments.colour), "colour of points: class or rgb"},
        {"min-height", withDefault(arguments.min_height),
         "minimum height of an obstacle above the ground [m]"},
        {"max-height", withDefault(arguments.max_height),
@@ -163,12 +113,14 @@ parse(int argc, char** argv)
         "distance over which the height of the ground is extrapolated [m]"}},
       {"map", "output"});
   refuseIf(arguments.map.empty() || arguments.output.empty(), "MAP or OUT is missing");
-  arguments.format = formatOf(arguments.output, arguments.format_name);
-  refuseUnused(values, arguments.format);
+  arguments.format = formatOf(arguments.output);
+  if (arguments.format != Format::grid)
+    refuseOthers(values, {"ground", "min-height", "max-height", "ground-reach"},
+                 ".pgm");
+  if (arguments.format != Format::points)
+    refuseOthers(values, {"colour"}, ".ply");
   validate(arguments);
-  arguments.hints.free_space = arguments.format == Format::octree ||
-                               arguments.format == Format::colour_octree ||
-                               arguments.format == Format::occupancy;
+  arguments.hints.free_space = arguments.format != Format::points;
   return arguments;
 }
 
@@ -193,54 +145,39 @@ coloursOf(const Arguments& arguments, const MapInput& map)
   return colours;
 }
 
-// The classes that an option names; if it is not given, what there is of the usual
-// ones.
+// The classes of the ground: those that are named, or what there is of the usual ones.
 std::vector<Label>
-labelsOf(const char* option, const std::string& list,
-         const std::vector<std::string>& usual, const LabelSet& label_set)
+groundOf(const std::string& list, const LabelSet& label_set)
 {
   const std::vector<std::string> names = splitAtCommas(list);
   std::vector<Label> labels;
-  for (const std::string& name : names.empty() ? usual : names) {
+  for (const std::string& name :
+       names.empty() ? std::vector<std::string>{"road", "sidewalk", "terrain",
+                                                "parking", "other ground"}
+                     : names) {
     const Label label = label_set.find(name);
     if (label != kUnlabelled)
       labels.push_back(label);
     else if (!names.empty())
-      fail<InvalidParameterException>(option, ": the label set has no class '", name,
+      fail<InvalidParameterException>("--ground: the label set has no class '", name,
                                       "'");
   }
   if (labels.empty())
-    fail<InvalidParameterException>(
-        option,
-        ": the label set has no usual class of the ground; name those that are");
+    fail<InvalidParameterException>("--ground: the label set has no usual class of the "
+                                    "ground; name those that are");
   return labels;
 }
 
-OccupancyGrid
-gridOf(const Arguments& arguments, const MapInput& map)
+Results
+writeGrid(const Arguments& arguments, const MapInput& map)
 {
   requireLabels(map);
   OccupancyGridParameters parameters;
   parameters.min_height = arguments.min_height;
   parameters.max_height = arguments.max_height;
   parameters.reach = arguments.reach;
-  parameters.ground = labelsOf(
-      "--ground", arguments.ground,
-      {"road", "sidewalk", "terrain", "parking", "other ground"}, map.label_set);
-  if (arguments.format == Format::occupancy)
-    return occupancyGrid(map.scene, parameters);
-  parameters.traversable = labelsOf("--traversable", arguments.traversable,
-                                    {"road", "sidewalk", "parking"}, map.label_set);
-  // What one goes on is ground.
-  parameters.ground.insert(parameters.ground.end(), parameters.traversable.begin(),
-                           parameters.traversable.end());
-  return traversabilityGrid(map.scene, parameters);
-}
-
-Results
-writeGrid(const Arguments& arguments, const MapInput& map)
-{
-  const OccupancyGrid grid = gridOf(arguments, map);
+  parameters.ground = groundOf(arguments.ground, map.label_set);
+  const OccupancyGrid grid = occupancyGrid(map.scene, parameters);
   writeOccupancyGrid(arguments.output, grid);
   return {{"columns", std::size_t(grid.cells.cols)},
           {"rows", std::size_t(grid.cells.rows)},
@@ -248,22 +185,10 @@ writeGrid(const Arguments& arguments, const MapInput& map)
 }
 
 Results
-writeMesh(const Arguments& arguments, const MapInput& map)
-{
-  const std::vector<cv::Vec3b> colours = coloursOf(arguments, map);
-  const VoxelMesh mesh = blockyMesh(map.scene, colours);
-  writePlyMesh(arguments.output, mesh, map.scene, colours);
-  return {{"vertices", mesh.corners.size()}, {"faces", mesh.faces.size()}};
-}
-
-Results
 writeTree(const Arguments& arguments, const MapInput& map)
 {
   const VoxelScene& scene = map.scene;
-  if (arguments.format == Format::octree)
-    writeOctree(arguments.output, scene);
-  else
-    writeColourOctree(arguments.output, scene, coloursOf(arguments, map));
+  writeOctree(arguments.output, scene);
   const Eigen::Vector3d shift = octreeShift(scene);
   if (shift.cwiseAbs().maxCoeff() > 1e-3 * scene.grid.size) {
     TextStream text;
@@ -279,24 +204,11 @@ writeTree(const Arguments& arguments, const MapInput& map)
 Results
 write(const Arguments& arguments, const MapInput& map)
 {
-  switch (arguments.format) {
-  case Format::octree:
-  case Format::colour_octree:
+  if (arguments.format == Format::octree)
     return writeTree(arguments, map);
-  case Format::points:
-    writePlyPoints(arguments.output, map.scene, coloursOf(arguments, map));
-    break;
-  case Format::mesh:
-    return writeMesh(arguments, map);
-  case Format::occupancy:
-  case Format::traversability:
+  if (arguments.format == Format::grid)
     return writeGrid(arguments, map);
-  case Format::statistics:
-    requireLabels(map);
-    writeClassStatistics(arguments.output, countClasses(map.scene, map.label_set),
-                         map.label_set);
-    break;
-  }
+  writePlyPoints(arguments.output, map.scene, coloursOf(arguments, map));
   return {};
 }
 

@@ -6,8 +6,15 @@
 #include <pcl_semantic/io/voxel_scene.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace pcl_semantic::tool {
+
+/** \brief Refuses options of earlier versions, each with a word on what there is in its
+ * place. \throws InvalidParameterException */
+void refuseRemoved(int argc, char** argv,
+                   const std::vector<std::pair<std::string, std::string>>& options);
 
 /** \brief A finished map, its classes, and where the camera was. */
 struct MapInput {

@@ -7,7 +7,6 @@
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/io/scene_image.h>
 
-#include <map>
 #include <string>
 
 namespace {
@@ -19,7 +18,6 @@ struct Arguments {
   std::string compare; ///< another map; empty = none
   std::string colour = "class";
   int threads = 0;
-  bool small = false;
   tool::RenderOptions picture;
 };
 
@@ -44,34 +42,30 @@ validate(const Arguments& arguments)
   tool::refuseSameFiles(
       {arguments.map, arguments.compare, arguments.picture.hints.trajectory},
       {arguments.output});
-  tool::requireOneOf("--colour", arguments.colour,
-                     {"class", "rgb", "entropy", "observations", "clique", "change"});
-  tool::refuseIf((arguments.colour == "change") == arguments.compare.empty(),
-                 "--colour change and --compare belong together");
+  tool::requireColour(arguments.colour);
 }
 
 Arguments
 parse(int argc, char** argv)
 {
+  tool::refuseRemoved(argc, argv, tool::removed_render_options);
   Arguments arguments;
   const auto values = tool::parseCommandLine(
       argc, argv, usage,
-      tool::withRenderOptions(
-          arguments.picture,
-          {{"map", arguments.map, "the map"},
-           {"output", arguments.output, "output image (.png)"},
-           {"compare", arguments.compare,
-            "earlier map; shows where classes changed since"},
-           {"small", arguments.small, "palette image of half the size"}},
-          {{"size", tool::withDefault(arguments.picture.texts.size),
-            "size of the image without its legend [px]"},
-           {"colour", tool::withDefault(arguments.colour),
-            "class, rgb, entropy, observations, clique, change (needs --compare)"},
-           {"threads", tool::withDefault(arguments.threads),
-            "number of threads; 0 = all processors"}}),
+      tool::withRenderOptions(arguments.picture,
+                              {{"map", arguments.map, "the map"},
+                               {"output", arguments.output, "output image (.png)"},
+                               {"compare", arguments.compare,
+                                "earlier map; shows where classes changed since"}},
+                              {{"size", tool::withDefault(arguments.picture.texts.size),
+                                "size of the image without its legend [px]"},
+                               {"colour", tool::withDefault(arguments.colour),
+                                "class, rgb, or entropy of the labels"},
+                               {"threads", tool::withDefault(arguments.threads),
+                                "number of threads; 0 = all processors"}}),
       {"map", "output"});
-  if (!arguments.compare.empty() && values["colour"].defaulted())
-    arguments.colour = "change";
+  tool::refuseIf(!arguments.compare.empty() && !values["colour"].defaulted(),
+                 "--compare has colours of its own, --colour is for one map");
   tool::readRenderOptions(arguments.picture);
   validate(arguments);
   return arguments;
@@ -80,13 +74,10 @@ parse(int argc, char** argv)
 VoxelColours
 coloursOf(const Arguments& arguments, const tool::MapInput& map)
 {
-  static const std::map<std::string, VoxelColours (*)(const VoxelScene&)> known = {
-      {"rgb", measuredColours},
-      {"entropy", entropyColours},
-      {"observations", observationColours},
-      {"clique", cliqueColours}};
-  if (const auto found = known.find(arguments.colour); found != known.end())
-    return found->second(map.scene);
+  if (arguments.colour == "rgb")
+    return measuredColours(map.scene);
+  if (arguments.colour == "entropy")
+    return entropyColours(map.scene);
   if (!map.scene.has_labels)
     badInput(arguments.map, ": has no labels, expected a field label or probability");
   if (arguments.compare.empty())
@@ -108,7 +99,7 @@ render(const Arguments& arguments)
   const cv::Mat picture = drawVoxels(
       map.scene, colours, view,
       arguments.picture.view == "camera" ? SensorPath() : tool::pathOf(poses));
-  (arguments.small ? writeSmallPng : writePng)(arguments.output, picture);
+  writePng(arguments.output, picture);
   tool::printResults({{"picture", arguments.output}});
   return tool::exit_done;
 }

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "render_options.h"
 
-#include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/input_file.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,41 +8,36 @@ namespace pcl_semantic::tool {
 
 namespace {
 
-std::vector<double>
-numbersOf(std::string text, char separator, std::size_t count, const char* option)
-{
-  std::replace(text.begin(), text.end(), separator, ' ');
-  std::vector<double> numbers;
-  try {
-    numbers = parseNumbers(text, option);
-  }
-  catch (const BadInputException& error) {
-    failUsage(error.what());
-  }
-  if (numbers.size() != count)
-    failUsage(std::string(option) + " has " + std::to_string(numbers.size()) +
-              " numbers, expected " + std::to_string(count));
-  return numbers;
-}
-
 cv::Size
 sizeOf(const std::string& text)
 {
-  const std::vector<double> sides = numbersOf(text, 'x', 2, "--size");
+  std::string spaced = text;
+  std::replace(spaced.begin(), spaced.end(), 'x', ' ');
+  const std::vector<double> sides = parseNumbersOf("--size", spaced);
+  bool are_good = sides.size() == 2;
   for (const double side : sides)
-    if (!(side >= 160.0 && side <= 8192.0 && side == std::floor(side)))
-      failUsage("--size is " + text + ", expected WIDTHxHEIGHT from 160 to 8192");
+    are_good = are_good && side >= 160.0 && side <= 8192.0 && side == std::floor(side);
+  refuseIf(!are_good, "--size is " + text + ", expected WIDTHxHEIGHT from 160 to 8192");
   return {int(sides[0]), int(sides[1])};
 }
 
 Eigen::Vector3d
 positionOf(const std::string& text, const char* option)
 {
-  const std::vector<double> position = numbersOf(text, ',', 3, option);
+  const std::vector<double> position = parseNumbersOf(option, text);
+  refuseIf(position.size() != 3, std::string(option) + " has " +
+                                     std::to_string(position.size()) +
+                                     " numbers, expected 3");
   return {position[0], position[1], position[2]};
 }
 
+constexpr double field_of_view = 60.0 * M_PI / 180.0; // over the width [rad]
+
 } // namespace
+
+const std::vector<std::pair<std::string, std::string>> removed_render_options = {
+    {"small", "any image program makes a PNG smaller"},
+    {"field-of-view", "it is 60 degrees; a position nearer or farther shows more"}};
 
 std::vector<Option>
 withRenderOptions(RenderOptions& options, std::vector<Option> first,
@@ -64,9 +56,8 @@ withRenderOptions(RenderOptions& options, std::vector<Option> first,
         "voxel size [m] (default: that of the map, or of its points)"},
        {"view", withDefault(options.view),
         "angle (along the path from above), above, camera"},
-       {"frame", withDefault(options.frame), "row of the trajectory for --view camera"},
-       {"field-of-view", withDefault(options.texts.degrees),
-        "horizontal field of view of --from and --view camera [degrees]"}});
+       {"frame", withDefault(options.frame),
+        "row of the trajectory for --view camera"}});
   first.insert(first.end(), last.begin(), last.end());
   return first;
 }
@@ -75,7 +66,6 @@ void
 readRenderOptions(RenderOptions& options)
 {
   options.size = sizeOf(options.texts.size);
-  options.field_of_view = options.texts.degrees * M_PI / 180.0;
   refuseIf(options.texts.from.empty() != options.texts.look_at.empty(),
            "--from and --look-at belong together");
   options.looks_from = !options.texts.from.empty();
@@ -83,20 +73,20 @@ readRenderOptions(RenderOptions& options)
     options.from = positionOf(options.texts.from, "--from");
     options.look_at = positionOf(options.texts.look_at, "--look-at");
   }
-  requireOneOf("--view", options.view, {"angle", "above", "camera"});
+  refuseIf(options.view != "angle" && options.view != "above" &&
+               options.view != "camera",
+           "--view is '" + options.view + "', expected angle, above or camera");
   refuseIf(!(options.hints.voxel_size >= 0.0), "--voxel-size is less than 0");
 }
 
 void
-requireOneOf(const char* option, const std::string& value,
-             const std::vector<std::string>& known)
+requireColour(const std::string& colour)
 {
-  if (std::count(known.begin(), known.end(), value) > 0)
-    return;
-  std::string expected = known.front();
-  for (std::size_t i = 1; i < known.size(); ++i)
-    expected += (i + 1 < known.size() ? ", " : " or ") + known[i];
-  failUsage(std::string(option) + " is '" + value + "', expected " + expected);
+  refuseIf(
+      colour != "class" && colour != "rgb" && colour != "entropy",
+      "--colour is '" + colour +
+          "', expected class, rgb or entropy (changes: pcl_semantic_render --compare; "
+          "other fields: pcl_viewer)");
 }
 
 SceneView
@@ -104,15 +94,15 @@ viewOf(const RenderOptions& options, const VoxelScene& scene, const Trajectory& 
 {
   const Eigen::Vector3d& corner = scene.grid.corner;
   if (options.looks_from)
-    return lookAt(options.from - corner, options.look_at - corner,
-                  options.field_of_view, options.size);
+    return lookAt(options.from - corner, options.look_at - corner, field_of_view,
+                  options.size);
   if (options.view == "camera") {
     if (options.frame < 0 || std::size_t(options.frame) >= poses.size())
       badParameter("--view camera: the trajectory has ", poses.size(),
                    " poses, none for --frame ", options.frame);
     const Eigen::Isometry3d& pose = poses[std::size_t(options.frame)];
-    return lookAt(pose.translation(), pose * Eigen::Vector3d::UnitZ(),
-                  options.field_of_view, options.size);
+    return lookAt(pose.translation(), pose * Eigen::Vector3d::UnitZ(), field_of_view,
+                  options.size);
   }
   return options.view == "above" ? aboveView(scene, pathOf(poses), options.size)
                                  : angleView(scene, pathOf(poses), options.size);

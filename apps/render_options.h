@@ -20,28 +20,28 @@ struct RenderOptions {
   cv::Size size;                 ///< [px]
   bool looks_from = false;       ///< whether the next two are given
   Eigen::Vector3d from, look_at; ///< as the cloud's points [m]
-  double field_of_view = 0.0;    ///< over the width [rad]
   int frame = 0;                 ///< row of the trajectory
 
   /** \brief Options as they are typed. */
   struct Texts {
     std::string from, look_at, size = "1600x900";
-    double degrees = 60.0;
   } texts;
 };
 
 /** \brief The options \a first, then --trajectory, --from, --look-at, --label-set,
- * --voxel-size, --view, --frame and --field-of-view, then \a last; --size is the
- * program's own. */
+ * --voxel-size, --view and --frame, then \a last; --size is the program's own. */
 std::vector<Option> withRenderOptions(RenderOptions& options, std::vector<Option> first,
                                       const std::vector<Option>& last);
 
 /** \brief Reads what was typed. \throws InvalidParameterException */
 void readRenderOptions(RenderOptions& options);
 
-/** \brief Refuses any other value. \throws InvalidParameterException */
-void requireOneOf(const char* option, const std::string& value,
-                  const std::vector<std::string>& known);
+/** \brief Refuses what is not class, rgb or entropy.
+ * \throws InvalidParameterException */
+void requireColour(const std::string& colour);
+
+/** \brief Options of earlier versions, see refuseRemoved(). */
+extern const std::vector<std::pair<std::string, std::string>> removed_render_options;
 
 /** \brief The view that the options ask for, in the frame of the scene's indices.
  * \param[in] poses as posesInScene() has them

@@ -181,13 +181,13 @@ PairWatch::~PairWatch()
 void
 PairWatch::look(const StereoFrame& frame, const std::string& name)
 {
-  const PairFault fault = check_.add(frame.left, frame.right);
-  if (fault == PairFault::none)
+  const PairReport report = checkPair(frame.left, frame.right);
+  if (report.fault == PairFault::none)
     return;
   if (strict_)
-    throw BadInputException(name + ": " + check_.reason());
-  if (++warned_[fault] == 1)
-    warn(name + ": " + check_.reason());
+    throw BadInputException(name + ": " + report.reason);
+  if (++warned_[report.fault] == 1)
+    warn(name + ": " + report.reason);
 }
 
 } // namespace pcl_semantic::tool

@@ -99,7 +99,6 @@ public:
 
 private:
   bool strict_;
-  PairCheck check_;
   std::map<PairFault, int> warned_; ///< pairs with a fault
 };
 

@@ -38,9 +38,8 @@ struct Arguments {
   std::vector<std::string> hide; ///< names of classes
   std::string images;            ///< a sequence; empty = none
   std::vector<std::string> keys; ///< pressed at the beginning
-  tool::ViewState state;         ///< heights that are shown
+  tool::ViewState state;         ///< with the ceiling
   bool follow = false;           ///< the map is being made
-  bool small = false;            ///< fewer bytes in the screenshot
   int threads = 0;
   RenderOptions picture;
 };
@@ -66,6 +65,10 @@ usageOfView()
 Arguments
 parse(int argc, char** argv)
 {
+  std::vector<std::pair<std::string, std::string>> removed =
+      tool::removed_render_options;
+  removed.emplace_back("above", "--below shows what lies under a height");
+  tool::refuseRemoved(argc, argv, removed);
   Arguments arguments;
   std::string hide, keys;
   tool::parseCommandLine(
@@ -76,19 +79,17 @@ parse(int argc, char** argv)
            {"screenshot", arguments.screenshot,
             "write a picture (.png) instead of opening a window"},
            {"colour", arguments.colour,
-            "class, rgb, entropy, observations, clique; default: the first that MAP "
-            "has"},
+            "class, rgb, entropy; default: the first that MAP has"},
            {"hide", hide, "classes to hide, by name, with commas between them"},
            {"below", arguments.state.below, "show only what is below this height [m]"},
-           {"above", arguments.state.above, "show only what is above this height [m]"},
            {"images", arguments.images,
             "show pictures of this sequence (KITTI's layout) where the camera was"},
            {"keys", keys,
             "keys pressed at the beginning, with commas between them: m,3,Down"},
            {"follow", arguments.follow,
             "MAP is the output folder of a pcl_semantic_map --view that runs or is "
-            "about to: show the map after each frame; --images shows the newest image"},
-           {"small", arguments.small, "half the bytes, in fewer shades of colour"}},
+            "about to: show the map after each frame; --images shows the newest "
+            "image"}},
           {{"size", tool::withDefault(arguments.picture.texts.size),
             "of the window or picture"},
            {"threads", tool::withDefault(arguments.threads), "0 = all processors"}}),
@@ -101,10 +102,8 @@ parse(int argc, char** argv)
                          arguments.picture.hints.label_set},
                         {arguments.screenshot});
   if (!arguments.colour.empty())
-    tool::requireOneOf("--colour", arguments.colour,
-                       {"class", "rgb", "entropy", "observations", "clique"});
-  tool::refuseIf(!(arguments.state.above < arguments.state.below),
-                 "--above is not less than --below: nothing would be shown");
+    tool::requireColour(arguments.colour);
+  tool::refuseIf(std::isnan(arguments.state.below), "--below is no number");
   arguments.hide = tool::splitAtCommas(hide);
   arguments.keys = tool::splitAtCommas(keys);
   tool::readRenderOptions(arguments.picture);
@@ -273,7 +272,7 @@ leave(const Arguments& arguments, MapViewer& viewer)
 {
   if (arguments.screenshot.empty())
     return tool::interrupted() ? tool::exit_interrupted : tool::exit_done;
-  (arguments.small ? writeSmallPng : writePng)(arguments.screenshot, viewer.picture());
+  writePng(arguments.screenshot, viewer.picture());
   tool::printResults({{"picture", arguments.screenshot}});
   return tool::exit_done;
 }

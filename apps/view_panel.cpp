@@ -91,20 +91,6 @@ private:
   int bottom_ = kMargin / 2;
 };
 
-// "0.2 m to 1.5 m", what is not clipped; empty if all of it is there.
-std::string
-limitsOf(const ViewState& state)
-{
-  const bool has_floor = std::isfinite(state.above),
-             has_top = std::isfinite(state.below);
-  const std::string floor = cv::format("%.2f m", state.above),
-                    top = cv::format("%.2f m", state.below);
-  return has_floor && has_top ? "heights from " + floor + " to " + top
-         : has_floor          ? "heights above " + floor
-         : has_top            ? "heights below " + top
-                              : "";
-}
-
 } // namespace
 
 ViewPanel
@@ -117,13 +103,13 @@ drawPanel(const ViewedMap& map, const ViewState& state, int max_rows)
     writer.image(map.pictures[0].image);
   writer.line(map.title + ": " + colouring.name);
   writer.line(colouring.colours.note);
-  if (!limitsOf(state).empty())
-    writer.line(limitsOf(state));
+  if (std::isfinite(state.below))
+    writer.line(cv::format("heights below %.2f m", state.below));
   writer.gap();
   for (std::size_t i = 0; i < map.classes.size() && writer.hasRoom(); ++i) {
     const ViewedClass& each = map.classes[i];
     const int top = writer.bottom();
-    writer.swatch(keyOf(each.label), each.name, each.colour,
+    writer.swatch(keyOf(each.label), each.entry.text, each.entry.colour,
                   state.hidden.count(each.label) > 0);
     panel.rows.push_back({top, writer.bottom(), each.label});
   }

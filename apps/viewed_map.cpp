@@ -3,7 +3,6 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/io/drawing.h>
 
 #include <opencv2/imgproc.hpp>
 
@@ -17,30 +16,17 @@ namespace {
 constexpr int kImageColumns = 480;
 constexpr double kImagesApart = 1.5; // at least [m]
 
-// Flat colours of the label set: the faces are shaded so little that they can be seen.
-VoxelColours
-paintClasses(const ViewedMap& map, const LabelSet& label_set, std::string note)
-{
-  VoxelColours result;
-  for (const Label label : map.labels)
-    result.colours.push_back(classColour(label_set, label));
-  result.note = std::move(note);
-  return result;
-}
-
+// The legend names classes in this order, unlabelled at the end.
 std::vector<ViewedClass>
-classesOf(const ViewedMap& map, const LabelSet& label_set)
+classesOf(const std::vector<Label>& labels, const std::vector<LegendEntry>& legend)
 {
-  std::array<std::size_t, 256> counts{};
-  for (const Label label : map.labels)
-    ++counts[label];
+  std::array<bool, 256> is_there{};
+  for (const Label label : labels)
+    is_there[label] = true;
   std::vector<ViewedClass> classes;
-  for (int index = 1; index <= label_set.size() + 1; ++index) {
-    const Label label(index <= label_set.size() ? index : 0); // unlabelled is the last
-    if (counts[label] > 0)
-      classes.push_back(
-          {label, label_set[label].name, classColour(label_set, label), counts[label]});
-  }
+  for (int i = 1; i <= 256; ++i)
+    if (is_there[std::size_t(i % 256)])
+      classes.push_back({Label(i % 256), legend.at(classes.size())});
   return classes;
 }
 
@@ -71,9 +57,10 @@ smallImage(const cv::Mat& image, const StereoCamera& camera,
   return picture;
 }
 
-// Moves a limit by so many layers of voxels, from the end of the map if there was none.
+// Moves the ceiling by so many layers of voxels, from the end of the map if there was
+// none.
 Redraw
-moveLimit(const ViewedMap& map, int layers, double& limit)
+moveCeiling(const ViewedMap& map, int layers, double& ceiling)
 {
   if (map.indices.empty())
     return Redraw::nothing;
@@ -82,9 +69,9 @@ moveLimit(const ViewedMap& map, int layers, double& limit)
       begin, map.indices.end(),
       [](const VoxelIndex& a, const VoxelIndex& b) { return a.z() < b.z(); });
   const double half = 0.5 * map.grid.size;
-  limit = std::clamp(limit, map.heightOf(std::size_t(low - begin)) - half,
-                     map.heightOf(std::size_t(high - begin)) + half) +
-          layers * map.grid.size;
+  ceiling = std::clamp(ceiling, map.heightOf(std::size_t(low - begin)) - half,
+                       map.heightOf(std::size_t(high - begin)) + half) +
+            layers * map.grid.size;
   return Redraw::voxels;
 }
 
@@ -120,19 +107,16 @@ viewedMap(const VoxelScene& scene, const LabelSet& label_set, const std::string&
   map.indices = scene.voxels.indices;
   for (const pcl::PointXYZRGBL& point : *scene.voxels.cloud)
     map.labels.push_back(Label(point.label));
-  if (scene.has_labels) { // says which labels are wrong, and how many voxels there are
-    const std::string note = classColours(scene, label_set).note;
-    map.colourings.push_back({"class", paintClasses(map, label_set, note)});
-    map.classes = classesOf(map, label_set);
+  if (scene.has_labels) {
+    VoxelColours colours = classColours(scene, label_set);
+    map.classes = classesOf(map.labels, colours.legend);
+    colours.legend.clear();
+    map.colourings.push_back({"class", std::move(colours)});
   }
   if (scene.has_colour)
     map.colourings.push_back({"rgb", measuredColours(scene)});
   if (scene.voxels.refined.size() == Eigen::Index(map.indices.size()))
     map.colourings.push_back({"entropy", entropyColours(scene)});
-  if (scene.voxels.observations.size() == map.indices.size())
-    map.colourings.push_back({"observations", observationColours(scene)});
-  if (scene.cliques.size() == map.indices.size())
-    map.colourings.push_back({"clique", cliqueColours(scene)});
   return map;
 }
 
@@ -192,16 +176,13 @@ press(const std::string& key, const ViewedMap& map, int views, ViewState& state)
     return Redraw::voxels;
   }
   if (key == "Up" || key == "Down")
-    return moveLimit(map, key == "Up" ? 2 : -2, state.below);
-  if (key == "Prior" || key == "Next")
-    return moveLimit(map, key == "Prior" ? 2 : -2, state.above);
+    return moveCeiling(map, key == "Up" ? 2 : -2, state.below);
   if (key == "Home") {
     state.below = std::numeric_limits<double>::infinity();
-    state.above = -state.below;
     return Redraw::voxels;
   }
-  if (key == "v" || key == "r") {
-    state.view = key == "r" || views == 0 ? 0 : (state.view + 1) % views;
+  if (key == "v") {
+    state.view = views == 0 ? 0 : (state.view + 1) % views;
     return Redraw::camera;
   }
   if (key == "q" || key == "Escape")
@@ -235,11 +216,10 @@ helpOnKeys()
       "a: all classes on, off",
       "m: next colouring",
       "Down, Up: ceiling lower, higher",
-      "Page Down, Page Up: the floor",
-      "Home: neither of them",
+      "Home: no ceiling",
       "t: path of the camera",
       "i: pictures of the camera",
-      "v: next view; r: the first",
+      "v: next view",
       "l: this panel; h: these lines",
       "mouse: turn; Shift: move; wheel: zoom",
       "q: close"};

@@ -25,9 +25,7 @@ struct Colouring {
 /** \brief A class that a map has, as its legend shows it. */
 struct ViewedClass {
   Label label = kUnlabelled;
-  std::string name;
-  cv::Vec3b colour; ///< blue, green, red: that of the label set
-  std::size_t voxels = 0;
+  LegendEntry entry;
 };
 
 /** \brief What a camera saw, and from where. */
@@ -57,8 +55,7 @@ struct ViewedMap {
   }
 };
 
-/** \brief Prepares a map. Classes have the colours of the label set, the very ones of
- * map_classes.pcd, overlays and top views.
+/** \brief Prepares a map, in the colours of pcl_semantic_render.
  * \throws BadInputException if it has neither labels nor colours
  * \throws InvalidParameterException at a label beyond the label set */
 ViewedMap viewedMap(const VoxelScene& scene, const LabelSet& label_set,
@@ -79,9 +76,8 @@ std::vector<ViewedImage> imagesOf(const std::string& sequence,
 /** \brief What of a map is shown, and how; keys change it. */
 struct ViewState {
   std::set<Label> hidden;
-  std::size_t colouring = 0;                               ///< of the map's
-  double below = std::numeric_limits<double>::infinity();  ///< [m]
-  double above = -std::numeric_limits<double>::infinity(); ///< [m]
+  std::size_t colouring = 0;                              ///< of the map's
+  double below = std::numeric_limits<double>::infinity(); ///< ceiling [m]
   bool path = true, pictures = false, panel = true, help = false;
   int view = 0; ///< which of the views the camera takes next
   bool is_closed = false;
@@ -90,8 +86,7 @@ struct ViewState {
   bool
   shows(const ViewedMap& map, std::size_t voxel) const
   {
-    const double height = map.heightOf(voxel);
-    return height < below && height > above && hidden.count(map.labels[voxel]) == 0;
+    return map.heightOf(voxel) < below && hidden.count(map.labels[voxel]) == 0;
   }
 };
 

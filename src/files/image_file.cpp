@@ -107,16 +107,6 @@ decode(const Bytes& bytes, int flags)
   }
 }
 
-void
-encode(const std::string& path, const cv::Mat& image,
-       const std::vector<int>& parameters = {})
-{
-  Bytes bytes;
-  if (image.empty() || !cv::imencode(".png", image, bytes, parameters))
-    fail<OutputException>(path, ": cannot be encoded as PNG");
-  writeBytes(path, bytes.data(), bytes.size());
-}
-
 } // namespace
 
 const std::vector<std::string>&
@@ -179,22 +169,10 @@ readPng(const std::string& path, ImageKind kind)
 void
 writePng(const std::string& path, const cv::Mat& image)
 {
-  encode(path, image);
-}
-
-void
-writeSmallPng(const std::string& path, const cv::Mat& picture)
-{
-  if (picture.type() != CV_8UC3)
-    badParameter(path, ": a picture has three colours of 8 bits");
-  cv::Mat table(1, 256, CV_8UC1), coarse;
-  for (int value = 0; value < 256; ++value)
-    table.at<std::uint8_t>(0, value) =
-        static_cast<std::uint8_t>(std::min(255, (value + 4) / 8 * 8));
-  cv::LUT(picture, table, coarse);
-  encode(path, coarse,
-         {cv::IMWRITE_PNG_COMPRESSION, 9, cv::IMWRITE_PNG_STRATEGY,
-          cv::IMWRITE_PNG_STRATEGY_DEFAULT});
+  Bytes bytes;
+  if (image.empty() || !cv::imencode(".png", image, bytes))
+    fail<OutputException>(path, ": cannot be encoded as PNG");
+  writeBytes(path, bytes.data(), bytes.size());
 }
 
 } // namespace pcl_semantic

@@ -100,32 +100,18 @@ drawPath(cv::Mat& picture, const TopViewGrid& grid,
 } // namespace
 
 cv::Mat
-colourLabels(const cv::Mat& labels, const LabelSet& label_set)
-{
-  cv::Mat3b colours(labels.size());
-  std::transform(labels.begin<Label>(), labels.end<Label>(), colours.begin(),
-                 [&](Label label) { return classColour(label_set, label); });
-  return colours;
-}
-
-cv::Mat
-blendLabels(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
+drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
 {
   if (image.size() != labels.size() || labels.type() != CV_8UC1)
     badParameter("an overlay needs an image and labels of the same size");
-  cv::Mat picture;
+  cv::Mat3b colours(labels.size());
+  std::transform(labels.begin<Label>(), labels.end<Label>(), colours.begin(),
+                 [&](Label label) { return classColour(label_set, label); });
+  cv::Mat picture, blended;
   cv::cvtColor(greyImage(image), picture, cv::COLOR_GRAY2BGR);
-  cv::Mat blended;
-  cv::addWeighted(picture, 0.45, colourLabels(labels, label_set), 0.65, 0.0, blended);
+  cv::addWeighted(picture, 0.45, colours, 0.65, 0.0, blended);
   blended.copyTo(picture, labels != kUnlabelled);
-  return picture;
-}
-
-cv::Mat
-drawOverlay(const cv::Mat& image, const cv::Mat& labels, const LabelSet& label_set)
-{
-  return withLegend(blendLabels(image, labels, label_set), legendOf(label_set),
-                    dark_theme);
+  return withLegend(picture, legendOf(label_set), dark_theme);
 }
 
 cv::Mat

@@ -174,19 +174,6 @@ occupancyGrid(const VoxelScene& scene, const OccupancyGridParameters& parameters
   return maker.grid;
 }
 
-OccupancyGrid
-traversabilityGrid(const VoxelScene& scene, const OccupancyGridParameters& parameters)
-{
-  GridMaker maker(scene, parameters);
-  cv::Mat& cells = maker.grid.cells;
-  cells.setTo(OccupancyGrid::kOccupied, maker.label != 0);
-  for (const Label label : parameters.traversable)
-    if (label != kUnlabelled)
-      cells.setTo(OccupancyGrid::kFree, maker.label == label);
-  cells.setTo(OccupancyGrid::kOccupied, maker.betweenHeights(scene.voxels.indices));
-  return maker.grid;
-}
-
 std::string
 gridDescription(const std::string& path)
 {

@@ -9,7 +9,6 @@
 #ifndef OCTOMAP_NODEBUGOUT
 #define OCTOMAP_NODEBUGOUT
 #endif
-#include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
 
 #include <iomanip>
@@ -17,23 +16,6 @@
 namespace pcl_semantic {
 
 namespace {
-
-// The library joins voxels whatever their colours, and mixes these.
-class ExactColourTree : public octomap::ColorOcTree {
-public:
-  using octomap::ColorOcTree::ColorOcTree;
-
-  bool
-  isNodeCollapsible(const octomap::ColorOcTreeNode* node) const override
-  {
-    if (!octomap::ColorOcTree::isNodeCollapsible(node))
-      return false;
-    for (unsigned child = 1; child < 8; ++child)
-      if (getNodeChild(node, child)->getColor() != getNodeChild(node, 0)->getColor())
-        return false;
-    return true;
-  }
-};
 
 // The voxel of an octree in which cube 0 of the scene lies.
 VoxelIndex
@@ -60,17 +42,14 @@ keyOf(const VoxelIndex& voxel, const VoxelIndex& first)
   return key;
 }
 
-template <typename Tree, typename Paint>
 void
-fill(Tree& tree, const VoxelScene& scene, Paint&& paint)
+fill(octomap::OcTree& tree, const VoxelScene& scene)
 {
   const VoxelIndex first = firstVoxel(scene);
   for (const VoxelIndex& voxel : scene.free)
     tree.setNodeValue(keyOf(voxel, first), tree.getClampingThresMinLog(), true);
-  for (std::size_t i = 0; i < scene.voxels.size(); ++i)
-    paint(*tree.setNodeValue(keyOf(scene.voxels.indices[i], first),
-                             tree.getClampingThresMaxLog(), true),
-          i);
+  for (const VoxelIndex& voxel : scene.voxels.indices)
+    tree.setNodeValue(keyOf(voxel, first), tree.getClampingThresMaxLog(), true);
   tree.updateInnerOccupancy();
   tree.prune();
 }
@@ -78,10 +57,9 @@ fill(Tree& tree, const VoxelScene& scene, Paint&& paint)
 // What the library's own writing begins with. That talks on standard error, and gives
 // the size of the voxels six digits, which are too few for some.
 void
-writeHeader(std::ostream& stream, const char* title,
-            const octomap::AbstractOcTree& tree)
+writeHeader(std::ostream& stream, const octomap::OcTree& tree)
 {
-  stream << "# Octomap OcTree " << title << "\nid " << tree.getTreeType() << "\nsize "
+  stream << "# Octomap OcTree binary file\nid " << tree.getTreeType() << "\nsize "
          << tree.size() << "\nres " << std::setprecision(15) << tree.getResolution()
          << "\ndata\n";
 }
@@ -100,25 +78,9 @@ writeOctree(const std::string& path, const VoxelScene& scene)
 {
   AtomicFile file(path);
   octomap::OcTree tree(scene.grid.size);
-  fill(tree, scene, [](octomap::OcTreeNode&, std::size_t) {});
-  writeHeader(file.stream(), "binary file", tree);
+  fill(tree, scene);
+  writeHeader(file.stream(), tree);
   tree.writeBinaryData(file.stream());
-  file.commit();
-}
-
-void
-writeColourOctree(const std::string& path, const VoxelScene& scene,
-                  const std::vector<cv::Vec3b>& colours)
-{
-  if (colours.size() != scene.voxels.size())
-    badParameter(colours.size(), " colours for ", scene.voxels.size(), " voxels");
-  AtomicFile file(path);
-  ExactColourTree tree(scene.grid.size);
-  fill(tree, scene, [&](octomap::ColorOcTreeNode& node, std::size_t i) {
-    node.setColor(colours[i][2], colours[i][1], colours[i][0]);
-  });
-  writeHeader(file.stream(), "file", tree);
-  tree.writeData(file.stream());
   file.commit();
 }
 

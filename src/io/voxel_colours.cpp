@@ -2,13 +2,11 @@
 #include <pcl_semantic/io/voxel_colours.h>
 
 #include "core/fail.h"
-#include "label_changes.h"
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace pcl_semantic {
 
@@ -62,19 +60,28 @@ labelsOf(const VoxelScene& scene)
   return labels;
 }
 
-// A colour for a number, neighbours far apart: saturated enough to differ, never dark.
-cv::Vec3b
-colourOfNumber(std::uint32_t number)
+// How often one label became another.
+struct LabelChange {
+  Label from = kUnlabelled, to = kUnlabelled;
+  std::size_t count = 0;
+};
+
+// The most frequent first, then by numbers. Where one label is not known, none changed.
+std::vector<LabelChange>
+changesOf(const std::vector<Label>& before, const std::vector<Label>& after)
 {
-  std::uint32_t hash = number * 2654435761u;
-  hash ^= hash >> 15;
-  hash *= 2246822519u;
-  const cv::Vec3b hsv(static_cast<std::uint8_t>(hash % 180),
-                      static_cast<std::uint8_t>(90 + (hash >> 8) % 120),
-                      static_cast<std::uint8_t>(170 + (hash >> 16) % 80));
-  cv::Mat colour(1, 1, CV_8UC3, cv::Scalar(hsv));
-  cv::cvtColor(colour, colour, cv::COLOR_HSV2BGR);
-  return colour.at<cv::Vec3b>(0, 0);
+  std::vector<std::size_t> counts(256 * 256, 0);
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (before[i] != kUnlabelled && after[i] != kUnlabelled && before[i] != after[i])
+      ++counts[std::size_t(before[i]) * 256 + after[i]];
+  std::vector<LabelChange> changes;
+  for (std::size_t pair = 0; pair < counts.size(); ++pair)
+    if (counts[pair] > 0)
+      changes.push_back({Label(pair / 256), Label(pair % 256), counts[pair]});
+  std::stable_sort(
+      changes.begin(), changes.end(),
+      [](const LabelChange& a, const LabelChange& b) { return a.count > b.count; });
+  return changes;
 }
 
 // The ramp of entropy: 256 colours from pale yellow to dark violet.
@@ -155,77 +162,40 @@ entropyColours(const VoxelScene& scene)
 }
 
 VoxelColours
-observationColours(const VoxelScene& scene)
-{
-  const std::vector<std::uint32_t>& observations = scene.voxels.observations;
-  requireField(observations.size() == scene.voxels.size(), "numbers of observations",
-               "observations");
-  constexpr int steps = 8; // 1, 2 to 3, 4 to 7, ... 128 and more
-  const cv::Mat ramp = uncertaintyRamp();
-  const auto colourOf = [&](int step) {
-    return ramp.at<cv::Vec3b>(0, 255 - 255 * step / (steps - 1));
-  };
-  VoxelColours result;
-  for (const std::uint32_t count : observations) {
-    int step = 0;
-    while (step + 1 < steps && count >> (step + 1) > 0)
-      ++step;
-    result.colours.push_back(colourOf(step));
-  }
-  for (int step = 0; step < steps; ++step) {
-    const int low = 1 << step, high = 2 * low - 1;
-    result.legend.push_back({step == 0           ? "1 scan"
-                             : step == steps - 1 ? cv::format("%d and more", low)
-                                                 : cv::format("%d to %d", low, high),
-                             colourOf(step)});
-  }
-  result.note = "scans that hit each of " + sizeOf(scene);
-  return result;
-}
-
-VoxelColours
-cliqueColours(const VoxelScene& scene)
-{
-  requireField(scene.cliques.size() == scene.voxels.size(), "cliques", "clique");
-  VoxelColours result;
-  std::set<std::uint32_t> numbers;
-  for (const std::uint32_t clique : scene.cliques) {
-    result.colours.push_back(clique == 0 ? grey_of_unchanged : colourOfNumber(clique));
-    numbers.insert(clique);
-  }
-  if (numbers.erase(0) > 0)
-    result.legend.push_back({"in no clique", grey_of_unchanged});
-  result.note = grouped(numbers.size()) + " cliques, " + sizeOf(scene);
-  return result;
-}
-
-VoxelColours
 changeColours(const VoxelScene& scene, const std::vector<Label>& before,
               const LabelSet& label_set)
 {
   constexpr std::size_t max_kinds = 9;
+  if (before.size() != scene.voxels.size())
+    badParameter(before.size(), " labels before of ", scene.voxels.size(), " voxels");
   const std::vector<Label> after = labelsOf(scene);
-  const LabelChanges changes = countLabelChanges(before, after);
   VoxelColours result = classColours(scene, label_set);
   result.shading = 0.6; // what is grey stays pale, so that the colours stand out
-  for (std::size_t i = 0; i < after.size(); ++i)
-    if (before[i] == kUnlabelled || before[i] == after[i] || after[i] == kUnlabelled)
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const bool is_known = before[i] != kUnlabelled && after[i] != kUnlabelled;
+    compared += is_known;
+    if (!is_known || before[i] == after[i])
       result.colours[i] = grey_of_unchanged;
-  result.legend.clear();
-  std::size_t named = 0;
-  for (std::size_t i = 0; i < std::min(max_kinds, changes.kinds.size()); ++i) {
-    const LabelChange& kind = changes.kinds[i];
-    result.legend.push_back({label_set[kind.from].name + " > " +
-                                 label_set[kind.to].name + " " + grouped(kind.count),
-                             solidColour(label_set, kind.to)});
-    named += kind.count;
   }
-  result.note = grouped(changes.changed) + " of " + grouped(changes.compared) +
-                cv::format(" voxels changed their class (%.1f %%)",
-                           100.0 * double(changes.changed) /
-                               double(std::max<std::size_t>(1, changes.compared)));
-  if (named < changes.changed)
-    result.note += ", " + grouped(changes.changed - named) + " in other ways";
+  result.legend.clear();
+  std::size_t changed = 0, named = 0;
+  for (const LabelChange& change : changesOf(before, after)) {
+    changed += change.count;
+    if (result.legend.size() == max_kinds)
+      continue;
+    result.legend.push_back({label_set[change.from].name + " > " +
+                                 label_set[change.to].name + " " +
+                                 grouped(change.count),
+                             solidColour(label_set, change.to)});
+    named += change.count;
+  }
+  result.note =
+      grouped(changed) + " of " + grouped(compared) +
+      cv::format(" voxels changed their class (%.1f %%)",
+                 100.0 * double(changed) / double(std::max<std::size_t>(1, compared)));
+  if (named < changed)
+    result.note += ", " + grouped(changed - named) + " in other ways";
   result.legend.push_back({"unchanged", grey_of_unchanged});
   return result;
 }

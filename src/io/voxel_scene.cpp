@@ -151,35 +151,14 @@ standIn(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
   return *first;
 }
 
-// What the rows of the file that are kept say beside labels and colours.
-void
-keepRows(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
-         VoxelScene& scene)
+// The distributions of the rows of the file that are kept.
+LabelDistributions
+distributionsOf(const LabelDistributions& all, const std::vector<std::size_t>& rows)
 {
-  const LabelDistributions& all = labelled.distributions;
-  if (all.classes() > 0) {
-    LabelDistributions::Matrix values(all.classes(), Eigen::Index(rows.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      values.col(Eigen::Index(i)) = all.matrix().col(Eigen::Index(rows[i]));
-    scene.voxels.refined = LabelDistributions(std::move(values));
-  }
-  if (!labelled.cliques.empty() || labelled.table.find("clique") >= 0) {
-    std::vector<std::uint32_t> clique_of_row(labelled.cloud->size());
-    for (std::size_t c = 0; c < labelled.cliques.size(); ++c)
-      for (const int row : labelled.cliques[c].indices)
-        clique_of_row[std::size_t(row)] = static_cast<std::uint32_t>(c + 1);
-    for (const std::size_t row : rows)
-      scene.cliques.push_back(clique_of_row[row]);
-  }
-  const int field = labelled.table.find("observations");
-  if (field < 0 || labelled.table.fields[std::size_t(field)].count != 1)
-    return; // none, or not ours
-  const PcdColumn observations(labelled.table, field);
-  for (const std::size_t row : rows) {
-    const double count = observations(row); // NaN becomes none
-    scene.voxels.observations.push_back(
-        count >= 1.0 ? static_cast<std::uint32_t>(std::min(count, 4294967295.0)) : 0);
-  }
+  LabelDistributions::Matrix values(all.classes(), Eigen::Index(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    values.col(Eigen::Index(i)) = all.matrix().col(Eigen::Index(rows[i]));
+  return LabelDistributions(std::move(values));
 }
 
 } // namespace
@@ -219,7 +198,8 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid)
     scene.voxels.cloud->push_back(point);
     scene.voxels.indices.push_back(indices[order[begin]]);
   }
-  keepRows(labelled, kept, scene);
+  if (labelled.distributions.classes() > 0)
+    scene.voxels.refined = distributionsOf(labelled.distributions, kept);
   return scene;
 }
 

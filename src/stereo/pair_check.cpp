@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <limits>
 
 namespace pcl_semantic {
@@ -31,8 +30,6 @@ constexpr double alike_fraction = 0.4;
 constexpr double matched_fraction = 0.03;
 constexpr int enough_matches = 12;
 constexpr int enough_textured = 60;
-
-constexpr int memory = 1000; // of blocks of earlier pairs
 
 // The textured blocks of an image are sought in such rows only; stacked.
 using Bands = cv::Mat1b;
@@ -70,8 +67,7 @@ bool
 isIdentical(const cv::Mat& left, const cv::Mat& right)
 {
   for (int v = 0; v < left.rows; ++v)
-    if (std::memcmp(left.ptr(v), right.ptr(v),
-                    std::size_t(left.cols) * left.elemSize()) != 0)
+    if (cv::norm(left.row(v), right.row(v), cv::NORM_INF) != 0.0)
       return false;
   return true;
 }
@@ -137,9 +133,18 @@ findBlock(const Bands& from, const Bands& to, int u, int v)
   return {first + best, costs[best] < 0.5 * sum / count, costs[best] < 0.7 * second};
 }
 
-void
-countMatches(const Bands& left, const Bands& right, PairEvidence& evidence)
+struct Matches {
+  int textured = 0; // blocks that were sought
+  int alike = 0;    // of those, how many look like some position of their row
+  int matched = 0;  // like one position only, and are found again from there
+  int forward = 0;  // of those, clearly further left in the right image
+  int backward = 0; // same, clearly further right
+};
+
+Matches
+countMatches(const Bands& left, const Bands& right)
 {
+  Matches matches;
   const int range = left.cols / range_fraction;
   // Both directions have all their positions in the image.
   const int columns = left.cols - 2 * range - block_width;
@@ -148,100 +153,61 @@ countMatches(const Bands& left, const Bands& right, PairEvidence& evidence)
     const int u = range + columns * (j % grid_columns) / (grid_columns - 1);
     if (!isTextured(left, u, v))
       continue;
-    ++evidence.textured;
+    ++matches.textured;
     const BlockMatch match = findBlock(left, right, u, v);
-    evidence.alike += match.is_alike;
+    matches.alike += match.is_alike;
     if (!match.is_alike || !match.is_unique)
       continue;
     const BlockMatch back = findBlock(right, left, match.u, v);
     if (!back.is_unique || std::abs(back.u - u) > 1)
       continue;
-    ++evidence.matched;
-    evidence.forward += u - match.u >= min_disparity;
-    evidence.backward += match.u - u >= min_disparity;
+    ++matches.matched;
+    matches.forward += u - match.u >= min_disparity;
+    matches.backward += match.u - u >= min_disparity;
   }
+  return matches;
 }
-
-constexpr int PairEvidence::*counts[] = {&PairEvidence::textured, &PairEvidence::alike,
-                                         &PairEvidence::matched, &PairEvidence::forward,
-                                         &PairEvidence::backward};
 
 } // namespace
 
-PairFault
-PairEvidence::fault() const
-{
-  // A fence has no coarse contrast either, but is in both images and alike; noise is
-  // not.
-  const auto [low, high] = std::minmax(left_contrast, right_contrast);
-  if (low < blank_contrast &&
-      (high > 2.0 * blank_contrast || alike <= alike_fraction * textured))
-    return PairFault::blank;
-  if (is_identical)
-    return PairFault::identical;
-  // Repeated texture is alike in many positions, but matched nowhere.
-  if (textured >= enough_textured && alike < alike_fraction * textured &&
-      matched < matched_fraction * textured)
-    return PairFault::unrelated;
-  if (backward >= enough_matches && backward > 4 * forward)
-    return PairFault::swapped;
-  return PairFault::none;
-}
-
-std::string
-PairEvidence::reason() const
-{
-  switch (fault()) {
-  case PairFault::blank:
-    if (std::max(left_contrast, right_contrast) < blank_contrast)
-      return "both images are blank: covered lenses?";
-    return std::string("the ") + (left_contrast < right_contrast ? "left" : "right") +
-           " image is blank: a covered lens?";
-  case PairFault::identical:
-    return "left and right are the same image";
-  case PairFault::swapped:
-    return "left and right are swapped: of " + std::to_string(forward + backward) +
-           " positions found in both, " + std::to_string(backward) +
-           " lie further right in the right image";
-  case PairFault::unrelated:
-    return "left and right do not show the same rows: of " + std::to_string(textured) +
-           " positions, " + std::to_string(matched) +
-           " were found in both; is the pair of one moment and rectified?";
-  case PairFault::none:
-    break;
-  }
-  return "";
-}
-
-PairEvidence
-gatherPairEvidence(const cv::Mat& left, const cv::Mat& right)
+PairReport
+checkPair(const cv::Mat& left, const cv::Mat& right)
 {
   requireImagePair(left, right);
-  PairEvidence evidence;
   const Bands left_bands = reducedBands(left), right_bands = reducedBands(right);
-  evidence.left_contrast = contrastOf(left, left_bands);
-  evidence.right_contrast = contrastOf(right, right_bands);
-  evidence.is_identical = isIdentical(left, right);
+  Matches found;
   if (!left_bands.empty())
-    countMatches(gradientOf(left_bands), gradientOf(right_bands), evidence);
-  return evidence;
-}
-
-PairFault
-PairCheck::add(const cv::Mat& left, const cv::Mat& right)
-{
-  judged_ = gatherPairEvidence(left, right);
-  const PairFault fault = judged_.fault();
-  if (fault == PairFault::blank || fault == PairFault::identical)
-    return fault;
-  const int divisor = gathered_.textured > memory ? 2 : 1;
-  for (const auto count : counts)
-    gathered_.*count = gathered_.*count / divisor + judged_.*count;
-  gathered_.left_contrast = judged_.left_contrast;
-  gathered_.right_contrast = judged_.right_contrast;
-  if (fault == PairFault::none && judged_.forward + judged_.backward < enough_matches)
-    judged_ = gathered_;
-  return judged_.fault();
+    found = countMatches(gradientOf(left_bands), gradientOf(right_bands));
+  const double contrast[] = {contrastOf(left, left_bands),
+                             contrastOf(right, right_bands)};
+  // A fence has no coarse contrast either, but is in both images and alike; noise is
+  // not.
+  const auto [low, high] = std::minmax(contrast[0], contrast[1]);
+  if (low < blank_contrast &&
+      (high > 2.0 * blank_contrast || found.alike <= alike_fraction * found.textured))
+    return {PairFault::blank, high < blank_contrast
+                                  ? "both images are blank: covered lenses?"
+                                  : std::string("the ") +
+                                        (low == contrast[0] ? "left" : "right") +
+                                        " image is blank: a covered lens?"};
+  if (isIdentical(left, right))
+    return {PairFault::identical, "left and right are the same image"};
+  // Repeated texture is alike in many positions, but matched nowhere.
+  if (found.textured >= enough_textured &&
+      found.alike < alike_fraction * found.textured &&
+      found.matched < matched_fraction * found.textured)
+    return {PairFault::unrelated,
+            "left and right do not show the same rows: of " +
+                std::to_string(found.textured) + " positions, " +
+                std::to_string(found.matched) +
+                " were found in both; is the pair of one moment and rectified?"};
+  if (found.backward >= enough_matches && found.backward > 4 * found.forward)
+    return {PairFault::swapped, "left and right are swapped: of " +
+                                    std::to_string(found.forward + found.backward) +
+                                    " positions found in both, " +
+                                    std::to_string(found.backward) +
+                                    " lie further right in the right image"};
+  return {};
 }
 
 } // namespace pcl_semantic

@@ -208,7 +208,7 @@ TEST(Guides, ViewingDrawsTheDemo)
   copyStreet(street);
   succeed(mapOf(street) + " --output " + folder.path("build/demo/map"));
   follow("viewing.md", folder);
-  for (const char* const picture : {"view.png", "observations.png"})
+  for (const char* const picture : {"view.png", "entropy.png"})
     EXPECT_EQ(readPng(folder.path(picture), ImageKind::grey_or_colour).cols, 1600);
 }
 

@@ -100,8 +100,7 @@ TEST(RenderTool, DrawsEveryViewAndColour)
   std::vector<cv::Mat> pictures;
   for (const char* const options :
        {"", " --view above", " --view camera --frame 1", " --colour rgb",
-        " --colour entropy", " --compare MAPS/none",
-        " --from 5,3,2 --look-at 20,0,0 --field-of-view 90"})
+        " --colour entropy", " --compare MAPS/none", " --from 5,3,2 --look-at 20,0,0"})
     pictures.push_back(maps.render(std::string("MAPS/map") + options));
   for (std::size_t i = 0; i < pictures.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
@@ -149,11 +148,13 @@ TEST(BadUsage, RenderTool)
        cloud("x y z label", "0 0 0 1\n0.1 0 0 12\n", 2)},
       {"no colour", 2, "no colour", draw + " --colour rgb", labelled},
       {"no entropy", 2, "no distributions", draw + " --colour entropy", labelled},
-      {"no cliques", 2, "no cliques", draw + " --colour clique", labelled},
-      {"colour", 2, "--colour is 'red', expected class", draw + " --colour red"},
+      {"colour", 2, "--colour is 'clique', expected class, rgb or entropy (changes:",
+       draw + " --colour clique"},
+      {"small", 2, "--small was removed: any image program", draw + " --small"},
+      {"field", 2, "--field-of-view was removed: it is 60 degrees",
+       draw + " --field-of-view=90"},
       {"view", 2, "--view is 'below', expected angle", draw + " --view below"},
-      {"change of nothing", 2, "belong together", draw + " --colour change"},
-      {"class and compare", 2, "belong together",
+      {"class and compare", 2, "--compare has colours of its own",
        draw + " --colour class --compare STREET/a.pcd"},
       {"from alone", 2, "--from and --look-at belong together", draw + " --from 1,2,3"},
       {"from two", 2, "--from has 2 numbers, expected 3",
@@ -163,11 +164,9 @@ TEST(BadUsage, RenderTool)
        draw + " --from 1,2,3 --look-at 1,2,3", labelled},
       {"inside", 2, "the camera is inside a voxel",
        draw + " --from 0.04,0.04,0.04 --look-at 1,0,0", labelled},
-      {"angle", 2, "a field of view of 180 degrees",
-       draw + " --from 1,2,3 --look-at 1,2,4 --field-of-view 180", labelled},
       {"no pose", 2, "none for --frame 0", draw + " --view camera", labelled},
       {"size 0", 2, "--size is 0x0", draw + " --size 0x0"},
-      {"size one", 2, "--size has 1 numbers", draw + " --size 500"},
+      {"size one", 2, "--size is 500, expected WIDTHxHEIGHT", draw + " --size 500"},
       {"size huge", 2, "--size is 99999x9", draw + " --size 99999x9"},
       {"threads", 2, "threads is -1", draw + " --threads -1"},
       {"trajectory", 3, "calib.txt", draw + " --trajectory STREET/calib.txt", labelled},

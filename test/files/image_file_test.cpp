@@ -143,23 +143,8 @@ TEST(WritePng, LeavesNothingBehindWhenItFails)
   }
   thrownMessage<OutputException>([&] { writePng(folder.path("a.png"), cv::Mat()); });
   thrownMessage<OutputException>(
-      [&] { writeSmallPng(folder.path("none/a.png"), cv::Mat::ones(4, 4, CV_8UC3)); });
-  thrownMessage<InvalidParameterException>(
-      [&] { writeSmallPng(folder.path("a.png"), cv::Mat::ones(4, 4, CV_8UC1)); });
+      [&] { writePng(folder.path("none/a.png"), cv::Mat::ones(4, 4, CV_8UC3)); });
   EXPECT_EQ(folder.entries(), 0u);
-}
-
-TEST(WritePng, ASmallOneIsNearlyThePictureAndSmaller)
-{
-  const TemporaryFolder folder;
-  const cv::Mat picture = randomImage(120, 160, CV_8UC3);
-  writePng(folder.path("a.png"), picture);
-  writeSmallPng(folder.path("b.png"), picture);
-  const cv::Mat read = readPng(folder.path("b.png"), ImageKind::grey_or_colour);
-  ASSERT_EQ(read.size(), picture.size());
-  EXPECT_LE(cv::norm(read, picture, cv::NORM_INF), 4.0);
-  EXPECT_LT(std::filesystem::file_size(folder.path("b.png")) * 10,
-            std::filesystem::file_size(folder.path("a.png")) * 8);
 }
 
 TEST(ReadImage, ATiffIsReadOrRefusedWithAWord)

@@ -103,7 +103,6 @@ parameters()
 {
   OccupancyGridParameters parameters;
   parameters.ground = {kRoad, kGrass};
-  parameters.traversable = {kRoad};
   parameters.min_height = 0.5;
   parameters.max_height = 1.5;
   parameters.reach = 1.0;
@@ -132,7 +131,6 @@ public:
         const int top = random() % 10 == 0 ? int(random() % 12) - 6 : int(random() % 2);
         const Label label = random() % 3 ? kRoad : kGrass;
         top_[{x, y}] = top;
-        label_[{x, y}] = label;
         addVoxel(scene, {x, y, top}, label);
         addVoxel(scene, {x, y, top - 1}, label == kRoad ? kGrass : kRoad);
         addVoxel(scene, {x, y, top + 20}, kRoad); // of a bridge
@@ -172,17 +170,10 @@ public:
     return std::abs((top_.at({x, y}) + 1) * 0.25 - ground(x, y)) <= 0.5;
   }
 
-  Label
-  label(int x, int y) const
-  {
-    return label_.at({x, y});
-  }
-
   VoxelScene scene;
 
 private:
   std::map<std::pair<int, int>, int> top_;
-  std::map<std::pair<int, int>, Label> label_;
 };
 
 template <typename Expected>
@@ -221,19 +212,6 @@ TEST(OccupancyGrid, EqualsAPlainLoop)
   }
 }
 
-TEST(TraversabilityGrid, EqualsAPlainLoop)
-{
-  const RandomGround ground(2);
-  const ReadGrid grid = writtenGrid(traversabilityGrid(ground.scene, parameters()));
-  expectGrid(grid, [&](int x, int y) {
-    if (ground.hasOneBetween(ground.scene.voxels.indices, x, y))
-      return 100;
-    if (!ground.hasOwnGround(x, y))
-      return -1;
-    return ground.label(x, y) == kRoad ? 0 : 100;
-  });
-}
-
 TEST(OccupancyGrid, TakesTheGroundOfTheNearestColumn)
 {
   // Road at 0 m to the left, at 5 m to the right, and between them nothing but posts.
@@ -268,14 +246,11 @@ TEST(OccupancyGrid, OfOneVoxel)
 {
   VoxelScene scene = emptyScene();
   addVoxel(scene, {-3, 5, 7}, kRoad);
-  for (const OccupancyGrid& made :
-       {occupancyGrid(scene, parameters()), traversabilityGrid(scene, parameters())}) {
-    const ReadGrid grid = writtenGrid(made);
-    EXPECT_EQ(grid.values, std::vector<int>{0});
-    EXPECT_EQ(valueAt(grid, -3, 5), 0);
-    EXPECT_EQ(grid.x, -0.75);
-    EXPECT_EQ(grid.y, 1.25);
-  }
+  const ReadGrid grid = writtenGrid(occupancyGrid(scene, parameters()));
+  EXPECT_EQ(grid.values, std::vector<int>{0});
+  EXPECT_EQ(valueAt(grid, -3, 5), 0);
+  EXPECT_EQ(grid.x, -0.75);
+  EXPECT_EQ(grid.y, 1.25);
 }
 
 TEST(OccupancyGrid, RefusesWhatMakesNoPlan)
@@ -294,8 +269,7 @@ TEST(OccupancyGrid, RefusesWhatMakesNoPlan)
     bad.min_height = lowest;
     bad.max_height = highest;
     bad.reach = reach;
-    return thrownMessage<InvalidParameterException>(
-        [&] { traversabilityGrid(scene, bad); });
+    return thrownMessage<InvalidParameterException>([&] { occupancyGrid(scene, bad); });
   };
   EXPECT_TRUE(holds(message(-1, 1, 1), "the heights are -1 and 1 m"));
   EXPECT_TRUE(holds(message(1, 1, 1), "the heights are 1 and 1 m"));

@@ -10,7 +10,6 @@
 #include <pcl_semantic/io/octree_file.h>
 
 #include <gtest/gtest.h>
-#include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
 
 #include <memory>
@@ -28,9 +27,8 @@ worldCentre(const VoxelScene& scene, const VoxelIndex& voxel)
   return (voxel.cast<double>().array() + 0.5).matrix() * scene.grid.size;
 }
 
-template <typename Tree>
 State
-stateIn(const Tree& tree, const Eigen::Vector3d& point)
+stateIn(const octomap::OcTree& tree, const Eigen::Vector3d& point)
 {
   const auto* const node = tree.search(point.x(), point.y(), point.z());
   if (!node)
@@ -39,9 +37,8 @@ stateIn(const Tree& tree, const Eigen::Vector3d& point)
 }
 
 // A box around everything: what is not in the scene is unknown.
-template <typename Tree>
 void
-expectSameStates(const Tree& tree, const VoxelScene& scene)
+expectSameStates(const octomap::OcTree& tree, const VoxelScene& scene)
 {
   const auto rows = rowsOf(scene);
   const std::set<VoxelIndex, VoxelIndexLess> free(scene.free.begin(), scene.free.end());
@@ -80,66 +77,27 @@ writtenTree(const VoxelScene& scene)
   return tree->readBinary(folder.path("a.bt")) ? std::move(tree) : nullptr;
 }
 
-std::unique_ptr<octomap::ColorOcTree>
-readColourTree(const std::string& path)
-{
-  octomap::AbstractOcTree* const tree = octomap::AbstractOcTree::read(path);
-  return std::unique_ptr<octomap::ColorOcTree>(
-      dynamic_cast<octomap::ColorOcTree*>(tree));
-}
-
 } // namespace
 
 TEST(Octree, HoldsOccupiedAndFreeVoxels)
 {
-  for (const bool with_cubes : {false, true}) {
-    VoxelScene scene = randomScene(1);
-    if (with_cubes)
-      addCubes(scene);
-    const auto tree = writtenTree(scene);
-    ASSERT_TRUE(tree);
-    EXPECT_EQ(tree->getResolution(), scene.grid.size);
-    expectSameStates(*tree, scene);
-    if (with_cubes) { // as two nodes
-      EXPECT_LT(tree->getNumLeafNodes(),
-                scene.voxels.size() + scene.free.size() - 2 * 511 + 1);
+  for (const bool with_cubes : {false, true})
+    for (const bool knows_free : {true, false}) { // of a cloud nothing is known free
+      VoxelScene scene = randomScene(1);
+      if (with_cubes)
+        addCubes(scene);
+      if (!knows_free)
+        scene.free.clear();
+      scene.knows_free = knows_free;
+      const auto tree = writtenTree(scene);
+      ASSERT_TRUE(tree);
+      EXPECT_EQ(tree->getResolution(), scene.grid.size);
+      expectSameStates(*tree, scene);
+      if (with_cubes) { // as one node each
+        EXPECT_LT(tree->getNumLeafNodes(), scene.voxels.size() + scene.free.size() -
+                                               (knows_free ? 2 : 1) * 511 + 1);
+      }
     }
-  }
-}
-
-TEST(Octree, OfACloudHoldsNothingFree)
-{
-  VoxelScene scene = randomScene(2);
-  scene.free.clear();
-  scene.knows_free = false;
-  const auto tree = writtenTree(scene);
-  ASSERT_TRUE(tree);
-  expectSameStates(*tree, scene);
-}
-
-TEST(Octree, HasColours)
-{
-  const TemporaryFolder folder;
-  VoxelScene scene = randomScene(3);
-  addCubes(scene);
-  std::vector<cv::Vec3b> colours = randomColours(scene, 4);
-  const auto rows = rowsOf(scene);
-  for (const auto& [voxel, row] : rows)
-    if (voxel.z() >= 12 && voxel.x() < 8) // half of the cube can be joined
-      colours[row] = {9, 8, 7};
-  writeColourOctree(folder.path("a.ot"), scene, colours);
-  const auto tree = readColourTree(folder.path("a.ot"));
-  ASSERT_TRUE(tree);
-  expectSameStates(*tree, scene);
-  for (const auto& [voxel, row] : rows) {
-    const Eigen::Vector3d point = worldCentre(scene, voxel);
-    const auto colour = tree->search(point.x(), point.y(), point.z())->getColor();
-    ASSERT_EQ(cv::Vec3b(colour.b, colour.g, colour.r), colours[row])
-        << voxel.transpose();
-  }
-  // The free cube is one node, the half of the other at most 4 of 4 x 4 x 4 voxels.
-  EXPECT_LT(tree->getNumLeafNodes(),
-            scene.voxels.size() + scene.free.size() - 511 - 4 * 63 + 1);
 }
 
 TEST(Octree, KeepsAllDigitsOfTheVoxelSize)
@@ -172,10 +130,6 @@ TEST(Octree, RefusesWhatItCannotHold)
                           [&] { writeOctree(folder.path("a.bt"), scene); }),
                       "reaches " + std::to_string(far) + " voxels"));
   }
-  const VoxelScene scene = randomScene(5);
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                        [&] { writeColourOctree(folder.path("a.ot"), scene, {}); }),
-                    "0 colours for"));
   EXPECT_EQ(folder.entries(), 0u);
   VoxelScene edge = emptyScene();
   addVoxel(edge, {-32768, 32767, 0}, 1);

@@ -82,7 +82,6 @@ TEST(VoxelScene, FindsTheGridThatOurMapsHave)
   EXPECT_EQ(scene.grid.size, 0.2);
   EXPECT_EQ(scene.grid.corner, Eigen::Vector3d(-5000, 0, 0));
   EXPECT_EQ(scene.voxels.indices, voxels.indices);
-  EXPECT_EQ(scene.voxels.observations, voxels.observations);
 }
 
 // Without the header's comment, which other programs drop, centres tell the grid.
@@ -125,16 +124,4 @@ TEST(VoxelScene, AsksForTheSizeIfTheHeadersGridIsSpoilt)
   EXPECT_TRUE(holds(message, path));
   EXPECT_TRUE(holds(message, "say how large they are"));
   EXPECT_EQ(readVoxelScene(path, {0.2}).voxels.size(), 3u);
-}
-
-TEST(VoxelScene, PassesOverAFieldOfAnotherMeaning)
-{
-  const TemporaryFolder folder;
-  const std::string path = folder.write(
-      "a.pcd", "VERSION 0.7\nFIELDS x y z observations\nSIZE 4 4 4 4\nTYPE F F F F\n"
-               "COUNT 1 1 1 2\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n"
-               "0 0 0 1 2\n0.5 0 0 3 4\n");
-  const VoxelScene scene = readVoxelScene(path);
-  EXPECT_EQ(scene.voxels.size(), 2u);
-  EXPECT_TRUE(scene.voxels.observations.empty());
 }

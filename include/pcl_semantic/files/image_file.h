@@ -10,13 +10,6 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Writes a picture for pages and mails: colours in steps of 8 and packed as
- * hard as PNG goes, about half the bytes of writePng(). Not for labels or measurements.
- * \param[in] picture CV_8UC3
- * \throws InvalidParameterException if it is of another type
- * \throws OutputException; nothing is left behind then */
-void writeSmallPng(const std::string& path, const cv::Mat& picture);
-
 /** \brief What an image file has to hold. */
 enum class ImageKind {
   grey_or_colour, ///< CV_8UC1 or CV_8UC3 (BGR)

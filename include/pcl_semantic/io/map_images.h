@@ -11,19 +11,11 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief An image in the colours of the classes.
- * \param[in] labels CV_8UC1
- * \return CV_8UC3 (BGR); unlabelled is black */
-cv::Mat colourLabels(const cv::Mat& labels, const LabelSet& label_set);
-
-/** \brief The camera's image with the classes of the map laid over it.
+/** \brief The camera's image with the classes of the map laid over it, and a legend
+ * below.
  * \param[in] image CV_8UC3 (BGR) or CV_8UC1
  * \param[in] labels CV_8UC1 of the same size; 0 shows the image in grey
  * \throws InvalidParameterException if the sizes differ */
-cv::Mat blendLabels(const cv::Mat& image, const cv::Mat& labels,
-                    const LabelSet& label_set);
-
-/** \brief The same with a legend of the classes below. */
 cv::Mat drawOverlay(const cv::Mat& image, const cv::Mat& labels,
                     const LabelSet& label_set);
 

@@ -14,10 +14,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief How a map becomes a plan of the ground. */
 struct OccupancyGridParameters {
-  std::vector<Label> ground;      ///< classes that the ground is made of
-  std::vector<Label> traversable; ///< those that can be driven or walked on
-  double min_height = 0.3;        ///< above the local ground, of centres of voxels [m]
-  double max_height = 2.0;        ///< what is higher is no obstacle [m]
+  std::vector<Label> ground; ///< classes that the ground is made of
+  double min_height = 0.3;   ///< above the local ground, of centres of voxels [m]
+  double max_height = 2.0;   ///< what is higher is no obstacle [m]
   double reach = 5.0; ///< where there is no ground, how far the nearest may be [m]
 };
 
@@ -41,13 +40,6 @@ struct OccupancyGrid {
  * \throws BadInputException if there is no ground, or the plan is too large */
 OccupancyGrid occupancyGrid(const VoxelScene& scene,
                             const OccupancyGridParameters& parameters);
-
-/** \brief Where one can go: free are columns whose own ground is of a traversable class
- * with nothing occupied between the two heights; other ground and obstacles are
- * occupied; where no ground is seen, it is unknown. What is not known to be occupied
- * between the heights counts as free. */
-OccupancyGrid traversabilityGrid(const VoxelScene& scene,
-                                 const OccupancyGridParameters& parameters);
 
 /** \brief The name of the description beside a grid's image: x.yaml for x.pgm. */
 std::string gridDescription(const std::string& path);

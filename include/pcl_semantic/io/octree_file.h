@@ -4,10 +4,7 @@
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/io/voxel_scene.h>
 
-#include <opencv2/core/mat.hpp>
-
 #include <string>
-#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -21,14 +18,5 @@ Eigen::Vector3d octreeShift(const VoxelScene& scene);
  * BadInputException if the map goes beyond the 2^15 voxels to each side of the world's
  * origin that an octree has \throws OutputException */
 void writeOctree(const std::string& path, const VoxelScene& scene);
-
-/** \brief Writes an OctoMap `.ot` (ColorOcTree) likewise. Occupied and free voxels have
- * the library's highest and lowest probability; voxels are joined to larger ones only
- * where their colours are equal.
- * \param[in] colours blue, green, red of each voxel
- * \throws InvalidParameterException if there are not as many as voxels
- * \throws BadInputException, OutputException as above */
-void writeColourOctree(const std::string& path, const VoxelScene& scene,
-                       const std::vector<cv::Vec3b>& colours);
 
 } // namespace pcl_semantic

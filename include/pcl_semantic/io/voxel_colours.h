@@ -32,15 +32,6 @@ VoxelColours measuredColours(const VoxelScene& scene);
  * \throws InvalidParameterException if the scene has no distributions */
 VoxelColours entropyColours(const VoxelScene& scene);
 
-/** \brief How often voxels were hit: from once (dark) to 128 times and more (pale), a
- * colour each time the number doubles.
- * \throws InvalidParameterException if the scene does not know */
-VoxelColours observationColours(const VoxelScene& scene);
-
-/** \brief A colour a clique, those of none grey.
- * \throws InvalidParameterException if the scene has no cliques */
-VoxelColours cliqueColours(const VoxelScene& scene);
-
 /** \brief Voxels whose label changed in the colour of the new class, all others grey.
  * \param[in] before label of each voxel before, 0 = none: not compared
  * \throws InvalidParameterException at another number of labels */

@@ -5,7 +5,6 @@
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,10 +19,8 @@ struct VoxelGrid {
 /** \brief Any labelled cloud as voxels to draw, or to write in other forms. */
 struct VoxelScene {
   /** \brief Indices of the cubes in \a grid; labels and colours in the cloud; refined
-   * distributions and numbers of observations if there are any. Its origin is the
-   * grid's corner. */
+   * distributions if there are any. Its origin is the grid's corner. */
   VoxelCloud voxels;
-  std::vector<std::uint32_t> cliques; ///< 0 = none; empty if the file has no such field
   bool has_colour = false;
   bool has_labels = false;
   VoxelGrid grid;
@@ -45,8 +42,7 @@ centreOf(const VoxelGrid& grid, const VoxelIndex& voxel)
  * left out.
  *
  * Several points of a voxel become one: the most frequent label (the lowest of equals),
- * the mean colour, and clique, distribution and observations of the first point of that
- * label.
+ * the mean colour, and the distribution of the first point of that label.
  * \param[in] grid size 0: the file says it, as that of a written map does, or it is
  * found from the points, which have to lie at the centres of the cubes then
  * \throws BadInputException as readLabelledCloud(), if there is no point, or no grid */
