@@ -3,16 +3,12 @@
 // pcl_semantic_archive, and what pcl_semantic_map says of archives it cannot use.
 
 #include "files/pcd_file.h"
+#include "support/map_agreement.h"
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/map_archive.h>
-
-#include <array>
-#include <cmath>
-#include <map>
 
 namespace pcl_semantic {
 
@@ -115,6 +111,10 @@ TEST_F(StreetArchive, ExportOfABoxAndOfClasses)
   };
   const std::string box = " --box 6,-4,-2.5,12,3,1";
   EXPECT_TRUE(exported(box) == chosen(inBox));
+  succeed("cloud " + output_ + "/map.pcd " + folder_->path("cropped.pcd") +
+          " --crop 6,-4,-2.5,12,3,1");
+  const PcdTable cropped = readPcd(folder_->path("cropped.pcd"));
+  EXPECT_TRUE(exported(box) == std::string(cropped.data.begin(), cropped.data.end()));
   EXPECT_TRUE(exported(" --class road --class car") ==
               chosen([&](std::size_t i) { return label(i) == 3 || label(i) == 6; }));
   const std::string road =
@@ -166,71 +166,6 @@ TEST_F(StreetArchive, Merge)
               3, coarse + ": has another voxel size than " + first);
   EXPECT_FALSE(fs::exists(folder_->path("no.map")));
 }
-
-namespace {
-
-// Of the voxels that two archives have both seen.
-struct Agreement {
-  double occupancy = 0.0; // fraction that is as free or occupied in one as in the other
-  double labels = 0.0;    // of those occupied in both: fraction of the same label
-  std::size_t occupied = 0; // in both
-  double near = 0.0; // occupied ones of one with one of the other at most a voxel off
-};
-
-Agreement
-agreementOf(const std::string& path, const std::string& other)
-{
-  const auto knownIn = [](const std::string& file) {
-    const MapArchive archive(file, ArchiveAccess::read);
-    const auto& fusion = archive.header().parameters.fusion;
-    const int classes = archive.header().label_set.size();
-    const auto least =
-        std::log(fusion.occupied_probability / (1.0 - fusion.occupied_probability));
-    std::map<std::array<int, 3>, int> known; // -1 = free, else the label
-    archive.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
-      for (int offset = 0; offset < kBlockVoxels; ++offset) {
-        const auto log_odds = block.log_odds[std::size_t(offset)];
-        if (log_odds == kUnknown)
-          continue;
-        const VoxelIndex voxel = voxelAt(index, offset);
-        const int record = block.recordAt(offset);
-        const bool is_occupied = record >= 0 && log_odds * kLogOddsUnit > least;
-        known[{voxel.x(), voxel.y(), voxel.z()}] =
-            is_occupied
-                ? int(mapLabel(block.refined.data() + record * classes, classes))
-                : -1;
-      }
-    });
-    return known;
-  };
-  const auto a = knownIn(path), b = knownIn(other);
-  const auto hasNear = [&](const std::array<int, 3>& voxel) {
-    for (int i = 0; i < 27; ++i) {
-      const auto found = b.find(
-          {voxel[0] + i % 3 - 1, voxel[1] + i / 3 % 3 - 1, voxel[2] + i / 9 - 1});
-      if (found != b.end() && found->second >= 0)
-        return true;
-    }
-    return false;
-  };
-  std::size_t both = 0, same = 0, occupied = 0, same_label = 0, all = 0, near = 0;
-  for (const auto& [voxel, state] : a) {
-    all += state >= 0;
-    near += state >= 0 && hasNear(voxel);
-    if (const auto found = b.find(voxel); found != b.end()) {
-      ++both;
-      same += (state < 0) == (found->second < 0);
-      if (state < 0 || found->second < 0)
-        continue;
-      ++occupied;
-      same_label += state == found->second;
-    }
-  }
-  return {double(same) / double(both), double(same_label) / double(occupied), occupied,
-          double(near) / double(all)};
-}
-
-} // namespace
 
 TEST_F(StreetArchive, SubmapsAreMergedToTheMapOfTheDrive)
 {

@@ -253,9 +253,6 @@ TEST(CalibrateToolUsage, BadInput)
        {"no truth option", 2, "'--truth' is required",
         "calibrate STREET --output OUT --labels STREET/labels"},
        {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
-       {"shrinkage", 2, "shrinkage is 2", all + "--shrinkage 2"},
-       {"penalty", 2, "bias_penalty is -1", all + "--bias-penalty -1"},
-       {"engine", 2, "stereo", all + "--stereo best"},
        {"ground", 2, "--ground: class 'lawn' is not in the label set",
         all + "--ground road,lawn"},
        {"no feature", 2, "--features: 'smell' is none",
@@ -267,9 +264,6 @@ TEST(CalibrateToolUsage, BadInput)
        {"no truth", 3, "street/none",
         "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
         "'{sequence}/none'"},
-       {"no labels", 3, "x/street: is no folder of stored labels",
-        "calibrate STREET --output OUT --labels 'TEMP/x/{name}' --truth "
-        "'{sequence}/gt'"},
        {"frames", 2, "expected A:B", all + "--frames 3"},
        {"no such frames", 3, "has no ground truth image", all + "--frames 7:9"},
        {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
@@ -285,22 +279,14 @@ TEST(CalibrateToolUsage, BadInput)
        {"no calibration", 3, "c.yaml", map},
        {"labels of no maps", 2, "is for maps, with --clique-config",
         all + "--label-calibration STREET/c.yaml"},
-       {"no such parameter", 3, "c.yaml line 1", all + "--clique-config STREET/c.yaml",
-        calibration("clique_size: 1\n")},
        {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
         "--labels STREET/labels --clique-calibration STREET/c.yaml",
         calibration("of: pixels\nsharpness: 1\nground: []\n")},
        {"cliques of another model", 2, "is for the model hierarchical, not dense",
         "--labels STREET/labels --clique-calibration STREET/c.yaml",
         calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
-       {"cliques leave out", 2, "class 'lawn' is not in the label set",
-        "--labels STREET/labels --clique-exclude lawn"},
        {"no likelihood", 2, "clique_exclude_threshold is 2, expected 0 to 1",
-        "--labels STREET/labels --clique-exclude-threshold 2"},
-       {"unknown class", 3, "c.yaml line 4: class 'lawn' is not in the label set", map,
-        calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {lawn: {}}\n")},
-       {"falling knots", 3, "c.yaml line 3: expected two or more rising knots", map,
-        calibration("sharpness: 1\nground: []\nknots: {height: [1, 0]}\n")}});
+        "--labels STREET/labels --clique-exclude-threshold 2"}});
 }
 
 } // namespace pcl_semantic

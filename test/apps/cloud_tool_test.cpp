@@ -118,10 +118,9 @@ TEST_F(CloudTool, RefusesWhatCannotBe)
 {
   const auto fails = [&](const std::string& options, int code, const std::string& says,
                          const std::string& input = "in.pcd") {
-    const ToolResult result = runTool("cloud " + folder.path(input) + " " +
-                                      folder.path("out.pcd") + " " + options);
-    EXPECT_EQ(result.code, code) << options;
-    EXPECT_TRUE(holds(result.text, says));
+    expectFails("cloud " + folder.path(input) + " " + folder.path("out.pcd") + " " +
+                    options,
+                code, says);
     EXPECT_FALSE(std::ifstream(folder.path("out.pcd")).good()) << options;
   };
   fails("--crop 0,0,0,1,1", 2, "--crop: expected x0,y0,z0,x1,y1,z1");

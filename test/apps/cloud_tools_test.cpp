@@ -136,16 +136,10 @@ TEST(CloudTools, APipelineOfToolsMakesTheSameMap)
                 bytesOf(folder.path("direct/" + file)))
           << file;
     }
-}
-
-TEST(CloudTools, TheCrfAsAToolOfItsOwnMakesTheSameLabels)
-{
-  const TemporaryFolder folder;
-  labelClouds(tinyStreet(), folder);
+  // And with the CRF as a tool of its own.
   succeed(mapOfClouds(folder) + folder.path("raw") + " --crf none");
   succeed("crf " + folder.path("raw/map.pcd") + " " + folder.path("refined.pcd") +
           " --crf-temperature 3 --label-set " + label_set);
-  mapStreet(tinyStreet(), folder.path("direct"), "");
   const LabelledCloud tools = readLabelledCloud(folder.path("refined.pcd"));
   const LabelledCloud direct = readLabelledCloud(folder.path("direct/map.pcd"));
   ASSERT_EQ(tools.cloud->size(), direct.cloud->size());
@@ -368,10 +362,6 @@ TEST_F(Scans, BadInput)
       {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
       {"depth", 2, "are for frames of a camera", all + poses + "--also depth"},
       {"images", 2, "needs scans, too", all + poses + "--also measured"},
-      {"superpixels", 2, "superpixels are for clouds of a camera",
-       all + poses + "--crf hierarchical --cliques superpixel"},
-      {"deviations", 2, "max_deviation and deviation_scale are for stereo",
-       all + poses + "--max-deviation 1"},
       {"hit ratio", 2, "min_hit_ratio is for images",
        all + poses + "--min-hit-ratio 0.2"},
       {"over the clouds", 2, "--output holds the clouds",

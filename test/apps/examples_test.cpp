@@ -2,6 +2,7 @@
 
 // Each example runs without arguments and with a user's data, and prints what is true.
 
+#include "support/ascii_cloud.h"
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
 
@@ -174,11 +175,7 @@ TEST(Examples, TheFilterTakesLabelsWithoutColourAndProbability)
     for (int y = 0; y < 10; ++y)
       points += std::to_string(0.1 * x) + " " + std::to_string(0.1 * y) + " 0 " +
                 (x == 5 && y == 5 ? "2\n" : "1\n");
-  const std::string in = folder.write(
-      "in.pcd", "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\n"
-                "COUNT 1 1 1 1\nWIDTH 100\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
-                "POINTS 100\nDATA ascii\n" +
-                    points);
+  const std::string in = folder.write("in.pcd", asciiCloud("x y z label", points));
   EXPECT_EQ(numberBehind(
                 outputOf("02_filter_a_cloud", in + " " + folder.path("out.pcd")), "^"),
             1.0);
@@ -192,11 +189,8 @@ TEST(Examples, CloudsOfAnySensorMakeAMap)
   // A sensor that looks at a wall from 3 m, then from 1 m farther left, turned by 90
   // degrees to the left, at a pole 5 m ahead of it.
   const TemporaryFolder folder;
-  const std::string header = "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 1\nTYPE F F "
-                             "F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 "
-                             "0 0 0\nPOINTS 2\nDATA ascii\n";
-  folder.write("0.pcd", header + "3.1 0.1 0.1 1\n3.1 0.3 0.1 1\n");
-  folder.write("1.pcd", header + "5.1 0.1 0.1 11\n5.1 0.1 0.3 11\n");
+  folder.write("0.pcd", asciiCloud("x y z label", "3.1 0.1 0.1 1\n3.1 0.3 0.1 1\n"));
+  folder.write("1.pcd", asciiCloud("x y z label", "5.1 0.1 0.1 11\n5.1 0.1 0.3 11\n"));
   folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n0 -1 0 0 1 0 0 1 0 0 1 0\n");
   EXPECT_EQ(outputOf("04_lidar_clouds", folder.path() + " " + folder.path("map.pcd")),
             "4 voxels\n");

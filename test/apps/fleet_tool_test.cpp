@@ -8,6 +8,7 @@
 #include <pcl_semantic/io/map_archive.h>
 
 #include <map>
+#include <tuple>
 
 namespace pcl_semantic {
 
@@ -144,32 +145,33 @@ TEST_F(Fleet, RefusesWhatCannotBe)
   const auto plan = [&](const std::string& text) {
     return "fleet " + folder_.write("plan.yaml", text);
   };
+  const std::string second =
+      "}\n  - {name: b, sequence: " + street + ", labels: " + street + "/labels, ";
   expectFails("fleet", 2, "PLAN.yaml is missing");
   expectFails("fleet " + folder_.path("none.yaml"), 3, "cannot be read");
-  expectFails(
-      plan("output: none\ndrives:\n  - {name: a, sequence: nowhere, labels: x}\n"), 3,
-      "drive 'a': nowhere: is no folder");
-  expectFails(plan(begin + ", nonsense: 3}\n"), 2,
-              "drive 'a': unrecognised option '--nonsense=3'");
-  expectFails(plan(begin + ", submap_every: 3x}\n"), 2, "drive 'a': --submap-every");
-  expectFails(plan(begin + ", corrected_poses: nowhere.txt}\n"), 3,
-              "drive 'a': nowhere.txt: cannot be read");
-  expectFails(plan(begin + "}\n  - {name: b, sequence: " + street +
-                   ", labels: " + street + "/labels, voxel_size: 0.3}\n"),
-              2, "drive 'b': has another voxel size than the first drive");
-  expectFails(plan(begin + "}\n  - {name: b, sequence: " + street +
-                   ", labels: " + street +
-                   "/labels, label_set: " PCL_SEMANTIC_SOURCE_DIR
-                   "/data/label_sets/cityscapes19.yaml}\n"),
-              2, "drive 'b': has another label set than the first drive");
   folder_.write("short.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
-  expectFails(plan(begin + ", submap_every: 2, corrected_poses: short.txt}\n"), 3,
-              "drive 'a': short.txt: has 1 poses, none for frame 1");
   folder_.write("preset.yaml", "max_probability: 0.9\n");
-  expectFails(plan(begin + "}\n  - {name: b, sequence: " + street + ", labels: " +
-                   street + "/labels, config: " + folder_.path("preset.yaml") + "}\n"),
-              2, "drive 'b': has another min_probability, max_probability");
-  expectFails(plan(begin + ", strict: maybe}\n"), 2, "strict is 'maybe'");
+  for (const auto& [code, says, text] :
+       std::vector<std::tuple<int, std::string, std::string>>{
+           {3, "drive 'a': nowhere: is no folder",
+            "output: none\ndrives:\n  - {name: a, sequence: nowhere, labels: x}\n"},
+           {2, "drive 'a': unrecognised option '--nonsense=3'",
+            begin + ", nonsense: 3}\n"},
+           {2, "drive 'a': --submap-every", begin + ", submap_every: 3x}\n"},
+           {3, "drive 'a': nowhere.txt: cannot be read",
+            begin + ", corrected_poses: nowhere.txt}\n"},
+           {2, "drive 'b': has another voxel size than the first drive",
+            begin + second + "voxel_size: 0.3}\n"},
+           {2, "drive 'b': has another label set than the first drive",
+            begin + second +
+                "label_set: " PCL_SEMANTIC_SOURCE_DIR
+                "/data/label_sets/cityscapes19.yaml}\n"},
+           {3, "drive 'a': short.txt: has 1 poses, none for frame 1",
+            begin + ", submap_every: 2, corrected_poses: short.txt}\n"},
+           {2, "drive 'b': has another min_probability, max_probability",
+            begin + second + "config: " + folder_.path("preset.yaml") + "}\n"},
+           {2, "strict is 'maybe'", begin + ", strict: maybe}\n"}})
+    expectFails(plan(text), code, says);
   EXPECT_FALSE(fs::exists(folder_.path("none")));
   const std::string other = writePlan("city");
   succeed("fleet " + other);

@@ -123,9 +123,8 @@ TEST(Kit, QuietIsQuietAndVerboseTellsOfEveryFrame)
         << verbose.text;
   EXPECT_EQ(bytesOf(folder.path("quiet/map.pcd")),
             bytesOf(folder.path("verbose/map.pcd")));
-  const ToolResult both = runTool(map + folder.path("both") + " --quiet --verbose");
-  EXPECT_EQ(both.code, 2);
-  EXPECT_TRUE(holds(both.text, "--quiet and --verbose exclude each other"));
+  expectFails(map + folder.path("both") + " --quiet --verbose", 2,
+              "--quiet and --verbose exclude each other");
   EXPECT_FALSE(fs::exists(folder.path("both")));
 }
 

@@ -209,8 +209,6 @@ TEST(LabelTool, BadInput)
        {"no output", 2, "--output is missing", tool},
        {"no network", 2, "--network is missing", "label STREET --output OUT"},
        {"format", 2, "--format is 'jpg'", tool + "--format jpg --output OUT"},
-       {"engine", 2, "--engine is 'best', expected onnxruntime or opencv",
-        tool + "--engine best --output OUT"},
        {"over the images", 2, "holds images",
         tool + "--format ids --output STREET/image_2"},
        {"beside others", 2, "where only .npy files", tool + "--output STREET/labels"},

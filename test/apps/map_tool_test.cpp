@@ -2,13 +2,16 @@
 #include "support/mapped_street.h"
 #include "support/thrown_message.h"
 
+#include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
 #include <opencv2/core.hpp>
 
+#include <algorithm>
 #include <cstring>
+#include <numeric>
 
 namespace pcl_semantic {
 
@@ -55,21 +58,125 @@ TEST(MapTool, FramesKeepTheirNumbers)
             nlohmann::json({0, 2}));
 }
 
-TEST(MapTool, WritesTheMapWithoutImages)
+namespace {
+
+// A point as it lies in map.pcd, for eleven classes.
+struct PackedPoint {
+  float x, y, z;
+  std::uint32_t rgba, label;
+  float probability[11];
+  float entropy;
+  std::uint32_t observations;
+};
+
+std::vector<PackedPoint>
+readPoints(const std::string& path)
+{
+  const std::string bytes = bytesOf(path);
+  const std::string end = "DATA binary\n";
+  const std::size_t start = bytes.find(end) + end.size();
+  EXPECT_EQ((bytes.size() - start) % sizeof(PackedPoint), 0u);
+  std::vector<PackedPoint> points((bytes.size() - start) / sizeof(PackedPoint));
+  std::memcpy(points.data(), bytes.data() + start, points.size() * sizeof(PackedPoint));
+  return points;
+}
+
+void
+expectPictures(const std::string& output)
+{
+  for (const char* folder :
+       {"labels/", "labels_at_depth/", "network_labels/", "final_labels/"}) {
+    SCOPED_TRACE(folder);
+    const cv::Mat labels =
+        readPng(output + "/" + folder + "000001.png", ImageKind::labels);
+    EXPECT_EQ(labels.size(), cv::Size(208, 64));
+    double largest = 0.0;
+    cv::minMaxLoc(labels, nullptr, &largest);
+    EXPECT_LE(largest, 11.0);
+    EXPECT_GT(cv::countNonZero(labels), 208 * 64 / 4);
+  }
+  const cv::Mat overlay =
+      readPng(output + "/overlay/000001.png", ImageKind::grey_or_colour);
+  EXPECT_EQ(overlay.type(), CV_8UC3);
+  EXPECT_GE(overlay.cols, 208);
+  EXPECT_GE(overlay.rows, 64);
+  EXPECT_EQ(readPng(output + "/top_view.png", ImageKind::grey_or_colour).type(),
+            CV_8UC3);
+}
+
+void
+expectClouds(const std::string& output, std::size_t count)
+{
+  const LabelSet label_set =
+      readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  const std::vector<PackedPoint> points = readPoints(output + "/map.pcd");
+  const std::vector<PackedPoint> classes = readPoints(output + "/map_classes.pcd");
+  ASSERT_EQ(points.size(), count);
+  ASSERT_EQ(classes.size(), count);
+  std::size_t labelled = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const PackedPoint& point = points[i];
+    ASSERT_GE(point.observations, 1u);
+    ASSERT_LE(point.label, 11u);
+    PackedPoint coloured = classes[i];
+    if (point.label != kUnlabelled) {
+      ++labelled;
+      const float* const p = point.probability;
+      ASSERT_EQ(std::max_element(p, p + 11) - p + 1, long(point.label));
+      ASSERT_NEAR(std::accumulate(p, p + 11, 0.0), 1.0, 1e-4);
+      const auto& rgb = label_set[Label(point.label)].colour;
+      ASSERT_EQ(coloured.rgba & 0xFFFFFFu,
+                std::uint32_t(rgb[0]) << 16 | std::uint32_t(rgb[1]) << 8 | rgb[2]);
+    }
+    coloured.rgba = point.rgba; // the only difference
+    ASSERT_EQ(std::memcmp(&coloured, &point, sizeof(point)), 0);
+  }
+  EXPECT_GT(labelled, count / 2);
+}
+
+constexpr const char* presets = PCL_SEMANTIC_SOURCE_DIR "/data/presets";
+
+std::vector<std::string>
+presetNames()
+{
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(presets))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+} // namespace
+
+TEST(MapTool, WritesACompleteMap)
 {
   const TemporaryFolder folder;
-  mapStreet(tinyStreet(), folder.path("all"), "--crf none");
-  const std::string more = mapOf(tinyStreet()) + " --crf none --map-only --output ";
-  EXPECT_FALSE(holds(succeed(more + folder.path("map")), "overlay"));
-  EXPECT_EQ(filesIn(folder.path("map")), filesOfMap({}));
-  for (const char* const file : {"/map.pcd", "/trajectory.txt", "/top_view.png"})
-    EXPECT_TRUE(bytesOf(folder.path("map") + file) ==
-                bytesOf(folder.path("all") + file))
-        << file;
-  // Nothing of a map with images is left.
-  succeed(more + folder.path("all"));
-  EXPECT_EQ(filesIn(folder.path("all")), filesOfMap({}));
-  EXPECT_FALSE(fs::exists(folder.path("all/labels")));
+  const std::string output = folder.path("out");
+  mapStreet(tinyStreet(), output, "");
+  EXPECT_EQ(filesIn(output), filesOfMap({"000000", "000001", "000002"}));
+  expectPictures(output);
+
+  const nlohmann::json summary = readJson(output + "/summary.json");
+  for (const char* key : {"frames", "voxels", "map_origin", "seconds", "options",
+                          "versions", "voxel_size", "points"})
+    EXPECT_TRUE(summary.contains(key)) << key;
+  EXPECT_EQ(summary["frames"], 3);
+  EXPECT_EQ(summary["options"]["crf"], "dense");
+  for (const char* stage : {"stereo", "labelling", "map", "crf"}) {
+    EXPECT_GE(summary["seconds"][stage]["median"], 0.0) << stage;
+    EXPECT_GE(summary["seconds"][stage]["95 %"], summary["seconds"][stage]["median"]);
+  }
+  EXPECT_NE(bytesOf(output + "/map.pcd")
+                .find("FIELDS x y z rgba label probability entropy observations\n"),
+            std::string::npos);
+  EXPECT_NE(bytesOf(output + "/map.pcd").find("COUNT 1 1 1 1 1 11 1 1\n"),
+            std::string::npos);
+  expectClouds(output, summary["voxels"]);
+  const Trajectory poses = readKittiTrajectory(output + "/trajectory.txt");
+  const Trajectory truth = readKittiTrajectory(tinyStreet() + "/poses.txt");
+  ASSERT_EQ(poses.size(), truth.size());
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    EXPECT_TRUE(poses[i].isApprox(truth[i], 1e-9)) << i;
 }
 
 TEST(MapTool, LabelsEveryNthFrame)
@@ -89,53 +196,6 @@ TEST(MapTool, LabelsEveryNthFrame)
   EXPECT_GT(cv::countNonZero(
                 readPng(folder.path("out/labels/000001.png"), ImageKind::labels)),
             1000);
-}
-
-TEST(MapTool, CrfAndThreads)
-{
-  const TemporaryFolder folder;
-  const auto mapWith = [&](const std::string& options) {
-    mapStreet(tinyStreet(), folder.path("out"), "--frames 0:2 " + options);
-    return bytesOf(folder.path("out/map.pcd"));
-  };
-  const std::string dense = mapWith("--threads 1");
-  EXPECT_TRUE(dense == mapWith("--threads 3 --crf dense"));
-  EXPECT_FALSE(dense == mapWith("--crf none"));
-}
-
-TEST(MapTool, StoredLabelsOfEveryKind)
-{
-  const TemporaryFolder folder;
-  copyStreet(folder.path("street"));
-  const std::string stored = folder.path("street/labels/000000");
-  const auto mapLabels = [&] {
-    mapStreet(folder.path("street"), folder.path("out"), "--frames 0:1 --crf none");
-    return readPng(folder.path("out/network_labels/000000.png"), ImageKind::labels);
-  };
-  const cv::Mat labels = mapLabels();
-  const std::string map = bytesOf(folder.path("out/map.pcd"));
-  const std::string bytes = bytesOf(stored + ".bin");
-  fs::remove(stored + ".bin");
-
-  std::ofstream(stored + ".npy") << npyBytes("<f4", "(64, 208, 11)", bytes);
-  EXPECT_EQ(cv::norm(mapLabels(), labels, cv::NORM_L1), 0.0);
-  EXPECT_TRUE(bytesOf(folder.path("out/map.pcd")) == map);
-
-  std::string halves;
-  for (std::size_t i = 0; i < bytes.size(); i += sizeof(float)) {
-    float value = 0.0f;
-    std::memcpy(&value, &bytes[i], sizeof(value));
-    const Eigen::half half(value);
-    halves.append(reinterpret_cast<const char*>(&half), sizeof(half));
-  }
-  std::ofstream(stored + ".npy") << npyBytes("<f2", "(64, 208, 11)", halves);
-  EXPECT_LT(cv::countNonZero(mapLabels() != labels), 208 * 64 / 100);
-  fs::remove(stored + ".npy");
-
-  fs::copy(folder.path("street/gt/000000.png"), stored + ".png");
-  EXPECT_EQ(
-      cv::norm(mapLabels(), readPng(stored + ".png", ImageKind::labels), cv::NORM_L1),
-      0.0);
 }
 
 TEST(MapTool, ConfigurationFileAndOptions)
@@ -160,41 +220,6 @@ TEST(MapTool, ConfigurationFileAndOptions)
   EXPECT_EQ(summary["options"]["window"], "20,20,8");
 }
 
-TEST(MapTool, AnInterruptEndsAfterTheFrame)
-{
-  constexpr int frames = 30;
-  const TemporaryFolder folder;
-  copyStreet(folder.path("street"));
-  const auto name = [&](int frame, const std::string& kind, const char* extension) {
-    return folder.path("street/" + kind + "/" + frameFileName(frame, extension));
-  };
-  for (int frame = 3; frame < frames; ++frame) {
-    fs::copy(name(frame % 3, "image_2", ".png"), name(frame, "image_2", ".png"));
-    fs::copy(name(frame % 3, "image_3", ".png"), name(frame, "image_3", ".png"));
-    fs::copy(name(frame % 3, "labels", ".bin"), name(frame, "labels", ".bin"));
-  }
-  fs::remove(folder.path("street/times.txt"));
-  std::ofstream poses(folder.path("street/poses.txt"));
-  for (int frame = 0; frame < frames; ++frame)
-    poses << "1 0 0 0 0 1 0 0 0 0 1 " << frame % 3 << "\n";
-  poses.close();
-
-  const std::string out = folder.path("out");
-  const ToolResult result =
-      runShell(PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " +
-               folder.path("street") + " --labels " + folder.path("street/labels") +
-               " --output " + out + " 2>&1 & while kill -0 $! && ! test -e " + out +
-               "/labels/000000.png; do sleep 0.02; done; kill -INT $!; wait $!");
-  EXPECT_EQ(result.code, 130) << result.text;
-  const nlohmann::json summary = readJson(out + "/summary.json");
-  EXPECT_GE(summary["frames"], 1);
-  EXPECT_LT(summary["frames"], frames);
-  std::vector<std::string> names;
-  for (int frame = 0; frame < summary["frames"]; ++frame)
-    names.push_back(frameFileName(frame, ""));
-  EXPECT_EQ(filesIn(out), filesOfMap(names));
-}
-
 TEST(MapTool, AnEarlierRunIsReplacedAndForeignImagesAreNot)
 {
   const TemporaryFolder folder;
@@ -208,6 +233,38 @@ TEST(MapTool, AnEarlierRunIsReplacedAndForeignImagesAreNot)
   expectFails(mapOf(tinyStreet()) + " --output " + output, 5,
               "/labels: holds images, but no summary.json");
   EXPECT_TRUE(fs::exists(output + "/labels/000001.png"));
+}
+
+TEST(Presets, EachRunsAndSaysWhatItStandsFor)
+{
+  const TemporaryFolder folder;
+  std::set<std::string> maps;
+  for (const std::string& name : presetNames()) {
+    const std::string path = std::string(presets) + "/" + name;
+    EXPECT_EQ(bytesOf(path).rfind("# ", 0), 0u) << name;
+    mapStreet(tinyStreet(), folder.path("out"), "--config " + path);
+    const nlohmann::json summary = readJson(folder.path("out/summary.json"));
+    EXPECT_EQ(summary["frames"], 3) << name;
+    EXPECT_GT(summary["voxels"], 100) << name;
+    maps.insert(bytesOf(folder.path("out/map.pcd")));
+  }
+  EXPECT_GE(maps.size(), 7u);
+  EXPECT_EQ(maps.size(), presetNames().size()) << "two of them are the same";
+}
+
+// Stored classes are votes without bound: which class wins does not depend on how sure
+// each of them is said to be.
+TEST(Presets, Sengupta13CountsVotes)
+{
+  const TemporaryFolder folder;
+  std::vector<std::string> labels;
+  for (const char* confidence : {"0.2", "0.5"}) {
+    succeed("map " + tinyStreet() + " --labels " + tinyStreet() + "/gt --config " +
+            presets + "/sengupta13.yaml --label-confidence " + confidence +
+            " --output " + folder.path("out"));
+    labels.push_back(bytesOf(folder.path("out/labels_at_depth/000002.png")));
+  }
+  EXPECT_TRUE(labels[0] == labels[1]);
 }
 
 } // namespace pcl_semantic

@@ -10,6 +10,7 @@
 #include "bench/kitti_map.h"
 #include "bench/median.h"
 #include "bench/ratio.h"
+#include "support/known_frames.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
 #include "synthesize/labels.h"
@@ -49,23 +50,6 @@ struct Frames {
   double network = 0.0;                   // seconds a frame; 0 = there is none
 };
 
-// Gives the labels in the order of the frames.
-class KnownLabels : public LabelPredictor {
-public:
-  explicit KnownLabels(const std::vector<LabelDistributions>& labels) : labels_(labels)
-  {}
-
-  LabelDistributions
-  predict(const StereoFrame&) override
-  {
-    return labels_.at(next_++);
-  }
-
-private:
-  const std::vector<LabelDistributions>& labels_;
-  std::size_t next_ = 0;
-};
-
 double
 quantile(std::vector<double> values, double fraction)
 {
@@ -89,9 +73,7 @@ Frames
 kittiFrames(const std::string& data)
 {
   const KittiSequence sequence(data + "/kitti/07");
-  NetworkPredictor network(
-      readNetworkDescription(sourcePath("networks/espnetv2_city_1280x480.yaml")),
-      labelSet(), data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
+  const auto network = kittiNetwork();
   Frames result;
   result.name = "KITTI 07";
   result.camera = sequence.camera();
@@ -100,7 +82,7 @@ kittiFrames(const std::string& data)
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     result.frames.push_back(sequence.frame(i));
     seconds.push_back(secondsOf(
-        [&] { result.labels.push_back(network.predict(result.frames.back())); }));
+        [&] { result.labels.push_back(network->predict(result.frames.back())); }));
   }
   result.network = median(seconds);
   return result;
@@ -141,7 +123,8 @@ mapAll(const Frames& data, MapperConfig config, const std::string& crf)
   SemanticMapper mapper(
       labelSet(), config,
       std::make_unique<StereoOdometry>(data.camera, data.T_camera0_camera), data.camera,
-      std::make_unique<KnownLabels>(data.labels));
+      std::make_unique<KnownLabels>(
+          [&, next = std::size_t(0)](int) mutable { return data.labels.at(next++); }));
   std::map<std::string, std::vector<double>> seconds; // by the mapper's stages
   for (const StereoFrame& frame : data.frames) {
     MappedFrame mapped;

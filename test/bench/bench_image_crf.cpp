@@ -130,14 +130,8 @@ streetImage()
 LabelledImage
 kittiImage()
 {
-  const std::string data = realDataFolder();
-  const NetworkDescription network =
-      readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
-                             "/data/networks/espnetv2_city_1280x480.yaml");
-  NetworkPredictor predictor(network, readLabelSet(network.label_set_path),
-                             data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
-  const StereoFrame frame = KittiSequence(data + "/kitti/15").frame(0);
-  return labelledImage(frame.left, predictor.predict(frame));
+  const StereoFrame frame = KittiSequence(realDataFolder() + "/kitti/15").frame(0);
+  return labelledImage(frame.left, kittiNetwork()->predict(frame));
 }
 
 void

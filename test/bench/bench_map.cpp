@@ -76,14 +76,9 @@ removeSky(const LabelSet& label_set, BenchFrame& frame)
 std::vector<BenchFrame>
 readFrames(const std::string& name)
 {
-  const std::string data = realDataFolder();
-  const KittiSequence sequence(data + "/kitti/" + name);
-  const NetworkDescription network =
-      readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
-                             "/data/networks/espnetv2_city_1280x480.yaml");
+  const KittiSequence sequence(realDataFolder() + "/kitti/" + name);
   const LabelSet label_set = readLabelSet(labelSetPath());
-  NetworkPredictor predictor(network, label_set,
-                             data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
+  const auto predictor = kittiNetwork();
   TrajectoryPoses poses(readKittiTrajectory(sequence.posesPath()),
                         sequence.T_camera0_camera());
   const auto stereo = makeDisparityEstimator("sgbm", 128);
@@ -93,7 +88,7 @@ readFrames(const std::string& name)
     frames.push_back(
         {disparityToCloud(stereo->estimate(images.left, images.right).disparity,
                           images.left, sequence.camera()),
-         predictor.predict(images), poses.pose(images)});
+         predictor->predict(images), poses.pose(images)});
     removeSky(label_set, frames.back());
   }
   return frames;

@@ -33,9 +33,7 @@ secondsAFrame(const Network& network, NetworkEngine engine, int threads)
 {
   const ThreadScope scope(threads);
   const std::string data = realDataFolder();
-  NetworkDescription description =
-      readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
-                             "/data/networks/espnetv2_city_1280x480.yaml");
+  NetworkDescription description = kittiNetworkDescription();
   description.input_width = network.width;
   description.input_height = network.height;
   NetworkPredictor predictor(description, readLabelSet(description.label_set_path),

@@ -10,6 +10,7 @@
 //   bench_soak [FRAMES [none|archive]]
 
 #include "bench/median.h"
+#include "support/known_frames.h"
 #include "support/temporary_folder.h"
 #include "synthesize/labels.h"
 #include "synthesize/renderer.h"
@@ -102,34 +103,6 @@ private:
   std::vector<LabelDistributions> labels_;
 };
 
-class Poses : public PoseSource {
-public:
-  explicit Poses(const EndlessStreet& street) : street_(street) {}
-
-  Eigen::Isometry3d
-  pose(const SensorFrame& frame) override
-  {
-    return street_.pose(timeOf(frame).number);
-  }
-
-private:
-  const EndlessStreet& street_;
-};
-
-class Labels : public LabelPredictor {
-public:
-  explicit Labels(const EndlessStreet& street) : street_(street) {}
-
-  LabelDistributions
-  predict(const StereoFrame& frame) override
-  {
-    return street_.labels(frame.number);
-  }
-
-private:
-  const EndlessStreet& street_;
-};
-
 // One run over the endless street.
 class Drive {
 public:
@@ -149,8 +122,12 @@ public:
     archive_ =
         std::make_unique<MappingArchive>(MappingArchive::Options{path, 10, false}, run);
     mapper_ = std::make_unique<SemanticMapper>(
-        run.label_set, run.config, std::make_unique<Poses>(street), renderer.camera(),
-        std::make_unique<Labels>(street), archive_->store());
+        run.label_set, run.config,
+        std::make_unique<KnownPoses>([&](int number) { return street.pose(number); }),
+        renderer.camera(), std::make_unique<KnownLabels>([&](int number) {
+          return street.labels(number);
+        }),
+        archive_->store());
   }
 
   // Returns the seconds that the frame took.

@@ -21,29 +21,40 @@ realDataFolder()
   return folder ? folder : "";
 }
 
+/** \brief The description of the networks in it, of the largest of them. */
+inline NetworkDescription
+kittiNetworkDescription()
+{
+  return readNetworkDescription(PCL_SEMANTIC_SOURCE_DIR
+                                "/data/networks/espnetv2_city_1280x480.yaml");
+}
+
+/** \brief That network, for the classes of its description. */
+inline std::unique_ptr<NetworkPredictor>
+kittiNetwork()
+{
+  const NetworkDescription network = kittiNetworkDescription();
+  return std::make_unique<NetworkPredictor>(
+      network, readLabelSet(network.label_set_path),
+      realDataFolder() + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx");
+}
+
 /** \brief The fused voxels of all frames of KITTI 15 with the depth cut at \a max_depth
  * [m]: no CRF has seen them. Their points are the centres, as a mapper's CRF sees
  * them (SemanticCRF::setVoxels). */
 inline VoxelCloud
 makeKittiMap(double max_depth)
 {
-  const std::string data = realDataFolder();
-  const KittiSequence sequence(data + "/kitti/15");
-  const NetworkDescription network =
-      readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
-                             "/data/networks/espnetv2_city_1280x480.yaml");
-  const LabelSet label_set = readLabelSet(network.label_set_path);
+  const KittiSequence sequence(realDataFolder() + "/kitti/15");
   MapperConfig config;
   config.crf = "none";
   config.map.max_range = max_depth;
   config.map.fusion.miss_probability = 0.499; // all that was ever hit stays occupied
   SemanticMapper mapper(
-      label_set, config,
+      readLabelSet(kittiNetworkDescription().label_set_path), config,
       std::make_unique<TrajectoryPoses>(readKittiTrajectory(sequence.posesPath()),
                                         sequence.T_camera0_camera()),
-      sequence.camera(),
-      std::make_unique<NetworkPredictor>(
-          network, label_set, data + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx"));
+      sequence.camera(), kittiNetwork());
   for (std::size_t i = 0; i < sequence.size(); ++i)
     mapper.process(sequence.frame(i));
   VoxelCloud voxels = mapper.map().occupied();

@@ -142,15 +142,6 @@ TEST(ImagePairSequence, RefusesImagesOfAnotherSize)
   text = text.substr(text.find("K1:"));
   pairs.folder.write("stereo.yaml", text);
   pairs.expectRefused("stereo.yaml: K1: the principal point");
-
-  pairs.add("left/1.png", 1);
-  expectRefusal<BadInputException>(
-      "right/1.png: has 320 x 240 pixels, expected 640 x 480",
-      [&] { ImagePairSequence(pairs.files).frame(0); });
-  pairs.add("right/1.png", 1, {640, 480}, CV_8UC1);
-  expectRefusal<BadInputException>(
-      "right/1.png: has 1 channel(s), the left image has 3",
-      [&] { ImagePairSequence(pairs.files).frame(0); });
 }
 
 TEST(ImagePairSequence, RefusesACalibrationOfNothing)

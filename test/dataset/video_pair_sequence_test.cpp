@@ -4,6 +4,7 @@
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/dataset/live_capture.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
 
 #include <gtest/gtest.h>
@@ -16,16 +17,25 @@ namespace pcl_semantic {
 
 namespace {
 
-// A video whose n-th image is grey 20 n + 40.
+// A video whose n-th image is grey 20 n + 40, its right half lighter.
 void
 writeVideo(const std::string& path, int frames, cv::Size size = {640, 480},
-           double rate = 5.0)
+           double rate = 5.0, int lighter = 0)
 {
   cv::VideoWriter writer(path, cv::CAP_FFMPEG,
                          cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), rate, size);
   ASSERT_TRUE(writer.isOpened());
-  for (int n = 0; n < frames; ++n)
-    writer << cv::Mat(size, CV_8UC3, cv::Scalar::all(20 * n + 40));
+  for (int n = 0; n < frames; ++n) {
+    cv::Mat image(size, CV_8UC3, cv::Scalar::all(20 * n + 40));
+    image.colRange(size.width / 2, size.width) += cv::Scalar::all(lighter);
+    writer << image;
+  }
+}
+
+int
+greyOf(const cv::Mat& image)
+{
+  return image.at<cv::Vec3b>(240, 320)[1];
 }
 
 class VideoPairs : public ::testing::Test {
@@ -44,10 +54,16 @@ protected:
     expectRefusal<BadInputException>(says, [&] { VideoPairSequence{files}; });
   }
 
-  double
-  greyOf(const VideoPairSequence& videos, std::size_t i) const
+  // All pairs, as cameras would take them.
+  std::vector<StereoFrame>
+  play() const
   {
-    return videos.frame(i).left.at<cv::Vec3b>(240, 320)[1];
+    const auto camera = openCaptures(files);
+    std::vector<StereoFrame> frames;
+    while (!camera->hasEnded())
+      if (camera->grab())
+        frames.push_back(camera->retrieve());
+    return frames;
   }
 
   const TemporaryFolder folder;
@@ -63,7 +79,7 @@ TEST_F(VideoPairs, FramesComeInAnyOrder)
   ASSERT_EQ(videos.size(), 4u);
   EXPECT_EQ(videos.timestamp(2), 0.4);
   for (const std::size_t i : {0, 1, 3, 1, 1, 2})
-    EXPECT_NEAR(greyOf(videos, i), 20.0 * double(i) + 40.0, 3.0) << i;
+    EXPECT_NEAR(greyOf(videos.frame(i).left), 20.0 * double(i) + 40.0, 3.0) << i;
   EXPECT_EQ(videos.frame(0).left.size(),
             cv::Size(videos.camera().width, videos.camera().height));
   EXPECT_TRUE(isVideo("a.mp4"));
@@ -102,6 +118,41 @@ TEST_F(VideoPairs, ACutOffVideoNamesTheFrame)
     for (std::size_t i = 0; i < videos.size(); ++i)
       videos.frame(i);
   });
+}
+
+TEST_F(VideoPairs, VideosArePlayedAtTheirRate)
+{
+  writeVideo(files.left, 4, {640, 480}, 20.0);
+  writeVideo(files.right, 4, {640, 480}, 20.0);
+  const std::vector<StereoFrame> frames = play();
+  ASSERT_EQ(frames.size(), 4u);
+  for (int n = 0; n < 4; ++n) {
+    const StereoFrame& frame = frames[std::size_t(n)];
+    EXPECT_EQ(frame.number, n);
+    EXPECT_GE(frame.timestamp, 0.05 * n);
+    EXPECT_NEAR(greyOf(frame.left), 20 * n + 40, 3);
+    EXPECT_NEAR(greyOf(frame.right), 20 * n + 40, 3);
+  }
+}
+
+TEST_F(VideoPairs, OneImageMayHoldBothSides)
+{
+  files.right = files.left;
+  writeVideo(files.left, 4, {1280, 480}, 20.0, 50);
+  const std::vector<StereoFrame> frames = play();
+  ASSERT_EQ(frames.size(), 4u);
+  EXPECT_NEAR(greyOf(frames[1].left), 60, 3);
+  EXPECT_NEAR(greyOf(frames[1].right), 110, 3);
+}
+
+TEST_F(VideoPairs, WhatCannotBeOpenedIsNamed)
+{
+  files.left = folder.path("none.avi");
+  expectRefusal<BadInputException>("none.avi: cannot be opened", [&] { play(); });
+  for (const char* const name : {"0", "12", "/dev/video3", "rtsp://camera/left"})
+    EXPECT_TRUE(isCapture(name)) << name;
+  for (const char* const name : {"", "left", "a.mp4", "1234", "left/*.png"})
+    EXPECT_FALSE(isCapture(name)) << name;
 }
 
 } // namespace pcl_semantic

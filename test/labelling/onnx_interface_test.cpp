@@ -108,7 +108,10 @@ TEST(OnnxInterface, RefusesDimensionsThatTheDataDoNotFill)
     return withWeights(floatTensor("weights", dims, std::vector<float>(count, 1.0f)));
   };
   EXPECT_NO_THROW(read(tensor({2, 3, 1, 1}, 6)));
-  expectRefused(tensor({2, 4, 1, 1}, 6), "more than data");
+  expectRefusal<BadModelException>("'weights' has 6 elements, its dimensions state 8",
+                                   [&] {
+                                     read(tensor({2, 4, 1, 1}, 6));
+                                   });
   expectRefused(tensor({2, 2, 1, 1}, 6), "less than data");
   expectRefused(tensor({2, 3, 1, 1}, 0), "no data");
   expectRefused(tensor({large << 12}, 6), "2^40");

@@ -26,7 +26,8 @@ TEST(KittiErrors, OfAScaleAreTheScale)
 {
   const SegmentErrors errors =
       kittiErrors(drive(51, 1.0, 0.0), drive(51, 1.02, 0.0), {9.5, 19.5, 100.0});
-  EXPECT_EQ(errors.segments, 72u); // 10 poses further, from 0 to 40, and 20 from 0 to 30
+  EXPECT_EQ(errors.segments,
+            72u); // 10 poses further, from 0 to 40, and 20 from 0 to 30
   EXPECT_NEAR(errors.translation, (41 * 0.02 * 10 / 9.5 + 31 * 0.02 * 20 / 19.5) / 72,
               1e-9);
   EXPECT_NEAR(errors.rotation, 0.0, 1e-9);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/map_cliques.h"
-#include "support/thrown_message.h"
+#include "support/refusal.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
@@ -81,12 +81,6 @@ TEST(CliqueEvidence, PlacesOfAFloorAndAWall)
   EXPECT_NEAR(evidence.features[1][Feature::height], 0.5, 1e-5);
   EXPECT_NEAR(evidence.features[1][Feature::distance], 3.55, 1e-5);
   EXPECT_NEAR(evidence.features[1][Feature::level], 0.0, 1e-5);
-}
-
-TEST(CliqueEvidence, ExtentSideAndColour)
-{
-  const CliqueEvidence evidence =
-      cliqueEvidence(floorAndWall(), halves(), viewOfFloor());
   const PointFeatures& floor = evidence.features[0];
   const PointFeatures& wall = evidence.features[1];
   EXPECT_NEAR(floor[Feature::lowest], 0.05, 1e-5);
@@ -197,13 +191,12 @@ TEST(MapCliques, RefusesWhatDoesNotFitTheLabelSet)
 {
   MapperConfig config = cubes();
   config.clique_exclude = "pole,lawn";
-  EXPECT_TRUE(holds(
-      thrownMessage<InvalidParameterException>([&] { MapCliques(config, label_set); }),
-      "class 'lawn' is not in the label set"));
+  expectRefusal<InvalidParameterException>("class 'lawn' is not in the label set",
+                                           [&] { MapCliques(config, label_set); });
   MapCliques cliques(cubes(), label_set);
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                        [&] { cliques.setCalibration(LabelCalibration::identity(4)); }),
-                    "clique calibration of 4 classes for a map of 3"));
+  expectRefusal<InvalidParameterException>(
+      "clique calibration of 4 classes for a map of 3",
+      [&] { cliques.setCalibration(LabelCalibration::identity(4)); });
 }
 
 } // namespace

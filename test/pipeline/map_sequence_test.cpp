@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/known_frames.h"
 #include "support/temporary_folder.h"
 #include "synthesize/sequence.h"
 
@@ -30,21 +31,15 @@ private:
   std::string poses_;
 };
 
-class StreetLabels : public LabelPredictor {
-public:
-  StreetLabels(const Street& street, int& calls) : street_(street), calls_(calls) {}
-
-  LabelDistributions
-  predict(const StereoFrame& frame) override
-  {
-    ++calls_;
-    return street_.labels(std::size_t(frame.number));
-  }
-
-private:
-  const Street& street_;
-  int& calls_;
-};
+// Counts how often it is asked.
+std::unique_ptr<LabelPredictor>
+labelsOf(const Street& street, int& calls)
+{
+  return std::make_unique<KnownLabels>([&](int number) {
+    ++calls;
+    return street.labels(std::size_t(number));
+  });
+}
 
 LabelSet
 elevenClasses()
@@ -68,8 +63,7 @@ coarse()
 VoxelCloud
 mapOf(const Street& street, int& calls)
 {
-  return mapSequence(street, elevenClasses(),
-                     std::make_unique<StreetLabels>(street, calls), coarse());
+  return mapSequence(street, elevenClasses(), labelsOf(street, calls), coarse());
 }
 
 // A row for each of the first frames of the street.
@@ -96,7 +90,7 @@ TEST(MapSequence, IsTheMapperOverAllFrames)
   EXPECT_EQ(calls, 3);
   SemanticMapper mapper(elevenClasses(), coarse(),
                         readPoses(street.posesPath(), street.T_camera0_camera()),
-                        street.camera(), std::make_unique<StreetLabels>(street, calls));
+                        street.camera(), labelsOf(street, calls));
   for (std::size_t i = 0; i < 3; ++i)
     mapper.process(street.frame(i));
   mapper.finish();

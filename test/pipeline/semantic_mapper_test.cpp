@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/known_frames.h"
+#include "support/refusal.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 #include "synthesize/labels.h"
@@ -38,35 +40,6 @@ kitti11()
   return readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
 }
 
-// The street itself says where the camera is and what it sees.
-class StreetPoses : public PoseSource {
-public:
-  explicit StreetPoses(const SyntheticRenderer& street) : street_(street) {}
-
-  Eigen::Isometry3d
-  pose(const SensorFrame& frame) override
-  {
-    return street_.pose(timeOf(frame).number);
-  }
-
-private:
-  const SyntheticRenderer& street_;
-};
-
-class StreetLabels : public LabelPredictor {
-public:
-  explicit StreetLabels(const std::vector<SyntheticView>& views) : views_(views) {}
-
-  LabelDistributions
-  predict(const StereoFrame& frame) override
-  {
-    return syntheticDistributions(views_[std::size_t(frame.number)], 3);
-  }
-
-private:
-  const std::vector<SyntheticView>& views_;
-};
-
 class Street : public testing::Test {
 protected:
   static void
@@ -85,11 +58,33 @@ protected:
     views_.clear();
   }
 
+  // The street itself says where the camera is and what it sees.
+  static std::unique_ptr<PoseSource>
+  poses()
+  {
+    return std::make_unique<KnownPoses>(
+        [](int number) { return renderer_->pose(number); });
+  }
+
+  static std::unique_ptr<LabelPredictor>
+  labels()
+  {
+    return std::make_unique<KnownLabels>([](int number) {
+      return syntheticDistributions(views_[std::size_t(number)], 3);
+    });
+  }
+
+  static SemanticMapper
+  makeMapper(const MapperConfig& config, std::unique_ptr<LabelPredictor> labels)
+  {
+    return SemanticMapper(kitti11(), config, poses(), renderer_->camera(),
+                          std::move(labels));
+  }
+
   static SemanticMapper
   makeMapper(const MapperConfig& config)
   {
-    return SemanticMapper(kitti11(), config, std::make_unique<StreetPoses>(*renderer_),
-                          renderer_->camera(), std::make_unique<StreetLabels>(views_));
+    return makeMapper(config, labels());
   }
 
   static StereoFrame
@@ -114,13 +109,9 @@ meanIoU(const cv::Mat& prediction, const cv::Mat& truth, const cv::Mat& covered_
 
 TEST_F(Street, PairsNeedTheirCamera)
 {
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([] {
-                      SemanticMapper(kitti11(), MapperConfig(),
-                                     std::make_unique<StreetPoses>(*renderer_),
-                                     std::nullopt,
-                                     std::make_unique<StreetLabels>(views_));
-                    }),
-                    "need their camera"));
+  expectRefusal<InvalidParameterException>("need their camera", [] {
+    SemanticMapper(kitti11(), MapperConfig(), poses(), std::nullopt, labels());
+  });
 }
 
 TEST_F(Street, TheMapLabelsBetterThanTheNetwork)
@@ -254,14 +245,12 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
     const auto unlabelled = (mapped.voxels.measured.matrix().array() == 0.0f);
     EXPECT_EQ(unlabelled.colwise().all().any(), i > 0) << i;
   }
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
-                      MapperConfig bad = config;
-                      bad.crf = "hierarchical";
-                      LabelCalibration calibration;
-                      calibration.ground = {1};
-                      makeMapper(bad).setCliqueCalibration(calibration);
-                    }),
-                    "network_every has to be 1"));
+  expectRefusal<InvalidParameterException>("network_every has to be 1", [&] {
+    config.crf = "hierarchical";
+    LabelCalibration calibration;
+    calibration.ground = {1};
+    makeMapper(config).setCliqueCalibration(calibration);
+  });
 }
 
 // What a label predictor says of a frame, later.
@@ -270,16 +259,15 @@ TEST_F(Street, LabelsMayComeLater)
   MapperConfig config;
   config.crf = "none";
   SemanticMapper at_once = makeMapper(config);
-  SemanticMapper later(kitti11(), config, std::make_unique<StreetPoses>(*renderer_),
-                       renderer_->camera(), std::make_unique<NoLabels>());
-  LateLabels labels(std::make_unique<StreetLabels>(views_), later);
+  SemanticMapper later = makeMapper(config, std::make_unique<NoLabels>());
+  LateLabels late(labels(), later);
   for (int i = 0; i < frames; ++i) {
     at_once.process(frame(i));
-    labels.offer(later.process(frame(i)));
-    EXPECT_TRUE(labels.fuseLast()) << i;
-    EXPECT_FALSE(labels.fuseLast()) << i;
+    late.offer(later.process(frame(i)));
+    EXPECT_TRUE(late.fuseLast()) << i;
+    EXPECT_FALSE(late.fuseLast()) << i;
   }
-  EXPECT_EQ(labels.frames(), frames);
+  EXPECT_EQ(late.frames(), frames);
   later.finish();
   // Nothing tells the sky from what is hit; all else is as if they had been there.
   const VoxelCloud expected = at_once.map().occupied(), found = later.map().occupied();
@@ -304,42 +292,29 @@ TEST_F(Street, ANetworkThatIsBusyLeavesFramesWithoutLabels)
 {
   MapperConfig config;
   config.crf = "none";
-  SemanticMapper mapper(kitti11(), config, std::make_unique<StreetPoses>(*renderer_),
-                        renderer_->camera(), std::make_unique<NoLabels>());
-  // Works on frame 0 until the test lets it end.
-  struct Slow : LabelPredictor {
-    explicit Slow(std::future<void> wanted) : end(std::move(wanted)) {}
-
-    LabelDistributions
-    predict(const StereoFrame& frame) override
-    {
-      seen.push_back(frame.number);
-      end.wait();
-      return syntheticDistributions(views_[std::size_t(frame.number)], 3);
-    }
-
-    std::shared_future<void> end;
-    std::vector<int> seen;
-  };
-  std::promise<void> end;
-  auto owned = std::make_unique<Slow>(end.get_future());
-  const Slow& slow = *owned;
-  LateLabels labels(std::move(owned), mapper);
+  SemanticMapper mapper = makeMapper(config, std::make_unique<NoLabels>());
+  std::promise<void> end; // until then it works on frame 0
+  std::vector<int> seen;
+  auto slow = std::make_unique<KnownLabels>(
+      [&seen, end = end.get_future().share()](int number) {
+        seen.push_back(number);
+        end.wait();
+        return syntheticDistributions(views_[std::size_t(number)], 3);
+      });
+  LateLabels late(std::move(slow), mapper);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_FALSE(labels.fuseReady()) << i;
+    EXPECT_FALSE(late.fuseReady()) << i;
     const MappedFrame mapped = mapper.process(frame(i));
     EXPECT_TRUE(mapped.voxels.measured.matrix().isZero(0.0f)) << i;
-    labels.offer(mapped);
+    late.offer(mapped);
   }
   end.set_value();
-  EXPECT_TRUE(labels.fuseLast());
-  EXPECT_EQ(slow.seen, std::vector<int>{0});
+  EXPECT_TRUE(late.fuseLast());
+  EXPECT_EQ(seen, std::vector<int>{0});
   EXPECT_FALSE(mapper.map().occupied().measured.matrix().isZero(0.0f));
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
-                      mapper.addLabels(mapper.process(frame(3)),
-                                       LabelDistributions(11, 7));
-                    }),
-                    "labels of 7 pixels"));
+  expectRefusal<InvalidParameterException>("labels of 7 pixels", [&] {
+    mapper.addLabels(mapper.process(frame(3)), LabelDistributions(11, 7));
+  });
 }
 
 TEST_F(Street, TheCrfWritesBackWhatItConcludesOnRequest)

@@ -62,7 +62,9 @@ expectFails(const std::string& arguments, int code, const std::string& says)
   const ToolResult result = runTool(arguments);
   EXPECT_EQ(result.code, code) << result.text;
   EXPECT_TRUE(holds(result.text, says));
-  EXPECT_EQ(result.text.rfind("pcl_semantic_", 0), 0u) << result.text;
+  const std::string program =
+      "pcl_semantic_" + arguments.substr(0, arguments.find(' ')) + ": ";
+  EXPECT_EQ(result.text.rfind(program, 0), 0u) << result.text;
   EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1) << result.text;
 }
 

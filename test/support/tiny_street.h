@@ -89,17 +89,6 @@ setWord(const std::string& path, std::size_t line, int word, const std::string& 
     stream << each << "\n";
 }
 
-/** \brief The bytes of a NumPy file of format version 1. */
-inline std::string
-npyBytes(const std::string& type, const std::string& shape, const std::string& data)
-{
-  std::string header =
-      "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }";
-  header.resize(117, ' ');
-  header += '\n';
-  return std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + data;
-}
-
 /** \brief A sequence of \a frames frames, made once a process: the images are those of
  * tinyStreet() over and over; the camera goes 2 m a frame to the right, and in the
  * second half back, so that what has left a small window comes into it again. */
