@@ -140,7 +140,8 @@ parametersOf(SemanticCRFParameters& crf, const std::string& unit)
       {"crf_kernels",
        "evaluation of the kernels: automatic, truncated (exact within a radius) or "
        "lattice",
-       chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"})},
+       chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"}),
+       "automatic"},
       {"crf_normalization",
        "normalisation of the kernels: symmetric, one-sided or none",
        chooseFrom(crf.normalization, {"symmetric", "one-sided", "none"})},

@@ -270,13 +270,15 @@ TEST(CrfTool, CliquesOfAFieldOfAFileAndOfCubes)
 TEST(CrfTool, AConfigThatIsPrintedIsReadBack)
 {
   const TemporaryFolder folder;
+  const std::string lattice =
+      write(folder.path("lattice.yaml"), "crf_kernels: lattice\n");
   for (const std::string tool : {"crf", "image_crf"}) {
     const std::string options =
         " --crf hierarchical --cliques slic:40 --crf-iterations 7 --clique-weight 2.5 "
-        "--crf-kernels lattice --crf-normalization one-sided "
-        "--clique-free-label false --print-config";
-    const std::string printed = succeed(tool + options);
+        "--crf-normalization one-sided --clique-free-label false --print-config";
+    const std::string printed = succeed(tool + options + " --config " + lattice);
     EXPECT_TRUE(holds(printed, "\ncrf_normalization: one-sided "));
+    EXPECT_TRUE(holds(printed, "\ncrf_kernels: lattice "));
     const std::string path = write(folder.path("config.yaml"), printed);
     EXPECT_EQ(runTool(tool + " --config " + path + " --print-config").text, printed);
     EXPECT_NE(runTool(tool + " --print-config").text, printed);
