@@ -1,97 +1,92 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "aligned_array.h"
 #include "core/simd.h"
-#include "lattice_structure.h"
+#include "kernels/lattice_loops.h"
 
 #include <pcl_semantic/core/abi_check.h>
 
 #include <Eigen/Core>
 
-#include <memory>
-#include <mutex>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace pcl_semantic {
 
-/** \brief The permutohedral lattice of Adams, Baek and Davis (2010): sums with the
- * Gaussian k_ij = exp(-|f_i - f_j|^2 / 2) of N points in time linear in N, near enough.
+/** \brief The permutohedral lattice of Adams, Baek and Davis (2010) around N points:
+ * where LatticeKernel sums with the Gaussian exp(-|f_i - f_j|^2 / 2) in time linear in
+ * N, near enough.
  *
  * Values are splatted to the vertices of the simplex around their point, blurred with
  * the taps 1/2 1 1/2 along every direction in turn, and sliced where they are asked
- * for. Vertices around no point do not exist: what would pass through them is lost, and
- * what is lost depends on the order of the directions. The mean of the order from the
- * first to the last, as the paper has it, and of the reverse is a symmetric map, and
- * nearer to the Gaussian. The lattice lies the same way around the least features of
- * the points, wherever these are. Results do not depend on the number of threads, nor
- * on the SIMD tier; several threads may use one lattice at a time. */
-class PermutohedralLattice {
-public:
+ * for. Vertices around no point do not exist: values that would pass through them are
+ * lost, and which ones depends on the order of the directions. The lattice lies the
+ * same way around the least features of the points, wherever these are.
+ *
+ * The points are sorted into chunks that lie together. Vertices are numbered by the
+ * chunk that touches them first, so that the sums of a chunk go to rows of its own:
+ * those of its vertices, and partial rows (numbered after the vertices) for those of
+ * earlier chunks. No number depends on the threads. */
+struct PermutohedralLattice {
   /** \param[in] features d x N, divided by their deviations; d is 1 to 16
    * \param[in] tier instructions to use; for tests
    * \throws InvalidParameterException if a feature is not finite, d is not 1 to 16, or
    * features span so many deviations that the keys of vertices (128 bits) cannot tell
    * them apart: not below 50 at d = 16, more at fewer */
   explicit PermutohedralLattice(const Eigen::Ref<const Eigen::MatrixXf>& features,
-                                SimdTier tier = simdTier())
-      : structure_(buildLattice(features, tier)), tier_(tier)
-  {}
+                                SimdTier tier = simdTier());
 
-  /** \brief N. */
-  Eigen::Index
-  size() const
-  {
-    return Eigen::Index(structure_.points);
-  }
-
-  /** \brief Features at which a vertex lies: 0 to 1 less than the least of the points.
-   */
-  Eigen::VectorXd origin() const;
-
-  /** \brief Number of vertices. */
-  Eigen::Index
-  vertices() const
-  {
-    return Eigen::Index(structure_.vertices);
-  }
-
-  /** \brief What a sum of the lattice has to be multiplied by: the integral of the
-   * Gaussian by that of splat, blur and slice. */
+  /** \brief Factor of the sums of the lattice: the integral of the Gaussian by that of
+   * splat, blur and slice. */
   float gain() const;
 
-  /** \brief What a one at every point sends back to it, without gain(). */
-  Eigen::Map<const Eigen::ArrayXf>
-  selfResponses() const
+  std::size_t
+  chunks() const
   {
-    return {structure_.self_responses.data(), size()};
+    return (points + chunk_points - 1) / chunk_points;
   }
 
-  /** \brief Factors of N points each. */
-  struct Scales {
-    Eigen::ArrayXf splat;    ///< of values before they are summed
-    Eigen::ArrayXf slice;    ///< of sums; gain() is not in them
-    Eigen::ArrayXf diagonal; ///< of a point's own value, which is subtracted
+  /** \brief Vertices whose rows a thread takes at a time. */
+  static constexpr std::size_t part_rows = 1024;
+
+  /** \brief The runs of some vertices, in each direction of a group: their rows one
+   * after the other, the last of a run marked (kernels::run_end). */
+  struct Bucket {
+    std::vector<std::int32_t> steps;
+    /** \brief Of each direction, with an end. After its steps comes one that is not its
+     * own, as a loop looks one step ahead. */
+    std::vector<std::size_t> begins;
   };
 
-  /** \brief result(:, i) += slice_i sum_j k_ij splat_j values(:, j) - diagonal_i
-   * values(:, i), j = i included.
-   * \param[in] values any number of rows x N, finite
-   * \param[in,out] result as values, not the same matrix */
-  void addFiltered(const Eigen::Ref<const Eigen::MatrixXf>& values,
-                   const Scales& scales, Eigen::Ref<Eigen::MatrixXf> result) const;
+  /** \brief Directions that are blurred one after the other without a look at more than
+   * a bucket of vertices, which stays in the fast cache: a bucket holds whole sheets,
+   * sets of all vertices that can be reached by steps in these directions. */
+  struct Group {
+    std::size_t first_direction;
+    std::vector<Bucket> buckets;
+  };
 
-private:
-  using Values = std::unique_ptr<AlignedArray<float>>;
+  kernels::LatticeFrame frame = {}; ///< a vertex lies at its low
+  std::size_t points = 0;           ///< N
+  std::size_t corners = 0;          ///< of a simplex, d + 1
+  std::size_t vertices = 0;
+  std::size_t rows = 0; ///< vertices and partial rows
+  std::size_t chunk_points = 0;
 
-  Values borrowValues(std::size_t size) const;
+  std::vector<std::int32_t> columns; ///< of the sorted points
+  AlignedArray<std::int32_t> corner_rows;
+  AlignedArray<float> weights;
 
-  LatticeStructure structure_;
-  SimdTier tier_;
+  std::vector<std::size_t> first_rows;     ///< by chunk, with an end
+  std::vector<std::size_t> first_partials; ///< by chunk, with an end
+  std::vector<std::int32_t> represents;    ///< vertex of each partial row
+  std::vector<std::int32_t> merged;        ///< partial rows by part of their vertices
+  std::vector<std::size_t> merged_begins;  ///< of parts, with an end
 
-  // Values on the lattice, kept from one product to the next: to get memory costs more
-  // than to fill it. One for each of the threads that have used the lattice at a time.
-  mutable std::mutex mutex_;
-  mutable std::vector<Values> spare_;
+  std::vector<Group> groups;
+  Eigen::ArrayXf self_responses; ///< what a one at every point sends back, no gain()
 };
 
 } // namespace pcl_semantic

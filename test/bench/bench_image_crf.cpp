@@ -96,7 +96,7 @@ printParts(const char* name, const Eigen::MatrixXf& features, Eigen::Index label
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(rows, kernel.size());
   const double product = medianSeconds(9, [&] { kernel.addProduct(values, result); });
   std::printf("  %s: %ld points, %ld vertices; set-up %.1f ms, product %.1f ms\n", name,
-              long(kernel.size()), long(kernel.lattice().vertices()), 1e3 * set_up,
+              long(kernel.size()), long(kernel.lattice().vertices), 1e3 * set_up,
               1e3 * product);
 }
 

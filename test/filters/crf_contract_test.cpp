@@ -200,6 +200,7 @@ TEST(CRFPlaces, PointsOutOfReachAreSkippedAndCounted)
     others->push_back(i);
   for (const auto& [i, place] : bad) {
     (*input.cloud)[std::size_t(i)].y = place;
+    input.cloud->is_dense = false;
     others->erase(std::find(others->begin(), others->end(), i));
   }
   Filter crf, alone;
@@ -218,6 +219,7 @@ TEST(CRFPlaces, PointsOutOfReachAreSkippedAndCounted)
   for (const pcl::index_t i : *others)
     EXPECT_EQ(refined.col(i), alone.getLabelDistributions().matrix().col(i)) << i;
   crf.filter(output);
+  EXPECT_FALSE(output.is_dense);
   for (const auto& [i, place] : bad) {
     EXPECT_EQ(output[std::size_t(i)].label, 0u);
     EXPECT_EQ(refined.col(i).sum(), 0.0f);
