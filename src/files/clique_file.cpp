@@ -40,9 +40,10 @@ readCliques(const std::string& path, std::size_t points)
 {
   std::vector<pcl::PointIndices> cliques;
   for (const TextLine& line : readLines(path)) {
-    const std::string text = line.text.substr(0, line.text.find('#'));
-    if (text.find_first_not_of(" \t") != std::string::npos)
-      cliques.push_back(parseClique(text, points, atLine(path, line.number)));
+    pcl::PointIndices clique = parseClique(line.text.substr(0, line.text.find('#')),
+                                           points, atLine(path, line.number));
+    if (!clique.indices.empty()) // a line may hold blanks alone, or a comment
+      cliques.push_back(std::move(clique));
   }
   return cliques;
 }

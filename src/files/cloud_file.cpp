@@ -2,7 +2,7 @@
 #include <pcl_semantic/files/cloud_file.h>
 
 #include "pcd_file.h"
-#include "ply_file.h"
+#include "ply_reader.h"
 
 #include "core/fail.h"
 

@@ -3,6 +3,8 @@
 
 #include "core/fail.h"
 
+#include <pcl/common/io.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -12,39 +14,22 @@ namespace pcl_semantic {
 
 namespace {
 
-struct FieldType {
-  std::uint8_t datatype;
-  char type;
-  int size;
-};
-
-using Type = pcl::PCLPointField;
-
-constexpr FieldType kTypes[] = {
-    {Type::BOOL, 'B', 1},    {Type::INT8, 'I', 1},   {Type::UINT8, 'U', 1},
-    {Type::INT16, 'I', 2},   {Type::UINT16, 'U', 2}, {Type::INT32, 'I', 4},
-    {Type::UINT32, 'U', 4},  {Type::INT64, 'I', 8},  {Type::UINT64, 'U', 8},
-    {Type::FLOAT32, 'F', 4}, {Type::FLOAT64, 'F', 8}};
-
 std::uint8_t
 datatypeOf(const PcdField& field)
 {
-  for (const FieldType& type : kTypes)
-    if (type.type == field.type && type.size == field.size)
-      return type.datatype;
-  badParameter("field '", field.name, "' has the type ", field.type, field.size,
-               ", which PCL does not have");
+  const int datatype = pcl::getFieldType(field.size, field.type);
+  if (datatype < 0)
+    badParameter("field '", field.name, "' has the type ", field.type, field.size,
+                 ", which PCL does not have");
+  return std::uint8_t(datatype);
 }
 
 PcdField
 fieldOf(const pcl::PCLPointField& field)
 {
-  PcdField result{field.name, ' ', 0, int(std::max<pcl::uindex_t>(field.count, 1))};
-  for (const FieldType& type : kTypes)
-    if (type.datatype == field.datatype) {
-      result.type = type.type;
-      result.size = type.size;
-    }
+  const PcdField result{field.name, pcl::getFieldType(field.datatype),
+                        pcl::getFieldSize(field.datatype),
+                        int(std::max<pcl::uindex_t>(field.count, 1))};
   if (field.count > kMaxPcdCount || !result.isValid())
     badParameter("cloud: field '", field.name, "' has type ", int(field.datatype),
                  " and count ", field.count);

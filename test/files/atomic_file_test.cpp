@@ -5,11 +5,17 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/clique_file.h>
+#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/files/distribution_file.h>
+#include <pcl_semantic/files/image_file.h>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <locale>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -64,23 +70,46 @@ TEST(AtomicFile, AFullDiskLeavesTheOldContent)
   EXPECT_EQ(folder.entries(), 1u);
 }
 
+TEST(AtomicFile, EveryWriterLeavesNothingOnAFullDisk)
+{
+  cv::Mat picture(100, 100, CV_8UC3);
+  cv::randu(picture, 0, 256);
+  pcl::PointIndices clique;
+  clique.indices = {1, 2, 3};
+  LabelledCloud labelled;
+  labelled.cloud->resize(10000);
+  PcdTable table;
+  table.fields = {{"x"}};
+  table.points = 10000;
+  table.data.resize(40000);
+  using Write = std::function<void(const std::string& path)>;
+  for (const Write& write : std::vector<Write>{
+           [&](auto& path) { writePng(path, picture); },
+           [&](auto& path) { writeDistributions(path, LabelDistributions(11, 10000)); },
+           [&](auto& path) { writeCliques(path, std::vector(5000, clique)); },
+           [&](auto& path) { writeLabelledCloud(path, labelled); },
+           [&](auto& path) { writeCloudTable(path, table); }}) {
+    const TemporaryFolder folder;
+    const FullDisk full(10000);
+    thrownMessage<OutputException>([&] { write(folder.path("a.file")); });
+    EXPECT_EQ(folder.entries(), 0u);
+  }
+}
+
 TEST(AtomicFile, RefusesWhatCannotBeWritten)
 {
   const TemporaryFolder folder;
-  const std::string file = folder.write("file", "");
-  for (const std::string& path : {folder.path(), folder.path("no_such_folder/a.txt"),
-                                  file + "/a.txt", folder.path(std::string(300, 'x'))})
-    EXPECT_TRUE(throws<OutputException>(path, [&] { AtomicFile atomic(path); }));
-  EXPECT_EQ(folder.entries(), 1u);
-}
-
-TEST(AtomicFile, DoesNotReplaceADevice)
-{
-  const TemporaryFolder folder;
-  const std::string path = folder.path("pipe");
-  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
-  EXPECT_TRUE(throws<OutputException>(path, [&] { writeTextFile(path, "x"); }));
-  EXPECT_TRUE(std::filesystem::is_fifo(path));
+  const std::string file = folder.write("file", "x"), pipe = folder.path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& path :
+       {folder.path(), folder.path("no_such_folder/a.txt"), file + "/a.txt",
+        folder.path(std::string(300, 'x')), pipe})
+    EXPECT_TRUE(throws<OutputException>(path, [&] { writeTextFile(path, "x"); }));
+  for (const std::string& path : {file, file + "/a"})
+    EXPECT_TRUE(throws<OutputException>(path, [&] { makeOutputFolder(path); }));
+  EXPECT_EQ(bytesOf(file), "x");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_EQ(folder.entries(), 2u);
 }
 
 TEST(AtomicFile, WritesNumbersInTheClassicLocale)
@@ -151,15 +180,6 @@ TEST(MakeOutputFolder, RemovesTheTemporariesOfEndedProcesses)
   file.commit();
   EXPECT_EQ(bytesOf(folder.path("b.txt")), "whole");
   EXPECT_TRUE(fs::exists(folder.path(".hidden")));
-}
-
-TEST(MakeOutputFolder, RefusesWhatIsNoFolder)
-{
-  const TemporaryFolder folder;
-  const std::string file = folder.write("file", "x");
-  for (const std::string& path : {file, file + "/a"})
-    EXPECT_TRUE(throws<OutputException>(path, [&] { makeOutputFolder(path); }));
-  EXPECT_EQ(bytesOf(file), "x");
 }
 
 TEST(RemoveFrameFiles, RemovesFramesAndNothingElse)

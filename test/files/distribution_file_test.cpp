@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/process_limits.h"
-#include "support/temporary_folder.h"
-#include "support/thrown_message.h"
+#include "support/refused_file.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/label_set_file.h>
@@ -61,15 +58,10 @@ readBin(const std::vector<float>& values)
   return read(folder.write("000000.bin", bytesOfFloats(values)));
 }
 
-// EXPECT that a file is refused with its name and the part.
 ::testing::AssertionResult
 refuses(const std::string& name, const std::string& bytes, const std::string& part)
 {
-  const TemporaryFolder folder;
-  const std::string path = folder.write(name, bytes);
-  const std::string message = thrownMessage<BadInputException>([&] { read(path); });
-  EXPECT_TRUE(holds(message, path));
-  return holds(message, part);
+  return refusesFile(name, bytes, part, read);
 }
 
 } // namespace
@@ -150,16 +142,6 @@ TEST(ReadDistributions, RefusesOtherSizesAndFiles)
     EXPECT_TRUE(throws<BadInputException>(name, [&] { read(name); }));
 }
 
-TEST(ReadDistributions, NamesThePixelOfABadValue)
-{
-  for (const float bad : {-0.01f, std::numeric_limits<float>::quiet_NaN(),
-                          std::numeric_limits<float>::infinity()}) {
-    std::vector<float> values = someValues();
-    values[(2 * width + 1) * classes + 3] = bad;
-    EXPECT_TRUE(refuses("a.bin", bytesOfFloats(values), "(1, 2)"));
-  }
-}
-
 TEST(ReadDistributions, NormalizesSumsNearOneAndRefusesOthers)
 {
   const auto scaled = [](float scale) {
@@ -171,6 +153,12 @@ TEST(ReadDistributions, NormalizesSumsNearOneAndRefusesOthers)
   EXPECT_NEAR(readBin(scaled(0.92f)).matrix()(0, 0), 0.5f, 1e-6);
   for (const float scale : {0.5f, 200.0f})
     EXPECT_TRUE(refuses("a.bin", bytesOfFloats(scaled(scale)), "(0, 0)"));
+  for (const float bad : {-0.01f, std::numeric_limits<float>::quiet_NaN(),
+                          std::numeric_limits<float>::infinity()}) {
+    std::vector<float> values = someValues();
+    values[(2 * width + 1) * classes + 3] = bad;
+    EXPECT_TRUE(refuses("a.bin", bytesOfFloats(values), "(1, 2)"));
+  }
   const LabelDistributions unlabelled = readBin(scaled(0.0f));
   EXPECT_EQ(unlabelled.mapLabel(0), kUnlabelled);
   EXPECT_NE(unlabelled.mapLabel(1), kUnlabelled);
@@ -199,13 +187,4 @@ TEST(ReadDistributions, PngIdsGetTheStatedConfidence)
                                         [&] { read(folder.path("a.png")); }));
   writePng(folder.path("b.png"), cv::Mat(width, height, CV_8UC1, cv::Scalar(1)));
   EXPECT_TRUE(throws<BadInputException>("3 x 4", [&] { read(folder.path("b.png")); }));
-}
-
-TEST(WriteDistributions, LeavesNothingBehindWhenItFails)
-{
-  const TemporaryFolder folder;
-  const FullDisk full(1000);
-  thrownMessage<OutputException>(
-      [&] { writeDistributions(folder.path("a.bin"), LabelDistributions(11, 10000)); });
-  EXPECT_EQ(folder.entries(), 0u);
 }

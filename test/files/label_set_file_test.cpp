@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/temporary_folder.h"
-#include "support/thrown_message.h"
+#include "support/refused_file.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/label_set_file.h>
 
 #include <gtest/gtest.h>
@@ -18,18 +16,15 @@ const std::string data_folder = std::string(PCL_SEMANTIC_SOURCE_DIR) + "/data/";
 ::testing::AssertionResult
 refusesSet(const std::string& text, const std::string& part)
 {
-  const TemporaryFolder folder;
-  const std::string path = folder.write("set.yaml", text);
-  return throws<BadInputException>(part, [&] { readLabelSet(path); });
+  return refusesFile("set.yaml", text, part, readLabelSet);
 }
 
 ::testing::AssertionResult
 refusesMapping(const std::string& text, const std::string& part)
 {
-  const TemporaryFolder folder;
-  const std::string path = folder.write("mapping.yaml", text);
   const LabelSet set({{"road", {}, false, false}, {"car", {}, false, false}});
-  return throws<BadInputException>(part, [&] { readLabelMapping(path, set); });
+  return refusesFile("mapping.yaml", text, part,
+                     [&](const std::string& path) { readLabelMapping(path, set); });
 }
 
 } // namespace

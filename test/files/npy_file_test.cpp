@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/temporary_folder.h"
-#include "support/thrown_message.h"
+#include "support/refused_file.h"
 
-#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/npy_file.h>
 
 #include <gtest/gtest.h>
@@ -46,15 +44,10 @@ listOf(const NpyArray& array)
   return {array.values.data(), array.values.data() + array.values.size()};
 }
 
-// EXPECT that a file is refused with its name and the part.
 ::testing::AssertionResult
 refuses(const std::string& bytes, const std::string& part = "")
 {
-  const TemporaryFolder folder;
-  const std::string path = folder.write("a.npy", bytes);
-  const std::string message = thrownMessage<BadInputException>([&] { readNpy(path); });
-  EXPECT_TRUE(holds(message, path));
-  return holds(message, part);
+  return refusesFile("a.npy", bytes, part, readNpy);
 }
 
 } // namespace
@@ -92,7 +85,7 @@ TEST(ReadNpy, RefusesSizesThatDoNotFitTheFile)
     EXPECT_TRUE(refuses(npy("<f4", shape, floats(24))));
 }
 
-TEST(ReadNpy, RefusesAHeaderLengthBeyondTheFile)
+TEST(ReadNpy, RefusesAHeaderOfAnotherLengthOrVersion)
 {
   std::string bytes = npy("<f4", "(2, 3, 4)", floats(24));
   bytes[8] = bytes[9] = '\xFF';
@@ -102,33 +95,9 @@ TEST(ReadNpy, RefusesAHeaderLengthBeyondTheFile)
   EXPECT_TRUE(refuses(bytes));
   bytes[6] = '\x07';
   EXPECT_TRUE(refuses(bytes, "version 7"));
-}
-
-// A header of a megabyte must not exhaust the stack.
-TEST(ReadNpy, RefusesAHugeHeader)
-{
-  std::string header = "{'descr': '" + std::string(4000000, 'f');
-  const std::size_t size = header.size();
-  EXPECT_TRUE(refuses(std::string("\x93NUMPY\x02\x00", 8) + char(size & 255) +
-                      char(size >> 8 & 255) + char(size >> 16 & 255) +
-                      char(size >> 24) + header));
-}
-
-TEST(ReadNpy, RandomDamageIsRefusedOrHarmless)
-{
-  const std::string whole = npy("<f4", "(2, 3, 4)", floats(24));
-  const TemporaryFolder folder;
-  std::mt19937 random(5);
-  for (int i = 0; i < 300; ++i) {
-    std::string bytes = whole;
-    for (int n = 0; n < 3; ++n)
-      bytes[random() % 128] = char(random());
-    try {
-      EXPECT_EQ(readNpy(folder.write("a.npy", bytes)).values.size(), 24);
-    }
-    catch (const BadInputException&) {
-    }
-  }
+  // A header of 4 MB, 0x3D090C bytes, must not exhaust the stack.
+  EXPECT_TRUE(refuses(std::string("\x93NUMPY\x02\x00\x0C\x09\x3D\x00", 12) +
+                      "{'descr': '" + std::string(4000000, 'f')));
 }
 
 TEST(WriteNpy, IsTheFileThatNumPyWrites)

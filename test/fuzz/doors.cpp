@@ -106,6 +106,46 @@ readNetworkFile(const std::string& bytes)
   readNetworkDescription(fileOf(bytes, "net.yaml"));
 }
 
+// A fault of ours, which no test takes for a refusal.
+void
+require(bool is_right, const char* what)
+{
+  if (!is_right)
+    throw std::logic_error(what);
+}
+
+void
+requireIndices(const std::vector<pcl::PointIndices>& cliques, std::size_t points)
+{
+  for (const pcl::PointIndices& clique : cliques) {
+    require(!clique.indices.empty(), "a clique is empty");
+    for (const pcl::index_t index : clique.indices)
+      require(index >= 0 && std::size_t(index) < points, "a clique has no such point");
+  }
+}
+
+void
+readCloud(const std::string& path)
+{
+  const LabelledCloud read = readLabelledCloud(path);
+  const PcdTable& table = read.table;
+  require(table.data.size() == table.points * table.pointSize() &&
+              table.points == table.width * table.height &&
+              table.points == read.cloud->size(),
+          "data and points differ");
+  for (const pcl::PointXYZRGBL& point : *read.cloud)
+    require(point.label <= 255, "a label is beyond 255");
+  requireIndices(read.cliques, table.points);
+}
+
+void
+readArray(const std::string& path)
+{
+  const NpyArray array = readNpy(path);
+  require(array.values.size() == Eigen::Index(array.height) * array.width * array.depth,
+          "values and sizes differ");
+}
+
 template <typename Config, void (*read)(const std::string&, Config&)>
 void
 readConfigFile(const std::string& bytes)
@@ -135,11 +175,12 @@ doors()
        [](const std::string& b) {
          readCalibration(fileOf(b, "calibration.yaml"), threeClasses());
        }},
-      {"cliques", [](const std::string& b) { readCliques(fileOf(b, "c.txt"), 100); }},
-      {"cloud_pcd",
-       [](const std::string& b) { readLabelledCloud(fileOf(b, "c.pcd")); }},
-      {"cloud_ply",
-       [](const std::string& b) { readLabelledCloud(fileOf(b, "c.ply")); }},
+      {"cliques",
+       [](const std::string& b) {
+         requireIndices(readCliques(fileOf(b, "c.txt"), 100), 100);
+       }},
+      {"cloud_pcd", [](const std::string& b) { readCloud(fileOf(b, "c.pcd")); }},
+      {"cloud_ply", [](const std::string& b) { readCloud(fileOf(b, "c.ply")); }},
       {"crf_config", readConfigFile<CRFConfig, readCRFConfig>},
       {"depth_png", readDepthImage},
       {"distributions_bin",
@@ -166,7 +207,7 @@ doors()
       {"network", readNetworkFile},
       {"network_onnx",
        [](const std::string& b) { readOnnxInterface(toBytes(b), "net.onnx"); }},
-      {"npy", [](const std::string& b) { readNpy(fileOf(b, "a.npy")); }},
+      {"npy", [](const std::string& b) { readArray(fileOf(b, "a.npy")); }},
       {"pinhole_camera",
        [](const std::string& b) { readPinholeCamera(fileOf(b, "camera.yaml")); }},
       {"poses_kitti",

@@ -19,53 +19,36 @@ const std::string two_points = "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\n"
                                "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n"
                                "1 2 3 2\nnan nan nan 0\n";
 
-std::vector<std::string>
-namesOf(const CloudSequence& clouds)
-{
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < clouds.size(); ++i)
-    names.push_back(std::filesystem::path(clouds.path(i)).stem().string());
-  return names;
-}
-
 } // namespace
 
-TEST(CloudSequence, NumbersAreThoseOfTheNames)
+TEST(CloudSequence, NumbersAndTimesAreThoseOfTheNames)
 {
-  const TemporaryFolder folder;
-  for (const char* const name : {"10.pcd", "000002.pcd", "7.pcd", "poses.txt"})
-    folder.write(name, two_points);
-  const CloudSequence clouds(folder.path());
-  EXPECT_EQ(namesOf(clouds), (std::vector<std::string>{"000002", "7", "10"}));
-  EXPECT_EQ(clouds.frameNumber(1), 7);
-  EXPECT_EQ(clouds.frameNumber(2), 10);
-  EXPECT_DOUBLE_EQ(clouds.timestamp(2), 1.0);
-}
-
-TEST(CloudSequence, OtherNamesAreCounted)
-{
-  const TemporaryFolder folder;
-  for (const char* const name : {"shot10.pcd", "shot9.pcd", "3.pcd"})
-    folder.write(name, two_points);
-  const CloudSequence clouds(folder.path("*.pcd"));
-  EXPECT_EQ(namesOf(clouds), (std::vector<std::string>{"3", "shot9", "shot10"}));
-  EXPECT_EQ(clouds.frameNumber(0), 0);
-  EXPECT_EQ(clouds.frameNumber(2), 2);
-}
-
-TEST(CloudSequence, TimesAreThoseOfTheNames)
-{
-  const TemporaryFolder folder;
-  for (const char* const name : {"100.5.pcd", "100.25.pcd", "99.75.pcd"})
-    folder.write(name, two_points);
-  const CloudSequence clouds(folder.path());
-  EXPECT_EQ(namesOf(clouds), (std::vector<std::string>{"99.75", "100.25", "100.5"}));
-  EXPECT_EQ(clouds.frameNumber(1), 1);
-  EXPECT_DOUBLE_EQ(clouds.timestamp(1), 100.25);
-  const TemporaryFolder nanoseconds;
-  nanoseconds.write("1403636579763555584.pcd", two_points);
-  EXPECT_NEAR(CloudSequence(nanoseconds.path()).timestamp(0), 1403636579.763555584,
-              1e-6);
+  struct Frame {
+    std::string name;
+    int number;
+    double time;
+  };
+  using Frames = std::vector<Frame>;
+  for (const Frames& expected :
+       {Frames{{"000002", 2, 0.2}, {"7", 7, 0.7}, {"10", 10, 1.0}},
+        Frames{{"3", 0, 0.0}, {"shot9", 1, 0.1}, {"shot10", 2, 0.2}}, // are counted
+        Frames{{"99.75", 0, 99.75}, {"100.25", 1, 100.25}, {"100.5", 2, 100.5}},
+        Frames{{"1403636579763555584", 0, 1403636579.763555584}}}) {
+    const TemporaryFolder folder;
+    folder.write("poses.txt", "");
+    for (const Frame& frame : expected)
+      folder.write(frame.name + ".pcd", two_points);
+    for (const char* const pattern : {"", "*.pcd"}) {
+      const CloudSequence clouds(folder.path(pattern));
+      ASSERT_EQ(clouds.size(), expected.size());
+      for (std::size_t i = 0; i < clouds.size(); ++i) {
+        const auto& [name, number, time] = expected[i];
+        EXPECT_EQ(std::filesystem::path(clouds.path(i)).stem(), name);
+        EXPECT_EQ(clouds.frameNumber(i), number) << name;
+        EXPECT_NEAR(clouds.timestamp(i), time, 1e-6) << name;
+      }
+    }
+  }
 }
 
 TEST(CloudSequence, TimesOfAFileAreThoseOfTheFrames)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ply_file.h"
+#include "ply_reader.h"
 #include "pcd_data.h"
 #include "pcd_header.h"
 
