@@ -63,4 +63,3 @@ TEST(CliqueFile, NoPointsHaveNoCliques)
   thrownMessage<BadInputException>([] { read("0\n", 0); });
   thrownMessage<BadInputException>([] { readCliques("/no/such.txt"); });
 }
-
