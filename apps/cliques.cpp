@@ -105,8 +105,9 @@ parse(int argc, char** argv)
         "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
       {"input", "output"}, parameters);
   setParameters(values, parameters);
-  arguments.parameters.supervoxel.voxel_resolution = frame.voxel_size;
   arguments.parameters.validate();
+  // After it: only supervoxels want voxels that are small beside their seeds' distance.
+  arguments.parameters.supervoxel.voxel_resolution = frame.voxel_size;
   requireFittingOptions(arguments);
   return arguments;
 }

@@ -28,7 +28,7 @@ MappingArchive::MappingArchive(const Options& options, const MappingRun& run)
 {
   if (!options_.path.empty() && run.config.cliques.rfind("superpixel", 0) == 0 &&
       run.config.clique_parameters.superpixel.keep)
-    badParameter("--archive does not go with --superpixel-keep: what frames "
+    badParameter("--archive does not go with superpixel_keep: what frames "
                  "before a kill saw of the superpixels would be lost");
   if (!run.frames.empty())
     last_frame_ = run.frames.back();
