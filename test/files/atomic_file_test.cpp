@@ -5,7 +5,6 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -74,8 +73,6 @@ TEST(AtomicFile, EveryWriterLeavesNothingOnAFullDisk)
 {
   cv::Mat picture(100, 100, CV_8UC3);
   cv::randu(picture, 0, 256);
-  pcl::PointIndices clique;
-  clique.indices = {1, 2, 3};
   LabelledCloud labelled;
   labelled.cloud->resize(10000);
   PcdTable table;
@@ -86,7 +83,6 @@ TEST(AtomicFile, EveryWriterLeavesNothingOnAFullDisk)
   for (const Write& write : std::vector<Write>{
            [&](auto& path) { writePng(path, picture); },
            [&](auto& path) { writeDistributions(path, LabelDistributions(11, 10000)); },
-           [&](auto& path) { writeCliques(path, std::vector(5000, clique)); },
            [&](auto& path) { writeLabelledCloud(path, labelled); },
            [&](auto& path) { writeCloudTable(path, table); }}) {
     const TemporaryFolder folder;
