@@ -243,4 +243,16 @@ parseNumbersOf(const std::string& option, std::string text)
   }
 }
 
+void
+refuseRemoved(int argc, char** argv,
+              const std::vector<std::pair<std::string, std::string>>& options)
+{
+  for (int i = 1; i < argc; ++i)
+    for (const auto& [name, instead] : options) {
+      const std::string word = argv[i];
+      refuseIf(word.substr(0, word.find('=')) == "--" + name,
+               "--" + name + " was removed: " + instead);
+    }
+}
+
 } // namespace pcl_semantic::tool

@@ -121,4 +121,9 @@ constexpr const char* pixel_mapping_help =
     "that is installed (semantic_kitti_to_kitti11), zero_based, or of .png colours, "
     "those of the classes (default: they are labels, 0 = unlabelled)";
 
+/** \brief Refuses options of earlier versions, each with a word on what there is in its
+ * place. \throws InvalidParameterException */
+void refuseRemoved(int argc, char** argv,
+                   const std::vector<std::pair<std::string, std::string>>& options);
+
 } // namespace pcl_semantic::tool

@@ -53,6 +53,8 @@ parse(int argc, char** argv)
 {
   Options options;
   std::string ignore;
+  refuseRemoved(argc, argv,
+                {{"probabilities", "python3 -m lab.reliability judges them"}});
   const po::variables_map values = parseCommandLine(
       argc, argv, usage,
       {{"prediction", required(options.predictions),

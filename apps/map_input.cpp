@@ -82,18 +82,6 @@ labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& sce
 
 } // namespace
 
-void
-refuseRemoved(int argc, char** argv,
-              const std::vector<std::pair<std::string, std::string>>& options)
-{
-  for (int i = 1; i < argc; ++i)
-    for (const auto& [name, instead] : options) {
-      const std::string word = argv[i];
-      refuseIf(word.substr(0, word.find('=')) == "--" + name,
-               "--" + name + " was removed: " + instead);
-    }
-}
-
 MapInput
 readMap(const std::string& path, const MapHints& hints)
 {

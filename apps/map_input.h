@@ -11,11 +11,6 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Refuses options of earlier versions, each with a word on what there is in its
- * place. \throws InvalidParameterException */
-void refuseRemoved(int argc, char** argv,
-                   const std::vector<std::pair<std::string, std::string>>& options);
-
 /** \brief A finished map, its classes, and where the camera was. */
 struct MapInput {
   VoxelScene scene;

@@ -81,9 +81,10 @@ yamlText(const YamlMap& file, const std::string& key, bool is_triple)
 const std::map<std::string, std::string> removed_parameters = {
     {"clique_appearance_deviation", ""},
     {"clique_colour_deviation", ""},
+    {"clique_exclude_threshold", ""},
     {"clique_hears_members", "clique_update_from_members"},
     {"clique_leaves_out", "clique_exclude"},
-    {"clique_leaves_out_above", "clique_exclude_threshold"},
+    {"clique_leaves_out_above", ""},
     {"clique_map_messages", ""},
     {"clique_members_hear_map", ""},
     {"clique_smoothness_deviation", ""},

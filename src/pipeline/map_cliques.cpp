@@ -17,6 +17,10 @@ namespace pcl_semantic {
 
 namespace {
 
+// Voxels that are likelier than this of the classes that clique_exclude names are in
+// no clique (doc/calibration.md).
+constexpr float kExcludeThreshold = 0.3f;
+
 // Zero if no member has a measurement.
 Eigen::VectorXd
 geometricMean(const LabelDistributions& measured, const pcl::Indices& members)
@@ -116,7 +120,6 @@ MapCliques::MapCliques(const MapperConfig& config, const LabelSet& label_set)
     : generator_(makeCliqueGenerator(config.cliques, config.clique_parameters)),
       superpixels_(std::dynamic_pointer_cast<SuperpixelCliques>(generator_)),
       left_out_(listedLabels(config.clique_exclude, label_set, "clique_exclude")),
-      exclude_threshold_(float(config.clique_exclude_threshold)),
       classes_(label_set.size())
 {}
 
@@ -159,7 +162,7 @@ MapCliques::group(const VoxelCloud& voxels)
     float likely = 0.0f;
     for (const Label label : left_out_)
       likely += voxels.measured.column(i)[label - 1];
-    return likely > exclude_threshold_;
+    return likely > kExcludeThreshold;
   };
   for (pcl::PointIndices& clique : cliques) {
     pcl::Indices& members = clique.indices;

@@ -93,7 +93,6 @@ private:
   CliqueGenerator::Ptr generator_;
   std::shared_ptr<SuperpixelCliques> superpixels_; // generator_, if it is some
   std::vector<Label> left_out_;
-  float exclude_threshold_;
   std::optional<LabelCalibration> calibration_;
   std::vector<Label> ground_;
   int classes_;

@@ -52,10 +52,8 @@ MapperConfig::validate()
   for (const auto& [name, value] : {std::pair("max_deviation", max_deviation),
                                     std::pair("deviation_scale", deviation_scale)})
     require(value >= 0.0 && value <= 100.0, name, value, "0 to 100");
-  for (const auto& [name, value] :
-       {std::pair("min_hit_ratio", min_hit_ratio),
-        std::pair("clique_exclude_threshold", clique_exclude_threshold)})
-    require(value >= 0.0 && value <= 1.0, name, value, "0 to 1");
+  require(min_hit_ratio >= 0.0 && min_hit_ratio <= 1.0, "min_hit_ratio", min_hit_ratio,
+          "0 to 1");
   require(network_every >= 1, "network_every", network_every, "1 or more");
   require(crf_every >= 1, "crf_every", crf_every, "1 or more");
   requireConfidence(label_confidence);
@@ -133,10 +131,7 @@ parametersOf(MapperConfig& config)
        &config.cliques},
       {"clique_exclude",
        "classes, separated by commas, whose voxels are in no clique, or none",
-       &config.clique_exclude},
-      {"clique_exclude_threshold",
-       "threshold on the probability of the classes of --clique-exclude",
-       &config.clique_exclude_threshold}};
+       &config.clique_exclude}};
   append(parameters, parametersOf(config.clique_parameters));
   append(parameters, parametersOf(config.crf_parameters, "m"));
   parameters.push_back(

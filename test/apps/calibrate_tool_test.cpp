@@ -248,45 +248,43 @@ TEST(CalibrateToolUsage, BadInput)
   };
   const std::string map =
       "--labels STREET/labels --label-calibration STREET/c.yaml --archive TEMP/a.map";
-  expectAllFail(
-      {{"nothing", 2, "'--sequences' is required", "calibrate --output OUT" + folders},
-       {"no truth option", 2, "'--truth' is required",
-        "calibrate STREET --output OUT --labels STREET/labels"},
-       {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
-       {"ground", 2, "--ground: class 'lawn' is not in the label set",
-        all + "--ground road,lawn"},
-       {"no feature", 2, "--features: 'smell' is none",
-        all + "--features height,smell"},
-       {"of cliques alone", 2, "--features: 'lowest' is not known of pixels",
-        all + "--features lowest"},
-       {"one twice", 2, "two sequences are called street",
-        "calibrate STREET STREET --output OUT" + folders},
-       {"no truth", 3, "street/none",
-        "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
-        "'{sequence}/none'"},
-       {"frames", 2, "expected A:B", all + "--frames 3"},
-       {"no such frames", 3, "has no ground truth image", all + "--frames 7:9"},
-       {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
-        all + "--clique-config STREET/c.yaml", calibration("crf: dense\n")},
-       {"one class", 3, "expected ground truth of two classes or more", all,
-        [](const std::string& street) {
-          for (const char* const frame : {"000000", "000001", "000002"})
-            writePng(street + "/gt/" + frame + ".png",
-                     cv::Mat(64, 208, CV_8UC1, cv::Scalar(3)));
-        }},
-       {"no output", 5, "poses.txt",
-        "calibrate STREET --output STREET/poses.txt" + folders},
-       {"no calibration", 3, "c.yaml", map},
-       {"labels of no maps", 2, "is for maps, with --clique-config",
-        all + "--label-calibration STREET/c.yaml"},
-       {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
-        "--labels STREET/labels --clique-calibration STREET/c.yaml",
-        calibration("of: pixels\nsharpness: 1\nground: []\n")},
-       {"cliques of another model", 2, "is for the model hierarchical, not dense",
-        "--labels STREET/labels --clique-calibration STREET/c.yaml",
-        calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
-       {"no likelihood", 2, "clique_exclude_threshold is 2, expected 0 to 1",
-        "--labels STREET/labels --clique-exclude-threshold 2"}});
+  expectAllFail({
+      {"nothing", 2, "'--sequences' is required", "calibrate --output OUT" + folders},
+      {"no truth option", 2, "'--truth' is required",
+       "calibrate STREET --output OUT --labels STREET/labels"},
+      {"balance", 2, "balance is 2, expected 0 to 1", all + "--balance 2"},
+      {"ground", 2, "--ground: class 'lawn' is not in the label set",
+       all + "--ground road,lawn"},
+      {"no feature", 2, "--features: 'smell' is none", all + "--features height,smell"},
+      {"of cliques alone", 2, "--features: 'lowest' is not known of pixels",
+       all + "--features lowest"},
+      {"one twice", 2, "two sequences are called street",
+       "calibrate STREET STREET --output OUT" + folders},
+      {"no truth", 3, "street/none",
+       "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
+       "'{sequence}/none'"},
+      {"frames", 2, "expected A:B", all + "--frames 3"},
+      {"no such frames", 3, "has no ground truth image", all + "--frames 7:9"},
+      {"cliques of no model", 3, "c.yaml: crf is dense, expected hierarchical",
+       all + "--clique-config STREET/c.yaml", calibration("crf: dense\n")},
+      {"one class", 3, "expected ground truth of two classes or more", all,
+       [](const std::string& street) {
+         for (const char* const frame : {"000000", "000001", "000002"})
+           writePng(street + "/gt/" + frame + ".png",
+                    cv::Mat(64, 208, CV_8UC1, cv::Scalar(3)));
+       }},
+      {"no output", 5, "poses.txt",
+       "calibrate STREET --output STREET/poses.txt" + folders},
+      {"no calibration", 3, "c.yaml", map},
+      {"labels of no maps", 2, "is for maps, with --clique-config",
+       all + "--label-calibration STREET/c.yaml"},
+      {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
+       "--labels STREET/labels --clique-calibration STREET/c.yaml",
+       calibration("of: pixels\nsharpness: 1\nground: []\n")},
+      {"cliques of another model", 2, "is for the model hierarchical, not dense",
+       "--labels STREET/labels --clique-calibration STREET/c.yaml",
+       calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
+  });
 }
 
 } // namespace pcl_semantic

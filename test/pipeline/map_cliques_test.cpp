@@ -151,10 +151,6 @@ TEST(MapCliques, LeavesOutWhatIsLikelyOfAClass)
   ASSERT_EQ(cliques.size(), 1u);
   ASSERT_EQ(cliques[0].indices.size(), 95u);
   EXPECT_EQ(cliques[0].indices[0], 5);
-  config.clique_exclude_threshold = 0.5;
-  EXPECT_EQ(MapCliques(config, label_set).group(voxels).size(), 2u);
-  config.clique_exclude = "pole,wall"; // together
-  EXPECT_EQ(MapCliques(config, label_set).group(voxels).size(), 1u);
 }
 
 TEST(MapCliques, CostsAreThoseOfTheCalibration)

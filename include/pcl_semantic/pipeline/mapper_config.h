@@ -30,9 +30,8 @@ struct MapperConfig {
   bool crf_write_back = false; ///< what it concludes is the prior of later frames
   std::string cliques = "cubes:1"; ///< of the last two, as makeCliqueGenerator takes
   CliqueParameters clique_parameters;
-  std::string clique_exclude = "none";   ///< classes with commas between: voxels that
-                                         ///< are likely one of them are in no clique
-  double clique_exclude_threshold = 0.3; ///< this likely
+  std::string clique_exclude = "none"; ///< classes with commas between: voxels that
+                                       ///< are likely one of them are in no clique
   SemanticCRFParameters crf_parameters = SemanticCRFParameters::forMaps();
   int threads = 0; ///< 0 = all processors
 
