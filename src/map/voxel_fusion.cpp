@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxel_fusion.h"
 #include "core/fail.h"
-#include "kernels/log_sums.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace pcl_semantic {
 
 namespace {
 
-constexpr double kLogScale = double(1 << kernels::log_fraction_bits);
+constexpr double kLogScale = double(1 << kLogFractionBits);
 
 void
 requireBetween(double value, double low, double high, const char* name)
@@ -19,6 +19,29 @@ requireBetween(double value, double low, double high, const char* name)
   if (!(value > low && value < high))
     badParameter(name, " is ", value, ", expected more than ", low, " and less than ",
                  high);
+}
+
+// A power of two and a polynomial for 2/3 to 4/3 (Chebyshev).
+inline std::int32_t
+fixedPointLog(float value)
+{
+  std::int32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  const std::int32_t exponent = (bits - 0x3F2AAAAB) >> 23;
+  bits -= exponent * (1 << 23);
+  float x;
+  std::memcpy(&x, &bits, sizeof x);
+  x -= 1.0f;
+  float p = 0.13748309f * x - 0.15394272f;
+  p = p * x + 0.14055812f;
+  p = p * x - 0.16414520f;
+  p = p * x + 0.20007233f;
+  p = p * x - 0.25007930f;
+  p = p * x + 0.33333272f;
+  p = p * x - 0.49999934f;
+  p = (p * x + 1.0f) * x;
+  constexpr std::int32_t log_two = 11629080;
+  return exponent * log_two + static_cast<std::int32_t>(p * float(kLogScale));
 }
 
 } // namespace
@@ -67,9 +90,15 @@ OccupancyUpdate::OccupancyUpdate(const FusionParameters& parameters)
       occupied_(storedLogOdds(parameters.occupied_probability))
 {}
 
+void
+addLogs(const float* values, std::size_t count, float smallest, std::int64_t* sums)
+{
+  for (std::size_t k = 0; k < count; ++k)
+    sums[k] += fixedPointLog(std::max(smallest, values[k]));
+}
+
 VoxelMeasurement::VoxelMeasurement(int classes, const FusionParameters& parameters)
-    : parameters_(parameters), add_logs_(kernels::addLogs(simdTier())),
-      log_sums_(std::size_t(classes) + kernels::log_block), log_likelihood_(classes)
+    : parameters_(parameters), log_sums_(classes), log_likelihood_(classes)
 {}
 
 void
@@ -104,8 +133,8 @@ VoxelMeasurement::addDistribution(const float* distribution)
   const float* const end = distribution + log_likelihood_.size();
   if (std::all_of(distribution, end, [](float p) { return p == 0; }))
     return;
-  add_logs_(distribution, log_likelihood_.size(),
-            float(parameters_.label_min_probability), log_sums_.data());
+  addLogs(distribution, log_sums_.size(), float(parameters_.label_min_probability),
+          log_sums_.data());
   ++labelled_;
 }
 

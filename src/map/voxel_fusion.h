@@ -5,6 +5,7 @@
 #include <pcl_semantic/map/semantic_voxel.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -67,6 +68,15 @@ private:
   int occupied_;
 };
 
+/** \brief Units of a summed logarithm: 2^-24 is finer than single precision keeps. */
+constexpr int kLogFractionBits = 24;
+
+/** \brief Adds to each of \a count sums the logarithm of max(value, smallest), to five
+ * units. Whole numbers: the order of the points does not matter.
+ * \param[in] smallest positive and normal */
+void addLogs(const float* values, std::size_t count, float smallest,
+             std::int64_t* sums);
+
 /** \brief Gathers what one scan says of one voxel. Sums are in fixed point, so that the
  * order of the points does not matter. */
 class VoxelMeasurement {
@@ -97,8 +107,7 @@ private:
   void fusePosition(VoxelRecord& record) const;
 
   const FusionParameters parameters_;
-  void (*const add_logs_)(const float*, std::size_t, float, std::int64_t*);
-  std::vector<std::int64_t> log_sums_; // with room for whole vectors
+  std::vector<std::int64_t> log_sums_;
   std::vector<float> log_likelihood_;
   std::int64_t labelled_ = 0;
   std::array<std::uint64_t, 3> colour_sum_{}, position_sum_{};
