@@ -25,8 +25,9 @@ TEST(Readme, ItsCommandsRun)
 {
   const TemporaryFolder folder;
   fs::create_directories(folder.path("build/demo"));
-  fs::create_directory_symlink(PCL_SEMANTIC_BINARY_DIR "/bin",
-                               folder.path("build/bin"));
+  for (const std::string name : {"/bin", "/python"})
+    fs::create_directory_symlink(PCL_SEMANTIC_BINARY_DIR + name,
+                                 folder.path("build" + name));
   fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/data", folder.path("data"));
   fs::create_directory_symlink(PCL_SEMANTIC_SOURCE_DIR "/python",
                                folder.path("python"));
