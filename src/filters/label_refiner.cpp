@@ -3,7 +3,7 @@
 
 #include "core/fail.h"
 #include "crf/lattice_kernel.h"
-#include "kernels/negative_logs.h"
+#include "negative_logs.h"
 
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/crf/crf_model.h>
@@ -28,7 +28,6 @@ Eigen::MatrixXf
 unaryCosts(const Eigen::MatrixXf& measured, const std::vector<std::int32_t>& columns)
 {
   constexpr std::size_t block = 64; // logarithms are quicker many at a time
-  const kernels::NegativeLogs negateLogs = kernels::negativeLogs(simdTier());
   Eigen::MatrixXf costs(measured.rows(), Eigen::Index(columns.size()));
 #pragma omp parallel for schedule(static)
   for (std::size_t begin = 0; begin < columns.size(); begin += block) {
@@ -353,7 +352,6 @@ writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
         largest / std::max(measured[after], smallest_probability * measured.sum());
     return winner * unary_odds <= e6 * marginal[before];
   };
-  const kernels::NegativeLogs negateLogs = kernels::negativeLogs(simdTier());
   const int classes = int(marginals.rows());
 #pragma omp parallel for schedule(static)
   for (Eigen::Index k = 0; k < marginals.cols(); ++k) {

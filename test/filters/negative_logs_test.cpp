@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "filters/kernels/negative_logs.h"
-#include "support/supported_tiers.h"
+#include "filters/negative_logs.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -27,39 +27,35 @@ TEST(NegativeLogs, AreThoseOfTheMathematicalLibrary)
 {
   constexpr float smallest = 1e-6f;
   const std::vector<float> values = probabilities();
-  for (const SimdTier tier : supportedTiers()) {
-    std::vector<float> logs = values;
-    kernels::negativeLogs(tier)(logs.data(), logs.size(), smallest);
-    for (std::size_t i = 0; i < logs.size(); ++i) {
-      const double expected = -std::log(double(std::max(values[i], smallest)));
-      ASSERT_NEAR(logs[i], expected, 1e-7 + 2e-7 * expected) << values[i];
-    }
+  std::vector<float> logs = values;
+  negateLogs(logs.data(), logs.size(), smallest);
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    const double expected = -std::log(double(std::max(values[i], smallest)));
+    ASSERT_NEAR(logs[i], expected, 1e-7 + 2e-7 * expected) << values[i];
   }
 }
 
-// A cloud's labels depend on these bits: they are the same in every tier, for any
-// number of values, and on every platform.
+// A cloud's labels depend on these bits: they are the same for any number of
+// values and on every platform.
 TEST(NegativeLogs, HaveTheSameBitsEverywhere)
 {
   std::vector<float> values;
   for (int i = 1; i <= 100000; ++i)
     values.push_back(float(i) / 100000.0f);
-  for (const SimdTier tier : supportedTiers()) {
-    std::vector<float> logs = values;
-    kernels::negativeLogs(tier)(logs.data(), logs.size(), 1e-6f);
-    std::uint64_t digest = 0xCBF29CE484222325u; // FNV-1a of 32-bit words
-    for (const float value : logs) {
-      std::uint32_t bits = 0;
-      std::memcpy(&bits, &value, sizeof(bits));
-      digest = (digest ^ bits) * 0x100000001B3u;
-    }
-    EXPECT_EQ(digest, 11274029185852127504u) << "tier " << nameOf(tier);
-    for (const std::size_t count : {1u, 3u, 4u, 7u, 21u, 60u}) {
-      std::vector<float> some(values.begin(), values.begin() + long(count));
-      kernels::negativeLogs(tier)(some.data(), some.size(), 1e-6f);
-      for (std::size_t i = 0; i < count / 4 * 4; ++i)
-        EXPECT_EQ(some[i], logs[i]);
-    }
+  std::vector<float> logs = values;
+  negateLogs(logs.data(), logs.size(), 1e-6f);
+  std::uint64_t digest = 0xCBF29CE484222325u; // FNV-1a of 32-bit words
+  for (const float value : logs) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, sizeof(bits));
+    digest = (digest ^ bits) * 0x100000001B3u;
+  }
+  EXPECT_EQ(digest, 11274029185852127504u);
+  for (const std::size_t count : {1u, 3u, 4u, 7u, 21u, 60u}) {
+    std::vector<float> some(values.begin(), values.begin() + long(count));
+    negateLogs(some.data(), some.size(), 1e-6f);
+    for (std::size_t i = 0; i < count / 4 * 4; ++i)
+      EXPECT_EQ(some[i], logs[i]);
   }
 }
 
