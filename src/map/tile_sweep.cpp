@@ -20,7 +20,7 @@ RayTile::set(const DirectedRay* const* rays, std::size_t count)
 inline RayTile::Outermost
 RayTile::outermostOf(std::size_t ray) const
 {
-  const float u = rays_.slopes[0][ray], v = rays_.slopes[1][ray];
+  const float u = rays_.slopes[kRowSlope][ray], v = rays_.slopes[kColumnSlope][ray];
   Outermost ends;
   ends.outward = {-u, u, -v, v, -u - v, u - v, v - u, u + v};
   ends.row_slope.fill(u);
@@ -43,8 +43,8 @@ RayTile::sortByLeaf(const DirectedRay* const* rays, std::size_t count)
   for (std::size_t i = 0; i < count; ++i) {
     const DirectedRay& ray = *rays[i];
     const std::size_t to = next[ray.leaf]++;
-    rays_.slopes[0][to] = ray.row_slope;
-    rays_.slopes[1][to] = ray.column_slope;
+    rays_.slopes[kRowSlope][to] = ray.row_slope;
+    rays_.slopes[kColumnSlope][to] = ray.column_slope;
     rays_.numbers[kEndSlab][to] = ray.end_slab;
     rays_.numbers[kEndRow][to] = ray.end_row;
     rays_.numbers[kEndColumn][to] = ray.end_column;
@@ -96,12 +96,12 @@ RayTile::addTo(BundleRows& level, const Outermost& rays, std::size_t begin,
 {
   const std::size_t to = level.count++;
   for (std::size_t k = 0; k < 2; ++k) {
-    level.slopes[k][to] = rays.row_slope[k];
-    level.slopes[2 + k][to] = rays.column_slope[2 + k];
+    level.slopes[kRowLow + k][to] = rays.row_slope[k];
+    level.slopes[kColumnLow + k][to] = rays.column_slope[2 + k];
   }
   for (std::size_t corner = 0; corner < 4; ++corner) {
-    level.slopes[4 + corner][to] = rays.row_slope[4 + corner];
-    level.slopes[8 + corner][to] = rays.column_slope[4 + corner];
+    level.slopes[kCornerRow + corner][to] = rays.row_slope[4 + corner];
+    level.slopes[kCornerColumn + corner][to] = rays.column_slope[4 + corner];
   }
   level.numbers[kLongest][to] = rays.longest;
   level.numbers[kReach][to] =
@@ -113,24 +113,25 @@ RayTile::addTo(BundleRows& level, const Outermost& rays, std::size_t begin,
 kernels::RayView
 columnsOf(const RayRows& rays)
 {
-  return {rays.slopes[0].data(), rays.slopes[1].data(), rays.numbers[kEndSlab].data(),
-          rays.numbers[kEndRow].data(), rays.numbers[kEndColumn].data()};
+  return {rays.slopes[kRowSlope].data(), rays.slopes[kColumnSlope].data(),
+          rays.numbers[kEndSlab].data(), rays.numbers[kEndRow].data(),
+          rays.numbers[kEndColumn].data()};
 }
 
 kernels::BundleView
 columnsOf(const BundleRows& bundles)
 {
-  kernels::BundleView view{bundles.slopes[0].data(),
-                           bundles.slopes[1].data(),
-                           bundles.slopes[2].data(),
-                           bundles.slopes[3].data(),
+  kernels::BundleView view{bundles.slopes[kRowLow].data(),
+                           bundles.slopes[kRowHigh].data(),
+                           bundles.slopes[kColumnLow].data(),
+                           bundles.slopes[kColumnHigh].data(),
                            {},
                            {},
                            bundles.numbers[kLongest].data(),
                            bundles.numbers[kReach].data()};
   for (std::size_t corner = 0; corner < 4; ++corner) {
-    view.corner_row[corner] = bundles.slopes[4 + corner].data();
-    view.corner_column[corner] = bundles.slopes[8 + corner].data();
+    view.corner_row[corner] = bundles.slopes[kCornerRow + corner].data();
+    view.corner_column[corner] = bundles.slopes[kCornerColumn + corner].data();
   }
   return view;
 }
@@ -346,12 +347,13 @@ TileSweep::beginGroup(const Group& group)
     return std::pair<int, int>(std::max(cells.first, low),
                                std::min(cells.second, high));
   };
-  const auto rows = clipped(
-      cellsBetween(slopes[0][0], slopes[1][0], inVoxel(start_[axes_.row]), near, far),
-      axes_.row);
-  const auto columns = clipped(cellsBetween(slopes[2][0], slopes[3][0],
-                                            inVoxel(start_[axes_.column]), near, far),
-                               axes_.column);
+  const auto rows = clipped(cellsBetween(slopes[kRowLow][0], slopes[kRowHigh][0],
+                                         inVoxel(start_[axes_.row]), near, far),
+                            axes_.row);
+  const auto columns =
+      clipped(cellsBetween(slopes[kColumnLow][0], slopes[kColumnHigh][0],
+                           inVoxel(start_[axes_.column]), near, far),
+              axes_.column);
   if (rows.first > rows.second || columns.first > columns.second)
     return false;
   buffer_.begin(start_voxel_, axes_,

@@ -74,11 +74,20 @@ private:
 
 /** \brief Rays: row and column slope, and the numbers of DirectedRay. */
 using RayRows = RayTable<2, 4>;
+enum RaySlope : std::size_t { kRowSlope, kColumnSlope };
 enum RayNumber : std::size_t { kEndSlab, kEndRow, kEndColumn, kPoint };
 
 /** \brief Bundles of rays of neighbouring directions: the slopes of kernels::BundleView
  * in its order, its numbers, and the range of their parts: smaller bundles, or rays. */
 using BundleRows = RayTable<12, 4>;
+enum BundleSlope : std::size_t {
+  kRowLow,
+  kRowHigh,
+  kColumnLow,
+  kColumnHigh,
+  kCornerRow,                     ///< of the first of four corners
+  kCornerColumn = kCornerRow + 4, ///< likewise
+};
 enum BundleNumber : std::size_t { kLongest, kReach, kBegin, kEnd };
 
 kernels::RayView columnsOf(const RayRows& rays);
