@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads and writes the files of sequences, maps and label images (doc/formats.md)."""
 
+import json
 import os
 import subprocess
 import sys
@@ -134,6 +135,19 @@ class Sequence:
     def in_camera(self, scan):
         """Points in the left camera's frame."""
         return scan @ self.scanner_rotation.T + self.scanner_translation
+
+
+def as_json(value):
+    """Text of figures; what is no number is null."""
+    def plain(each):
+        if isinstance(each, dict):
+            return {key: plain(inner) for key, inner in each.items()}
+        if isinstance(each, (list, tuple)):
+            return [plain(inner) for inner in each]
+        if isinstance(each, (float, np.floating)):
+            return float(each) if np.isfinite(each) else None
+        return each
+    return json.dumps(plain(value))
 
 
 def run(command):

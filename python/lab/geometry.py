@@ -4,7 +4,9 @@ how much of the returns is mapped."""
 
 import argparse
 import json
+import os
 import re
+import sqlite3
 import subprocess
 import tempfile
 from pathlib import Path
@@ -31,7 +33,9 @@ class Map:
         path = Path(path)
         if path.is_dir():
             summary = json.loads((path / "summary.json").read_text())
-            numbers = summary["frame_numbers"]
+            if not summary["finished"]:
+                raise ValueError(f"{path}/summary.json: the map is not finished")
+            numbers, self.sensor = summary["frame_numbers"], summary["inputs"].get("sensor")
             given = trajectory.read_kitti(path / "trajectory.txt")
             cloud, origin = path / "map.pcd", summary["map_origin"]
             self._take(cloud, origin, summary["voxel_size"])
@@ -39,6 +43,8 @@ class Map:
             given = trajectory.read_kitti(poses or Path(sequence) / "poses.txt")
             info = json.loads(run_archive("info", path, "--json"))
             numbers = [n for n in files.Sequence(sequence).scans() if n < len(given)]
+            made_of = frames_of(path) if frames is None else set()
+            numbers = [n for n in numbers if not made_of or n in made_of]
             with tempfile.TemporaryDirectory() as folder:
                 places = np.array([given[n][:3, 3] for n in numbers])
                 reach = 2 * BANDS[-1]  # farther than deep at the corners of a wide image
@@ -60,9 +66,17 @@ def positions(path):
     return np.stack([cloud[axis] for axis in "xyz"], axis=1).astype(float)
 
 
+def frames_of(archive):
+    """Numbers of the frames that an archive was made of; none of a merged one or an index."""
+    if Path(archive).read_bytes()[:6] != b"SQLite":
+        return set()
+    with sqlite3.connect(f"file:{archive}?mode=ro", uri=True) as database:
+        return {number for number, in database.execute("SELECT number FROM frames")}
+
+
 def run_archive(*arguments):
-    program = files.ROOT / "build" / "bin" / "pcl_semantic_archive"
-    return subprocess.run([program, *map(str, arguments)], check=True, text=True,
+    folder = os.environ.get("PCL_SEMANTIC_BIN", files.ROOT / "build" / "bin")
+    return subprocess.run([f"{folder}/pcl_semantic_archive", *map(str, arguments)], check=True, text=True,
                           stdout=subprocess.PIPE).stdout
 
 
@@ -161,6 +175,8 @@ def measure_clouds(map_path, folder):
     """Samples of a map and the clouds that it was made of, by the poses of their scanner; depth
     is the distance, and a voxel is judged if it is that near."""
     voxels, samples = Map(map_path), Samples()
+    if voxels.sensor != "own":
+        raise ValueError(f"{map_path}: was not made of clouds with --sensor own")
     numbers = {path: re.search(r"\d+$", path.stem) for path in Path(folder).iterdir()}
     clouds = {int(number[0]): path for path, number in numbers.items() if number}
 
@@ -168,6 +184,7 @@ def measure_clouds(map_path, folder):
         for frame, pose in voxels.poses.items():
             if frame not in clouds:
                 raise ValueError(f"{folder}: has no cloud of frame {frame}, which is in the map")
+            pose = pose @ trajectory.WORLD_FROM_CAMERA.T  # a scanner looks along x
             points = positions(clouds[frame])
             points = points[np.isfinite(points).all(1)]
             yield (points @ pose[:3, :3].T + pose[:3, 3], np.linalg.norm(points, axis=1),
@@ -256,16 +273,17 @@ def main():
     parser.add_argument("sequence", nargs="?", help="KITTI sequence with velodyne/")
     parser.add_argument("--clouds", help="folder of the clouds that the map was made of, instead")
     parser.add_argument("--poses", help="of an archive: KITTI's poses of camera 0 in its frame")
-    parser.add_argument("--frames", default=":", help="of an archive: A:B = frames A <= n < B")
+    parser.add_argument("--frames", default=":", help="of an archive: A:B = frames A <= n < B "
+                        "(default: those that it was made of)")
     parser.add_argument("--json", action="store_true", help="metres and ratios as JSON")
     given = parser.parse_args()
     if (given.sequence is None) == (given.clouds is None):
         parser.error("expected SEQUENCE or --clouds")
     first, _, end = given.frames.partition(":")
-    frames = range(int(first or 0), int(end or 10 ** 9))
+    frames = None if given.frames == ":" else range(int(first or 0), int(end or 10 ** 9))
     samples = (measure_clouds(given.map, given.clouds) if given.clouds else
                measure(given.map, given.sequence, given.poses, frames))
-    print(json.dumps(figures(samples)) if given.json else report(samples))
+    print(files.as_json(figures(samples)) if given.json else report(samples))
 
 
 if __name__ == "__main__":

@@ -86,6 +86,27 @@ def known_voxels(archive):
     return size, found[order], odds[order]
 
 
+def crossed_by(start, ends, size):
+    """Sorted keys of the voxels that the segments cross (Amanatides and Woo 1987)."""
+    start, ends = (np.floor(each * (1024 / size)) / 1024 for each in (start, ends))
+    delta = ends - start
+    voxel = np.broadcast_to(np.floor(start), ends.shape).astype(np.int64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        step = abs(1 / delta)
+        time = np.where(delta == 0, np.inf, (voxel + (delta > 0) - start) / delta)
+    sign, met = np.sign(delta).astype(np.int64), [geometry.keys(voxel[:1])]
+    while len(voxel):
+        now = time.min(1)
+        going = now <= 1
+        voxel, time, step, sign, now = (e[going] for e in (voxel, time, step, sign, now))
+        passed = time == now[:, None]
+        voxel, time = voxel + sign * passed, np.where(passed, time + step, time)
+        met.append(np.unique(geometry.keys(voxel)))
+        if len(met) > 50:
+            met = [np.unique(np.concatenate(met))]
+    return np.unique(np.concatenate(met))
+
+
 def occupancy(archive, sequence_folder, mapped, poses_path=None):
     """The curve of the voxels that rays of the scans of other frames than \\a mapped cross: right
     is one with a return in it or in one of the 26 around it."""
@@ -101,11 +122,7 @@ def occupancy(archive, sequence_folder, mapped, poses_path=None):
         scan = scan[np.linalg.norm(scan, axis=1) > CARRIER]
         ends = sequence.in_camera(scan) @ pose[:3, :3].T + pose[:3, 3]
         scanner = sequence.in_camera(np.zeros((1, 3))) @ pose[:3, :3].T + pose[:3, 3]
-        crossed = np.unique(np.concatenate([
-            np.unique(geometry.keys(np.floor((scanner + t * (part - scanner)) / size).astype(int)))
-            for part in np.array_split(ends, 64)
-            for t in np.linspace(0, 1, 1 + int(4 * np.linalg.norm(part - scanner, axis=1).max() /
-                                               size))]))
+        crossed = crossed_by(scanner, ends, size)
         place = np.searchsorted(known, crossed).clip(max=len(known) - 1)
         place = place[known[place] == crossed]
         returns = np.floor(ends / size).astype(int)

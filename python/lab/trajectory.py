@@ -3,7 +3,6 @@
 definition and distances of the positions. evo (pip install evo) does more."""
 
 import argparse
-import json
 import warnings
 
 import numpy as np
@@ -158,7 +157,7 @@ def main():
         parser.error("--step and --lengths have to be more than 0")
     truth, estimate = matched(given.truth, given.estimate, given.times, given.tolerance)
     found = figures(truth, estimate, lengths, given.step)
-    print(json.dumps(found) if given.json else report(found))
+    print(files.as_json(found) if given.json else report(found))
     if given.plot:
         plot(given.plot, truth, estimate)
 

@@ -198,4 +198,12 @@ TEST(FusionParameters, RefusesWhatCannotWork)
   EXPECT_NO_THROW(FusionParameters().validate());
 }
 
+TEST(OccupancyProbability, BeginsAtThePriorAndKeepsTheOrder)
+{
+  EXPECT_FLOAT_EQ(occupancyProbability(0.0f), kOccupancyPrior);
+  EXPECT_LT(occupancyProbability(std::log(0.4f / 0.6f)), kOccupancyPrior);
+  // One hit: 0.27 / 0.73 * 7 / 3 to 1
+  EXPECT_NEAR(occupancyProbability(std::log(0.7f / 0.3f)), 0.463, 0.001);
+}
+
 } // namespace
