@@ -74,10 +74,9 @@ bool mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
 /** \brief Path of the archive of a tile, beside the index of a map in tiles. */
 std::string tilePath(const std::string& index, const MapTile& tile);
 
-/** \brief Makes the archives of tiles one map: MapReader::open() reads the index, a small
- * text file, as it reads an archive.
- * \param[in] tiles whose archives lie at tilePath(); empty ones are left out
- * \throws BadInputException, OutputException */
+/** \brief Makes the archives of tiles one map: MapReader::open() reads the index, a
+ * small text file, as it reads an archive. \param[in] tiles whose archives lie at
+ * tilePath(); empty ones are left out \throws BadInputException, OutputException */
 void writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles);
 
 /** \brief Joins maps of the same voxel size, label set and fusion parameters into a new
