@@ -266,8 +266,9 @@ private:
       forEachInParallel(
           buckets, [] { return LatticeTable<Key>(); },
           [&](std::size_t b, LatticeTable<Key>& table) {
-            lattice_.groups.back().buckets[b] = makeBucket(
-                &sorted[begins[b]], begins[b + 1] - begins[b], first, end, table);
+            lattice_.groups.back().buckets[b] =
+                makeBucket(sorted.data() + begins[b], begins[b + 1] - begins[b], first,
+                           end, table);
           });
     }
   }
