@@ -68,16 +68,17 @@ def positions(path):
 
 def frames_of(archive):
     """Numbers of the frames that an archive was made of; none of a merged one or an index."""
-    if Path(archive).read_bytes()[:6] != b"SQLite":
-        return set()
+    with open(archive, "rb") as file:  # archives may be large
+        if file.read(6) != b"SQLite":
+            return set()
     with sqlite3.connect(f"file:{archive}?mode=ro", uri=True) as database:
         return {number for number, in database.execute("SELECT number FROM frames")}
 
 
 def run_archive(*arguments):
     folder = os.environ.get("PCL_SEMANTIC_BIN", files.ROOT / "build" / "bin")
-    return subprocess.run([f"{folder}/pcl_semantic_archive", *map(str, arguments)], check=True, text=True,
-                          stdout=subprocess.PIPE).stdout
+    return subprocess.run([f"{folder}/pcl_semantic_archive", *map(str, arguments)], check=True,
+                          stdout=subprocess.PIPE, text=True).stdout
 
 
 def keys(indices):

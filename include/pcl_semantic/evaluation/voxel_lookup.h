@@ -43,12 +43,6 @@ public:
   /** \brief Index of the voxel of an index, or none. */
   std::int32_t find(const VoxelIndex& index) const;
 
-  double
-  voxelSize() const
-  {
-    return voxel_size_;
-  }
-
 private:
   void nearestInBlock(const Eigen::Vector3d& point, const VoxelIndex& first,
                       const VoxelIndex& last, double& least, VoxelIndex& best) const;
