@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
 #include "tool.h"
+#include "unread_options.h"
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
@@ -66,8 +67,6 @@ requireFittingOptions(const Arguments& arguments)
   refuseIf(arguments.method.empty(), "--method is missing");
   const bool superpixels = arguments.method.rfind("superpixel", 0) == 0;
   refuseIf(superpixels && frame.path.empty(), "--method superpixel needs --frame");
-  refuseIf(!superpixels && (!frame.path.empty() || !frame.pose.empty()),
-           "--frame and --pose are for --method superpixel");
   refuseIf(!frame.calibration.empty() && frame.pose.find(':') == std::string::npos,
            "--calibration is for --pose FILE:N");
   requireOutput(arguments.output, ".pcd");
@@ -105,6 +104,14 @@ parse(int argc, char** argv)
         "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
       {"input", "output"}, parameters);
   setParameters(values, parameters);
+  const std::string method = arguments.method.substr(0, arguments.method.find(':'));
+  refuseUnread(values, {{method != "superpixel",
+                         "with --method " + method,
+                         {"frame", "pose", "calibration", "map-origin",
+                          "superpixel-depth-jump"}},
+                        {method != "superpixel" && method != "supervoxel",
+                         "with --method " + method,
+                         {"voxel-size"}}});
   arguments.parameters.validate();
   // After it: only supervoxels want voxels that are small beside their seeds' distance.
   arguments.parameters.supervoxel.voxel_resolution = frame.voxel_size;

@@ -3,6 +3,7 @@
 #include "core/split.h"
 #include "messages.h"
 #include "tool.h"
+#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
@@ -204,7 +205,8 @@ setCRFConfig(const po::variables_map& values, const std::string& file, bool prin
   setParameters(values, parametersOf(config));
   config.validate();
   if (!print)
-    return;
+    return refuseUnread(values, unreadOptionsOfCRF(parametersOf(config).front().text(),
+                                                   config.cliques));
   std::cout << printParameters(parametersOf(config));
   throw Exit{exit_done};
 }

@@ -2,6 +2,7 @@
 #include "core/text_stream.h"
 #include "messages.h"
 #include "tool.h"
+#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
@@ -24,6 +25,7 @@ using namespace pcl_semantic::tool;
 
 struct Arguments {
   std::string input, output, label_set, label_mapping, config;
+  bool states_confidence = false; ///< that of labels is given
   CRFConfig parameters;
 
   Arguments()
@@ -63,6 +65,10 @@ parse(int argc, char** argv)
         "print the effective parameters as YAML and exit"}},
       {"input", "output"}, parametersOf(arguments.parameters));
   setCRFConfig(values, arguments.config, print_config, arguments.parameters);
+  refuseUnread(values, {{arguments.label_set.empty(),
+                         "without --label-set, which says what classes are thin",
+                         {"crf-keep-thin"}}});
+  arguments.states_confidence = values.count("label-confidence") > 0;
   return arguments;
 }
 
@@ -119,6 +125,9 @@ setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& 
   if (found > 0 && found != classes)
     fail<BadInputException>(arguments.input, ": has probabilities of ", found,
                             " classes, expected ", classes);
+  refuseIf(found > 0 && arguments.states_confidence,
+           "--label-confidence has no effect on the field 'probability' of " +
+               arguments.input);
   if (found > 0)
     crf.setLabelDistributions(input.distributions);
   else

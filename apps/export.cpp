@@ -3,6 +3,7 @@
 #include "map_input.h"
 #include "messages.h"
 #include "tool.h"
+#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/occupancy_grid.h>
@@ -60,16 +61,6 @@ formatOf(const std::string& output)
                                : Format::grid;
 }
 
-// Options that the format has no use for were meant for something else.
-void
-refuseOthers(const po::variables_map& values, const std::vector<const char*>& options,
-             const std::string& extension)
-{
-  for (const char* const option : options)
-    refuseIf(values.count(option) && !values[option].defaulted(),
-             std::string("--") + option + " is for " + extension);
-}
-
 void
 validate(const Arguments& arguments)
 {
@@ -114,11 +105,13 @@ parse(int argc, char** argv)
       {"map", "output"});
   refuseIf(arguments.map.empty() || arguments.output.empty(), "MAP or OUT is missing");
   arguments.format = formatOf(arguments.output);
-  if (arguments.format != Format::grid)
-    refuseOthers(values, {"ground", "min-height", "max-height", "ground-reach"},
-                 ".pgm");
-  if (arguments.format != Format::points)
-    refuseOthers(values, {"colour"}, ".ply");
+  refuseUnread(
+      values,
+      {{arguments.format != Format::grid,
+        "without a .pgm to write",
+        {"ground", "min-height", "max-height", "ground-reach"}},
+       {arguments.format != Format::points, "without a .ply to write", {"colour"}},
+       {arguments.format == Format::octree, "on a .bt", {"label-set"}}});
   validate(arguments);
   arguments.hints.free_space = arguments.format != Format::points;
   return arguments;

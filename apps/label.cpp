@@ -3,6 +3,7 @@
 #include "network_trial.h"
 #include "opened_network.h"
 #include "sequence_options.h"
+#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
@@ -78,9 +79,6 @@ void
 requireSequenceAndNetwork(const Arguments& arguments)
 {
   requireSequence(arguments.sequence);
-  refuseIf(!arguments.labels.empty() || !arguments.label_set.empty() ||
-               !arguments.label_mapping.empty(),
-           "--labels, --label-set and --label-mapping are for --clouds");
   refuseIf(arguments.output.empty(), "--output is missing");
   refuseIf(arguments.network.empty(), "--network is missing");
   refuseIf(arguments.format != "float32" && arguments.format != "float16" &&
@@ -89,12 +87,9 @@ requireSequenceAndNetwork(const Arguments& arguments)
 }
 
 void
-requireClouds(const Arguments& arguments, bool has_format)
+requireClouds(const Arguments& arguments)
 {
   const ImagePairFiles& files = arguments.sequence.files;
-  refuseIf(!arguments.carries() &&
-               (arguments.sequence.hasFiles() || arguments.sequence.strict),
-           "--clouds without SEQUENCE or --left take no options of them");
   refuseIf(arguments.carries() && !arguments.sequence.folder.empty() &&
                arguments.sequence.hasFiles(),
            "both a SEQUENCE and --left, --calibration or --times");
@@ -102,10 +97,6 @@ requireClouds(const Arguments& arguments, bool has_format)
            "--left needs --calibration, its intrinsics");
   refuseIf(!files.left.empty() && arguments.sensor_pose.empty(),
            "--left needs --sensor-pose, where the scanner is");
-  refuseIf(!files.right.empty() || !files.extrinsics.empty(),
-           "--clouds need one camera, not --right or --extrinsics");
-  refuseIf(!arguments.carries() && !arguments.sensor_pose.empty(),
-           "--sensor-pose is for the images of SEQUENCE or --left");
   refuseIf(arguments.output.empty(), "--output is missing");
   refuseIf(arguments.labels.empty() == arguments.network.empty(),
            "expected either --labels or --network");
@@ -115,8 +106,30 @@ requireClouds(const Arguments& arguments, bool has_format)
            "--label-mapping is for --labels");
   refuseIf(!arguments.label_set.empty() && arguments.labels.empty(),
            "--label-set is for --labels; the description of a network names its own");
-  refuseIf(has_format, "--format is for a SEQUENCE: clouds are written as .pcd");
   refuseIf(!(arguments.max_depth >= 0.0), "--max-depth is less than 0");
+}
+
+// What has no effect on what is labelled, or with where labels come from.
+std::vector<UnreadOptions>
+unreadOptions(const Arguments& arguments)
+{
+  const bool clouds = !arguments.clouds.empty(), carries = arguments.carries();
+  return {{!clouds,
+           "without --clouds",
+           {"labels", "label-set", "label-mapping", "sensor-pose", "max-depth",
+            "occlusion-window"}},
+          {clouds,
+           "with --clouds, which need one camera and become .pcd",
+           {"right", "extrinsics", "strict", "format"}},
+          {clouds && !carries,
+           "with --clouds that have no SEQUENCE or --left",
+           {"calibration", "sensor-pose", "max-depth", "occlusion-window"}},
+          {!arguments.sequence.folder.empty(), "with a SEQUENCE", {"extrinsics"}},
+          {!arguments.network.empty() || !clouds,
+           "with --network",
+           {"label-confidence", "label-mapping", "label-set"}},
+          {true, "on labels, which go by the numbers of frames", {"times"}},
+          unreadOptionsOfLabels(arguments.labels)};
 }
 
 Arguments
@@ -161,11 +174,12 @@ parse(int argc, char** argv)
            {"threads", withDefault(arguments.threads),
             "number of threads; 0 = all processors"}}),
       {"sequence"});
+  refuseUnread(values, unreadOptions(arguments));
   requireEngine(arguments.engine, arguments.network);
   if (arguments.clouds.empty())
     requireSequenceAndNetwork(arguments);
   else
-    requireClouds(arguments, !values["format"].defaulted());
+    requireClouds(arguments);
   return arguments;
 }
 

@@ -2,6 +2,7 @@
 #include "map_arguments.h"
 #include "opened_network.h"
 #include "tool.h"
+#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/live_capture.h>
@@ -64,7 +65,8 @@ requireTrajectory(const MapArguments& arguments, const std::string& option)
 {
   refuseIf(arguments.poses == "auto" || arguments.poses == "sequence" ||
                arguments.poses == "odometry",
-           option + " needs a trajectory: --poses FILE");
+           option + " needs a trajectory: --poses FILE" +
+               (option == "--clouds" ? " or viewpoint" : ""));
 }
 
 void
@@ -75,10 +77,12 @@ requireClouds(const MapArguments& arguments)
   refuseIf(!sequence.folder.empty() || !sequence.files.left.empty() ||
                !sequence.files.right.empty() || sequence.strict,
            "--clouds and a SEQUENCE, --left, --right or --strict exclude each other");
-  refuseIf(!arguments.labels.empty() || !arguments.network.empty() ||
-               !arguments.model.empty() || !arguments.engine.empty(),
-           "--clouds bring their labels: pcl_semantic_label gives them some");
   requireTrajectory(arguments, "--clouds");
+  refuseIf(arguments.poses == "viewpoint" && sensor != "own",
+           "--poses viewpoint is for --sensor own, whose own poses the clouds bring");
+  refuseIf(arguments.poses == "viewpoint" && !arguments.submap_every.empty(),
+           "--poses viewpoint and --submap-every exclude each other: submaps are cut "
+           "before the clouds are read");
   refuseIf(sensor != "own" && sensor != "camera" && sensor != "grey" &&
                sensor != "laser",
            "--sensor is '" + sensor + "', expected own, camera, grey or laser");
@@ -92,17 +96,65 @@ requireClouds(const MapArguments& arguments)
 void
 requireRgbd(const MapArguments& arguments)
 {
-  const ImagePairFiles& files = arguments.sequence.files;
-  refuseIf(!arguments.sequence.folder.empty() || !files.left.empty() ||
-               !files.right.empty() || !files.extrinsics.empty() ||
-               !files.times.empty() || arguments.sequence.strict ||
-               !arguments.clouds.empty(),
-           "--rgbd and a SEQUENCE, --clouds or options of pairs exclude each other");
-  refuseIf(files.calibration.empty(),
+  refuseIf(!arguments.sequence.folder.empty(),
+           "--rgbd and a SEQUENCE exclude each other");
+  refuseIf(arguments.sequence.files.calibration.empty(),
            "--rgbd needs --calibration, the camera's intrinsics");
   requireTrajectory(arguments, "--rgbd");
-  refuseIf(!arguments.also.empty(), "--also and --rgbd exclude each other");
   requireLabels(arguments);
+}
+
+// Whether frames have images of their own, on which the map is drawn.
+bool
+hasCamera(const MapArguments& arguments)
+{
+  return arguments.clouds.empty() || arguments.sensor == "camera" ||
+         arguments.sensor == "grey";
+}
+
+bool
+asksFor(const MapArguments& arguments, const std::string& extra)
+{
+  const std::vector<std::string> words = splitAtCommas(arguments.also);
+  return std::find(words.begin(), words.end(), extra) != words.end();
+}
+
+// What has no effect where frames come from, or without another option.
+std::vector<UnreadOptions>
+unreadOptions(const MapArguments& arguments)
+{
+  const std::vector<std::string> of_pairs = {"stereo", "disparities", "max-deviation",
+                                             "deviation-scale"};
+  const bool is_seen = hasCamera(arguments);
+  const std::string without_images =
+      "without images of the frames (" +
+      std::string(is_seen ? "--map-only" : "--clouds without a camera") + ")";
+  std::vector<UnreadOptions> rules = {
+      {!arguments.rgbd.empty(), "with --rgbd", of_pairs},
+      {!arguments.rgbd.empty(),
+       "with --rgbd",
+       {"left", "right", "extrinsics", "times", "strict", "clouds", "also",
+        "scan-within"}},
+      {!arguments.clouds.empty(), "with --clouds", of_pairs},
+      {!arguments.clouds.empty(),
+       "with --clouds, which bring their labels (pcl_semantic_label gives them some)",
+       {"labels", "network", "model", "engine", "network-every"}},
+      {!is_seen, without_images, {"map-only", "min-hit-ratio", "label-calibration"}},
+      {!arguments.sequence.folder.empty(), "with a SEQUENCE", {"extrinsics", "times"}},
+      {arguments.rgbd.empty(), "without --rgbd", {"depth-scale"}},
+      {!arguments.network.empty(), "with --network", {"label-confidence"}},
+      unreadOptionsOfLabels(arguments.labels),
+      {arguments.archive.path.empty() && arguments.submap_every.empty(),
+       "without --archive",
+       {"archive-every"}},
+      {!asksFor(arguments, "scans"), "without --also scans", {"scan-within"}},
+      {(!is_seen || arguments.map_only) && !asksFor(arguments, "scans"),
+       without_images,
+       {"crf-every"}}};
+  const MapperConfig& config = arguments.parameters;
+  for (UnreadOptions& rule : unreadOptionsOfCRF(config.crf, config.cliques))
+    rules.push_back(std::move(rule));
+  return rules;
 }
 
 void
@@ -177,8 +229,8 @@ parseMapArguments(int argc, char** argv)
             "(.yaml)"},
            {"poses", withDefault(arguments.poses),
             "KITTI or TUM trajectory file; or sequence = its poses.txt, odometry = "
-            "estimate them from the images, auto = poses.txt if there is one, else "
-            "odometry"},
+            "estimate them from the images, viewpoint = those in the VIEWPOINT of "
+            "--clouds, auto = poses.txt if there is one, else odometry"},
            {"map-only", arguments.map_only,
             "write the map, its trajectory and summary, but no images of the frames"},
            {"centres", arguments.centres,
@@ -220,6 +272,8 @@ parseMapArguments(int argc, char** argv)
   arguments.parameters.validate();
   if (!arguments.clouds.empty() && arguments.sensor.empty())
     arguments.sensor = arguments.sequence.files.calibration.empty() ? "own" : "camera";
+  if (!arguments.print_config)
+    refuseUnread(values, unreadOptions(arguments));
   return arguments;
 }
 
@@ -229,6 +283,8 @@ requireMapArguments(const MapArguments& arguments)
   refuseIf(!(arguments.depth_scale >= 0.0), "--depth-scale is less than 0");
   if (arguments.live)
     requireLive(arguments);
+  refuseIf(arguments.poses == "viewpoint" && arguments.clouds.empty(),
+           "--poses viewpoint is for --clouds");
   if (!arguments.rgbd.empty())
     requireRgbd(arguments);
   else if (!arguments.clouds.empty())

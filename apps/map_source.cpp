@@ -334,6 +334,8 @@ public:
   std::unique_ptr<PoseSource>
   openPoses() const override
   {
+    if (arguments_.poses == "viewpoint")
+      return std::make_unique<ViewpointPoses>();
     return arguments_.sensor == "own"
                ? readSensorPoses(arguments_.poses)
                : readPoses(arguments_.poses, run_.T_camera0_camera);
@@ -351,7 +353,28 @@ private:
            ": has no field 'label' or 'probability': it gives the map no labels");
       told_of_labels_ = true;
     }
+    warnOfViewpoint(frame, clouds_.path(position));
     return frame;
+  }
+
+  // A cloud that states another pose than the one in use may be meant by it.
+  void
+  warnOfViewpoint(const CloudFrame& frame, const std::string& path)
+  {
+    if (told_of_viewpoint_ ||
+        frame.viewpoint.matrix() == Eigen::Matrix4d::Identity()) // what most files say
+      return;
+    if (!own_poses_)
+      own_poses_ = openPoses();
+    const Eigen::Isometry3d used = poseAt(*own_poses_, frame);
+    if (arguments_.poses == "viewpoint" || frame.viewpoint.isApprox(used, 1e-3))
+      return;
+    TextStream text;
+    text << path << ": its VIEWPOINT, at " << frame.viewpoint.translation().transpose()
+         << ", is not used, its pose of " << arguments_.poses << " is at "
+         << used.translation().transpose() << " (--poses viewpoint uses it)";
+    warn(text.str());
+    told_of_viewpoint_ = true;
   }
 
   double
@@ -413,6 +436,8 @@ private:
   std::optional<LabelMapping> mapping_;
   CloudSequence clouds_;
   bool told_of_labels_ = false; // a cloud had none
+  bool told_of_viewpoint_ = false;
+  std::unique_ptr<PoseSource> own_poses_; // to compare viewpoints with
 };
 
 // An RGB-D sequence, whose images are labelled as those of pairs are.

@@ -66,7 +66,7 @@ parse(int argc, char** argv)
       {"map", "output"});
   tool::refuseIf(!arguments.compare.empty() && !values["colour"].defaulted(),
                  "--compare has colours of its own, --colour is for one map");
-  tool::readRenderOptions(arguments.picture);
+  tool::readRenderOptions(values, arguments.picture);
   validate(arguments);
   return arguments;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "render_options.h"
+#include "unread_options.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +64,7 @@ withRenderOptions(RenderOptions& options, std::vector<Option> first,
 }
 
 void
-readRenderOptions(RenderOptions& options)
+readRenderOptions(const po::variables_map& values, RenderOptions& options)
 {
   options.size = sizeOf(options.texts.size);
   refuseIf(options.texts.from.empty() != options.texts.look_at.empty(),
@@ -76,6 +77,9 @@ readRenderOptions(RenderOptions& options)
   refuseIf(options.view != "angle" && options.view != "above" &&
                options.view != "camera",
            "--view is '" + options.view + "', expected angle, above or camera");
+  refuseUnread(values,
+               {{options.looks_from, "with --from", {"view", "frame"}},
+                {options.view != "camera", "without --view camera", {"frame"}}});
   refuseIf(!(options.hints.voxel_size >= 0.0), "--voxel-size is less than 0");
 }
 

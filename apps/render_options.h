@@ -33,8 +33,9 @@ struct RenderOptions {
 std::vector<Option> withRenderOptions(RenderOptions& options, std::vector<Option> first,
                                       const std::vector<Option>& last);
 
-/** \brief Reads what was typed. \throws InvalidParameterException */
-void readRenderOptions(RenderOptions& options);
+/** \brief Reads what was typed. \param[in] values the command line: what has no effect
+ * with the rest is refused \throws InvalidParameterException */
+void readRenderOptions(const po::variables_map& values, RenderOptions& options);
 
 /** \brief Refuses what is not class, rgb or entropy.
  * \throws InvalidParameterException */

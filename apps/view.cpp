@@ -71,7 +71,7 @@ parse(int argc, char** argv)
   tool::refuseRemoved(argc, argv, removed);
   Arguments arguments;
   std::string hide, keys;
-  tool::parseCommandLine(
+  const auto values = tool::parseCommandLine(
       argc, argv, usageOfView(),
       tool::withRenderOptions(
           arguments.picture,
@@ -106,7 +106,7 @@ parse(int argc, char** argv)
   tool::refuseIf(std::isnan(arguments.state.below), "--below is no number");
   arguments.hide = tool::splitAtCommas(hide);
   arguments.keys = tool::splitAtCommas(keys);
-  tool::readRenderOptions(arguments.picture);
+  tool::readRenderOptions(values, arguments.picture);
   return arguments;
 }
 

@@ -2,6 +2,7 @@
 #include "arrays.h"
 #include "core/fail.h"
 
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 
@@ -89,8 +90,10 @@ Eigen::Isometry3d
 poseOf(const Array<double>& pose)
 {
   requireShape(pose, "numbers of the pose", 4, 4);
-  return Eigen::Isometry3d(Eigen::Matrix4d(
+  const Eigen::Isometry3d T_world_sensor(Eigen::Matrix4d(
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(pose.data())));
+  requireRigid(T_world_sensor, "the pose");
+  return T_world_sensor;
 }
 
 pcl::PointCloud<pcl::PointXYZRGBL>::Ptr

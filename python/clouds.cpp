@@ -20,7 +20,10 @@ cliquesOf(const Array<std::int64_t>& numbers, py::ssize_t points)
   requireShape(numbers, "cliques", points);
   std::map<std::int64_t, pcl::PointIndices> cliques;
   for (py::ssize_t i = 0; i < points; ++i)
-    if (numbers.at(i) != 0)
+    if (numbers.at(i) < 0)
+      badParameter("cliques hold ", numbers.at(i), " at point ", i,
+                   ", expected 0 or more: 0 = none (where others write -1, add 1)");
+    else if (numbers.at(i) != 0)
       cliques[numbers.at(i)].indices.push_back(pcl::index_t(i));
   std::vector<pcl::PointIndices> result;
   for (auto& [number, members] : cliques)

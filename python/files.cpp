@@ -66,9 +66,11 @@ writeCloud(const std::string& path, const py::dict& cloud)
   bool is_first = true;
   for (const auto& [key, value] : cloud) {
     const auto name = key.cast<std::string>();
-    const auto column = py::array::ensure(value, py::array::c_style);
+    auto column = py::array::ensure(value, py::array::c_style);
     if (!column)
       throw py::error_already_set();
+    if (column.dtype().byteorder() == '>') // as plyfile has them of a big-endian .ply
+      column = column.attr("astype")(column.dtype().attr("newbyteorder")("<"));
     const PcdField field = fieldOf(name, column);
     if (is_first)
       table.points = std::size_t(column.shape(0));

@@ -60,6 +60,12 @@ class Refine(unittest.TestCase):
             cliques=labels, crf="hierarchical", threads=1)
         self.assertGreater(np.mean(refined == labels), 0.99)
 
+    def test_points_of_no_clique_are_zero(self):
+        points, _, noisy = two_walls()
+        numbers = np.where(np.arange(4000) % 3 == 0, -1, 1)  # noise of DBSCAN
+        with self.assertRaisesRegex(ValueError, "cliques hold -1 at point 0"):
+            pcl_semantic.refine(points, labels=noisy, crf="hierarchical", cliques=numbers)
+
     def test_what_does_not_fit_is_refused(self):
         points, _, noisy = two_walls()
         for message, arguments in [
@@ -110,6 +116,15 @@ class Map(unittest.TestCase):
         self.assertEqual(voxels["observations"].max(), 2)
         np.testing.assert_array_equal(voxel_map.labels(voxels["points"]),
                                       voxels["labels"])
+
+    def test_a_transposed_pose_is_refused(self):
+        pose = np.eye(4)
+        pose[:3, 3] = [10, 20, 1]
+        voxels = pcl_semantic.SemanticVoxelMap("kitti11", voxel_size=0.1)
+        with self.assertRaisesRegex(ValueError, "expected 0 0 0 1 .is the matrix tr"):
+            voxels.integrate(np.array([[5.0, 0, 0]]), pose.T)
+        voxels.integrate(np.array([[5.0, 0, 0]]), pose)
+        np.testing.assert_allclose(voxels.voxels()["points"], [[15, 20, 1]], atol=0.1)
 
     def test_what_it_cannot_take_is_refused(self):
         with self.assertRaisesRegex(ValueError, "none.yaml"):
@@ -220,6 +235,17 @@ class Mapper(unittest.TestCase):
 
 
 class Files(unittest.TestCase):
+    def test_arrays_of_the_other_byte_order_are_written_as_what_they_say(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.pcd")
+            for floats, integers in ((">f4", ">i4"), (">f8", ">u2"), ("<f4", "<i8")):
+                cloud = {a: np.array([1.5, 2.5], floats) for a in "xyz"}
+                cloud["label"] = np.array([1, 2], integers)
+                pcl_semantic.write_cloud(path, cloud)
+                read = pcl_semantic.read_cloud(path)
+                self.assertEqual(read["x"].tolist(), [1.5, 2.5])
+                self.assertEqual(read["label"].tolist(), [1, 2])
+
     def test_fields_come_back(self):
         cloud = {"x": np.arange(3, dtype=np.float32), "intensity": np.arange(3.0),
                  "label": np.array([1, 2, 300], np.uint16),

@@ -7,6 +7,7 @@
 #include "slic_cliques.h"
 
 #include <pcl_semantic/cliques/depth_jumps.h>
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <Eigen/Geometry>
@@ -165,8 +166,7 @@ void
 SuperpixelCliques::setFrame(const Cloud::ConstPtr& cloud,
                             const Eigen::Isometry3d& T_world_camera)
 {
-  if (!T_world_camera.matrix().allFinite())
-    badInput("superpixels: the pose of the frame is not finite");
+  requireRigid(T_world_camera, "superpixels: the pose of the frame");
   if (cloud)
     requireOrganized(*cloud);
   frame_ = cloud;

@@ -149,6 +149,10 @@ readRectifiedPair(const CalibrationFiles& files, const SizedFile& first,
                   KittiCameras cameras)
 {
   if (std::filesystem::path(files.calibration).extension() == ".txt") {
+    if (!files.extrinsics.empty())
+      fail<InvalidParameterException>("extrinsics (", files.extrinsics,
+                                      ") have no effect on ", files.calibration,
+                                      ", which has them");
     const KittiCalibration calibration =
         readCalibrationOf(first.size, files.calibration, cameras);
     return {calibration.camera, calibration.T_camera0_camera, std::nullopt};

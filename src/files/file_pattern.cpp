@@ -6,6 +6,8 @@
 
 #include <pcl_semantic/files/input_file.h>
 
+#include <boost/algorithm/string/case_conv.hpp>
+
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
@@ -65,17 +67,29 @@ globbed(const std::string& pattern)
 std::vector<std::string>
 filesIn(const std::string& folder, const std::vector<std::string>& extensions)
 {
-  std::map<std::string, std::vector<std::string>> files; // by extension
+  std::map<std::string, std::string> files; // by name without extension
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (entry.path().filename().string()[0] != '.') // as the shell passes over them
-      files[entry.path().extension().string()].push_back(entry.path().string());
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const fs::path& path = entry.path();
+    const std::string extension =
+        boost::algorithm::to_lower_copy(path.extension().string());
+    if (path.filename().string()[0] == '.' || // as the shell passes over them
+        !std::count(extensions.begin(), extensions.end(), extension))
+      continue;
+    const auto [other, is_new] = files.emplace(path.stem().string(), path.string());
+    if (!is_new)
+      badInput(folder, ": holds ", fs::path(other->second).filename().string(), " and ",
+               path.filename().string(), "; a pattern says which: '", folder, "/*",
+               extension, "'");
+  }
   if (error)
     badInput(folder, ": the folder cannot be read");
-  for (const std::string& extension : extensions)
-    if (!files[extension].empty())
-      return files[extension];
-  badInput(folder, ": holds no file named *", extensions.front());
+  if (files.empty())
+    badInput(folder, ": holds no file named *", extensions.front());
+  std::vector<std::string> paths;
+  for (const auto& [stem, path] : files)
+    paths.push_back(path);
+  return paths;
 }
 
 } // namespace

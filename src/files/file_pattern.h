@@ -8,8 +8,8 @@ namespace pcl_semantic {
 
 /** \brief The files that match a pattern as the shell's (`left-*.png`, with `*`, `?`
  * and `[...]`, a backslash before what is meant as it is), in natural order. What is a
- * file as it stands is that file; a folder is all its files of one extension, the first
- * of \a extensions that there is, but for hidden ones.
+ * file as it stands is that file; a folder is all its files of these extensions but for
+ * hidden ones, two of which may not differ in their extension alone.
  * \throws BadInputException if there are none or a folder cannot be read */
 std::vector<std::string> findFiles(const std::string& pattern,
                                    const std::vector<std::string>& extensions);

@@ -3,6 +3,7 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -159,6 +160,7 @@ writeKittiTrajectory(const std::string& path, const Trajectory& trajectory)
   TextStream text;
   text.precision(17);
   for (const Eigen::Isometry3d& pose : trajectory) {
+    requireRigid(pose, path + ": a pose");
     const RowMajor34 rows = pose.matrix().topRows<3>();
     for (int i = 0; i < 12; ++i)
       text << (i ? " " : "") << rows.data()[i];
@@ -193,6 +195,7 @@ writeTumTrajectory(const std::string& path, const TimedTrajectory& trajectory)
   TextStream text;
   text << "# time [s] tx ty tz [m] qx qy qz qw\n";
   for (const TimedPose& timed : trajectory) {
+    requireRigid(timed.pose, path + ": a pose");
     const Eigen::Quaterniond rotation(timed.pose.linear());
     text.setf(std::ios::fixed);
     text.precision(9);

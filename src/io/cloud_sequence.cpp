@@ -10,7 +10,9 @@
 #include <pcl/common/io.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -64,6 +66,18 @@ distributionsOf(const LabelledCloud& read, const std::string& path, int classes,
   return distributions;
 }
 
+// T_world_sensor of x y z [m] and a quaternion w x y z.
+Eigen::Isometry3d
+poseOf(const std::array<double, 7>& viewpoint, const std::string& path)
+{
+  const auto& [x, y, z, qw, qx, qy, qz] = viewpoint;
+  const Eigen::Quaterniond rotation(qw, qx, qy, qz);
+  if (!(rotation.norm() > 1e-6) || !std::isfinite(rotation.norm()))
+    badInput(path, ": VIEWPOINT has the quaternion ", qw, " ", qx, " ", qy, " ", qz,
+             ", expected w x y z of length 1");
+  return Eigen::Translation3d(x, y, z) * rotation.normalized();
+}
+
 } // namespace
 
 CloudSequence::CloudSequence(const std::string& pattern, const std::string& times)
@@ -100,6 +114,7 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
 {
   const LabelledCloud read = readLabelledCloud(path(i), mapping);
   CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};
+  frame.viewpoint = poseOf(read.table.viewpoint, path(i));
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
   pcl::copyPointCloud(*read.cloud, *frame.cloud);
   frame.distributions = distributionsOf(read, path(i), classes, confidence);

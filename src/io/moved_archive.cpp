@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/io/archive_merge.h>
 
 #include <algorithm>
@@ -129,6 +130,7 @@ MovedArchive::MovedArchive(const std::string& path, const Eigen::Isometry3d& mot
     : archive_(MapReader::open(path)),
       is_moved_(!motion.isApprox(Eigen::Isometry3d::Identity(), 1e-12)), motion_(motion)
 {
+  requireRigid(motion, path + ": its motion");
   motion_.translation() /= archive_->header().parameters.voxel_size;
   // A voxel at the far end of the diagonal still has an index of 32 bits.
   constexpr double farthest = 0.25 * kMaxVoxelIndex;

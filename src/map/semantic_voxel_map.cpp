@@ -11,6 +11,7 @@
 #include "scrolling_voxel_grid.h"
 #include "voxel_fusion.h"
 
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/core/threads.h>
 
 #include <algorithm>
@@ -84,17 +85,6 @@ checkScan(const Scan& scan, int classes)
   if (scan.deviations && scan.deviations->size() != scan.points.size())
     badParameter("there are ", scan.deviations->size(), " deviations, expected ",
                  scan.points.size());
-}
-
-void
-checkPose(const Eigen::Isometry3d& pose)
-{
-  if (!pose.matrix().allFinite())
-    badInput("the pose of the sensor is not finite");
-  const Eigen::Matrix3d R = pose.linear();
-  constexpr double tolerance = 1e-3; // rotations are read from texts of few digits
-  if (!(R.transpose() * R).isIdentity(tolerance) || R.determinant() < 0.0)
-    badInput("the pose of the sensor is no rotation and translation");
 }
 
 // Puts a block into the store unless that has it as it is.
@@ -352,7 +342,7 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
                                 const Eigen::Isometry3d& T_world_sensor)
 {
   checkScan(scan, state_->label_set.size());
-  checkPose(T_world_sensor);
+  requireRigid(T_world_sensor, "the pose of the sensor");
   const auto writing = state_->lock.write();
   const ThreadScope threads(state_->threads);
   return state_->integrate(scan, T_world_sensor);
@@ -363,7 +353,7 @@ SemanticVoxelMap::addScanLabels(const Scan& scan,
                                 const Eigen::Isometry3d& T_world_sensor)
 {
   checkScan(scan, state_->label_set.size());
-  checkPose(T_world_sensor);
+  requireRigid(T_world_sensor, "the pose of the sensor");
   const auto writing = state_->lock.write();
   return state_->addLabels(scan, T_world_sensor);
 }

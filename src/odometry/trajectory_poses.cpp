@@ -4,6 +4,7 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/sensor_frame.h>
+#include <pcl_semantic/core/sensor_pose.h>
 
 #include <algorithm>
 #include <vector>
@@ -12,7 +13,9 @@ namespace pcl_semantic {
 
 StoredPoses::StoredPoses(const Eigen::Isometry3d& T_camera0_camera, std::string name)
     : name_(std::move(name)), T_camera0_camera_(T_camera0_camera)
-{}
+{
+  requireRigid(T_camera0_camera, name_ + ": the pose of the camera in camera 0");
+}
 
 Eigen::Isometry3d
 StoredPoses::pose(const SensorFrame& frame)
@@ -21,6 +24,7 @@ StoredPoses::pose(const SensorFrame& frame)
   const Eigen::Isometry3d* const found = find(time);
   if (!found)
     badInput(lackOf(time));
+  requireRigid(*found, name_ + ": the pose of frame " + std::to_string(time.number));
   return worldFromFirstCamera() * *found * T_camera0_camera_;
 }
 
@@ -115,6 +119,15 @@ readSensorPoses(const std::string& path)
 {
   return readTurned(path, worldFromFirstCamera().inverse(),
                     Eigen::Isometry3d::Identity());
+}
+
+Eigen::Isometry3d
+ViewpointPoses::pose(const SensorFrame& frame)
+{
+  const auto* const cloud = std::get_if<CloudFrame>(&frame);
+  if (!cloud)
+    badParameter("a pair of images brings no pose, as clouds do");
+  return cloud->viewpoint;
 }
 
 } // namespace pcl_semantic

@@ -28,6 +28,10 @@ TEST(FilePattern, FindsFilesInNaturalOrder)
   EXPECT_EQ(names("a?.png"), (Names{"a1.png", "a2.png"}));
   EXPECT_EQ(names("[ab][23].*"), (Names{"a2.png", "a3.jpg", "b3.png"}));
   EXPECT_EQ(names("b3.png"), Names{"b3.png"});
+  EXPECT_EQ(names("."),
+            (Names{"./a1.png", "./a2.png", "./a3.jpg", "./a10.png", "./b3.png"}));
+  folder.write("b3.JPG", "");
+  EXPECT_TRUE(throws<BadInputException>("a pattern says which", [&] { names("."); }));
   EXPECT_TRUE(
       throws<BadInputException>("*.bmp: no file matches", [&] { names("*.bmp"); }));
   EXPECT_TRUE(throws<BadInputException>("none/*.png: no file matches",

@@ -29,6 +29,8 @@ struct CloudFrame : FrameTime {
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< sensor frame [m]
   LabelDistributions distributions; ///< L x points, or empty: a cloud without labels
   bool has_colour = false;          ///< whether the cloud's colours mean anything
+  /// T_world_sensor as its file states it (VIEWPOINT of a .pcd).
+  Eigen::Isometry3d viewpoint = Eigen::Isometry3d::Identity();
 };
 
 /** \brief What a sensor gives at one moment: a pair of images or a cloud. */

@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
 
+#include <string>
+
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The pose that a cloud carries, as PCL reads it from VIEWPOINT: T_world_sensor
@@ -19,5 +21,12 @@ sensorPose(const pcl::PointCloud<PointT>& cloud)
              cloud.sensor_origin_.template head<3>().template cast<double>()) *
          cloud.sensor_orientation_.template cast<double>().normalized();
 }
+
+/** \brief Accepts rotations and translations alone: their last row is 0 0 0 1, which a
+ * transposed matrix (of OpenGL, ARCore) or one of 12 numbers does not have. Rotations
+ * may be off by 1e-3, as texts of few digits are.
+ * \param[in] name of the pose, for the message: "the pose of the sensor"
+ * \throws BadInputException */
+void requireRigid(const Eigen::Isometry3d& pose, const std::string& name);
 
 } // namespace pcl_semantic

@@ -10,7 +10,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The clouds (readCloudTable()) of a folder, which holds one kind of files, or
+/** \brief The clouds (readCloudTable()) of a folder, of any kind, or
  * of a pattern, one a frame, in natural order.
  *
  * If every name is a whole number up to 999999 (`000012.pcd`) it is the frame's number;

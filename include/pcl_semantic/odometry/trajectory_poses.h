@@ -80,4 +80,11 @@ readPoses(const std::string& path,
  * in a world with z up (x forward, if the map shall be seen as it was driven). */
 std::unique_ptr<PoseSource> readSensorPoses(const std::string& path);
 
+/** \brief The poses that clouds bring, CloudFrame::viewpoint. */
+class ViewpointPoses : public PoseSource {
+public:
+  /** \throws InvalidParameterException if the frame is no cloud */
+  Eigen::Isometry3d pose(const SensorFrame& frame) override;
+};
+
 } // namespace pcl_semantic

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "command_line.h"
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic::tool {
+
+/** \brief Options that have no effect where a condition holds. */
+struct UnreadOptions {
+  bool holds;
+  std::string condition; ///< as a message ends: "with --crf none"
+  std::vector<std::string> options;
+};
+
+/** \brief Refuses what was given and would have no effect.
+ * \throws InvalidParameterException that names the option and the condition */
+void refuseUnread(const po::variables_map& values,
+                  const std::vector<UnreadOptions>& rules);
+
+/** \brief Those of a CRF.
+ * \param[in] model "none" or "unary", "dense", "pn-potts" or "hierarchical"
+ * \param[in] cliques as `--cliques` has them */
+std::vector<UnreadOptions> unreadOptionsOfCRF(const std::string& model,
+                                              const std::string& cliques);
+
+/** \brief Those of stored labels that are probabilities.
+ * \param[in] labels folder or file; empty = none */
+UnreadOptions unreadOptionsOfLabels(const std::string& labels);
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,609 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Every option of every program, in every mode of it, changes what comes out or is
+// refused with the option and the mode named. The options are those that `--help`
+// lists: one that is added has to be given a value here.
+
+#include "support/bad_case.h"
+#include "support/onnx_writer.h"
+#include "support/own_camera.h"
+#include "support/rgbd_street.h"
+
+#include <pcl_semantic/files/cloud_file.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <set>
+
+namespace pcl_semantic {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// A way to run a program. IN holds what inputs() makes, OUT is an empty folder.
+struct Mode {
+  std::string name; // what a refusal calls it, or an option of the command
+  std::string command;
+  std::string only = ""; // of options: those whose names match; all of them elsewhere
+};
+
+const std::string of_crf = "crf.*|clique.*|smoothness.*|appearance.*|colour.*|super.*";
+const std::string small = " --voxel-size 0.25 --max-depth 12";
+const std::string street_map =
+    "map IN/street --labels IN/street/labels --output OUT/map" + small;
+const std::string own_camera =
+    "--left 'IN/own/left/*.png' --right 'IN/own/right/*.png' "
+    "--calibration IN/own/stereo.yaml";
+const std::string label_set =
+    " --label-set " PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
+
+const std::vector<Mode> modes = {
+    {"SEQUENCE", street_map},
+    {"--crf none", street_map + " --crf none", of_crf},
+    {"--crf pn-potts", street_map + " --crf pn-potts", of_crf},
+    {"--crf hierarchical", street_map + " --crf hierarchical", of_crf},
+    {"--network",
+     "map IN/street --network IN/street/net.yaml --output OUT/map" + small},
+    {"--left", "map " + own_camera +
+                   " --labels IN/own/labels --poses IN/own/poses.txt --output OUT/map" +
+                   small},
+    {"--clouds",
+     "map --clouds IN/clouds --poses IN/street/world.txt --output OUT/map" + small},
+    {"--clouds", "map --clouds IN/clouds --calibration IN/street/calib.txt --poses "
+                 "IN/street/poses.txt --output OUT/map" +
+                     small},
+    {"--rgbd", "map --rgbd IN/street/rgbd --calibration IN/street/camera.yaml --poses "
+               "IN/street/world.txt --output OUT/map --labels IN/street/labels" +
+                   small},
+    {"info", "archive info IN/one.map"},
+    {"verify", "archive verify IN/one.map"},
+    {"export", "archive export IN/one.map OUT/map.pcd"},
+    {"merge", "archive merge IN/one.map IN/two.map OUT/both.map"},
+    {"changes", "archive changes IN/one.map IN/two.map OUT/changes.pcd"},
+    {"calibrate", "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
+                  "'{sequence}/gt' --output OUT/calibrated"},
+    {"--clique-config",
+     "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
+     "'{sequence}/gt' --output OUT/calibrated --clique-config IN/cliques.yaml"},
+    {"cubes", "cliques IN/map.pcd OUT/out.pcd --method cubes"},
+    {"supervoxel", "cliques IN/map.pcd OUT/out.pcd --method supervoxel"},
+    {"superpixel", "cliques IN/map.pcd OUT/out.pcd --method superpixel --frame "
+                   "IN/clouds/000000.pcd --pose IN/one/trajectory.txt:0"},
+    {"slic", "cliques IN/clouds/000000.pcd OUT/out.pcd --method slic"},
+    {"cloud", "cloud IN/map.pcd OUT/out.pcd" + label_set + " --drop car"},
+    {"--crf dense", "crf IN/map.pcd OUT/out.pcd"},
+    {"--crf unary", "crf IN/map.pcd OUT/out.pcd --crf unary"},
+    {"--crf pn-potts", "crf IN/map.pcd OUT/out.pcd --crf pn-potts --cliques cubes:1"},
+    {"--crf hierarchical",
+     "crf IN/map.pcd OUT/out.pcd --crf hierarchical --cliques cubes:1"},
+    {"evaluate",
+     "evaluate --prediction IN/one/labels --truth IN/street/gt" + label_set},
+    {".bt", "export IN/one.map OUT/map.bt"},
+    {".ply", "export IN/one.map OUT/map.ply"},
+    {".pgm", "export IN/one.map OUT/map.pgm"},
+    {".bt", "export IN/one OUT/map.bt"},
+    {".ply", "export IN/map.pcd OUT/map.ply"},
+    {".pgm", "export IN/one OUT/map.pgm"},
+    {"--crf dense", "image_crf --image IN/street/image_2/000000.png --labels "
+                    "IN/street/labels/000000.bin --output OUT/labels.png"},
+    {"SEQUENCE", "label IN/street --network IN/street/net.yaml --output OUT/labels"},
+    {"--left",
+     "label " + own_camera + " --network IN/street/net.yaml --output OUT/labels"},
+    {"--clouds",
+     "label --clouds IN/clouds --labels IN/street/labels --output OUT/labelled"},
+    {"--clouds",
+     "label --clouds IN/clouds --network IN/street/net.yaml --output OUT/labelled"},
+    {"--clouds", "label --clouds IN/scans IN/street --labels IN/street/labels --output "
+                 "OUT/labelled"},
+    {"SEQUENCE", "odometry IN/street OUT/poses.txt"},
+    {"--left", "odometry " + own_camera + " --output OUT/poses.txt"},
+    {"render", "render IN/one OUT/map.png --size 320x200"},
+    {"--view above", "render IN/one OUT/map.png --size 320x200 --view above"},
+    {"--view camera", "render IN/one OUT/map.png --size 320x200 --view camera"},
+    {"archive", "render IN/one.map OUT/map.png --size 320x200"},
+    {"--from", "render IN/map.pcd OUT/map.png --size 320x200 --from 0,0,2 --look-at "
+               "9,0,0"},
+    {"rgbd", "rgbd IN/street/rgbd OUT/clouds --calibration IN/street/camera.yaml"},
+    {"--intrinsics", "rgbd IN/street/rgbd OUT/clouds --intrinsics 120,120,104,32"},
+    {"stereo", "stereo IN/street/image_2 IN/street/image_3 IN/street/calib.txt "
+               "OUT/clouds"},
+    {"synthesize", "synthesize OUT/street --frames 1 --size 208x64"},
+};
+
+// One way to give an option: its value, and what else both runs are given.
+struct Trial {
+  std::string value;
+  std::string with = "";
+};
+
+// What may change something, by option, or by program and option.
+const std::map<std::string, std::vector<Trial>> trials = {
+    {"also", {{"depth"}, {"scans"}, {"measured"}}},
+    {"appearance-deviation", {{"0.7"}}},
+    {"appearance-weight", {{"40"}}},
+    {"archive", {{"OUT/own.map"}}},
+    {"archive-every", {{"2"}, {"0", "--archive OUT/own.map"}}},
+    {"balance", {{"0.9"}}},
+    {"below", {{"1"}}},
+    {"bias-penalty", {{"1"}}},
+    {"box", {{"0,-5,-5,9,5,5"}}},
+    {"calibration", {{"IN/street/calib.txt"}}},
+    {"centres", {{""}}},
+    {"class", {{"road"}}},
+    {"clearing", {{"full", "--voxel-size 0.1 --hit-probability 0.55"}}},
+    {"clique-appearance-weight", {{"30"}, {"30", "--clique-weight 9"}}},
+    {"clique-calibration", {{"IN/clique_calibration.yaml"}}},
+    {"clique-config", {{"IN/cliques.yaml"}}},
+    {"clique-exclude", {{"road"}}},
+    {"clique-free-label", {{"false"}, {"false", "--clique-weight 9"}}},
+    {"clique-truncation", {{"0.9"}, {"0.9", "--clique-weight 9"}}},
+    {"clique-update-from-members", {{"false"}, {"false", "--clique-weight 9"}}},
+    {"clique-weight", {{"20"}}},
+    {"cliques", {{"cubes:2"}}},
+    {"clouds", {{"IN/clouds"}}},
+    {"cloud colour", {{""}}},
+    {"colour", {{"rgb"}}},
+    {"colour-deviation", {{"60"}}},
+    {"coloured", {{"OUT/coloured.pcd"}}},
+    {"compare", {{"IN/two.map"}, {"IN/two"}}},
+    {"config", {{"IN/config.yaml"}, {"IN/unknown_key.yaml"}}},
+    {"covered-by", {{"IN/one/labels"}}},
+    {"crf", {{"unary"}, {"pn-potts", "--cliques cubes:1"}, {"none"}, {"pn-potts"}}},
+    {"crf-every", {{"2"}}},
+    {"crf-iterations", {{"7"}}},
+    {"crf-keep-thin",
+     {{"false"},
+      {"false", "--smoothness-weight 900 --crf-iterations 5"},
+      {"false",
+       "--smoothness-weight 900 --crf-iterations 5 --label-set IN/other_set.yaml"}}},
+    {"crf-normalization", {{"none"}}},
+    {"crf-temperature", {{"9"}}},
+    {"crop", {{"0,-5,-5,9,5,5"}}},
+    {"curve-penalty", {{"1"}}},
+    {"depth-scale", {{"700"}}},
+    {"deviation-scale", {{"1"}}},
+    {"disparities", {{"64"}}},
+    {"disparity", {{"OUT/disparities"}, {"OUT/disparity.png"}}},
+    {"drop", {{"road"}}},
+    {"engine", {{"onnxruntime"}, {"opencv", "--model IN/unknown_key.yaml"}}},
+    {"print-config", {{""}}},
+    {"extrinsics", {{"IN/own/extrinsics.yaml"}}},
+    {"features", {{"none"}}},
+    {"odometry features", {{"40"}}},
+    {"files", {{"IN/two.map"}}},
+    {"format", {{"ids"}}},
+    {"odometry format", {{"tum"}}},
+    {"frame", {{"2"}}},
+    {"cliques frame", {{"IN/clouds/000001.pcd"}}},
+    {"frames", {{"1:2"}}},
+    {"odometry frames", {{"0:2"}}},
+    {"synthesize frames", {{"2"}}},
+    {"from", {{"0,0,4", "--look-at 8,0,0"}}},
+    {"ground", {{"road"}}},
+    {"ground-reach", {{"0.4"}}},
+    {"header", {{""}}},
+    {"hit-probability", {{"0.55", "--voxel-size 0.1 --clearing full"}}},
+    {"ignore", {{"road"}}},
+    {"intrinsics", {{"90,90,104,32"}}},
+    {"keep", {{"road"}}},
+    {"label-calibration", {{"IN/calibration.yaml"}}},
+    {"label-confidence",
+     {{"0.5"},
+      {"0.5", "--labels IN/street/gt"},
+      {"0.5", "IN/labels.pcd"},
+      {"0.5", "--clouds IN/labelled"},
+      {"0.5", "--labels '{sequence}/gt'"}}},
+    {"label-mapping",
+     {{"IN/mapping.yaml"},
+      {"IN/mapping.yaml", "--labels IN/street/gt"},
+      {"IN/mapping.yaml", "--clouds IN/labelled"}}},
+    {"label-noise", {{"1"}}},
+    {"label-set",
+     {{"IN/other_set.yaml"},
+      {"IN/mast_set.yaml"},
+      {"IN/street_set.yaml"},
+      {"IN/mast_set.yaml", "--labels IN/street/gt"},
+      {"IN/twelve_set.yaml"},
+      {"IN/street_set.yaml", "--ground road"}}},
+    {"labels", {{"IN/street/gt"}}},
+    {"left", {{"'IN/own/left/*.png'"}}},
+    {"look-at", {{"8,0,0", "--from 0,0,4"}}},
+    {"map-only", {{""}}},
+    {"map-origin", {{"0.5,0,0"}}},
+    {"max-depth", {{"6"}}},
+    {"max-deviation", {{"0.6"}}},
+    {"max-height", {{"0.9"}}},
+    {"method", {{"cubes"}}},
+    {"min-height", {{"1.5"}}},
+    {"min-hit-ratio", {{"0.9"}}},
+    {"miss-probability", {{"0.1"}, {"0.1", "--voxel-size 0.1"}}},
+    {"model", {{"IN/street/other.onnx"}}},
+    {"network", {{"IN/street/other.yaml"}}},
+    {"network-every", {{"2"}}},
+    {"occlusion-window", {{"15,15"}}},
+    {"offset-drift", {{"0"}}},
+    {"overlay", {{"OUT/overlay.png"}}},
+    {"pixel-fusion", {{"product"}}},
+    {"pose", {{"IN/one/trajectory.txt:2"}}},
+    {"poses", {{"IN/moved.txt"}}},
+    {"range", {{"0:9", "--truth-depth IN/one/depth"}}},
+    {"refined", {{"OUT/refined.bin"}}},
+    {"relabel", {{"road=sidewalk"}}},
+    {"report", {{"OUT/report.csv"}}},
+    {"resume", {{""}, {"", "--archive OUT/own.map"}}},
+    {"rgbd", {{"IN/street/rgbd"}}},
+    {"right", {{"'IN/own/right/*.png'"}}},
+    {"row", {{"street"}}},
+    {"scan-within", {{"1"}, {"1", "--also scans"}}},
+    {"seed", {{"9"}}},
+    {"sensor", {{"own"}, {"grey"}}},
+    {"sensor-pose", {{"IN/sensor_pose.txt"}}},
+    {"shrinkage", {{"0"}}},
+    {"size", {{"280x160"}}},
+    {"smoothness-deviation", {{"0.9"}}},
+    {"smoothness-weight", {{"60"}}},
+    {"stereo", {{"elas"}}},
+    {"strict",
+     {{"", "IN/grey"},
+      {"",
+       "--left 'IN/grey/image_2/*.png' --right 'IN/grey/image_3/*.png' --calibration "
+       "IN/street/calib.txt --labels IN/street/labels --poses IN/street/poses.txt"},
+      {"", "--left 'IN/grey/image_2/*.png' --right 'IN/grey/image_3/*.png' "
+           "--calibration IN/street/calib.txt"},
+      {"", "IN/grey/image_2 IN/grey/image_3"}}},
+    {"submap-every", {{"2"}}},
+    {"superpixel-depth-jump",
+     {{"0"},
+      {"0", "--cliques superpixel:20"},
+      {"0", "--cliques superpixel:20 --clique-weight 9"}}},
+    {"thin", {{"1"}}},
+    {"times",
+     {{"IN/times.txt"},
+      {"IN/times.txt", "--poses IN/timed.txt"},
+      {"IN/times.txt", "--poses IN/timed_world.txt"},
+      {"IN/times.txt", "--poses IN/timed_street.txt"}}},
+    {"trajectory", {{"IN/moved.txt"}}},
+    {"truth", {{"IN/one/labels"}}},
+    {"truth-depth", {{"IN/one/depth", "--range 0:9"}}},
+    {"view", {{"above"}}},
+    {"voxel-size", {{"0.2"}, {"0.5"}}},
+    {"window", {{"8,8,4"}}},
+    {"odometry window", {{"2"}}},
+};
+
+// Options that do not change results. `threads` gives the same bytes for any number,
+// `help` and its like are tested elsewhere, the others need a window or never end.
+const std::set<std::string> unseen = {"help", "version", "man",  "quiet", "verbose",
+                                      "json", "threads", "live", "view"};
+
+// Those that are given by their place are in the commands.
+const std::set<std::string> positional = {"sequence", "sequences",    "input", "output",
+                                          "command",  "files",        "map",   "plan",
+                                          "image",    "distributions"};
+
+std::vector<std::string>
+wordsOf(const std::string& command)
+{
+  std::istringstream stream(command);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+// A command with other values of options, and other words that are no options.
+std::string
+changed(const std::string& command, const std::string& with)
+{
+  std::vector<std::string> words = wordsOf(command);
+  std::size_t place = 1; // of the next word that is no option
+  const std::vector<std::string> changes = wordsOf(with);
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    if (changes[i].rfind("--", 0) == 0) {
+      auto at = std::find(words.begin(), words.end(), changes[i]);
+      if (at == words.end())
+        at = words.insert(words.end(), {changes[i], ""});
+      *std::next(at) = changes[++i];
+      continue;
+    }
+    while (place < words.size() && words[place].rfind("--", 0) == 0)
+      place += 2;
+    if (place >= words.size())
+      return "";
+    words[place++] = changes[i];
+  }
+  std::string text;
+  for (const std::string& word : words)
+    text += word + " ";
+  return text;
+}
+
+// The numbers of labels, each mapped to another class.
+const std::string mapping = "classes: {road: [1, 2], building: [3], car: [4, 5], sign: "
+                            "[6, 7, 8, 9, 10, 11, 0]}\n";
+
+void
+run(const std::string& folder, std::string command)
+{
+  command = replaceAll(command, "IN/", folder + "/");
+  succeed(command);
+}
+
+void
+dropProbabilities(const std::string& from, const std::string& to)
+{
+  PcdTable table = readCloudTable(from);
+  table.removeColumns("probability");
+  writeCloudTable(to, table);
+}
+
+// A TUM trajectory whose frames are half a second apart.
+void
+writeTimed(const std::string& path, const Trajectory& poses)
+{
+  std::vector<TimedPose> timed;
+  for (const Eigen::Isometry3d& pose : poses)
+    timed.push_back({0.5 * double(timed.size()), pose});
+  writeTumTrajectory(path, timed);
+}
+
+void
+writeScans(const std::string& folder)
+{
+  fs::create_directories(folder);
+  for (const char* const name : {"/000000.bin", "/000001.bin", "/000002.bin"}) {
+    std::ofstream file(folder + name, std::ios::binary);
+    for (int i = 0; i < 600; ++i) {
+      const float point[] = {4.0f + 0.01f * float(i), 0.2f * float(i % 40) - 4.0f,
+                             0.1f * float(i % 17) - 1.6f, 0.5f};
+      file.write(reinterpret_cast<const char*>(point), sizeof(point));
+    }
+  }
+}
+
+// What the commands of `modes` and `trials` read as IN.
+void
+makeInputs(const std::string& in)
+{
+  const std::string street = in + "/street";
+  copyStreet(street);
+  copyStreet(in + "/street2");
+  makeRgbd(street);
+  writeOwnCamera(in + "/own");
+  copyStreet(in + "/grey");
+  blankImages(in + "/grey");
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(in + "/" + name, std::ios::binary) << text;
+  };
+  const std::string set =
+      bytesOf(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  write("other_set.yaml", replaceAll(set, "[128, 64, 128]", "[1, 64, 128]"));
+  write("mapping.yaml", mapping);
+  write("config.yaml", "crf_temperature: 9\nsmoothness_weight: 60\n");
+  write("cliques.yaml", "crf: hierarchical\ncliques: cubes:1\nvoxel_size: 0.25\n");
+  write("mast_set.yaml", replaceAll(set, "pole", "mast"));
+  write("twelve_set.yaml", set + "  - {name: bridge, colour: [9, 9, 9]}\n");
+  write("unknown_key.yaml", "speed: 3\n");
+  write("street_set.yaml", replaceAll(set, "name: road", "name: street"));
+  write("times.txt", "0\n0.5\n1\n");
+  write("sensor_pose.txt", "0 -1 0 1 0 0 -1 0 1 0 0 0\n");
+  for (const auto& [name, bias] : {std::pair("net", 0.1f), std::pair("other", 2.0f)}) {
+    PointwiseNetwork network;
+    network.channels = 4;
+    network.weights = {2, -1, 0.5f, -2, 1, 1, 0.25f, 0.5f, -3, 1, 1, 1};
+    network.bias = {bias, -0.2f, 0.3f, -5.0f};
+    write("street/" + std::string(name) + ".onnx", network.file());
+    write("street/" + std::string(name) + ".yaml",
+          "model: " + std::string(name) +
+              ".onnx\nlabel_set: " PCL_SEMANTIC_SOURCE_DIR
+              "/data/label_sets/kitti11.yaml\n"
+              "input: {name: image, width: 8, height: 6}\n"
+              "output: {name: logits, softmax: true}\nmean: [0.5, 0.5, 0.5]\n"
+              "deviation: [0.2, 0.2, 0.2]\nchannels: [road, car, building, '-']\n");
+  }
+  writeScans(in + "/scans");
+  Trajectory moved;
+  for (Eigen::Isometry3d pose : readKittiTrajectory(street + "/poses.txt")) {
+    pose.translation().x() += 1.0;
+    moved.push_back(pose);
+  }
+  writeKittiTrajectory(in + "/moved.txt", moved);
+  writeTimed(in + "/timed.txt", readKittiTrajectory(in + "/own/poses.txt"));
+  writeTimed(in + "/timed_world.txt", readKittiTrajectory(street + "/world.txt"));
+  writeTimed(in + "/timed_street.txt", readKittiTrajectory(street + "/poses.txt"));
+  write("own/extrinsics.yaml", "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-1, 0, 0]\n");
+  for (const char* const command :
+       {"stereo IN/street/image_2 IN/street/image_3 IN/street/calib.txt IN/depth",
+        "label --clouds IN/depth --labels IN/street/labels --output IN/clouds",
+        "map IN/street --labels IN/street/labels --output IN/one --voxel-size 0.25 "
+        "--max-depth 12 --also depth --frames 0:2 --archive IN/one.map",
+        "map IN/street --labels IN/street/labels --output IN/two --voxel-size 0.25 "
+        "--max-depth 12 --frames 2:3 --archive IN/two.map"})
+    run(in, command);
+  fs::copy(in + "/one/map.pcd", in + "/map.pcd");
+  writeScans(street + "/velodyne");
+  fs::create_directories(in + "/labelled");
+  for (const char* const name : {"000000.pcd", "000001.pcd", "000002.pcd"})
+    dropProbabilities(in + "/clouds/" + name, in + "/labelled/" + name);
+  dropProbabilities(in + "/map.pcd", in + "/labels.pcd");
+  for (const char* const name : {"label", "clique"}) {
+    const std::string cliques =
+        name == std::string("clique") ? " --clique-config IN/cliques.yaml" : "";
+    run(in, "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
+            "'{sequence}/gt' --output IN/calibrated" +
+                cliques);
+    fs::rename(
+        in + "/calibrated/calibration.yaml",
+        in + (cliques.empty() ? "/calibration.yaml" : "/clique_calibration.yaml"));
+  }
+}
+
+const std::string&
+inputs()
+{
+  static const TemporaryFolder folder;
+  static const std::string path = [] {
+    makeInputs(folder.path());
+    return folder.path();
+  }();
+  return path;
+}
+
+std::vector<std::string>
+linesIn(const std::string& text)
+{
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);)
+    lines.push_back(line);
+  return lines;
+}
+
+struct Option {
+  std::string name;
+  bool takes_value = false;
+};
+
+std::vector<Option>
+optionsOf(const std::string& program)
+{
+  std::vector<Option> options;
+  for (const std::string& line : linesIn(succeed(program + " --help"))) {
+    static const std::regex pattern("^  (-. \\[ )?--([a-z0-9-]+)( \\])?( [^ ]+)?.*");
+    std::smatch match;
+    if (std::regex_match(line, match, pattern))
+      options.push_back({match[2], match[4].matched});
+  }
+  return options;
+}
+
+// What a command leaves behind: its messages and files.
+struct Outcome {
+  int code = 0;
+  std::string text;
+  std::map<std::string, std::string> files;
+
+  bool
+  operator==(const Outcome& other) const
+  {
+    return code == other.code && text == other.text && files == other.files;
+  }
+};
+
+// What tells of the run but is no result of it: the parameters and times of a summary.
+bool
+isRecord(const fs::path& path)
+{
+  return path.filename() == "summary.json" || path.extension() == ".map";
+}
+
+Outcome
+outcomeOf(std::string command)
+{
+  const TemporaryFolder folder;
+  command = replaceAll(command, "IN/", inputs() + "/");
+  command = replaceAll(command, "OUT/", folder.path() + "/");
+  const ToolResult result = runTool(command);
+  Outcome outcome;
+  outcome.code = result.code;
+  static const std::regex seconds("[0-9.]+ (s|ms|Hz|frames/s)\\b");
+  outcome.text =
+      std::regex_replace(replaceAll(result.text, folder.path(), "OUT"), seconds, "T");
+  for (const fs::directory_entry& entry :
+       fs::recursive_directory_iterator(folder.path()))
+    if (entry.is_regular_file())
+      outcome.files[fs::relative(entry.path(), folder.path())] =
+          isRecord(entry.path()) ? "" : bytesOf(entry.path().string());
+  return outcome;
+}
+
+class OptionEffects : public testing::TestWithParam<Mode> {
+protected:
+  const Outcome&
+  plain(const std::string& with)
+  {
+    const auto known = plain_.find(with);
+    if (known != plain_.end())
+      return known->second;
+    return plain_[with] = outcomeOf(changed(GetParam().command, with));
+  }
+
+  // Whether a line refuses an option for what else the command asks for.
+  bool
+  isRefusal(const Outcome& outcome, const std::string& option)
+  {
+    const std::string name = "--" + option;
+    if (outcome.code != 2 || outcome.text.find(name) == std::string::npos)
+      return false;
+    const std::string rest =
+        replaceAll(outcome.text.substr(0, outcome.text.find(" (see ")), name, "");
+    return rest.find(GetParam().name) != std::string::npos ||
+           rest.find("archive") != std::string::npos ||
+           rest.find("SEQUENCE") != std::string::npos ||
+           rest.find(" --") != std::string::npos;
+  }
+
+  // Of two runs that differ in an option at least one has to come to its end.
+  bool
+  isEffect(const Outcome& outcome, const Outcome& without)
+  {
+    return outcome.code == 0 ? !(outcome == without)
+                             : outcome.code != 2 && without.code == 0;
+  }
+
+  std::map<std::string, Outcome> plain_;
+};
+
+const std::vector<Trial>&
+trialsOf(const std::string& program, const std::string& option)
+{
+  static const std::vector<Trial> none;
+  auto found = trials.find(program + " " + option);
+  if (found == trials.end())
+    found = trials.find(option);
+  return found == trials.end() ? none : found->second;
+}
+
+TEST_P(OptionEffects, OrARefusal)
+{
+  const std::string command = GetParam().command;
+  const std::string program = command.substr(0, command.find(' '));
+  ASSERT_EQ(plain("").code, 0) << plain("").text;
+
+  for (const Option& option : optionsOf(program)) {
+    if (unseen.count(option.name) > 0 &&
+        !(program == "render" && option.name == "view"))
+      continue;
+    if (!GetParam().only.empty() &&
+        !std::regex_match(option.name, std::regex(GetParam().only)))
+      continue;
+    if (positional.count(option.name) > 0 ||
+        (command + " ").find(" --" + option.name + " ") != std::string::npos)
+      continue;
+    const std::vector<Trial>& all = trialsOf(program, option.name);
+    EXPECT_FALSE(all.empty()) << program << " --" << option.name
+                              << " is new: give it a value in `trials`";
+    bool is_good = false;
+    std::string seen;
+    for (const Trial& trial : all) {
+      const std::string other = changed(command, trial.with);
+      if (other.empty())
+        continue;
+      const Outcome outcome =
+          outcomeOf(other + " --" + option.name + " " + trial.value);
+      is_good = isRefusal(outcome, option.name) || isEffect(outcome, plain(trial.with));
+      seen += "\n  exit code " + std::to_string(outcome.code) + ": " + outcome.text;
+      if (is_good)
+        break;
+    }
+    EXPECT_TRUE(is_good || all.empty())
+        << command << ": --" << option.name
+        << " neither changes anything nor is refused:" << seen;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, OptionEffects, testing::ValuesIn(modes));
+
+} // namespace
+
+} // namespace pcl_semantic

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/thrown_message.h"
+
+#include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/sensor_pose.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace pcl_semantic {
+
+TEST(RequireRigid, TakesRotationsAndTranslationsAlone)
+{
+  Eigen::Isometry3d pose(Eigen::Translation3d(10, 20, 1) *
+                         Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()));
+  EXPECT_NO_THROW(requireRigid(pose, "p"));
+  pose(0, 0) += 2e-4; // a text of few digits
+  EXPECT_NO_THROW(requireRigid(pose, "p"));
+
+  const auto refuses = [&](const std::string& says, const Eigen::Matrix4d& matrix) {
+    return throws<BadInputException>(
+        says, [&] { requireRigid(Eigen::Isometry3d(matrix), "the pose of frame 3"); });
+  };
+  EXPECT_TRUE(
+      refuses("the pose of frame 3 has the last row", pose.matrix().transpose()));
+  Eigen::Matrix4d matrix = pose.matrix();
+  matrix(3, 3) = 2.0;
+  EXPECT_TRUE(refuses("expected 0 0 0 1", matrix));
+  matrix = pose.matrix();
+  matrix.topLeftCorner<3, 3>() *= 1.1;
+  EXPECT_TRUE(refuses("is no rotation and translation", matrix));
+  matrix = Eigen::Vector4d(1, 1, -1, 1).asDiagonal(); // a mirror
+  EXPECT_TRUE(refuses("is no rotation and translation", matrix));
+  matrix(1, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refuses("is not finite", matrix));
+}
+
+} // namespace pcl_semantic
