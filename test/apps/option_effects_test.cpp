@@ -168,7 +168,6 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"disparities", {{"64"}}},
     {"disparity", {{"OUT/disparities"}, {"OUT/disparity.png"}}},
     {"drop", {{"road"}}},
-    {"engine", {{"onnxruntime"}, {"opencv", "--model IN/unknown_key.yaml"}}},
     {"print-config", {{""}}},
     {"extrinsics", {{"IN/own/extrinsics.yaml"}}},
     {"features", {{"none"}}},
@@ -181,7 +180,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"frames", {{"1:2"}}},
     {"odometry frames", {{"0:2"}}},
     {"synthesize frames", {{"2"}}},
-    {"from", {{"0,0,4", "--look-at 8,0,0"}}},
+    {"from", {{"0,0,4"}}},
     {"ground", {{"road"}}},
     {"ground-reach", {{"0.4"}}},
     {"header", {{""}}},
@@ -210,7 +209,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
       {"IN/street_set.yaml", "--ground road"}}},
     {"labels", {{"IN/street/gt"}}},
     {"left", {{"'IN/own/left/*.png'"}}},
-    {"look-at", {{"8,0,0", "--from 0,0,4"}}},
+    {"look-at", {{"8,0,0"}}},
     {"map-only", {{""}}},
     {"map-origin", {{"0.5,0,0"}}},
     {"max-depth", {{"6"}}},
@@ -247,7 +246,9 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"smoothness-weight", {{"60"}}},
     {"stereo", {{"elas"}}},
     {"strict",
-     {{"", "IN/grey"},
+     {{""},
+      {"", "IN/grey"},
+      {"", "--right 'IN/own/left/*.png'"},
       {"",
        "--left 'IN/grey/image_2/*.png' --right 'IN/grey/image_3/*.png' --calibration "
        "IN/street/calib.txt --labels IN/street/labels --poses IN/street/poses.txt"},
@@ -271,13 +272,14 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"view", {{"above"}}},
     {"voxel-size", {{"0.2"}, {"0.5"}}},
     {"window", {{"8,8,4"}}},
-    {"odometry window", {{"2"}}},
 };
 
-// Options that do not change results. `threads` gives the same bytes for any number,
-// `help` and its like are tested elsewhere, the others need a window or never end.
-const std::set<std::string> unseen = {"help", "version", "man",  "quiet", "verbose",
-                                      "json", "threads", "live", "view"};
+// Options that change no result here. `threads` gives the same bytes for any number,
+// `engine` the same labels; `help` and its like are tested elsewhere, the others need a
+// window, never end, or more frames than there are.
+const std::set<std::string> unseen = {
+    "help", "version", "man",    "quiet", "verbose",        "json",
+    "live", "threads", "engine", "view",  "odometry window"};
 
 // Those that are given by their place are in the commands.
 const std::set<std::string> positional = {"sequence", "sequences",    "input", "output",
@@ -399,7 +401,7 @@ makeInputs(const std::string& in)
               "/data/label_sets/kitti11.yaml\n"
               "input: {name: image, width: 8, height: 6}\n"
               "output: {name: logits, softmax: true}\nmean: [0.5, 0.5, 0.5]\n"
-              "deviation: [0.2, 0.2, 0.2]\nchannels: [road, car, building, '-']\n");
+              "deviation: [0.2, 0.2, 0.2]\nchannels: [road, pole, building, '-']\n");
   }
   writeScans(in + "/scans");
   Trajectory moved;
@@ -532,15 +534,14 @@ protected:
   bool
   isRefusal(const Outcome& outcome, const std::string& option)
   {
-    const std::string name = "--" + option;
-    if (outcome.code != 2 || outcome.text.find(name) == std::string::npos)
+    const std::string line = outcome.text.substr(0, outcome.text.find(" (see "));
+    if (outcome.code != 2 || line.find(option) == std::string::npos)
       return false;
-    const std::string rest =
-        replaceAll(outcome.text.substr(0, outcome.text.find(" (see ")), name, "");
-    return rest.find(GetParam().name) != std::string::npos ||
-           rest.find("archive") != std::string::npos ||
-           rest.find("SEQUENCE") != std::string::npos ||
-           rest.find(" --") != std::string::npos;
+    const std::string rest = replaceAll(line, "--" + option, "");
+    for (const char* const word : {"no effect", "archive", "SEQUENCE", " --"})
+      if (rest.find(word) != std::string::npos)
+        return true;
+    return rest.find(GetParam().name) != std::string::npos;
   }
 
   // Of two runs that differ in an option at least one has to come to its end.
@@ -571,8 +572,9 @@ TEST_P(OptionEffects, OrARefusal)
   ASSERT_EQ(plain("").code, 0) << plain("").text;
 
   for (const Option& option : optionsOf(program)) {
-    if (unseen.count(option.name) > 0 &&
-        !(program == "render" && option.name == "view"))
+    if (unseen.count(program + " " + option.name) > 0 ||
+        (unseen.count(option.name) > 0 &&
+         !(program == "render" && option.name == "view")))
       continue;
     if (!GetParam().only.empty() &&
         !std::regex_match(option.name, std::regex(GetParam().only)))
