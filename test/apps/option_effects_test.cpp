@@ -30,6 +30,12 @@ struct Mode {
   std::string only = ""; // of options: those whose names match; all of them elsewhere
 };
 
+void
+PrintTo(const Mode& mode, std::ostream* stream)
+{
+  *stream << mode.command;
+}
+
 const std::string of_crf = "crf.*|clique.*|smoothness.*|appearance.*|colour.*|super.*";
 const std::string small = " --voxel-size 0.25 --max-depth 12";
 const std::string street_map =
