@@ -124,7 +124,6 @@ unreadOptions(const Arguments& arguments)
           {clouds && !carries,
            "with --clouds that have no SEQUENCE or --left",
            {"calibration", "sensor-pose", "max-depth", "occlusion-window"}},
-          {!arguments.sequence.folder.empty(), "with a SEQUENCE", {"extrinsics"}},
           {!arguments.network.empty() || !clouds,
            "with --network",
            {"label-confidence", "label-mapping", "label-set"}},

@@ -140,7 +140,6 @@ unreadOptions(const MapArguments& arguments)
        "with --clouds, which bring their labels (pcl_semantic_label gives them some)",
        {"labels", "network", "model", "engine", "network-every"}},
       {!is_seen, without_images, {"map-only", "min-hit-ratio", "label-calibration"}},
-      {!arguments.sequence.folder.empty(), "with a SEQUENCE", {"extrinsics", "times"}},
       {arguments.rgbd.empty(), "without --rgbd", {"depth-scale"}},
       {!arguments.network.empty(), "with --network", {"label-confidence"}},
       unreadOptionsOfLabels(arguments.labels),

@@ -60,11 +60,15 @@ requireSequence(const SequenceOptions& options)
   if (!options.hasFiles())
     return refuseIf(options.folder.empty(),
                     "the SEQUENCE is missing, or --left, --right and --calibration");
-  refuseIf(
-      !options.folder.empty(),
-      "both a SEQUENCE ('" + options.folder +
-          "') and --left, --right, --calibration or --times; patterns need quotes");
   const ImagePairFiles& files = options.files;
+  for (const auto& [name, value] :
+       {std::pair("--left", &files.left), std::pair("--right", &files.right),
+        std::pair("--calibration", &files.calibration),
+        std::pair("--extrinsics", &files.extrinsics),
+        std::pair("--times", &files.times)})
+    refuseIf(!value->empty() && !options.folder.empty(),
+             "both a SEQUENCE ('" + options.folder + "') and " + name +
+                 "; patterns need quotes");
   for (const auto& [name, value] :
        {std::pair("--left", &files.left), std::pair("--right", &files.right),
         std::pair("--calibration", &files.calibration)})

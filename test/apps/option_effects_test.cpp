@@ -93,8 +93,12 @@ const std::vector<Mode> modes = {
     {".bt", "export IN/one OUT/map.bt"},
     {".ply", "export IN/map.pcd OUT/map.ply"},
     {".pgm", "export IN/one OUT/map.pgm"},
-    {"--crf dense", "image_crf --image IN/street/image_2/000000.png --labels "
-                    "IN/street/labels/000000.bin --output OUT/labels.png"},
+    {"--crf dense",
+     "image_crf IN/street/image_2/000000.png IN/street/labels/000000.bin "
+     "OUT/labels.png"},
+    {"--crf hierarchical", "image_crf IN/street/image_2/000000.png "
+                           "IN/street/labels/000000.bin OUT/labels.png "
+                           "--crf hierarchical --cliques slic"},
     {"SEQUENCE", "label IN/street --network IN/street/net.yaml --output OUT/labels"},
     {"--left",
      "label " + own_camera + " --network IN/street/net.yaml --output OUT/labels"},
@@ -219,7 +223,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"map-only", {{""}}},
     {"map-origin", {{"0.5,0,0"}}},
     {"max-depth", {{"6"}}},
-    {"max-deviation", {{"0.6"}}},
+    {"max-deviation", {{"0.3"}, {"0.6"}}},
     {"max-height", {{"0.9"}}},
     {"method", {{"cubes"}}},
     {"min-height", {{"1.5"}}},
@@ -253,14 +257,13 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"stereo", {{"elas"}}},
     {"strict",
      {{""},
-      {"", "IN/grey"},
-      {"", "--right 'IN/own/left/*.png'"},
-      {"",
-       "--left 'IN/grey/image_2/*.png' --right 'IN/grey/image_3/*.png' --calibration "
-       "IN/street/calib.txt --labels IN/street/labels --poses IN/street/poses.txt"},
-      {"", "--left 'IN/grey/image_2/*.png' --right 'IN/grey/image_3/*.png' "
-           "--calibration IN/street/calib.txt"},
-      {"", "IN/grey/image_2 IN/grey/image_3"}}},
+      {"", "IN/halved"},
+      {"", "--left 'IN/halved/image_2/*.png' --right 'IN/halved/image_3/*.png' "
+           "--calibration IN/halved/calib.txt"},
+      {"", "--left 'IN/halved/image_2/*.png' --right 'IN/halved/image_3/*.png' "
+           "--calibration IN/halved/calib.txt --labels IN/street/labels --poses "
+           "IN/street/poses.txt"},
+      {"", "IN/street/image_2 IN/street/image_3 IN/halved/calib.txt"}}},
     {"submap-every", {{"2"}}},
     {"superpixel-depth-jump",
      {{"0"},
@@ -378,8 +381,16 @@ makeInputs(const std::string& in)
   copyStreet(in + "/street2");
   makeRgbd(street);
   writeOwnCamera(in + "/own");
-  copyStreet(in + "/grey");
-  blankImages(in + "/grey");
+  copyStreet(in + "/halved"); // the calibration of images of half the size
+  for (std::size_t row = 1; row <= 4; ++row)
+    for (const int word : {2, 4, 7, 8}) {
+      const std::string calibration = in + "/halved/calib.txt";
+      std::istringstream words(linesOf(calibration)[row - 1]);
+      std::string number;
+      for (int i = 0; i < word; ++i)
+        words >> number;
+      setWord(calibration, row, word, std::to_string(0.5 * std::stod(number)));
+    }
   const auto write = [&](const std::string& name, const std::string& text) {
     std::ofstream(in + "/" + name, std::ios::binary) << text;
   };
