@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
 #include "tool.h"
+#include "unread_options.h"
 
 #include <pcl_semantic/cliques/slic.h>
 #include <pcl_semantic/core/exceptions.h>
@@ -57,6 +58,9 @@ parse(int argc, char** argv)
         "print the effective parameters as YAML and end"}},
       {"image", "distributions", "output"}, parametersOf(arguments.parameters));
   setCRFConfig(values, arguments.config, print_config, arguments.parameters);
+  refuseUnread(values,
+               {unreadOptionsOfLabels(arguments.distributions),
+                {arguments.refined.empty(), "without --refined", {"crf-temperature"}}});
   return arguments;
 }
 

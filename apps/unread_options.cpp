@@ -47,7 +47,7 @@ unreadOptionsOfLabels(const std::string& labels)
                                ? !listFrameFiles(labels, {".png"}).empty()
                                : std::filesystem::path(labels).extension() == ".png";
   return {!labels.empty() && !are_numbers && std::filesystem::exists(labels, error),
-          "with --labels " + labels + ", which holds probabilities",
+          "with " + labels + ", which holds probabilities",
           {"label-mapping", "label-confidence"}};
 }
 
