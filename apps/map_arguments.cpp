@@ -126,9 +126,6 @@ unreadOptions(const MapArguments& arguments)
   const std::vector<std::string> of_pairs = {"stereo", "disparities", "max-deviation",
                                              "deviation-scale"};
   const bool is_seen = hasCamera(arguments);
-  const std::string without_images =
-      "without images of the frames (" +
-      std::string(is_seen ? "--map-only" : "--clouds without a camera") + ")";
   std::vector<UnreadOptions> rules = {
       {!arguments.rgbd.empty(), "with --rgbd", of_pairs},
       {!arguments.rgbd.empty(),
@@ -139,17 +136,16 @@ unreadOptions(const MapArguments& arguments)
       {!arguments.clouds.empty(),
        "with --clouds, which bring their labels (pcl_semantic_label gives them some)",
        {"labels", "network", "model", "engine", "network-every"}},
-      {!is_seen, without_images, {"map-only", "min-hit-ratio", "label-calibration"}},
+      {!is_seen,
+       "with --clouds of no camera, which have no images",
+       {"map-only", "min-hit-ratio", "label-calibration"}},
       {arguments.rgbd.empty(), "without --rgbd", {"depth-scale"}},
       {!arguments.network.empty(), "with --network", {"label-confidence"}},
       unreadOptionsOfLabels(arguments.labels),
       {arguments.archive.path.empty() && arguments.submap_every.empty(),
        "without --archive",
        {"archive-every"}},
-      {!asksFor(arguments, "scans"), "without --also scans", {"scan-within"}},
-      {(!is_seen || arguments.map_only) && !asksFor(arguments, "scans"),
-       without_images,
-       {"crf-every"}}};
+      {!asksFor(arguments, "scans"), "without --also scans", {"scan-within"}}};
   const MapperConfig& config = arguments.parameters;
   for (UnreadOptions& rule : unreadOptionsOfCRF(config.crf, config.cliques))
     rules.push_back(std::move(rule));

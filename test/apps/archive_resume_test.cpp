@@ -25,8 +25,8 @@ mapCommand(const std::string& output, const std::string& archive,
   return mapOf(street) +
          " --voxel-size 0.2 --window 16,6,6 --max-depth 8 --crf-every 3 "
          "--output " +
-         output + (archive.empty() ? "" : " --archive " + archive) +
-         " --archive-every 2 " + more;
+         output + " " +
+         (archive.empty() ? "" : "--archive-every 2 --archive " + archive + " ") + more;
 }
 
 // The same, for a shell.
@@ -245,7 +245,7 @@ TEST_F(ArchivedRun, AnotherRunDoesNotGoOn)
                 archive + ": is the archive of another run: " + says);
     EXPECT_TRUE(bytesOf(archive) == bytes) << "nothing committed is lost";
   };
-  refuses("--label-confidence 0.9", "label_confidence was 0.8");
+  refuses("--crf-temperature 9", "crf_temperature was 3");
   refuses("--network-every 2", "network_every was 1");
   refuses("--also depth", "also was none, is [depth]");
   refuses("--frames 0:10", "frames was 11, from 0 to 10, is 10, from 0 to 9");

@@ -384,7 +384,7 @@ TEST(BadInput, OfTheCrfTools)
       {"model", 2, "--crf: 'best', expected unary, dense, pn-potts or hierarchical",
        crf + "--crf best"},
       {"no cliques", 2, "need cliques", crf + "--crf hierarchical"},
-      {"cliques of dense", 2, "not with: --cliques field", crf + "--cliques field"},
+      {"cliques of dense", 2, "--cliques has no effect with --crf dense", crf + "--cliques field"},
       {"no such field", 3, "in.pcd: has no field 'clique'",
        crf + "--crf pn-potts --cliques field",
        file("in.pcd", cloud.text("x y z label"))},
