@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_doubts.h"
 #include "messages.h"
 #include "tool.h"
 #include "unread_options.h"
 
 #include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/core/voxel_index.h>
@@ -53,7 +55,7 @@ struct CliqueFrame {
 };
 
 struct Arguments {
-  std::string input, output, method, coloured;
+  std::string input, output, method, coloured, scan_columns;
   CliqueFrame frame;
   CliqueParameters parameters;
   int threads = 0;
@@ -100,6 +102,7 @@ parse(int argc, char** argv)
         "KITTI trajectory (default: VIEWPOINT of --frame)"},
        {"calibration", frame.calibration,
         "KITTI's calib.txt, if the pose is of camera 0 and the frame of camera 2"},
+       {"scan-columns", arguments.scan_columns, scan_columns_help},
        {"coloured", arguments.coloured,
         "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
       {"input", "output"}, parameters);
@@ -162,6 +165,7 @@ setFrame(const CliqueFrame& frame, const std::string& name,
 {
   generator.setVoxels({}, frame.voxel_size); // checks the size
   const LabelledCloud read = readLabelledCloud(frame.path);
+  warnOfDoubts(read.table.doubts);
   if (!read.has_colour)
     fail<BadInputException>(frame.path, ": superpixels need points with rgb or rgba");
   if (!read.cloud->isOrganized())
@@ -220,8 +224,13 @@ group(const Arguments& arguments)
 {
   const auto generator = makeCliqueGenerator(arguments.method, arguments.parameters);
   setNumberOfThreads(arguments.threads);
-  LabelledCloud read = readLabelledCloud(arguments.input);
-  if (generator->usesColour() && !read.has_colour)
+  LabelledCloud read =
+      readLabelledCloud(arguments.input, nullptr, columnsOf(arguments.scan_columns));
+  warnOfDoubts(read.table.doubts);
+  warnOfNoReturns(arguments.input, countNoReturns(*read.cloud));
+  if (read.cloud->empty())
+    warn(arguments.input + ": no point is left");
+  if (generator->usesColour() && !read.has_colour && !read.cloud->empty())
     fail<BadInputException>(arguments.input, ": this method needs rgb or rgba");
   moveToVoxelCentres(read);
   CliqueGenerator::Cloud cloud;

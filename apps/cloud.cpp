@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_doubts.h"
 #include "messages.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
-
-#include <pcl/filters/extract_indices.h>
 
 #include <charconv>
 #include <numeric>
@@ -22,7 +22,8 @@ using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
 
 struct Arguments {
-  std::string input, output, label_set, label_mapping, crop, keep, drop, relabel;
+  std::string input, output, label_set, label_mapping, scan_columns;
+  std::string crop, keep, drop, relabel;
   double thin = 0.0;
   bool colour = false;
 };
@@ -49,6 +50,7 @@ parse(int argc, char** argv)
        {"label-set", arguments.label_set,
         "classes (YAML), for names of classes and for colours"},
        {"label-mapping", arguments.label_mapping, label_mapping_help},
+       {"scan-columns", arguments.scan_columns, scan_columns_help},
        {"crop", arguments.crop, "keep the points in a box x0,y0,z0,x1,y1,z1 [m]"},
        {"keep", arguments.keep,
         "keep the points of these classes: names (also unlabelled) or numbers with "
@@ -77,6 +79,8 @@ public:
       label_set_ = readLabelSet(arguments.label_set);
     if (!arguments.label_mapping.empty())
       mapping_ = readLabelMapping(arguments.label_mapping, *label_set_);
+    if (mapping_)
+      watch_ = MappingWatch(arguments.label_mapping, *mapping_, "points");
     if (!arguments.crop.empty())
       box_ = boxOf(arguments.crop);
     keep_ = labelsOf("--keep", arguments.keep);
@@ -90,6 +94,8 @@ public:
     const std::array<double, 7> viewpoint = table.viewpoint;
     LabelledCloud cloud = labelledCloudOf(std::move(table), arguments_.input,
                                           mapping_ ? &*mapping_ : nullptr);
+    warnOfDoubts(cloud.table.doubts);
+    warnOfNoReturns(arguments_.input, countNoReturns(*cloud.cloud));
     const pcl::Indices kept = keptPoints(cloud);
     for (pcl::PointXYZRGBL& point : *cloud.cloud)
       point.label = relabelled_[point.label];
@@ -161,18 +167,41 @@ private:
   pcl::Indices
   keptPoints(const LabelledCloud& cloud) const
   {
-    if (!cloud.has_labels && !(keep_.empty() && drop_.empty()))
-      fail<BadInputException>(arguments_.input,
-                              ": has no field 'label' or 'probability'");
+    for (const auto& [option, is_given] :
+         {std::pair("--keep", !keep_.empty()), std::pair("--drop", !drop_.empty()),
+          std::pair("--thin", arguments_.thin > 0.0),
+          std::pair("--colour", arguments_.colour)})
+      if (is_given && !cloud.has_labels && !cloud.cloud->empty())
+        fail<BadInputException>(arguments_.input,
+                                ": has no field 'label' or 'probability', which ",
+                                option, " needs");
+    const PlaceTest has_place(*cloud.cloud);
     pcl::Indices kept;
     for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {
       const pcl::PointXYZRGBL& point = (*cloud.cloud)[i];
-      if ((!box_ || box_->contains(point.getVector3fMap().cast<double>())) &&
+      if ((!box_ || has_place(point)) &&
+          (!box_ || box_->contains(point.getVector3fMap().cast<double>())) &&
           (keep_.empty() || keep_.count(point.label) > 0) &&
           drop_.count(point.label) == 0)
         kept.push_back(pcl::index_t(i));
     }
     return kept;
+  }
+
+  static PcdTable
+  rowsOf(const PcdTable& table, const pcl::Indices& kept)
+  {
+    PcdTable rows;
+    rows.fields = table.fields;
+    rows.points = rows.width = kept.size();
+    rows.height = 1;
+    const std::size_t size = table.pointSize();
+    rows.data.reserve(kept.size() * size);
+    for (const pcl::index_t i : kept) {
+      const auto row = table.data.begin() + std::ptrdiff_t(std::size_t(i) * size);
+      rows.data.insert(rows.data.end(), row, row + std::ptrdiff_t(size));
+    }
+    return rows;
   }
 
   // Probabilities are of the old classes.
@@ -193,33 +222,28 @@ private:
   PcdTable
   filtered(const PcdTable& table, const pcl::Indices& kept) const
   {
-    pcl::PCLPointCloud2::Ptr blob(new pcl::PCLPointCloud2),
-        result(new pcl::PCLPointCloud2);
+    if (arguments_.thin <= 0.0 || kept.empty())
+      return rowsOf(table, kept);
+    pcl::PCLPointCloud2::Ptr blob(new pcl::PCLPointCloud2);
     toPCLPointCloud2(table, *blob);
-    const auto indices = pcl::make_shared<pcl::Indices>(kept);
-    if (arguments_.thin > 0.0) {
-      LabelVoxelGrid grid;
-      grid.setLeafSize(arguments_.thin);
-      grid.setInputCloud(blob);
-      grid.setIndices(indices);
-      grid.filter(*result);
-    }
-    else {
-      pcl::ExtractIndices<pcl::PCLPointCloud2> extract;
-      extract.setInputCloud(blob);
-      extract.setIndices(indices);
-      extract.filter(*result);
-    }
+    LabelVoxelGrid grid;
+    grid.setLeafSize(arguments_.thin);
+    grid.setInputCloud(blob);
+    grid.setIndices(pcl::make_shared<pcl::Indices>(kept));
+    pcl::PCLPointCloud2 result;
+    grid.filter(result);
     PcdTable rest;
-    fromPCLPointCloud2(*result, rest);
+    fromPCLPointCloud2(result, rest);
     return rest;
   }
 
   void
   setColours(PcdTable& table) const
   {
-    const PcdColumn labels(table, table.find("label"));
     std::vector<std::uint8_t> bytes;
+    if (table.points == 0)
+      return table.setColumn({"rgba", 'U'}, bytes);
+    const PcdColumn labels(table, table.find("label"));
     for (std::size_t i = 0; i < table.points; ++i) {
       const double label = labels(i);
       if (label > label_set_->size())
@@ -235,6 +259,7 @@ private:
   const Arguments& arguments_;
   std::optional<LabelSet> label_set_;
   std::optional<LabelMapping> mapping_;
+  MappingWatch watch_;
   std::optional<Eigen::AlignedBox3d> box_;
   std::set<std::uint32_t> keep_, drop_;
   std::array<std::uint32_t, 256> relabelled_{};
@@ -247,7 +272,7 @@ prepare(const Arguments& arguments)
                   {arguments.output});
   requireOutput(arguments.output, ".pcd");
   Editor editor(arguments);
-  PcdTable table = readCloudTable(arguments.input);
+  PcdTable table = readCloudTable(arguments.input, columnsOf(arguments.scan_columns));
   const std::size_t before = table.points;
   table = editor.edit(std::move(table));
   if (table.points == 0)

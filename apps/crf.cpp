@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_doubts.h"
 #include "core/text_stream.h"
 #include "messages.h"
 #include "tool.h"
 #include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/cloud_file.h>
@@ -24,7 +26,7 @@ using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
 
 struct Arguments {
-  std::string input, output, label_set, label_mapping, config;
+  std::string input, output, label_set, label_mapping, scan_columns, config;
   bool states_confidence = false; ///< that of labels is given
   CRFConfig parameters;
 
@@ -60,6 +62,7 @@ parse(int argc, char** argv)
        {"label-set", arguments.label_set,
         "label set (YAML), if the labels do not show the number of classes"},
        {"label-mapping", arguments.label_mapping, label_mapping_help},
+       {"scan-columns", arguments.scan_columns, scan_columns_help},
        {"config", arguments.config, "parameter file (.yaml); options override it"},
        {"print-config", print_config,
         "print the effective parameters as YAML and exit"}},
@@ -78,7 +81,7 @@ void
 setCliques(const std::string& cliques, const Arguments& arguments,
            const LabelledCloud& input, Filter& crf)
 {
-  if (cliques == "none")
+  if (cliques == "none" || input.cloud->empty())
     return;
   const bool is_file = cliques != "field" && !namesCloudCliques(cliques);
   if (is_file && cliques.find_first_of("./") == std::string::npos &&
@@ -120,7 +123,7 @@ setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& 
   else if (found == 0)
     for (const pcl::PointXYZRGBL& point : *input.cloud)
       classes = std::max({classes, 1, int(point.label)});
-  if (found == 0 && !input.has_labels)
+  if (found == 0 && !input.has_labels && !input.cloud->empty())
     fail<BadInputException>(arguments.input, ": has no field 'label' or 'probability'");
   if (found > 0 && found != classes)
     fail<BadInputException>(arguments.input, ": has probabilities of ", found,
@@ -286,13 +289,21 @@ refine(const Arguments& arguments)
   requireOutput(arguments.output, ".pcd");
   setNumberOfThreads(config.threads);
   std::optional<LabelMapping> mapping;
-  if (!arguments.label_mapping.empty())
+  MappingWatch watch;
+  if (!arguments.label_mapping.empty()) {
     mapping =
         readLabelMapping(arguments.label_mapping, readLabelSet(arguments.label_set));
+    watch = MappingWatch(arguments.label_mapping, *mapping, "points");
+  }
   LabelledCloud cloud =
-      readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr);
+      readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr,
+                        columnsOf(arguments.scan_columns));
+  warnOfDoubts(cloud.table.doubts);
+  warnOfNoReturns(arguments.input, countNoReturns(*cloud.cloud));
   const Results report = filter(arguments, cloud);
   setEntropies(cloud);
+  if (cloud.cloud->empty())
+    warn(arguments.input + ": no point is left");
   writeLabelledCloud(arguments.output, cloud);
   printResults(report);
   return exit_done;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_doubts.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -265,6 +266,9 @@ evaluate(const Options& options)
   std::optional<LabelMapping> mapping;
   if (!options.label_mapping.empty())
     mapping = readLabelMapping(options.label_mapping, label_set);
+  MappingWatch watch;
+  if (mapping)
+    watch = MappingWatch(options.label_mapping, *mapping, "labels");
   const std::vector<Label> evaluated = evaluatedClasses(options.ignore, label_set);
   if (!options.output.empty())
     makeOutputFolder(options.output);

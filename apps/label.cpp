@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_doubts.h"
 #include "messages.h"
 #include "network_trial.h"
 #include "opened_network.h"
@@ -6,6 +7,7 @@
 #include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/camera_images.h>
@@ -61,6 +63,7 @@ struct Arguments {
   double max_depth = 0.0;  ///< of points that get labels of images [m]; 0 = unlimited
   std::string occlusion_window = "3,7"; ///< half columns, half rows [px]
   std::string output, network, model, engine, labels, label_set, label_mapping;
+  std::string scan_columns; ///< of `.bin` clouds
   std::string frames = ":";
   std::string format = "float32";
   double label_confidence = 0.8; ///< of a stored `.png`
@@ -116,8 +119,8 @@ unreadOptions(const Arguments& arguments)
   const bool clouds = !arguments.clouds.empty(), carries = arguments.carries();
   return {{!clouds,
            "without --clouds",
-           {"labels", "label-set", "label-mapping", "sensor-pose", "max-depth",
-            "occlusion-window"}},
+           {"labels", "label-set", "label-mapping", "scan-columns", "sensor-pose",
+            "max-depth", "occlusion-window"}},
           {clouds,
            "with --clouds, which need one camera and become .pcd",
            {"right", "extrinsics", "strict", "format"}},
@@ -159,6 +162,7 @@ parse(int argc, char** argv)
            {"label-set", arguments.label_set,
             "label set of --labels (default: label_sets/kitti11.yaml)"},
            {"label-mapping", arguments.label_mapping, pixel_mapping_help},
+           {"scan-columns", arguments.scan_columns, scan_columns_help},
            {"frames", arguments.frames, "A:B = frames with numbers A <= n < B"},
            {"format", withDefault(arguments.format),
             "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
@@ -275,14 +279,16 @@ isFolder(const std::string& path)
   return fs::is_directory(path, error);
 }
 
+// \param[out] watch on the numbers of --labels
 std::unique_ptr<LabelPredictor>
-makePredictor(const Arguments& arguments)
+makePredictor(const Arguments& arguments, MappingWatch& watch)
 {
   if (!arguments.network.empty())
     return openNetwork(arguments.network, arguments.model, arguments.engine).predictor;
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   const int classes = label_set.size();
   PixelMapping mapping = readPixelMapping(arguments.label_mapping, label_set);
+  watch = MappingWatch(arguments.label_mapping, mapping, "pixels");
   const auto confidence = float(arguments.label_confidence);
   if (arguments.carries() || isFolder(arguments.labels) ||
       fs::path(arguments.clouds).extension() != ".pcd")
@@ -326,30 +332,47 @@ visibilityOf(const Arguments& arguments)
   return parameters;
 }
 
-// Gives the fraction of points with a finite position and a label.
+// What became of the points of clouds.
+struct PointCounts {
+  double fractions = 0.0; ///< of points with a label, a sum over the clouds with points
+  std::size_t clouds = 0; ///< with points
+  std::size_t without_return = 0;
+  std::vector<std::string> doubts; ///< of the first cloud that had some
+};
+
 // \param[in] carrier null: the cloud is an image itself
-double
-labelCloud(const std::string& path, int number, const std::string& output,
-           LabelPredictor& predictor, const LabelCarrier* carrier)
+void
+labelCloud(const std::string& path, int number, const Arguments& arguments,
+           const std::string& output, LabelPredictor& predictor,
+           const LabelCarrier* carrier, PointCounts& counts)
 {
   const bool is_seen = dynamic_cast<NetworkPredictor*>(&predictor) != nullptr;
-  LabelledCloud labelled = readLabelledCloud(path);
+  LabelledCloud labelled =
+      readLabelledCloud(path, nullptr, columnsOf(arguments.scan_columns));
+  if (counts.doubts.empty()) {
+    counts.doubts = labelled.table.doubts;
+    warnOfDoubts(counts.doubts);
+  }
   pcl::PointCloud<pcl::PointXYZRGBL>& cloud = *labelled.cloud;
-  if (cloud.empty())
-    fail<BadInputException>(path, ": has no points");
+  if (cloud.empty()) {
+    warn(path + ": has no points");
+    return writeLabelledCloud(output, labelled);
+  }
   labelled.distributions =
       carrier ? carrier->label(cloud, number, predictor)
               : predictor.predict(frameOf(labelled, path, number, is_seen));
   std::size_t known = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud[i].label = labelled.distributions.mapLabel(Eigen::Index(i));
-    known += pcl::isXYZFinite(cloud[i]) && cloud[i].label != kUnlabelled;
+    known += isReturn(cloud[i]) && cloud[i].label != kUnlabelled;
+    counts.without_return += !isReturn(cloud[i]);
   }
   if (carrier && known == 0)
     warn(path +
          ": the camera sees none of its points: is the pose of the scanner right?");
   writeLabelledCloud(output, labelled);
-  return double(known) / double(cloud.size());
+  counts.fractions += double(known) / double(cloud.size());
+  ++counts.clouds;
 }
 
 // Where each cloud goes: the same name in another folder.
@@ -358,7 +381,10 @@ outputOf(const Arguments& arguments, const std::string& path)
 {
   if (fs::path(arguments.output).extension() == ".pcd")
     return arguments.output;
-  return (fs::path(arguments.output) / fs::path(path).stem()).string() + ".pcd";
+  fs::path name = fs::path(path).stem();
+  if (name.extension() == ".pcd") // of a .pcd.bin
+    name = name.stem();
+  return (fs::path(arguments.output) / name).string() + ".pcd";
 }
 
 // The clouds to label, once it is clear that each has a place to go to.
@@ -388,7 +414,8 @@ labelClouds(const Arguments& arguments)
 {
   setNumberOfThreads(arguments.threads);
   const CloudSequence clouds(arguments.clouds);
-  const auto predictor = makePredictor(arguments);
+  MappingWatch watch;
+  const auto predictor = makePredictor(arguments, watch);
   std::optional<LabelCarrier> carrier;
   if (arguments.carries())
     carrier.emplace(arguments.sequence, arguments.sensor_pose, visibilityOf(arguments));
@@ -400,15 +427,17 @@ labelClouds(const Arguments& arguments)
       carrier->requireImage(clouds.path(i), frames.back());
   }
   predictor->requireFrames(frames);
-  double fraction = 0.0;
+  PointCounts counts;
   const auto label = [&](std::size_t i) {
     const std::string& path = clouds.path(chosen[i]);
-    fraction += labelCloud(path, frames[i], outputOf(arguments, path), *predictor,
-                           carrier ? &*carrier : nullptr);
+    labelCloud(path, frames[i], arguments, outputOf(arguments, path), *predictor,
+               carrier ? &*carrier : nullptr, counts);
   };
   forEachStep("labelling", chosen.size(), label, "clouds");
+  const double clouds_with_points = double(std::max<std::size_t>(counts.clouds, 1));
   printResults({{"clouds", chosen.size()},
-                {"labelled_fraction", fraction / double(chosen.size())},
+                {"labelled_fraction", counts.fractions / clouds_with_points},
+                {"without_return", counts.without_return},
                 {"output", arguments.output}});
   return exit_done;
 }

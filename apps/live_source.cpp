@@ -56,6 +56,7 @@ LiveSource::LiveSource(const MapArguments& arguments) : MapSource(arguments)
              {"engine", labelling.engine}});
   run_.label_set = labelling.label_set;
   labels_ = std::move(labelling.predictor);
+  watch_of_mapping_ = std::move(labelling.watch);
   predictor_ = std::make_unique<NoLabels>();
   extras_.images = false;
   extras_.centres = arguments.centres;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_arguments.h"
+#include "cloud_doubts.h"
 #include "opened_network.h"
 #include "tool.h"
 #include "unread_options.h"
@@ -145,7 +146,10 @@ unreadOptions(const MapArguments& arguments)
       {arguments.archive.path.empty() && arguments.submap_every.empty(),
        "without --archive",
        {"archive-every"}},
-      {!asksFor(arguments, "scans"), "without --also scans", {"scan-within"}}};
+      {!asksFor(arguments, "scans"), "without --also scans", {"scan-within"}},
+      {arguments.clouds.empty() && !asksFor(arguments, "scans"),
+       "without --clouds or --also scans",
+       {"scan-columns"}}};
   const MapperConfig& config = arguments.parameters;
   for (UnreadOptions& rule : unreadOptionsOfCRF(config.crf, config.cliques))
     rules.push_back(std::move(rule));
@@ -200,6 +204,7 @@ parseMapArguments(int argc, char** argv)
             "number in its depth images that is a metre; 0 = 5000 in TUM's layout, "
             "else 1000"},
            {"label-mapping", arguments.label_mapping, pixel_mapping_help},
+           {"scan-columns", arguments.scan_columns, scan_columns_help},
            {"sensor", arguments.sensor,
             "sensor of --clouds: own = any, --poses are its poses in a world with z "
             "up; or, with --calibration and poses of its camera 0: camera or grey = "

@@ -17,15 +17,16 @@ makeLabelling(const MapArguments& arguments)
     OpenedNetwork network =
         openNetwork(arguments.network, arguments.model, arguments.engine);
     return {network.label_set, std::move(network.predictor), network.model,
-            network.engine};
+            network.engine, MappingWatch()};
   }
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
+  PixelMapping mapping = readPixelMapping(arguments.label_mapping, label_set);
+  MappingWatch watch(arguments.label_mapping, mapping, "pixels");
   return {label_set,
           std::make_unique<StoredPredictor>(
               arguments.labels, label_set.size(),
-              float(arguments.parameters.label_confidence),
-              readPixelMapping(arguments.label_mapping, label_set)),
-          "", ""};
+              float(arguments.parameters.label_confidence), std::move(mapping)),
+          "", "", std::move(watch)};
 }
 
 } // namespace pcl_semantic::tool

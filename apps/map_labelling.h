@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "cloud_doubts.h"
 #include "map_arguments.h"
 
 #include <pcl_semantic/core/label_set.h>
@@ -17,6 +18,7 @@ struct MapLabelling {
   std::unique_ptr<LabelPredictor> predictor;
   std::string model;  ///< path; empty without a network
   std::string engine; ///< that computes it
+  MappingWatch watch; ///< on the numbers of --labels
 };
 
 /** \throws BadInputException, BadModelException, InvalidParameterException */

@@ -177,7 +177,8 @@ using ScanReader = decltype(ExtraOptions::scan);
 
 // Reads the laser scans beside the images of a sequence.
 ScanReader
-scansOf(const FrameSequence& sequence, const std::vector<std::size_t>& frames)
+scansOf(const FrameSequence& sequence, const std::vector<std::size_t>& frames,
+        const ScanColumns& columns)
 {
   const auto* const kitti = dynamic_cast<const KittiSequence*>(&sequence);
   if (!kitti)
@@ -192,8 +193,9 @@ scansOf(const FrameSequence& sequence, const std::vector<std::size_t>& frames)
       fail<BadInputException>(scan, ": is missing; --also scans needs one a frame");
   }
   return [=](int frame) {
-    return pointsInCamera(*readVelodyneScan(folder + frameFileName(frame, ".bin")),
-                          T_camera_scanner);
+    return pointsInCamera(
+        *readVelodyneScan(folder + frameFileName(frame, ".bin"), columns),
+        T_camera_scanner);
   };
 }
 
@@ -269,7 +271,10 @@ public:
     run_.T_camera0_camera = sequence_->T_camera0_camera();
     run_.label_set = labelling.label_set;
     predictor_ = std::move(labelling.predictor);
-    extras_ = makeExtras(arguments, [&] { return scansOf(*sequence_, positions_); });
+    watch_of_mapping_ = std::move(labelling.watch);
+    extras_ = makeExtras(arguments, [&] {
+      return scansOf(*sequence_, positions_, columnsOf(arguments.scan_columns));
+    });
     readCalibrations();
   }
 
@@ -306,7 +311,8 @@ class CloudSource : public RecordedSource {
 public:
   explicit CloudSource(const MapArguments& arguments)
       : RecordedSource(arguments),
-        clouds_(arguments.clouds, arguments.sequence.files.times)
+        clouds_(arguments.clouds, arguments.sequence.files.times,
+                columnsOf(arguments.scan_columns))
   {
     std::error_code error;
     if (std::filesystem::equivalent(arguments.poses,
@@ -319,6 +325,8 @@ public:
     run_.label_set = readLabelSetOrDefault(arguments.label_set);
     if (!arguments.label_mapping.empty())
       mapping_ = readLabelMapping(arguments.label_mapping, run_.label_set);
+    if (mapping_)
+      watch_of_mapping_ = MappingWatch(arguments.label_mapping, *mapping_, "points");
     positions_ = chooseClouds(arguments.clouds, clouds_, arguments.frames);
     for (const std::size_t i : positions_)
       run_.frames.push_back(clouds_.frameNumber(i));
@@ -327,6 +335,8 @@ public:
                {"label_mapping", arguments.label_mapping},
                {"sensor", arguments.sensor},
                {"poses", arguments.poses}});
+    if (!arguments.scan_columns.empty())
+      run_.inputs.emplace_back("scan_columns", "[" + arguments.scan_columns + "]");
     readCalibrations();
     setExtras();
   }
@@ -345,9 +355,13 @@ private:
   SensorFrame
   read(std::size_t position) override
   {
+    std::vector<std::string> doubts;
     const CloudFrame frame = clouds_.frame(position, run_.label_set.size(),
                                            float(run_.config.label_confidence),
-                                           mapping_ ? &*mapping_ : nullptr);
+                                           mapping_ ? &*mapping_ : nullptr, &doubts);
+    if (!told_of_doubts_)
+      warnOfDoubts(doubts);
+    told_of_doubts_ = told_of_doubts_ || !doubts.empty();
     if (frame.distributions.empty() && !frame.cloud->empty() && !told_of_labels_) {
       warn(clouds_.path(position) +
            ": has no field 'label' or 'probability': it gives the map no labels");
@@ -402,7 +416,9 @@ private:
     std::map<int, std::string> paths;
     for (const std::size_t i : positions_)
       paths[clouds_.frameNumber(i)] = clouds_.path(i);
-    return [paths](int frame) { return readPositions(paths.at(frame)); };
+    return [paths, columns = columnsOf(arguments_.scan_columns)](int frame) {
+      return readPositions(paths.at(frame), columns);
+    };
   }
 
   // Where the sensor is in camera 0, and its camera.
@@ -421,16 +437,22 @@ private:
     }
   }
 
-  // Its size is that of the camera's images.
+  // Its size is that of the camera's images. Clouds of no points say nothing.
   SizedFile
   firstCloud() const
   {
-    const std::string& path = clouds_.path(positions_.front());
-    const auto cloud = readLabelledCloud(path).cloud;
-    if (!cloud->isOrganized())
-      fail<BadInputException>(path, ": is no organized cloud, expected one as the "
-                                    "camera's images are (or --sensor laser)");
-    return {{int(cloud->width), int(cloud->height)}, path};
+    for (const std::size_t position : positions_) {
+      const std::string& path = clouds_.path(position);
+      const auto cloud =
+          readLabelledCloud(path, nullptr, columnsOf(arguments_.scan_columns)).cloud;
+      if (cloud->empty())
+        continue;
+      if (!cloud->isOrganized())
+        fail<BadInputException>(path, ": is no organized cloud, expected one as the "
+                                      "camera's images are (or --sensor laser)");
+      return {{int(cloud->width), int(cloud->height)}, path};
+    }
+    fail<BadInputException>(arguments_.clouds, ": no cloud has a point");
   }
 
   std::optional<LabelMapping> mapping_;
@@ -438,6 +460,7 @@ private:
   bool told_of_labels_ = false; // a cloud had none
   bool told_of_viewpoint_ = false;
   std::unique_ptr<PoseSource> own_poses_; // to compare viewpoints with
+  bool told_of_doubts_ = false; // of the first cloud that had some
 };
 
 // An RGB-D sequence, whose images are labelled as those of pairs are.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "cloud_doubts.h"
 #include "map_arguments.h"
 
 #include <pcl_semantic/core/sensor_frame.h>
@@ -75,6 +76,7 @@ protected:
   MappingRun run_;
   ExtraOptions extras_;
   std::unique_ptr<LabelPredictor> predictor_; ///< for the mapper; null: clouds
+  MappingWatch watch_of_mapping_;
 
 private:
   std::optional<LabelCalibration> label_calibration_, clique_calibration_;

@@ -5,6 +5,7 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
@@ -111,14 +112,10 @@ chooseClouds(const std::string& name, const CloudSequence& clouds,
 }
 
 std::vector<Eigen::Vector3d>
-readPositions(const std::string& path)
+readPositions(const std::string& path, const ScanColumns& columns)
 {
-  const LabelledCloud read = readLabelledCloud(path);
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(read.cloud->size());
-  for (const pcl::PointXYZRGBL& point : *read.cloud)
-    points.push_back(point.getVector3fMap().cast<double>());
-  return points;
+  return pointsInCamera(*readLabelledCloud(path, nullptr, columns).cloud,
+                        Eigen::Isometry3d::Identity());
 }
 
 Eigen::Isometry3d

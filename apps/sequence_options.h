@@ -56,9 +56,10 @@ std::vector<std::size_t> chooseClouds(const std::string& name,
                                       const CloudSequence& clouds,
                                       const std::string& range);
 
-/** \brief The points of a cloud alone, as many as it has [m]. \throws
- * BadInputException as readLabelledCloud() */
-std::vector<Eigen::Vector3d> readPositions(const std::string& path);
+/** \brief The points of a scan alone, as many as it has [m]; NaN where there was no
+ * return. \throws BadInputException as readLabelledCloud() */
+std::vector<Eigen::Vector3d> readPositions(const std::string& path,
+                                           const ScanColumns& columns = {});
 
 /** \brief Where a scanner is in KITTI's camera 0, whose poses maps have: `own`, with
  * poses of its own in a world with z up, looks along x; `laser` is where the row `Tr`

@@ -3,9 +3,8 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/voxel_index.h>
-
-#include <pcl/common/point_tests.h>
 
 #include <algorithm>
 #include <cmath>
@@ -46,11 +45,12 @@ groupByCube(const CliqueGenerator::Cloud& cloud, double edge)
 {
   Grouping groups;
   groups.cube_of_point.resize(cloud.size(), kNoCube);
+  const PlaceTest has_place(cloud);
   std::unordered_map<VoxelIndex, int, VoxelIndexHash> numbers;
   VoxelIndex last_cube = VoxelIndex::Zero();
   int last = kNoCube; // neighbours in a cloud are mostly neighbours in space
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!pcl::isXYZFinite(cloud[i]))
+    if (!has_place(cloud[i]))
       continue;
     const VoxelIndex cube = cubeOf(cloud[i], edge, i);
     if (last == kNoCube || cube != last_cube) {

@@ -5,7 +5,7 @@
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 
-#include <pcl/common/point_tests.h>
+#include <pcl_semantic/core/no_return.h>
 
 #include <algorithm>
 #include <utility>
@@ -27,7 +27,7 @@ class Splitter {
 public:
   Splitter(const cv::Mat& segments, const CliqueGenerator::Cloud& cloud,
            const DepthJumps& jumps)
-      : segments_(segments), cloud_(cloud),
+      : segments_(segments), cloud_(cloud), has_place_(cloud),
         distance_(float(jumps.passing_distance * jumps.passing_distance)),
         near_(float(jumps.near * jumps.near)), runs_(segments.size(), CV_32SC1),
         rows_(std::size_t(segments.rows))
@@ -78,7 +78,7 @@ private:
       if (u > 0 && segments[u] != segments[u - 1])
         last = kNone;
       runs[u] = kNone;
-      if (!pcl::isXYZFinite(point(u, v)))
+      if (!has_place_(point(u, v)))
         continue;
       if (last == kNone || !areJoined(point(last, v), point(u, v)))
         ++count;
@@ -147,6 +147,7 @@ private:
 
   const cv::Mat& segments_;
   const CliqueGenerator::Cloud& cloud_;
+  const PlaceTest has_place_;
   float distance_, near_; // squared
   cv::Mat runs_;          // CV_32SC1
   std::vector<Row> rows_;

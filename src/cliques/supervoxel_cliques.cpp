@@ -4,7 +4,8 @@
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 
-#include <pcl/common/point_tests.h>
+#include <pcl_semantic/core/no_return.h>
+
 #include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/segmentation/supervoxel_clustering.h>
 
@@ -178,11 +179,12 @@ SupervoxelCliques::groupByCube(const Cloud& cloud) const
 {
   const double edge = cubeEdge();
   const double step = parameters_.voxel_resolution / kStepsAVoxel;
+  const PlaceTest has_place(cloud);
   std::vector<Members> groups;
   std::unordered_map<VoxelIndex, std::size_t, VoxelIndexHash> numbers;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const pcl::PointXYZRGB& point = cloud[i];
-    if (!pcl::isXYZFinite(point))
+    if (!has_place(point))
       continue;
     const Eigen::Array3d cells = point.getVector3fMap().cast<double>() / edge;
     if (!(cells.abs() <= kMaxVoxelIndex).all())

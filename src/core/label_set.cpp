@@ -2,8 +2,11 @@
 #include <pcl_semantic/core/label_set.h>
 
 #include "fail.h"
+#include "text_stream.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <set>
 
 namespace pcl_semantic {
@@ -76,15 +79,63 @@ ColourMapping::operator()(std::uint8_t red, std::uint8_t green, std::uint8_t blu
   return found == labels_.end() ? std::nullopt : std::optional(found->second);
 }
 
+struct LabelMapping::Counts {
+  std::array<std::atomic<std::size_t>, 65536> times{};
+};
+
+LabelMapping::LabelMapping() : counts_(std::make_shared<Counts>())
+{}
+
 void
 LabelMapping::set(std::uint32_t id, Label label)
 {
   constexpr std::uint32_t max_id = 65535;
   if (id > max_id)
     badParameter("label id ", id, " is beyond ", max_id);
-  if (id >= labels_.size())
+  if (id >= labels_.size()) {
     labels_.resize(id + 1, kUnlabelled);
+    known_.resize(id + 1, false);
+  }
   labels_[id] = label;
+  known_[id] = true;
+}
+
+std::map<std::uint32_t, std::size_t>
+LabelMapping::lacking() const
+{
+  std::map<std::uint32_t, std::size_t> lacking;
+  for (std::uint32_t id = 0; id < counts_->times.size(); ++id)
+    if (const std::size_t times = counts_->times[id])
+      lacking.emplace(id, times);
+  return lacking;
+}
+
+void
+LabelMapping::count(std::uint32_t id) const
+{
+  counts_->times[id].fetch_add(1, std::memory_order_relaxed);
+}
+
+std::string
+textOfLacking(const LabelMapping& mapping, const std::string& name,
+              const std::string& unit)
+{
+  const auto lacking = mapping.lacking();
+  if (lacking.empty())
+    return {};
+  std::vector<std::pair<std::uint32_t, std::size_t>> numbers(lacking.begin(),
+                                                             lacking.end());
+  std::stable_sort(numbers.begin(), numbers.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  TextStream text;
+  text << "label mapping " << name << " lacks " << numbers.size()
+       << " of the numbers: ";
+  constexpr std::size_t most = 5;
+  for (std::size_t i = 0; i < std::min(most, numbers.size()); ++i)
+    text << (i > 0 ? ", " : "") << numbers[i].first << " (" << numbers[i].second
+         << (i > 0 ? ")" : " " + unit + ")");
+  text << (numbers.size() > most ? ", ...: " : ": ") << "taken as unlabelled";
+  return text.str();
 }
 
 } // namespace pcl_semantic

@@ -3,51 +3,47 @@
 
 #include "core/fail.h"
 #include "files/bytes.h"
+#include "files/scan_file.h"
 
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
 
-#include <array>
 #include <cmath>
 #include <cstring>
 
 namespace pcl_semantic {
 
 pcl::PointCloud<pcl::PointXYZI>::Ptr
-readVelodyneScan(const std::string& path)
+readVelodyneScan(const std::string& path, const ScanColumns& columns)
 {
-  using Record = std::array<float, 4>;
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  if (bytes.empty() || bytes.size() % sizeof(Record) != 0)
-    fail<BadInputException>(path, ": has ", bytes.size(),
-                            " bytes, expected a multiple of 16 (4 float32 a point)");
+  const PcdTable table = readScanPoints(path, columns);
+  const PcdColumn x(table, table.find("x")), y(table, table.find("y")),
+      z(table, table.find("z"));
+  const int intensity = table.find("intensity");
   pcl::PointCloud<pcl::PointXYZI>::Ptr scan(new pcl::PointCloud<pcl::PointXYZI>);
-  scan->resize(bytes.size() / sizeof(Record));
+  scan->resize(table.points);
   for (std::size_t i = 0; i < scan->size(); ++i) {
-    Record record;
-    std::memcpy(record.data(), bytes.data() + i * sizeof(Record), sizeof(Record));
-    for (const float value : record)
+    pcl::PointXYZI& point = (*scan)[i];
+    point.x = float(x(i));
+    point.y = float(y(i));
+    point.z = float(z(i));
+    point.intensity = intensity < 0 ? 0.0f : float(PcdColumn(table, intensity)(i));
+    for (const float value : {point.x, point.y, point.z, point.intensity})
       if (!std::isfinite(value))
         fail<BadInputException>(path, ": point ", i,
                                 " has a number that is not finite");
-    pcl::PointXYZI& point = (*scan)[i];
-    point.x = record[0];
-    point.y = record[1];
-    point.z = record[2];
-    point.intensity = record[3];
   }
   return scan;
 }
 
 namespace {
 
-// The class of a point; the upper bits of the file's value are an instance.
 std::uint32_t
-classOf(const std::vector<std::uint8_t>& bytes, std::size_t i)
+numberOf(const std::vector<std::uint8_t>& bytes, std::size_t i)
 {
   std::uint32_t value = 0;
   std::memcpy(&value, bytes.data() + i * sizeof(value), sizeof(value));
-  return value & 0xFFFFu;
+  return value;
 }
 
 } // namespace
@@ -63,7 +59,7 @@ readSemanticKittiLabels(const std::string& path, const LabelMapping& mapping,
                             count, " points of the scan)");
   std::vector<Label> labels(count);
   for (std::size_t i = 0; i < count; ++i)
-    labels[i] = mapping(classOf(bytes, i));
+    labels[i] = mapping(numberOf(bytes, i));
   return labels;
 }
 
@@ -76,7 +72,7 @@ readScanLabels(const std::string& path, int classes)
                             " bytes, expected uint32 for each point of a scan");
   std::vector<Label> labels(bytes.size() / sizeof(std::uint32_t));
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const std::uint32_t value = classOf(bytes, i);
+    const std::uint32_t value = classOf(numberOf(bytes, i));
     if (value > std::uint32_t(classes))
       fail<BadInputException>(path, ": point ", i, " has class ", value,
                               ", expected 0 to ", classes);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/files/cloud_file.h>
 
+#include "known_fields.h"
+#include "other_formats.h"
 #include "pcd_file.h"
 #include "ply_reader.h"
+#include "scan_file.h"
 
 #include "core/fail.h"
 
@@ -28,42 +31,6 @@ using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
 
 constexpr double kLargest = std::numeric_limits<float>::max();
 constexpr const char* kCliqueField = "clique";
-
-// The labels that belong to a scan; empty if there are none.
-std::string
-labelsOfScan(const fs::path& scan)
-{
-  const fs::path name = scan.stem().string() + ".label";
-  for (const fs::path& file :
-       {scan.parent_path() / name, scan.parent_path() / ".." / "labels" / name})
-    if (fs::exists(file))
-      return file.string();
-  return {};
-}
-
-PcdTable
-readScan(const std::string& path)
-{
-  PcdTable table;
-  table.data = readBytes(path);
-  table.fields = {{"x"}, {"y"}, {"z"}, {"intensity"}};
-  table.points = table.width = table.data.size() / table.pointSize();
-  table.height = 1;
-  if (table.points == 0 || table.data.size() % table.pointSize() != 0)
-    badInput(path, ": has ", table.data.size(),
-             " bytes, expected a multiple of 16 (4 float32 a point)");
-  const std::string labels = labelsOfScan(path);
-  if (labels.empty())
-    return table;
-  std::vector<std::uint8_t> bytes = readBytes(labels);
-  if (bytes.size() != 4 * table.points)
-    badInput(labels, ": has ", bytes.size(), " bytes, expected ", 4 * table.points,
-             ": uint32 for each point of ", path);
-  for (std::size_t i = 0; i < table.points; ++i)
-    bytes[4 * i + 2] = bytes[4 * i + 3] = 0; // the instance
-  table.setColumn({"label", 'U'}, bytes);
-  return table;
-}
 
 // A field of a table with the name of its file, for messages.
 struct NamedColumn : PcdColumn {
@@ -135,6 +102,7 @@ public:
       : path_(name), mapping_(mapping)
   {
     result_.table = std::move(read);
+    addKnownFields(name, result_.table);
     if (table_.points > std::size_t(std::numeric_limits<pcl::index_t>::max()))
       badInput(path_, ": has ", table_.points, " points, more than PCL can index");
   }
@@ -175,6 +143,8 @@ private:
     const char* const names[] = {"x", "y", "z"};
     for (int axis = 0; axis < 3; ++axis) {
       const int field = table_.find(names[axis]);
+      if (field < 0 && table_.points == 0 && table_.fields.empty())
+        continue; // as PCL's filters leave a cloud of which nothing is left
       if (field < 0)
         badInput(path_, ": has no field '", names[axis], "'");
       const NamedColumn column = singleColumn(path_, table_, field);
@@ -249,12 +219,36 @@ private:
     }
     const NamedColumn column = singleColumn(path_, table_, field);
     const auto largest = std::uint32_t(classes > 0 ? classes : 255);
+    if (!table_.label_source.empty() && !mapping_ && !areLabels(column, largest))
+      return dropLabels(largest);
     for (std::size_t i = 0; i < cloud_.size(); ++i)
       cloud_[i].label =
           mapping_ ? mapped(column, i)
                    : column.wholeNumber(i, largest,
                                         ", or a label mapping for other numberings");
     result_.has_labels = true;
+  }
+
+  bool
+  areLabels(const PcdColumn& column, std::uint32_t largest) const
+  {
+    for (std::size_t i = 0; i < table_.points; ++i)
+      if (!(column(i) >= 0.0 && column(i) <= largest))
+        return false;
+    return true;
+  }
+
+  // A field of another name need not be what it seems.
+  void
+  dropLabels(std::uint32_t largest)
+  {
+    addDoubt(result_.table, path_ + ": field '" + table_.label_source +
+                                "' is not read as labels: not all are 0 to " +
+                                std::to_string(largest) +
+                                ", which a label mapping would make of them");
+    result_.table.label_source.clear();
+    result_.table.removeColumns("label");
+    readLabels(); // of the probabilities, if there are some
   }
 
   // Numbers below 0 are what other programs write for unlabelled.
@@ -346,19 +340,23 @@ cloudExtensions()
 }
 
 PcdTable
-readCloudTable(const std::string& path)
+readCloudTable(const std::string& path, const ScanColumns& columns)
 {
   const std::string extension =
       boost::algorithm::to_lower_copy(fs::path(path).extension().string());
-  if (extension == ".ply")
-    return readPly(path);
-  return extension == ".bin" ? readScan(path) : readPcd(path);
+  refuseOtherFormats(path);
+  PcdTable table = extension == ".ply"   ? readPly(path)
+                   : extension == ".bin" ? readScan(path, columns)
+                                         : readPcd(path);
+  addKnownFields(path, table);
+  return table;
 }
 
 LabelledCloud
-readLabelledCloud(const std::string& path, const LabelMapping* mapping)
+readLabelledCloud(const std::string& path, const LabelMapping* mapping,
+                  const ScanColumns& columns)
 {
-  return labelledCloudOf(readCloudTable(path), path, mapping);
+  return labelledCloudOf(readCloudTable(path, columns), path, mapping);
 }
 
 LabelledCloud

@@ -64,6 +64,11 @@ readBytes(const std::string& path)
       badInput(path, ": could not be read completely");
     done += std::size_t(std::max<ssize_t>(count, 0));
   }
+  constexpr std::string_view pointer = "version https://git-lfs.github.com/spec/";
+  if (bytes.size() > pointer.size() &&
+      std::equal(pointer.begin(), pointer.end(), bytes.begin()))
+    badInput(path, ": is a pointer of Git LFS, not the file itself: git lfs pull "
+                   "fetches it");
   return bytes;
 }
 

@@ -69,13 +69,31 @@ writeLabelSet(const std::string& path, const LabelSet& label_set)
   writeTextFile(path, text.str());
 }
 
+namespace {
+
+void
+setIds(const YamlMap& map, const std::string& key, Label label, LabelMapping& mapping)
+{
+  for (const int id : map.require<std::vector<int>>(key)) {
+    if (id < 0 || id > 65535)
+      badInput(map.where(key), ": id ", id, " is not within 0 to 65535");
+    if (mapping.has(static_cast<std::uint32_t>(id)))
+      badInput(map.where(key), ": id ", id, " is there twice");
+    mapping.set(static_cast<std::uint32_t>(id), label);
+  }
+}
+
+} // namespace
+
 LabelMapping
 readLabelMapping(const std::string& path, const LabelSet& label_set)
 {
   LabelMapping mapping;
   if (path == "zero_based") {
+    constexpr std::uint32_t ignored = 255; // as networks are trained: no class
     for (int label = 1; label <= label_set.size(); ++label)
       mapping.set(std::uint32_t(label - 1), Label(label));
+    mapping.set(ignored, kUnlabelled);
     return mapping;
   }
   const bool is_name = path.find_first_of("./") == std::string::npos;
@@ -86,14 +104,10 @@ readLabelMapping(const std::string& path, const LabelSet& label_set)
     const Label label = label_set.find(name);
     if (label == kUnlabelled)
       badInput(classes.where(name), ": class '", name, "' is not in the label set");
-    for (const int id : classes.require<std::vector<int>>(name)) {
-      if (id < 0 || id > 65535)
-        badInput(classes.where(name), ": id ", id, " is not within 0 to 65535");
-      if (mapping(static_cast<std::uint32_t>(id)) != kUnlabelled)
-        badInput(classes.where(name), ": id ", id, " is there twice");
-      mapping.set(static_cast<std::uint32_t>(id), label);
-    }
+    setIds(classes, name, label, mapping);
   }
+  if (file.has("unlabelled"))
+    setIds(file, "unlabelled", kUnlabelled, mapping);
   file.refuseUnknownKeys();
   return mapping;
 }

@@ -165,6 +165,8 @@ private:
         has("COUNT") ? words("COUNT", names.size()) : Words(names.size(), "1");
     std::set<std::string_view> seen;
     for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] == kPadding && counts[i] == "0")
+        continue; // PCL writes padding of no bytes between fields that touch
       if (names[i] != kPadding && !seen.insert(names[i]).second)
         refuse("FIELDS", " names ", inQuotes(names[i]), " for the second time");
       const PcdField field{std::string(names[i]),

@@ -39,12 +39,16 @@ fieldOf(const pcl::PCLPointField& field)
 void
 requireBytes(const pcl::PCLPointCloud2& cloud)
 {
+  if (cloud.width == 0 || cloud.height == 0)
+    return;
   if (cloud.is_bigendian)
     badParameter("cloud: its bytes are big-endian");
   const std::size_t row = std::size_t(cloud.width) * cloud.point_step;
-  if ((cloud.height > 1 && cloud.row_step < row) ||
-      cloud.data.size() <
-          std::size_t(cloud.height) * std::max<std::size_t>(row, cloud.row_step))
+  if (cloud.height > 1 && cloud.row_step < row)
+    badParameter("cloud: row_step is ", cloud.row_step, ", expected at least ", row,
+                 ": ", cloud.width, " points of ", cloud.point_step, " bytes");
+  if (cloud.data.size() <
+      std::size_t(cloud.height) * std::max<std::size_t>(row, cloud.row_step))
     badParameter("cloud: has ", cloud.data.size(), " bytes for ", cloud.width, " x ",
                  cloud.height, " points of ", cloud.point_step);
 }
@@ -135,7 +139,8 @@ fromPCLPointCloud2(const pcl::PCLPointCloud2& cloud, PcdTable& table)
     const PcdField field = fieldOf(from);
     if (table.find(field.name) >= 0)
       badParameter("cloud: has two fields '", field.name, "'");
-    if (from.offset + field.bytes() > cloud.point_step)
+    // Filters that leave no point leave no point_step either.
+    if (table.points > 0 && from.offset + field.bytes() > cloud.point_step)
       badParameter("cloud: field '", field.name, "' ends beyond its point");
     table.fields.push_back(field);
     offsets.push_back(from.offset);

@@ -20,10 +20,20 @@ hasPosition(const Eigen::Vector3f& position)
   return (position.array().abs() <= CloudRefiner::max_coordinate).all();
 }
 
+// Whether points at exactly 0 0 0 are no returns: there are several.
+bool
+isZeroNone(const Eigen::Matrix3Xf& positions)
+{
+  int zeros = 0;
+  for (Eigen::Index i = 0; i < positions.cols() && zeros < 2; ++i)
+    zeros += positions.col(i).isZero(0.0f);
+  return zeros > 1;
+}
+
 // The indices of points at a position, each once, in rising order.
 pcl::Indices
-validPoints(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices,
-            std::size_t& skipped)
+validPoints(const Eigen::Matrix3Xf& positions, bool zero_is_none,
+            const pcl::Indices& indices, std::size_t& skipped)
 {
   std::vector<std::uint8_t> chosen(std::size_t(positions.cols()), 0);
   for (const pcl::index_t index : indices) {
@@ -38,7 +48,8 @@ validPoints(const Eigen::Matrix3Xf& positions, const pcl::Indices& indices,
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!chosen[i])
       continue;
-    if (hasPosition(positions.col(Eigen::Index(i))))
+    const auto position = positions.col(Eigen::Index(i));
+    if (hasPosition(position) && !(zero_is_none && position.isZero(0.0f)))
       valid.push_back(pcl::index_t(i));
     else
       ++skipped;
@@ -186,6 +197,14 @@ CloudRefiner::makeCliques(const Fields& fields)
 }
 
 void
+CloudRefiner::refineNothing()
+{
+  refined_ = LabelDistributions(std::max(label_classes_, measured_.classes()), 0);
+  skipped_points_ = 0;
+  clearReport();
+}
+
+void
 CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
 {
   const std::size_t count = fields.labels.size();
@@ -193,7 +212,10 @@ CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
     fields.colours.resize(3, 0);
   if (!voxels_.empty())
     requireSize("voxel indices", voxels_.size(), count);
-  const pcl::Indices valid = validPoints(fields.positions, indices, skipped_points_);
+  // Voxels are where their indices say.
+  const bool zero_is_none = voxels_.empty() && isZeroNone(fields.positions);
+  const pcl::Indices valid =
+      validPoints(fields.positions, zero_is_none, indices, skipped_points_);
   refined_ = measurements(fields, indices);
   for (const pcl::index_t index : indices)
     if (!hasPosition(fields.positions.col(index))) {

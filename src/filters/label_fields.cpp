@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "label_fields.h"
 #include "core/fail.h"
+#include "files/known_fields.h"
 
 #include <algorithm>
 #include <cstring>
+#include <string>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -53,7 +56,12 @@ LabelFields::LabelFields(const pcl::PCLPointCloud2& cloud)
         cloud.fields.begin(), cloud.fields.end(),
         [&](const pcl::PCLPointField& field) { return field.name == name; });
   };
-  const auto label = find("label"), probability = find("probability");
+  std::vector<std::string> names;
+  for (const pcl::PCLPointField& field : cloud.fields)
+    names.push_back(field.name);
+  const int found = findLabelField(names);
+  const auto label = found < 0 ? cloud.fields.end() : cloud.fields.begin() + found;
+  const auto probability = find("probability");
   if (label == cloud.fields.end())
     badParameter("cloud: has no field 'label' to write the result to");
   label_ = *label;

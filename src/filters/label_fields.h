@@ -10,7 +10,8 @@
 namespace pcl_semantic {
 
 /** \brief Writes labels into the bytes of clouds that have the fields of another one:
- * its `label`, of whatever type, and its `probability`, if that is one float a class.
+ * its `label`, of whatever type and spelling (findLabelField()), and its `probability`,
+ * if that is one float a class.
  */
 class LabelFields {
 public:

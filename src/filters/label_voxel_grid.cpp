@@ -4,11 +4,10 @@
 #include "core/fail.h"
 #include "label_fields.h"
 
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
-
-#include <pcl/common/point_tests.h>
 
 #include <algorithm>
 #include <array>
@@ -76,14 +75,19 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
 {
   if (!(edge_ > 0.0))
     badParameter("LabelVoxelGrid needs a voxel size: setLeafSize()");
+  if (input_->width == 0 || input_->height == 0) {
+    output = *input_;
+    return;
+  }
   const LabelFields label_fields(*input_);
   PcdTable table;
   fromPCLPointCloud2(*input_, table);
   const LabelledCloud labelled = labelledCloudOf(std::move(table), "cloud");
   const auto& cloud = *labelled.cloud;
+  const PlaceTest has_place(cloud);
   std::vector<Member> members;
   for (const pcl::index_t i : *indices_) {
-    if (!pcl::isXYZFinite(cloud.at(std::size_t(i))))
+    if (!has_place(cloud.at(std::size_t(i))))
       continue;
     const Eigen::Array3d voxel =
         (cloud[std::size_t(i)].getArray3fMap().cast<double>() / edge_).floor();

@@ -33,6 +33,11 @@ private:
 void
 SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
 {
+  if (input_->width == 0 || input_->height == 0) {
+    refineNothing();
+    output = *input_;
+    return;
+  }
   const LabelFields label_fields(*input_);
   const ThreadScope threads(threads_);
   PcdTable table;

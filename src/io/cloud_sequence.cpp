@@ -80,8 +80,9 @@ poseOf(const std::array<double, 7>& viewpoint, const std::string& path)
 
 } // namespace
 
-CloudSequence::CloudSequence(const std::string& pattern, const std::string& times)
-    : paths_(findFiles(pattern, cloudExtensions()))
+CloudSequence::CloudSequence(const std::string& pattern, const std::string& times,
+                             ScanColumns columns)
+    : paths_(findFiles(pattern, cloudExtensions())), columns_(std::move(columns))
 {
   numbers_ = frameNumbersOf(paths_);
   if (numbers_.empty()) {
@@ -110,9 +111,12 @@ CloudSequence::CloudSequence(const std::string& pattern, const std::string& time
 
 CloudFrame
 CloudSequence::frame(std::size_t i, int classes, float confidence,
-                     const LabelMapping* mapping) const
+                     const LabelMapping* mapping,
+                     std::vector<std::string>* doubts) const
 {
-  const LabelledCloud read = readLabelledCloud(path(i), mapping);
+  const LabelledCloud read = readLabelledCloud(path(i), mapping, columns_);
+  if (doubts)
+    *doubts = read.table.doubts;
   CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};
   frame.viewpoint = poseOf(read.table.viewpoint, path(i));
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();

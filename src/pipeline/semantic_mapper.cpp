@@ -7,6 +7,7 @@
 #include "map_cliques.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/map/seen_through.h>
@@ -14,6 +15,8 @@
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <pcl/common/io.h>
+
+#include <algorithm>
 
 namespace pcl_semantic {
 
@@ -153,6 +156,13 @@ void
 SemanticMapper::readCloud(const CloudFrame& frame, MappedFrame& mapped) const
 {
   const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *frame.cloud;
+  if (camera_ && cloud.empty()) { // a frame without depth
+    mapped.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(
+        std::uint32_t(camera_->width), std::uint32_t(camera_->height));
+    eraseZeros(*mapped.cloud);
+    mapped.frame.left = imageOfCloud(*mapped.cloud);
+    return;
+  }
   if (camera_ &&
       (int(cloud.width) != camera_->width || int(cloud.height) != camera_->height))
     badInput("frame ", frame.number, ": the cloud is ", cloud.width, " x ",
@@ -161,6 +171,10 @@ SemanticMapper::readCloud(const CloudFrame& frame, MappedFrame& mapped) const
   if (camera_)
     mapped.frame.left = imageOfCloud(cloud);
   mapped.cloud = frame.cloud;
+  if (std::any_of(cloud.begin(), cloud.end(), isAtZero<pcl::PointXYZRGB>)) {
+    mapped.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(cloud);
+    eraseZeros(*mapped.cloud);
+  }
   mapped.has_colour = frame.has_colour;
   if (isLabelledAt(frames_))
     mapped.network = frame.distributions;

@@ -4,8 +4,10 @@
 #include <pcl_semantic/core/export.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -61,22 +63,67 @@ private:
   std::vector<LabelClass> classes_;
 };
 
-/** \brief Turns another numbering (raw SemanticKITTI ids go to 259) into labels. */
+/** \brief The class in a number that labels a point or a pixel, in any file: its lower
+ * 16 bits. The upper ones are an instance, as in SemanticKITTI. */
+constexpr std::uint32_t
+classOf(std::uint32_t number)
+{
+  return number & 0xFFFFu;
+}
+
+/** \brief Turns another numbering (raw SemanticKITTI ids go to 259) into labels, and
+ * counts the numbers that it lacks. Copies of a mapping share the counts; several
+ * threads may use them at once. */
 class LabelMapping {
 public:
+  LabelMapping();
+
   /** \brief Every id that is not set maps to unlabelled.
+   * \param[in] label kUnlabelled: the id is known to have no class, as 0 always is, and
+   * is not counted
    * \throws InvalidParameterException beyond 65535 */
   void set(std::uint32_t id, Label label);
 
-  Label
-  operator()(std::uint32_t id) const
+  /** \brief Whether an id was set. */
+  bool
+  has(std::uint32_t id) const
   {
-    return id < labels_.size() ? labels_[id] : kUnlabelled;
+    return id < known_.size() && known_[id];
   }
 
+  /** \brief The label of classOf() a number; kUnlabelled, and counted, if it is
+   * lacking.
+   */
+  Label
+  operator()(std::uint32_t number) const
+  {
+    const std::uint32_t id = classOf(number);
+    if (id < labels_.size() && labels_[id] != kUnlabelled)
+      return labels_[id];
+    if (id != 0 && !has(id))
+      count(id);
+    return kUnlabelled;
+  }
+
+  /** \brief The classes that were looked up and not set, and how often. */
+  std::map<std::uint32_t, std::size_t> lacking() const;
+
 private:
+  struct Counts;
+
+  void count(std::uint32_t id) const;
+
   std::vector<Label> labels_;
+  std::vector<bool> known_;
+  std::shared_ptr<Counts> counts_;
 };
+
+/** \brief One line that names the numbers a mapping lacks, the most frequent first;
+ * empty if it lacks none.
+ * \param[in] name of the mapping
+ * \param[in] unit that is counted: "points" */
+std::string textOfLacking(const LabelMapping& mapping, const std::string& name,
+                          const std::string& unit);
 
 /** \brief Turns the colours in which labels are drawn into labels. */
 class ColourMapping {

@@ -3,11 +3,13 @@
 
 #include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/stereo_camera.h>
 
 #include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -31,7 +33,8 @@ struct VisibilityParameters {
 std::optional<Eigen::Vector2i> pixelOf(const Eigen::Vector3d& point,
                                        const StereoCamera& camera);
 
-/** \brief The points of a cloud in the camera's frame [m].
+/** \brief The points of a scan in the camera's frame [m]; NaN where there was no return
+ * (isReturn()).
  * \param[in] T_camera_sensor pose of what took the cloud in the camera */
 template <typename PointT>
 std::vector<Eigen::Vector3d>
@@ -41,7 +44,12 @@ pointsInCamera(const pcl::PointCloud<PointT>& cloud,
   std::vector<Eigen::Vector3d> points;
   points.reserve(cloud.size());
   for (const PointT& point : cloud)
-    points.push_back(T_camera_sensor * point.getVector3fMap().template cast<double>());
+    if (isReturn(point))
+      points.push_back(T_camera_sensor *
+                       point.getVector3fMap().template cast<double>());
+    else
+      points.push_back(
+          Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   return points;
 }
 

@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/files/cloud_file.h>
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
@@ -17,10 +18,13 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Reads a scan of KITTI's Velodyne (`velodyne/\*.bin`: float32 x, y, z,
  * reflectance a point).
  * \return points in the scanner's frame (x forward, y left, z up) [m], intensity =
- * reflectance
- * \throws BadInputException if it holds no points, half a point or a non-finite number
+ * reflectance; points that are no measurement (isReturn()) keep their place
+ * \param[in] columns of another scanner, see readCloudTable(); without intensity it is
+ * 0 \throws BadInputException if it holds no points, half a point, a non-finite number,
+ * or other columns
  */
-pcl::PointCloud<pcl::PointXYZI>::Ptr readVelodyneScan(const std::string& path);
+pcl::PointCloud<pcl::PointXYZI>::Ptr readVelodyneScan(const std::string& path,
+                                                      const ScanColumns& columns = {});
 
 /** \brief Reads the labels of a scan as SemanticKITTI writes them (`labels/\*.label`:
  * uint32 a point, the lower 16 bits are the class, the upper ones the instance).

@@ -50,6 +50,11 @@ struct PcdTable {
   /// the header's comment `# voxel_grid`; edge 0 = not said.
   std::array<double, 4> voxel_grid{};
   std::vector<std::uint8_t> data; ///< points x the sizes of the fields, packed
+  /// The field that `label` was made of, where the file has it under another name.
+  std::string label_source;
+  /// What its reader found doubtful, a line each that names the file: a field that
+  /// looks like one that is understood, and is not.
+  std::vector<std::string> doubts;
 
   /** \brief Bytes of one point. */
   std::size_t pointSize() const;
@@ -108,15 +113,27 @@ private:
 /** \brief Extensions of the files that readCloudTable() reads: `.pcd .ply .bin`. */
 const std::vector<std::string>& cloudExtensions();
 
+/** \brief The columns of a scan without a header, float32 each: x, y, z, others in any
+ * place, `_` for one that is passed over. Empty: those of KITTI (x y z intensity) or,
+ * of a file named `.pcd.bin`, of nuScenes (x y z intensity ring). */
+using ScanColumns = std::vector<std::string>;
+
+/** \brief The columns that a text names, with commas between them
+ * (`x,y,z,intensity,ring`); or of their number, 3 to 16: as many of x y z intensity
+ * ring, and `_`. \throws InvalidParameterException at another text */
+ScanColumns parseScanColumns(const std::string& text);
+
 /** \brief Reads a cloud by the extension of its file.
  *
  * `.pcd`: ascii, binary or compressed. `.ply`: ascii or little-endian, the scalar
- * properties of its vertices; red, green and blue become `rgba`, CloudCompare's
- * `scalar_label` becomes `label`; faces are passed over. `.bin`: KITTI's scans (float32
- * x y z intensity) with the `label` of the `.label` file (uint32, the lower 16 bits) of
- * the same name beside it or in `../labels`, if there is one.
- * \throws BadInputException that names the file, and the line where there is one */
-PcdTable readCloudTable(const std::string& path);
+ * properties of its vertices; faces are passed over. `.bin`: scans of float32 columns,
+ * with the `label` of the `.label` file (uint32) of the same name beside it or in
+ * `../labels`, if there is one. Fields that are known under other names, as
+ * doc/formats.md lists them, are there as `label`, `probability` and `rgba`, too. Of
+ * `label` classOf() is kept. \param[in] columns of a `.bin` \throws BadInputException
+ * that names the file, and the line where there is one; also of a `.bin` whose numbers
+ * are not in such columns */
+PcdTable readCloudTable(const std::string& path, const ScanColumns& columns = {});
 
 /** \brief Writes a binary `.pcd` (version 0.7), whole or not at all. PCL's own writer
  * leaves an empty file behind when the disk is full.
@@ -141,12 +158,15 @@ struct LabelledCloud {
  * packed as PCL does); label (0 = unlabelled); probability (COUNT L; sums to 1 within
  * 0.1 and is normalised, all zero = unlabelled); clique (0 = none). Without label the
  * labels are the most probable ones. Cliques come in the order of their numbers.
- * \param[in] mapping of the numbers in `label` to labels, others are unlabelled; null =
- * they are labels
+ * Of a number in `label` classOf() is taken. A cloud of no points may have no fields.
+ * \param[in] mapping of the numbers in `label` to labels, others are unlabelled and
+ * counted there; null = they are labels
+ * \param[in] columns as readCloudTable() takes them
  * \throws BadInputException as readCloudTable(), or naming field and point: a value is
  * missing, negative, not finite where it has to be, a label is beyond L or 255 */
 LabelledCloud readLabelledCloud(const std::string& path,
-                                const LabelMapping* mapping = nullptr);
+                                const LabelMapping* mapping = nullptr,
+                                const ScanColumns& columns = {});
 
 /** \brief The same of a table. \param[in] name of the cloud for messages */
 LabelledCloud labelledCloudOf(PcdTable table, const std::string& name,

@@ -70,7 +70,8 @@ public:
   }
 
   /** \brief Points of the last filter() that were passed over: not finite, or more than
-   * max_coordinate from the origin. They have label 0 and no distribution. */
+   * max_coordinate from the origin, which have label 0 and no distribution; and several
+   * at exactly 0 0 0, the no-returns of a scanner, which keep theirs. */
   std::size_t
   getSkippedPoints() const
   {
@@ -108,6 +109,9 @@ protected:
    * \param[in,out] fields the labels of these points are rewritten
    * \throws InvalidParameterException, BadInputException as SemanticCRF */
   void refineCloud(Fields& fields, const pcl::Indices& indices);
+
+  /** \brief The result of a cloud of no points, whatever was set for others. */
+  void refineNothing();
 
 private:
   LabelDistributions measurements(const Fields& fields,

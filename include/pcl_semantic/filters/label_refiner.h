@@ -103,6 +103,13 @@ protected:
    * \throws BadInputException if a measurement is negative or not finite */
   void refine(Elements& elements, LabelDistributions& distributions);
 
+  /** \brief Of a run over no elements. */
+  void
+  clearReport()
+  {
+    report_ = CRFReport();
+  }
+
   bool
   usesCliques() const
   {

@@ -16,7 +16,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * fields. Its `probability` (COUNT L) becomes the mean of theirs and its `label` the
  * most probable class; without probabilities the label is the most frequent one, the
  * smaller one if two are, and 0 only if no point of the voxel has a label. Points that
- * are not finite are dropped. The output is not organized; voxels come by z, y, x. */
+ * are not finite are dropped, and so are two or more at exactly 0 0 0, which a scanner
+ * gives for no return. A cloud of no points is given back as it is. The output is not
+ * organized; voxels come by z, y, x. */
 class LabelVoxelGrid : public CheckedFilter<pcl::PCLPointCloud2> {
 public:
   LabelVoxelGrid() { this->filter_name_ = "LabelVoxelGrid"; }

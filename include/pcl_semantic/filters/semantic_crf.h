@@ -19,7 +19,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * points of setIndices() rewritten; organization is kept, and it works in place. Points
  * outside the indices keep their label and distribution, and neither send nor receive
  * messages; cliques lose them. Points that are not finite keep their place, with label
- * 0, and are counted.
+ * 0, and are counted; so are two or more points at exactly 0 0 0, which a scanner gives
+ * for no return: they are as points outside the indices. A cloud of no points is given
+ * back as it is.
  *
  * Works for every registered point type with the fields x, y, z (float) and label; the
  * kernels of colours are there for types with rgb or rgba. */

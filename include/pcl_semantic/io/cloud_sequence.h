@@ -3,6 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/sensor_frame.h>
+#include <pcl_semantic/files/cloud_file.h>
 
 #include <cstddef>
 #include <string>
@@ -21,9 +22,11 @@ public:
   /** \param[in] pattern see findFiles(): a folder, or `scan-*.pcd`
    * \param[in] times file of times, row n that of frame n [s]; empty: those of the
    * names, or ten frames a second
+   * \param[in] columns of `.bin` scans, as readCloudTable() takes them
    * \throws BadInputException if it matches nothing, two names have one number, or
    * `times` is damaged or too short */
-  explicit CloudSequence(const std::string& pattern, const std::string& times = "");
+  explicit CloudSequence(const std::string& pattern, const std::string& times = "",
+                         ScanColumns columns = {});
 
   std::size_t
   size() const
@@ -54,15 +57,18 @@ public:
    * \param[in] confidence probability of the class that `label` states, where the cloud
    * has no field `probability`
    * \param[in] mapping as readLabelledCloud() takes it
+   * \param[out] doubts PcdTable::doubts; may be null
    * \throws BadInputException as readLabelledCloud(), or if the labels are not of these
    * classes */
   CloudFrame frame(std::size_t i, int classes, float confidence,
-                   const LabelMapping* mapping = nullptr) const;
+                   const LabelMapping* mapping = nullptr,
+                   std::vector<std::string>* doubts = nullptr) const;
 
 private:
   std::vector<std::string> paths_;
   std::vector<int> numbers_;
   std::vector<double> times_; ///< [s]
+  ScanColumns columns_;
 };
 
 } // namespace pcl_semantic

@@ -70,10 +70,11 @@ struct Scan {
 
 /** \brief Counts of one scan. */
 struct ScanCounts {
-  std::size_t points = 0;  ///< in the cloud
-  std::size_t rays = 0;    ///< cast
-  std::size_t invalid = 0; ///< at NaN, infinite or absurdly far: skipped
-  std::size_t sky = 0;     ///< labelled as sky: skipped
+  std::size_t points = 0; ///< in the cloud
+  std::size_t rays = 0;   ///< cast
+  /// Skipped: at NaN, infinite, absurdly far, or exactly 0 0 0 (isReturn()).
+  std::size_t invalid = 0;
+  std::size_t sky = 0; ///< labelled as sky: skipped
   /// Of a stereo image: erased before the scan was cast, see eraseSeenThrough.
   std::size_t seen_through = 0;
   std::size_t hit_voxels = 0; ///< voxels with an end point

@@ -77,7 +77,7 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud)
     fields.positions.col(i) << float(detail::getField<x>(point)),
         float(detail::getField<y>(point)), float(detail::getField<z>(point));
     fields.labels[std::size_t(i)] =
-        static_cast<std::uint32_t>(detail::getField<label>(point));
+        classOf(static_cast<std::uint32_t>(detail::getField<label>(point)));
     if constexpr (has_rgba)
       fields.colours.col(i) = detail::getColour<rgba>(point);
     else if constexpr (has_rgb)
@@ -93,6 +93,11 @@ SemanticCRF<PointT>::applyFilter(PointCloud& output)
   static_assert(pcl::traits::has_xyz<PointT>::value &&
                     pcl::traits::has_label<PointT>::value,
                 "SemanticCRF needs a point type with x, y, z and label");
+  if (this->input_->empty()) {
+    this->refineNothing();
+    output = *this->input_;
+    return;
+  }
   const ThreadScope threads(this->threads_);
   Fields fields = readFields(*this->input_);
   this->refineCloud(fields, *this->indices_);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_doubts.h"
+#include "messages.h"
+
+#include <exception>
+#include <utility>
+
+namespace pcl_semantic::tool {
+
+ScanColumns
+columnsOf(const std::string& scan_columns)
+{
+  return scan_columns.empty() ? ScanColumns() : parseScanColumns(scan_columns);
+}
+
+void
+warnOfDoubts(const std::vector<std::string>& doubts)
+{
+  for (const std::string& doubt : doubts)
+    warn(doubt);
+}
+
+void
+warnOfNoReturns(const std::string& path, std::size_t count)
+{
+  if (count > 0)
+    warn(path + ": " + std::to_string(count) +
+         " points at exactly 0 0 0 are taken for no return and passed over");
+}
+
+MappingWatch::MappingWatch(std::string name, const PixelMapping& mapping,
+                           std::string unit)
+    : name_(std::move(name)), unit_(std::move(unit))
+{
+  if (const auto* const numbers = std::get_if<LabelMapping>(&mapping))
+    mapping_ = *numbers;
+}
+
+MappingWatch::MappingWatch(MappingWatch&& other) noexcept
+    : name_(std::move(other.name_)), unit_(std::move(other.unit_)),
+      mapping_(std::exchange(other.mapping_, std::nullopt))
+{}
+
+MappingWatch&
+MappingWatch::operator=(MappingWatch&& other) noexcept
+{
+  std::swap(name_, other.name_);
+  std::swap(unit_, other.unit_);
+  std::swap(mapping_, other.mapping_);
+  return *this;
+}
+
+MappingWatch::~MappingWatch()
+{
+  if (!mapping_ || std::uncaught_exceptions() > 0)
+    return;
+  const std::string lacking = textOfLacking(*mapping_, name_, unit_);
+  if (!lacking.empty())
+    warn(lacking);
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/files/cloud_file.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcl_semantic::tool {
+
+/** \brief Of --scan-columns, which parseScanColumns() reads. */
+constexpr const char* scan_columns_help = "columns of a .bin, float32 each: their "
+                                          "names (x,y,z,intensity,ring; _ for one that "
+                                          "is passed over) or their number (default: "
+                                          "x,y,z,intensity, of a .pcd.bin also ring)";
+
+/** \brief What --scan-columns says; empty = it is not given.
+ * \throws InvalidParameterException */
+ScanColumns columnsOf(const std::string& scan_columns);
+
+/** \brief Warns of each of PcdTable::doubts. */
+void warnOfDoubts(const std::vector<std::string>& doubts);
+
+/** \brief Warns of points at exactly 0 0 0, which countNoReturns() counts.
+ * \param[in] path of the cloud \param[in] count 0 = nothing is said */
+void warnOfNoReturns(const std::string& path, std::size_t count);
+
+/** \brief Warns at its end, in one line, of the numbers that a label mapping lacked. */
+class MappingWatch {
+public:
+  MappingWatch() = default;
+
+  /** \param[in] name of the mapping
+   * \param[in] mapping whose copies are used; colours and labels lack nothing
+   * \param[in] unit that it was used for: "points" */
+  MappingWatch(std::string name, const PixelMapping& mapping, std::string unit);
+
+  MappingWatch(MappingWatch&& other) noexcept;
+  MappingWatch& operator=(MappingWatch&& other) noexcept;
+  ~MappingWatch();
+
+private:
+  std::string name_, unit_;
+  std::optional<LabelMapping> mapping_;
+};
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "known_fields.h"
+#include "pcd_table.h"
+
+#include "core/text_stream.h"
+
+#include <pcl_semantic/core/label_set.h>
+
+#include <boost/algorithm/string/case_conv.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <type_traits>
+
+namespace pcl_semantic {
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+// The first of these that a cloud has is its labels.
+const Words&
+labelNames()
+{
+  static const Words names = {
+      "label",          "labels",         "semantic_label", "sem_label", "class_label",
+      "semantic",       "semantics",      "semantic_class", "sem_class", "semantic_id",
+      "label_id",       "class",          "class_id",       "category",  "category_id",
+      "classification", "classification_"};
+  return names;
+}
+
+const Words&
+probabilityNames()
+{
+  static const Words names = {"probability", "probabilities", "prob", "probs",
+                              "softmax"};
+  return names;
+}
+
+// In lower case, without the prefix that CloudCompare writes.
+std::string
+spelled(const std::string& name)
+{
+  std::string result = boost::algorithm::to_lower_copy(name);
+  for (const std::string prefix : {"scalar_", "sf_"})
+    if (result.compare(0, prefix.size(), prefix) == 0)
+      result.erase(0, prefix.size());
+  return result;
+}
+
+Words
+namesOf(const PcdTable& table)
+{
+  Words names;
+  for (const PcdField& field : table.fields)
+    names.push_back(field.name);
+  return names;
+}
+
+std::string
+listOf(const Words& words)
+{
+  std::string list;
+  for (const std::string& word : words)
+    list += (list.empty() ? "" : ", ") + word;
+  return list;
+}
+
+// Whether a word of a name, between underscores and the like, is one of these.
+bool
+hasWord(const std::string& name, const Words& words)
+{
+  std::string word;
+  for (const char c : boost::algorithm::to_lower_copy(name) + "_") {
+    if (c >= 'a' && c <= 'z') {
+      word += c;
+      continue;
+    }
+    if (std::count(words.begin(), words.end(), word))
+      return true;
+    word.clear();
+  }
+  return false;
+}
+
+// Names one field that looks like what was not found, and how it may be spelled.
+void
+doubtOfLookalike(const std::string& path, const char* what, const Words& words,
+                 const std::string& understood, PcdTable& table)
+{
+  for (const PcdField& field : table.fields)
+    if (hasWord(field.name, words))
+      return addDoubt(table, path + ": field '" + field.name + "' is not read as " +
+                                 what + "; understood are " + understood);
+}
+
+template <typename T>
+std::vector<std::uint8_t>
+bytesOf(const std::vector<T>& values)
+{
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(values.data());
+  return {bytes, bytes + values.size() * sizeof(T)};
+}
+
+// The bytes of one column.
+std::vector<std::uint8_t>
+columnBytes(const PcdTable& table, std::size_t field)
+{
+  const std::size_t size = table.fields[field].bytes(), stride = table.pointSize();
+  std::vector<std::uint8_t> bytes(table.points * size);
+  const std::uint8_t* from = table.data.data() + offsetOf(table, field);
+  for (std::size_t i = 0; i < table.points; ++i, from += stride)
+    std::copy_n(from, size, bytes.data() + i * size);
+  return bytes;
+}
+
+// A label that an instance was added to, of its type; others stay. Negative numbers are
+// what other programs write for unlabelled, but those beyond 16 bits.
+template <typename T>
+T
+withoutInstance(T value)
+{
+  constexpr double beyond = 65536.0, largest = 4294967295.0;
+  if constexpr (std::is_floating_point_v<T>)
+    return value >= beyond && value <= largest && value == std::floor(value)
+               ? T(classOf(std::uint32_t(value)))
+               : value;
+  else if constexpr (sizeof(T) < 4)
+    return value;
+  else {
+    const auto wide = double(value);
+    return (wide >= beyond && wide <= largest) ||
+                   (wide <= -beyond && wide >= -0.5 * (largest + 1.0))
+               ? T(classOf(std::uint32_t(value)))
+               : value;
+  }
+}
+
+void
+takeInstancesOff(PcdTable& table, std::size_t field)
+{
+  if (table.fields[field].count != 1)
+    return;
+  std::uint8_t* const first = table.data.data() + offsetOf(table, field);
+  const std::size_t stride = table.pointSize();
+  withTypeOf(table.fields[field], [&](auto zero) {
+    using T = decltype(zero);
+    for (std::size_t i = 0; i < table.points; ++i) {
+      T value;
+      std::memcpy(&value, first + i * stride, sizeof(T));
+      const T kept = withoutInstance(value);
+      if (kept != value && value == value)
+        std::memcpy(first + i * stride, &kept, sizeof(T));
+    }
+  });
+}
+
+void
+addLabels(const std::string& path, PcdTable& table)
+{
+  const int found = findLabelField(namesOf(table));
+  if (found < 0) {
+    if (table.find("probability") < 0)
+      doubtOfLookalike(path, "labels",
+                       {"label", "labels", "class", "classes", "semantic", "semantics",
+                        "category", "classification"},
+                       listOf(labelNames()), table);
+    return;
+  }
+  auto field = std::size_t(found);
+  const std::string name = table.fields[field].name;
+  if (name != "label") {
+    const PcdColumn column(table, found);
+    for (std::size_t i = 0; i < table.points; ++i)
+      if (!(std::abs(column(i)) <= 4294967295.0) || column(i) != std::floor(column(i)))
+        return addDoubt(table, path + ": field '" + name +
+                                   "' is not read as labels: they are whole numbers");
+    PcdField label = table.fields[field];
+    label.name = "label";
+    table.setColumn(label, columnBytes(table, field));
+    table.label_source = name;
+    field = table.fields.size() - 1;
+  }
+  takeInstancesOff(table, field);
+}
+
+// Whether L x points numbers are distributions, or all zero.
+bool
+areDistributions(const std::vector<float>& values, std::size_t classes)
+{
+  for (std::size_t i = 0; i < values.size(); i += classes) {
+    double sum = 0.0;
+    for (std::size_t k = i; k < i + classes; ++k) {
+      if (!(values[k] >= 0.0f && values[k] <= 1.1f))
+        return false;
+      sum += double(values[k]);
+    }
+    if (sum != 0.0 && std::abs(sum - 1.0) > 0.1)
+      return false;
+  }
+  return true;
+}
+
+// The fields that together are probabilities: one of several elements, or one a class,
+// numbered from 0 or 1.
+std::vector<int>
+probabilityFields(const PcdTable& table)
+{
+  const auto find = [&](const std::string& name) {
+    for (std::size_t f = 0; f < table.fields.size(); ++f)
+      if (spelled(table.fields[f].name) == name && table.fields[f].type == 'F')
+        return int(f);
+    return -1;
+  };
+  for (const std::string& name : probabilityNames()) {
+    const int whole = find(name);
+    if (whole >= 0 && table.fields[std::size_t(whole)].count > 1)
+      return {whole};
+    for (const char* const separator : {"_", ""})
+      for (const int first : {0, 1}) {
+        std::vector<int> fields;
+        for (int k = first; fields.size() < 256; ++k) {
+          const int field = find(name + separator + std::to_string(k));
+          if (field < 0 || table.fields[std::size_t(field)].count != 1)
+            break;
+          fields.push_back(field);
+        }
+        if (fields.size() > 1)
+          return fields;
+      }
+  }
+  return {};
+}
+
+void
+addProbabilities(const std::string& path, PcdTable& table)
+{
+  if (table.find("probability") >= 0)
+    return;
+  const std::vector<int> fields = probabilityFields(table);
+  if (fields.empty())
+    return;
+  std::vector<PcdColumn> columns;
+  for (const int field : fields)
+    columns.emplace_back(table, field);
+  const int elements = columns[0].field().count;
+  const std::size_t classes = columns.size() * std::size_t(elements);
+  std::vector<float> values;
+  values.reserve(table.points * classes);
+  for (std::size_t i = 0; i < table.points; ++i)
+    for (const PcdColumn& column : columns)
+      for (int k = 0; k < elements; ++k)
+        values.push_back(float(column(i, k)));
+  const std::string name = columns[0].field().name;
+  if (classes > 255 || !areDistributions(values, classes))
+    return addDoubt(table, path + ": field '" + name +
+                               "' is not read as probabilities: they sum to 1");
+  table.setColumn({"probability", 'F', 4, int(classes)}, bytesOf(values));
+}
+
+// What the numbers of a channel are to be multiplied by to be 0 to 255; nothing if they
+// are no colours. Integers are of 8 or 16 bits, whatever their type.
+std::optional<double>
+scaleOf(const std::array<PcdColumn, 3>& channels, std::size_t points)
+{
+  double largest = 0.0;
+  bool are_whole = true;
+  for (const PcdColumn& channel : channels)
+    for (std::size_t i = 0; i < points; ++i) {
+      const double value = channel(i);
+      if (std::isnan(value))
+        continue;
+      if (!(value >= 0.0 && value <= 65535.0))
+        return std::nullopt;
+      largest = std::max(largest, value);
+      are_whole = are_whole && value == std::floor(value);
+    }
+  if (channels[0].field().type == 'F' && largest <= 1.0)
+    return 255.0;
+  if (largest <= 255.0)
+    return 1.0;
+  return are_whole ? std::optional(255.0 / 65535.0) : std::nullopt;
+}
+
+// Fields of red, green and blue; none if one is lacking.
+std::optional<std::array<PcdColumn, 3>>
+colourChannels(const PcdTable& table)
+{
+  constexpr std::array<std::array<const char*, 3>, 2> words = {
+      {{"red", "green", "blue"}, {"r", "g", "b"}}};
+  for (const auto& channels : words)
+    for (const std::string prefix :
+         {"", "diffuse_", "color_", "colour_", "vertex_", "rgb_"}) {
+      std::vector<PcdColumn> found;
+      for (const char* const channel : channels)
+        for (std::size_t f = 0; f < table.fields.size(); ++f)
+          if (spelled(table.fields[f].name) == prefix + channel &&
+              table.fields[f].count == 1) {
+            found.emplace_back(table, int(f));
+            break;
+          }
+      if (found.size() == 3)
+        return std::array<PcdColumn, 3>{found[0], found[1], found[2]};
+    }
+  return std::nullopt;
+}
+
+void
+addColours(const std::string& path, PcdTable& table)
+{
+  if (table.find("rgb") >= 0 || table.find("rgba") >= 0)
+    return;
+  const auto channels = colourChannels(table);
+  const std::string understood = "rgb or rgba of four bytes, red green blue or r g b "
+                                 "(0 to 255, 0 to 65535, or floats 0 to 1)";
+  if (!channels)
+    return doubtOfLookalike(
+        path, "colour",
+        {"red", "green", "blue", "rgb", "rgba", "color", "colour", "colors", "colours"},
+        understood, table);
+  const auto scale = scaleOf(*channels, table.points);
+  if (!scale)
+    return addDoubt(table, path + ": field '" + (*channels)[0].field().name +
+                               "' is not read as colour; understood are " + understood);
+  std::vector<std::uint8_t> bytes(4 * table.points, 255);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < table.points; ++i) {
+      const double value = (*channels)[c](i);
+      bytes[4 * i + 2 - c] = // little-endian
+          std::isnan(value) ? 0 : std::uint8_t(std::lround(value * *scale));
+    }
+  table.setColumn({"rgba", 'U'}, bytes);
+}
+
+} // namespace
+
+void
+addDoubt(PcdTable& table, const std::string& doubt)
+{
+  if (!std::count(table.doubts.begin(), table.doubts.end(), doubt))
+    table.doubts.push_back(doubt);
+}
+
+int
+findLabelField(const Words& names)
+{
+  const auto index = [&](auto&& isIt) {
+    const auto found = std::find_if(names.begin(), names.end(), isIt);
+    return found == names.end() ? -1 : int(found - names.begin());
+  };
+  int found = index([](const std::string& name) { return name == "label"; });
+  for (const std::string& wanted : labelNames())
+    if (found < 0)
+      found = index([&](const std::string& name) { return spelled(name) == wanted; });
+  return found;
+}
+
+void
+addKnownFields(const std::string& path, PcdTable& table)
+{
+  addProbabilities(path, table);
+  addLabels(path, table);
+  addColours(path, table);
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan_file.h"
+#include "known_fields.h"
+#include "parse_whole.h"
+#include "pcd_table.h"
+#include "scan_layout.h"
+
+#include "core/fail.h"
+#include "core/split.h"
+
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/files/input_file.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const ScanColumns kitti_columns = {"x", "y", "z", "intensity"};
+const ScanColumns nuscenes_columns = {"x", "y", "z", "intensity", "ring"};
+
+bool
+isOfNuScenes(const fs::path& scan)
+{
+  return scan.stem().extension() == ".pcd";
+}
+
+// The folder that holds the one of a scan, as its path is written: a symbolic link may
+// lead elsewhere.
+fs::path
+folderAbove(const fs::path& scan)
+{
+  fs::path folder = (scan.parent_path() / "").lexically_normal().parent_path();
+  if (folder.empty() || folder == "." || folder.filename() == "..")
+    folder = (fs::absolute(scan.parent_path()) / "").lexically_normal().parent_path();
+  return folder.parent_path();
+}
+
+// The labels that belong to a scan; empty if there are none.
+std::string
+labelsOfScan(const fs::path& scan)
+{
+  std::vector<std::string> names = {scan.stem().string()};
+  if (isOfNuScenes(scan))
+    names.push_back(scan.stem().stem().string());
+  for (const std::string& name : names)
+    for (const fs::path& folder : {scan.parent_path(), folderAbove(scan) / "labels"}) {
+      const fs::path file = folder / (name + ".label");
+      if (fs::exists(file))
+        return file.string();
+    }
+  return {};
+}
+
+std::string
+textOf(const ScanColumns& columns)
+{
+  std::string text;
+  for (const std::string& column : columns)
+    text += (text.empty() ? "" : " ") + column;
+  return text;
+}
+
+// How to name other columns.
+std::string
+hintOf(std::size_t columns)
+{
+  return std::to_string(columns) + " float32 a point; name them with --scan-columns, " +
+         (columns == 3   ? "x,y,z"
+          : columns == 4 ? "x,y,z,intensity"
+          : columns == 5 ? "x,y,z,intensity,ring as nuScenes has them"
+                         : std::to_string(columns) + " or their names");
+}
+
+// \param[in] is_known somebody has said what the columns are
+void
+checkLayout(const std::string& path, const std::vector<std::uint8_t>& bytes,
+            const ScanColumns& columns, bool is_known, PcdTable& table)
+{
+  const std::size_t count = columns.size(), size = count * sizeof(float);
+  const ScanLayout layout(bytes);
+  const bool fits = bytes.size() % size == 0 && !bytes.empty();
+  const std::size_t others =
+      bytes.size() % sizeof(float) == 0 ? layout.columnsInsteadOf(count) : 0;
+  if (!fits)
+    badInput(path, ": has ", bytes.size(), " bytes, expected a multiple of ", size,
+             " (", count, " float32 a point)",
+             others > 0 ? "; it looks like " + hintOf(others) : "");
+  if (others > 0 && is_known)
+    addDoubt(table, path + ": looks like " + std::to_string(others) +
+                        " float32 a point, not " + textOf(columns));
+  else if (others > 0)
+    badInput(path, ": does not look like ", textOf(columns), ", but like ",
+             hintOf(others));
+  else if (layout.isAbsurd(count))
+    badInput(path, ": its positions cannot be metres, expected float32 ",
+             textOf(columns), "; other columns are named with --scan-columns");
+}
+
+// Leaves out the columns that are passed over.
+void
+dropUnnamed(PcdTable& table)
+{
+  if (table.find(kPadding) >= 0)
+    table.removeColumns(kPadding);
+}
+
+} // namespace
+
+ScanColumns
+parseScanColumns(const std::string& text)
+{
+  constexpr std::size_t fewest = 3, most = 16;
+  ScanColumns columns;
+  std::size_t number = 0;
+  if (parseWhole(text, number)) {
+    if (number < fewest || number > most)
+      badParameter("scan columns: ", number, ", expected ", fewest, " to ", most);
+    columns = nuscenes_columns;
+    columns.resize(number, kPadding);
+    return columns;
+  }
+  for (const std::string_view word : splitAt(',', text))
+    columns.emplace_back(word);
+  for (const std::string& column : columns)
+    if (!PcdField{column}.isValid() ||
+        (column != kPadding && std::count(columns.begin(), columns.end(), column) > 1))
+      badParameter("scan columns '", text, "': ", inQuotes(column),
+                   " is no name, or there twice");
+  for (const char* const axis : {"x", "y", "z"})
+    if (!std::count(columns.begin(), columns.end(), axis))
+      badParameter("scan columns '", text, "' have no ", axis,
+                   ", expected their names, x,y,z,intensity, or their number");
+  if (columns.size() > most)
+    badParameter("scan columns: ", columns.size(), ", expected ", fewest, " to ", most);
+  return columns;
+}
+
+PcdTable
+readScanPoints(const std::string& path, const ScanColumns& columns)
+{
+  PcdTable table;
+  table.data = readBytes(path);
+  const ScanColumns& used = !columns.empty()     ? columns
+                            : isOfNuScenes(path) ? nuscenes_columns
+                                                 : kitti_columns;
+  checkLayout(path, table.data, used, !columns.empty(), table);
+  for (const std::string& column : used)
+    table.fields.push_back({column});
+  table.points = table.width = table.data.size() / table.pointSize();
+  table.height = 1;
+  dropUnnamed(table);
+  return table;
+}
+
+PcdTable
+readScan(const std::string& path, const ScanColumns& columns)
+{
+  PcdTable table = readScanPoints(path, columns);
+  const std::string labels = labelsOfScan(path);
+  if (labels.empty())
+    return table;
+  const std::vector<std::uint8_t> bytes = readBytes(labels);
+  if (bytes.size() != 4 * table.points)
+    badInput(labels, ": has ", bytes.size(), " bytes, expected ", 4 * table.points,
+             ": uint32 for each point of ", path);
+  table.setColumn({"label", 'U'}, bytes);
+  return table;
+}
+
+} // namespace pcl_semantic
