@@ -165,9 +165,9 @@ setFrame(const CliqueFrame& frame, const std::string& name,
 {
   generator.setVoxels({}, frame.voxel_size); // checks the size
   const LabelledCloud read = readLabelledCloud(frame.path);
-  warnOfDoubts(read.table.doubts);
   if (!read.has_colour)
-    fail<BadInputException>(frame.path, ": superpixels need points with rgb or rgba");
+    fail<BadInputException>(frame.path, ": superpixels need points with rgb or rgba",
+                            textOfDoubts(read.table.doubts, frame.path));
   if (!read.cloud->isOrganized())
     fail<BadInputException>(frame.path, ": superpixels need an organized cloud");
   const auto cloud = std::make_shared<CliqueGenerator::Cloud>();
@@ -226,12 +226,13 @@ group(const Arguments& arguments)
   setNumberOfThreads(arguments.threads);
   LabelledCloud read =
       readLabelledCloud(arguments.input, nullptr, columnsOf(arguments.scan_columns));
+  if (generator->usesColour() && !read.has_colour && !read.cloud->empty())
+    fail<BadInputException>(arguments.input, ": this method needs rgb or rgba",
+                            textOfDoubts(read.table.doubts, arguments.input));
   warnOfDoubts(read.table.doubts);
   warnOfNoReturns(arguments.input, countNoReturns(*read.cloud));
   if (read.cloud->empty())
     warn(arguments.input + ": no point is left");
-  if (generator->usesColour() && !read.has_colour && !read.cloud->empty())
-    fail<BadInputException>(arguments.input, ": this method needs rgb or rgba");
   moveToVoxelCentres(read);
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*read.cloud, cloud);

@@ -94,9 +94,9 @@ public:
     const std::array<double, 7> viewpoint = table.viewpoint;
     LabelledCloud cloud = labelledCloudOf(std::move(table), arguments_.input,
                                           mapping_ ? &*mapping_ : nullptr);
+    const pcl::Indices kept = keptPoints(cloud);
     warnOfDoubts(cloud.table.doubts);
     warnOfNoReturns(arguments_.input, countNoReturns(*cloud.cloud));
-    const pcl::Indices kept = keptPoints(cloud);
     for (pcl::PointXYZRGBL& point : *cloud.cloud)
       point.label = relabelled_[point.label];
     table = cloud.table;
@@ -172,9 +172,9 @@ private:
           std::pair("--thin", arguments_.thin > 0.0),
           std::pair("--colour", arguments_.colour)})
       if (is_given && !cloud.has_labels && !cloud.cloud->empty())
-        fail<BadInputException>(arguments_.input,
-                                ": has no field 'label' or 'probability', which ",
-                                option, " needs");
+        fail<BadInputException>(
+            arguments_.input, ": has no field 'label' or 'probability', which ", option,
+            " needs", textOfDoubts(cloud.table.doubts, arguments_.input));
     const PlaceTest has_place(*cloud.cloud);
     pcl::Indices kept;
     for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {

@@ -20,6 +20,16 @@ warnOfDoubts(const std::vector<std::string>& doubts)
     warn(doubt);
 }
 
+std::string
+textOfDoubts(const std::vector<std::string>& doubts, const std::string& path)
+{
+  std::string text;
+  for (const std::string& doubt : doubts)
+    text += "; " +
+            (doubt.rfind(path + ": ", 0) == 0 ? doubt.substr(path.size() + 2) : doubt);
+  return text;
+}
+
 void
 warnOfNoReturns(const std::string& path, std::size_t count)
 {

@@ -24,6 +24,11 @@ ScanColumns columnsOf(const std::string& scan_columns);
 /** \brief Warns of each of PcdTable::doubts. */
 void warnOfDoubts(const std::vector<std::string>& doubts);
 
+/** \brief The same for the end of an error's line: "; field 'lbl' is not read ...".
+ * \param[in] path of the cloud, which the line names */
+std::string textOfDoubts(const std::vector<std::string>& doubts,
+                         const std::string& path);
+
 /** \brief Warns of points at exactly 0 0 0, which countNoReturns() counts.
  * \param[in] path of the cloud \param[in] count 0 = nothing is said */
 void warnOfNoReturns(const std::string& path, std::size_t count);

@@ -124,7 +124,8 @@ setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& 
     for (const pcl::PointXYZRGBL& point : *input.cloud)
       classes = std::max({classes, 1, int(point.label)});
   if (found == 0 && !input.has_labels && !input.cloud->empty())
-    fail<BadInputException>(arguments.input, ": has no field 'label' or 'probability'");
+    fail<BadInputException>(arguments.input, ": has no field 'label' or 'probability'",
+                            textOfDoubts(input.table.doubts, arguments.input));
   if (found > 0 && found != classes)
     fail<BadInputException>(arguments.input, ": has probabilities of ", found,
                             " classes, expected ", classes);
@@ -298,9 +299,10 @@ refine(const Arguments& arguments)
   LabelledCloud cloud =
       readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr,
                         columnsOf(arguments.scan_columns));
-  warnOfDoubts(cloud.table.doubts);
-  warnOfNoReturns(arguments.input, countNoReturns(*cloud.cloud));
+  const std::size_t no_returns = countNoReturns(*cloud.cloud);
   const Results report = filter(arguments, cloud);
+  warnOfDoubts(cloud.table.doubts);
+  warnOfNoReturns(arguments.input, no_returns);
   setEntropies(cloud);
   if (cloud.cloud->empty())
     warn(arguments.input + ": no point is left");

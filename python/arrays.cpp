@@ -12,6 +12,13 @@
 namespace pcl_semantic::python {
 
 void
+warn(const std::string& message)
+{
+  if (PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 1) != 0)
+    throw py::error_already_set();
+}
+
+void
 requireShape(const py::array& array, const char* name, py::ssize_t rows,
              std::optional<py::ssize_t> columns)
 {

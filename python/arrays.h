@@ -38,6 +38,9 @@ released(Work&& work)
   return work();
 }
 
+/** \brief Warns as Python does. \throws py::error_already_set if warnings are errors */
+void warn(const std::string& message);
+
 /** \brief Shape of an array: \a rows, or \a rows x \a columns.
  * \throws InvalidParameterException that names it */
 void requireShape(const py::array& array, const char* name, py::ssize_t rows,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
 #include "core/fail.h"
+#include "core/label_number.h"
 
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/pipeline/crf_config.h>
@@ -46,7 +47,7 @@ setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>&
   requireShape(labels, "labels", py::ssize_t(cloud.size()));
   std::int64_t largest = 1;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::int64_t label = labels.data()[i];
+    const std::int64_t label = withoutInstance(labels.data()[i]);
     if (label < 0 || label > 255)
       badInput("label ", label, " of point ", i, ", expected 0 to 255");
     cloud[i].label = std::uint32_t(label);
@@ -118,18 +119,20 @@ cliques(const Array<float>& points, const std::string& kind,
 void
 bindClouds(py::module_& module)
 {
-  module.def("refine", &refine, py::arg("points"), py::kw_only(),
-             py::arg("probabilities") = py::none(), py::arg("labels") = py::none(),
-             py::arg("colours") = py::none(), py::arg("cliques") = py::none(),
-             py::arg("classes") = 0, py::arg("thin") = std::vector<int>(),
-             "Makes the labels of a cloud consistent, as pcl_semantic_crf does.\n\n"
-             "points: N x 3 [m]. probabilities: N x L, column k is class k + 1, or\n"
-             "labels: N, 0 = unlabelled, of which classes there are (0: the largest).\n"
-             "colours: N x 3, red green blue. cliques: N numbers, 0 = none, or the\n"
-             "word of a generator ('cubes:1'). thin: labels that neighbours do\n"
-             "not outvote. Other keywords are parameters of pcl_semantic_crf:\n"
-             " crf='hierarchical', smoothness_weight=3.\n"
-             "Returns labels (N) and probabilities (N x L).");
+  module.def(
+      "refine", &refine, py::arg("points"), py::kw_only(),
+      py::arg("probabilities") = py::none(), py::arg("labels") = py::none(),
+      py::arg("colours") = py::none(), py::arg("cliques") = py::none(),
+      py::arg("classes") = 0, py::arg("thin") = std::vector<int>(),
+      "Makes the labels of a cloud consistent, as pcl_semantic_crf does.\n\n"
+      "points: N x 3 [m]. probabilities: N x L, column k is class k + 1, or\n"
+      "labels: N, 0 = unlabelled, of which classes there are (0: the largest); an\n"
+      "instance in the upper 16 bits is taken off.\n"
+      "colours: N x 3, red green blue. cliques: N numbers, 0 = none, or the\n"
+      "word of a generator ('cubes:1'). thin: labels that neighbours do\n"
+      "not outvote. Other keywords are parameters of pcl_semantic_crf:\n"
+      " crf='hierarchical', smoothness_weight=3.\n"
+      "Returns labels (N) and probabilities (N x L).");
   module.def("cliques", &cliques, py::arg("points"), py::arg("kind") = "cubes:1",
              py::kw_only(), py::arg("colours") = py::none(),
              "Groups points that are likely to have one label: 'cubes:EDGE',\n"

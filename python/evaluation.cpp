@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
 #include "core/fail.h"
+#include "core/label_number.h"
 
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 
@@ -10,19 +11,32 @@ namespace pcl_semantic::python {
 
 namespace {
 
+std::vector<Label>
+labelsOf(const py::object& numbers, const char* name)
+{
+  const auto array = integersOf<std::int64_t>(numbers, name);
+  std::vector<Label> labels;
+  labels.reserve(std::size_t(array.size()));
+  for (py::ssize_t i = 0; i < array.size(); ++i) {
+    const std::int64_t label = withoutInstance(array.data()[i]);
+    requireWithin(label, 255, name);
+    labels.push_back(Label(label));
+  }
+  return labels;
+}
+
 py::array_t<std::uint64_t>
 confusionMatrix(const py::object& given_truth, const py::object& given_prediction,
                 int classes)
 {
-  const auto truth = integersOf<std::uint8_t>(given_truth, "ground truth labels");
-  const auto prediction =
-      integersOf<std::uint8_t>(given_prediction, "predicted labels");
+  const auto truth = labelsOf(given_truth, "ground truth labels");
+  const auto prediction = labelsOf(given_prediction, "predicted labels");
   if (truth.size() != prediction.size())
     badParameter("ground truth of ", truth.size(), " labels, prediction of ",
                  prediction.size());
   ConfusionMatrix matrix(classes);
-  for (py::ssize_t i = 0; i < truth.size(); ++i)
-    matrix.add(truth.data()[i], prediction.data()[i], 1);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    matrix.add(truth[i], prediction[i], 1);
   py::array_t<std::uint64_t> counts({classes + 1, classes + 1});
   for (int t = 0; t <= classes; ++t)
     for (int p = 0; p <= classes; ++p)

@@ -18,10 +18,28 @@ kindOf(const PcdField& field)
   return kind + std::to_string(field.size);
 }
 
-py::dict
-readCloud(const std::string& path)
+// Of a text, a number or a list of names; None = as the name of the file says.
+ScanColumns
+columnsOf(const py::object& columns)
 {
-  const PcdTable table = released([&] { return readCloudTable(path); });
+  if (columns.is_none())
+    return {};
+  std::string text;
+  if (py::isinstance<py::sequence>(columns) && !py::isinstance<py::str>(columns))
+    for (const py::handle each : columns)
+      text += (text.empty() ? "" : ",") + py::str(each).cast<std::string>();
+  else
+    text = py::str(columns).cast<std::string>();
+  return parseScanColumns(text);
+}
+
+py::dict
+readCloud(const std::string& path, const py::object& scan_columns)
+{
+  const ScanColumns columns = columnsOf(scan_columns);
+  const PcdTable table = released([&] { return readCloudTable(path, columns); });
+  for (const std::string& doubt : table.doubts)
+    warn(doubt);
   const std::size_t stride = table.pointSize();
   const std::uint8_t* from = table.data.data();
   py::dict cloud;
@@ -89,9 +107,13 @@ void
 bindFiles(py::module_& module)
 {
   module.def(
-      "read_cloud", &readCloud, py::arg("path"),
-      "The fields of a .pcd, .ply or KITTI .bin file: arrays of N, or N x COUNT,\n"
-      "by name.");
+      "read_cloud", &readCloud, py::arg("path"), py::kw_only(),
+      py::arg("scan_columns") = py::none(),
+      "The fields of a .pcd, .ply or .bin file: arrays of N, or N x COUNT, by name.\n"
+      "Labels, colours and probabilities under other names are there as label, rgba\n"
+      "and probability, too; instances are taken off label. scan_columns: of a .bin,\n"
+      "'x,y,z,intensity,ring' or their number. Warns of fields that look like these\n"
+      "and are not read.");
   module.def("write_cloud", &writeCloud, py::arg("path"), py::arg("cloud"),
              "Writes fields as a binary .pcd, whole or not at all.");
 }

@@ -2,9 +2,7 @@
 #include "known_fields.h"
 #include "pcd_table.h"
 
-#include "core/text_stream.h"
-
-#include <pcl_semantic/core/label_set.h>
+#include "core/label_number.h"
 
 #include <boost/algorithm/string/case_conv.hpp>
 
@@ -61,15 +59,6 @@ namesOf(const PcdTable& table)
   return names;
 }
 
-std::string
-listOf(const Words& words)
-{
-  std::string list;
-  for (const std::string& word : words)
-    list += (list.empty() ? "" : ", ") + word;
-  return list;
-}
-
 // Whether a word of a name, between underscores and the like, is one of these.
 bool
 hasWord(const std::string& name, const Words& words)
@@ -118,26 +107,21 @@ columnBytes(const PcdTable& table, std::size_t field)
   return bytes;
 }
 
-// A label that an instance was added to, of its type; others stay. Negative numbers are
-// what other programs write for unlabelled, but those beyond 16 bits.
+// The same of any type.
 template <typename T>
 T
-withoutInstance(T value)
+labelWithoutInstance(T value)
 {
-  constexpr double beyond = 65536.0, largest = 4294967295.0;
   if constexpr (std::is_floating_point_v<T>)
-    return value >= beyond && value <= largest && value == std::floor(value)
-               ? T(classOf(std::uint32_t(value)))
+    return std::abs(value) <= T(4294967295.0) && value == std::floor(value)
+               ? T(withoutInstance(std::int64_t(value)))
                : value;
   else if constexpr (sizeof(T) < 4)
     return value;
-  else {
-    const auto wide = double(value);
-    return (wide >= beyond && wide <= largest) ||
-                   (wide <= -beyond && wide >= -0.5 * (largest + 1.0))
-               ? T(classOf(std::uint32_t(value)))
-               : value;
-  }
+  else if constexpr (std::is_same_v<T, std::uint64_t>)
+    return value <= UINT32_MAX ? T(withoutInstance(std::int64_t(value))) : value;
+  else
+    return T(withoutInstance(std::int64_t(value)));
 }
 
 void
@@ -152,7 +136,7 @@ takeInstancesOff(PcdTable& table, std::size_t field)
     for (std::size_t i = 0; i < table.points; ++i) {
       T value;
       std::memcpy(&value, first + i * stride, sizeof(T));
-      const T kept = withoutInstance(value);
+      const T kept = labelWithoutInstance(value);
       if (kept != value && value == value)
         std::memcpy(first + i * stride, &kept, sizeof(T));
     }
@@ -168,13 +152,18 @@ addLabels(const std::string& path, PcdTable& table)
       doubtOfLookalike(path, "labels",
                        {"label", "labels", "class", "classes", "semantic", "semantics",
                         "category", "classification"},
-                       listOf(labelNames()), table);
+                       "label, labels, semantic, sem_class, class, category, "
+                       "classification and the like (doc/formats.md)",
+                       table);
     return;
   }
   auto field = std::size_t(found);
   const std::string name = table.fields[field].name;
   if (name != "label") {
     const PcdColumn column(table, found);
+    if (column.field().count != 1)
+      return addDoubt(table, path + ": field '" + name +
+                                 "' is not read as labels: they have COUNT 1");
     for (std::size_t i = 0; i < table.points; ++i)
       if (!(std::abs(column(i)) <= 4294967295.0) || column(i) != std::floor(column(i)))
         return addDoubt(table, path + ": field '" + name +
@@ -205,8 +194,8 @@ areDistributions(const std::vector<float>& values, std::size_t classes)
   return true;
 }
 
-// The fields that together are probabilities: one of several elements, or one a class,
-// numbered from 0 or 1.
+// The fields that together are probabilities: one of several elements, or one a
+// class, numbered from 0 or 1.
 std::vector<int>
 probabilityFields(const PcdTable& table)
 {
@@ -262,8 +251,8 @@ addProbabilities(const std::string& path, PcdTable& table)
   table.setColumn({"probability", 'F', 4, int(classes)}, bytesOf(values));
 }
 
-// What the numbers of a channel are to be multiplied by to be 0 to 255; nothing if they
-// are no colours. Integers are of 8 or 16 bits, whatever their type.
+// What the numbers of a channel are to be multiplied by to be 0 to 255; nothing if
+// they are no colours. Integers are of 8 or 16 bits, whatever their type.
 std::optional<double>
 scaleOf(const std::array<PcdColumn, 3>& channels, std::size_t points)
 {

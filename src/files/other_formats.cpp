@@ -89,12 +89,20 @@ refuseOtherFormats(const std::string& path)
       boost::algorithm::to_lower_copy(fs::path(path).extension().string());
   const std::string bytes = firstBytes(path);
   if (begins(bytes, "version https://git-lfs.github.com/spec/"))
-    return; // which readBytes() says
+    badInput(path, ": is a pointer of Git LFS, not the cloud itself: git lfs pull "
+                   "fetches it; .pcd, .ply and .bin are read");
+  if (begins(bytes, "# .PCD") || begins(bytes, "VERSION"))
+    return; // whatever it is called
+  const auto refuse = [&](const Format& format) {
+    badInput(path, ": is ", format.name,
+             ", expected .pcd, .ply or .bin; convert it: ", commandOf(format, path));
+  };
   for (const Format& format : formats)
-    if (extension == format.extension ||
-        (!format.first_bytes.empty() && begins(bytes, format.first_bytes)))
-      badInput(path, ": is ", format.name,
-               ", expected .pcd, .ply or .bin; convert it: ", commandOf(format, path));
+    if (extension == format.extension)
+      refuse(format);
+  for (const Format& format : formats)
+    if (!format.first_bytes.empty() && begins(bytes, format.first_bytes))
+      refuse(format);
 }
 
 } // namespace pcl_semantic

@@ -201,6 +201,8 @@ fromPCLPointCloud2(const pcl::PCLPointCloud2& cloud, VoxelCloud& voxels)
   PcdTable table;
   fromPCLPointCloud2(cloud, table);
   voxels = VoxelCloud();
+  if (table.fields.empty() && table.points == 0)
+    return; // as PCL's filters leave a cloud of which nothing is left
   voxels.refined = distributionsOf(table, "probability");
   voxels.measured = distributionsOf(table, "measured");
   voxels.cloud->header = cloud.header;

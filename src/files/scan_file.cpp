@@ -12,7 +12,7 @@
 #include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
-#include <cstring>
+#include <cstdlib>
 #include <filesystem>
 
 namespace pcl_semantic {
@@ -30,6 +30,17 @@ isOfNuScenes(const fs::path& scan)
   return scan.stem().extension() == ".pcd";
 }
 
+// The working folder by the name under which it was entered, which may be a link.
+fs::path
+workingFolder()
+{
+  std::error_code error;
+  const char* const named = std::getenv("PWD");
+  if (named && fs::path(named).is_absolute() && fs::equivalent(named, ".", error))
+    return named;
+  return fs::current_path(error);
+}
+
 // The folder that holds the one of a scan, as its path is written: a symbolic link may
 // lead elsewhere.
 fs::path
@@ -37,7 +48,7 @@ folderAbove(const fs::path& scan)
 {
   fs::path folder = (scan.parent_path() / "").lexically_normal().parent_path();
   if (folder.empty() || folder == "." || folder.filename() == "..")
-    folder = (fs::absolute(scan.parent_path()) / "").lexically_normal().parent_path();
+    folder = (workingFolder() / folder / "").lexically_normal().parent_path();
   return folder.parent_path();
 }
 

@@ -114,6 +114,69 @@ TEST_F(CloudTool, TurnsAScanOfKittiIntoAMap)
   EXPECT_EQ(readLabelledCloud(folder.path("crf.pcd")).distributions.classes(), 11);
 }
 
+// An empty cloud has the fields of the others, and every program takes it.
+TEST_F(CloudTool, LeavesAnEmptyCloudWithTheSameFields)
+{
+  for (const std::string options :
+       {"--keep 7", "--drop 1,3,5", "--crop 90,0,0,91,1,1", "--keep 7 --thin 1",
+        "--crop 90,0,0,91,1,1 --colour --label-set " + label_set}) {
+    const std::string text = succeed("cloud " + folder.path("in.pcd") + " " +
+                                     folder.path("out.pcd") + " " + options);
+    EXPECT_TRUE(holds(text, "no point is left")) << options;
+    const LabelledCloud cloud = readLabelledCloud(folder.path("out.pcd"));
+    EXPECT_EQ(cloud.cloud->size(), 0u);
+    EXPECT_EQ(cloud.table.fields.size(), options.find("colour") < 99 ? 6u : 5u);
+    EXPECT_EQ(cloud.table.viewpoint[1], 2.0);
+  }
+  folder.write("empty.ply", "ply\nformat ascii 1.0\nelement vertex 0\nproperty float "
+                            "x\nproperty float y\nproperty float z\nend_header\n");
+  for (const std::string input : {"out.pcd", "empty.ply"})
+    for (const std::string program :
+         {"cloud IN OUT --thin 0.1", "cloud IN OUT --crop 0,0,0,1,1,1", "crf IN OUT",
+          "crf IN OUT --crf hierarchical --cliques cubes:1",
+          "cliques IN OUT --method cubes:1", "cliques IN OUT --method supervoxel:1",
+          "cliques IN OUT --method slic"}) {
+      std::string command = program;
+      command.replace(command.find("IN"), 2, folder.path(input));
+      command.replace(command.find("OUT"), 3, folder.path("again.pcd"));
+      EXPECT_TRUE(holds(succeed(command), "no point is left")) << command;
+      EXPECT_EQ(readLabelledCloud(folder.path("again.pcd")).cloud->size(), 0u);
+    }
+}
+
+TEST_F(CloudTool, TellsOfNumbersThatAMappingLacks)
+{
+  folder.write("m.yaml", "classes:\n  road: [1]\nunlabelled: [3]\n");
+  const std::string options =
+      " --label-mapping " + folder.path("m.yaml") + " --label-set " + label_set;
+  for (const std::string program : {"cloud ", "crf "})
+    EXPECT_TRUE(
+        holds(succeed(program + folder.path("in.pcd") + " " + folder.path("out.pcd") +
+                      options),
+              "m.yaml lacks 1 of the numbers: 5 (1 points): taken as unlabelled\n"));
+}
+
+TEST_F(CloudTool, CountsNoReturns)
+{
+  std::string rows;
+  for (int i = 0; i < 4; ++i)
+    rows += "0 0 0 2\n" + std::to_string(i) + " 1 1 3\n";
+  folder.write("zeros.pcd", "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F "
+                            "U\nWIDTH 8\nHEIGHT 1\nPOINTS 8\nDATA ascii\n" +
+                                rows);
+  const auto pointsOf = [&](const std::string& program, const std::string& options) {
+    EXPECT_TRUE(holds(succeed(program + " " + folder.path("zeros.pcd") + " " +
+                              folder.path("out.pcd") + options),
+                      "zeros.pcd: 4 points at exactly 0 0 0 are taken for no return"));
+    return readLabelledCloud(folder.path("out.pcd"));
+  };
+  EXPECT_EQ(pointsOf("cloud", " --thin 0.5").cloud->size(), 4u);
+  EXPECT_EQ(pointsOf("cloud", " --crop -1,-1,-1,1,2,2").cloud->size(), 2u);
+  EXPECT_EQ(pointsOf("cloud", " --keep 2").cloud->size(), 4u);
+  EXPECT_EQ((*pointsOf("crf", "").cloud)[0].label, 2u);
+  EXPECT_EQ(pointsOf("cliques", " --method cubes:9").cliques.size(), 1u);
+}
+
 TEST_F(CloudTool, RefusesWhatCannotBe)
 {
   const auto fails = [&](const std::string& options, int code, const std::string& says,
@@ -133,6 +196,15 @@ TEST_F(CloudTool, RefusesWhatCannotBe)
   fails("--thin 1e-12", 2, "take larger ones");
   fails("--colour", 2, "need --label-set");
   fails("--label-mapping none_such --label-set " + label_set, 3, "none_such");
+  folder.write("bare.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float "
+                           "x\nproperty float y\nproperty float z\nproperty uchar "
+                           "lbl\nproperty uchar my_label\nend_header\n1 2 3 4 5\n");
+  for (const std::string option : {"--thin 1", "--keep 1"})
+    fails(option, 3,
+          "bare.ply: has no field 'label' or 'probability', which " +
+              option.substr(0, 6) + " needs; field 'my_label' is not read as labels",
+          "bare.ply");
+  fails("--scan-columns x,y", 2, "scan columns 'x,y' have no z");
   folder.write("cut.ply",
                "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\n");
   fails("", 3, "cut.ply: has no end_header", "cut.ply");

@@ -63,6 +63,20 @@ cubesOf(const Cloud& cloud, double edge)
 
 } // namespace
 
+// One point at exactly 0 0 0 may be real, several are no returns of a scanner.
+TEST(CubeCliques, PassesOverNoReturns)
+{
+  Cloud cloud = randomCloud(50, {3.0f, -2.0f, 0.5f}, 5.0f);
+  cloud.push_back({0.0f, 0.0f, 0.0f, 0, 0, 0});
+  EXPECT_EQ(cubesOf(cloud, 100.0), plainCubes(cloud, 100.0));
+  Cloud without = cloud;
+  without[50].x = kNaN;
+  without.push_back(without[50]);
+  cloud.push_back(cloud[50]);
+  EXPECT_EQ(cubesOf(cloud, 1.0), plainCubes(without, 1.0));
+  EXPECT_TRUE(cubesOf(Cloud(), 1.0).empty());
+}
+
 TEST(CubeCliques, GroupsAsAPlainMapDoes)
 {
   const Cloud cloud = randomCloud(20000, {3.0f, -2.0f, 0.5f}, 5.0f);

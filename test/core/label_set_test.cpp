@@ -96,3 +96,22 @@ TEST(LabelMapping, MapsWhatIsSetAndNothingElse)
   EXPECT_TRUE(
       throws<InvalidParameterException>("65536", [&] { mapping.set(65536, 1); }));
 }
+
+TEST(LabelMapping, TakesInstancesOffAndCountsWhatItLacks)
+{
+  LabelMapping mapping;
+  mapping.set(40, 3);
+  mapping.set(99, kUnlabelled);
+  const LabelMapping copy = mapping;
+  EXPECT_EQ(mapping(7u << 16 | 40u), 3);
+  EXPECT_TRUE(textOfLacking(mapping, "m.yaml", "points").empty());
+  for (const std::uint32_t number : {0u, 99u, 41u, 7u << 16 | 41u, 50u, 65535u})
+    EXPECT_EQ(copy(number), kUnlabelled);
+  EXPECT_EQ(mapping.lacking(),
+            (std::map<std::uint32_t, std::size_t>{{41, 2}, {50, 1}, {65535, 1}}));
+  EXPECT_EQ(textOfLacking(mapping, "m.yaml", "points"),
+            "label mapping m.yaml lacks 3 of the numbers: 41 (2 points), 50 (1), "
+            "65535 (1): taken as unlabelled");
+  EXPECT_TRUE(mapping.has(99));
+  EXPECT_FALSE(mapping.has(0));
+}

@@ -42,13 +42,14 @@ expectTwoPoints(const LabelledCloud& cloud)
 ::testing::AssertionResult
 refuses(const std::string& name, const std::string& content, const std::string& part)
 {
-  return refusesFile(name, content, part, readCloudTable);
+  return refusesFile(name, content, part,
+                     [](const std::string& path) { readCloudTable(path); });
 }
 
 } // namespace
 
-// Only bytes are taken for a colour; anything else keeps its fields.
-TEST(CloudFile, TakesWiderColoursOfPlyForSomethingElse)
+// Bytes become rgba; other numbers are read as colours, too, but stay.
+TEST(CloudFile, KeepsWiderColoursOfPly)
 {
   const TemporaryFolder folder;
   for (const char* const type : {"ushort", "char", "float"}) {
@@ -58,7 +59,8 @@ TEST(CloudFile, TakesWiderColoursOfPlyForSomethingElse)
                      property + "red\n" + property + "green\n" + property +
                      "blue\nend_header\n1 100 20 3\n");
     const PcdTable table = readCloudTable(folder.path("a.ply"));
-    EXPECT_LT(table.find("rgba"), 0) << type;
+    ASSERT_GE(table.find("rgba"), 0) << type;
+    EXPECT_EQ(PcdColumn(table, table.find("rgba")).bits(0), 0xFF641403u) << type;
     ASSERT_GE(table.find("red"), 0) << type;
     EXPECT_EQ(PcdColumn(table, table.find("red"))(0), 100.0) << type;
   }

@@ -11,6 +11,7 @@
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <pcl/conversions.h>
+#include <pcl/filters/extract_indices.h>
 
 #include <cstring>
 
@@ -263,4 +264,146 @@ TEST(LabelVoxelGrid, RefusesASizeThatCannotBe)
   EXPECT_TRUE(
       holds(thrownMessage<InvalidParameterException>([&] { grid.filter(output); }),
             "take larger ones"));
+}
+
+// What pcl::ExtractIndices leaves of a cloud if it takes no point: with or without
+// fields, without a size of its points.
+TEST(PointCloud2Filters, GiveNothingOfNothing)
+{
+  const CrfCloud cloud = labelledCloud();
+  const Blob::Ptr whole = blobOf(cloud, true);
+  pcl::ExtractIndices<Blob> extract;
+  extract.setInputCloud(whole);
+  extract.setIndices(pcl::make_shared<pcl::Indices>());
+  const Blob::Ptr extracted(new Blob), no_size(new Blob(*whole)), no_fields(new Blob),
+      no_rows(new Blob(*whole));
+  extract.filter(*extracted);
+  no_size->width = no_size->height = no_size->point_step = no_size->row_step = 0;
+  no_size->data.clear();
+  no_rows->height = 0;
+  no_rows->data.clear();
+  for (const Blob::Ptr& empty : {extracted, no_size, no_fields, no_rows}) {
+    SCOPED_TRACE(empty->fields.size());
+    SemanticCRF<Blob> crf;
+    LabelVoxelGrid grid;
+    grid.setLeafSize(0.1);
+    crf.setModel(CRFModelType::hierarchical);
+    for (const Blob::Ptr& each : {whole, empty, whole}) { // as frames come
+      Blob refined, thin;
+      crf.setInputCloud(each);
+      crf.filter(refined);
+      grid.setInputCloud(each);
+      grid.filter(thin);
+      const bool is_whole = each == whole;
+      EXPECT_EQ(refined.width * refined.height, is_whole ? 400u : 0u);
+      EXPECT_EQ(thin.width * thin.height > 0, is_whole);
+      EXPECT_EQ(refined.fields.size(), each->fields.size());
+      EXPECT_EQ(crf.getLabelDistributions().size(), is_whole ? 400 : 0);
+      EXPECT_EQ(crf.getSkippedPoints(), 0u);
+    }
+    PcdTable table;
+    fromPCLPointCloud2(*empty, table);
+    EXPECT_EQ(table.points, 0u);
+    EXPECT_EQ(table.fields.size(), empty->fields.size());
+    EXPECT_EQ(labelledCloudOf(table, "cloud").cloud->size(), 0u);
+    Blob back;
+    toPCLPointCloud2(table, back);
+    EXPECT_EQ(back.width * back.height, 0u);
+    EXPECT_EQ(back.fields.size(), empty->fields.size());
+  }
+  VoxelCloud voxels;
+  Blob blob;
+  toPCLPointCloud2(voxels, blob);
+  for (const Blob& empty : {blob, Blob()}) {
+    fromPCLPointCloud2(empty, voxels);
+    EXPECT_EQ(voxels.size(), 0u);
+  }
+}
+
+// One point at 0 0 0 may be real; several are what a scanner gives for no return.
+TEST(PointCloud2Filters, PassOverNoReturns)
+{
+  const CrfCloud cloud = labelledCloud();
+  for (const std::size_t zeros : {1u, 2u, 40u}) {
+    CrfCloud scan = labelledCloud();
+    for (std::size_t i = 0; i < zeros; ++i) {
+      (*scan.cloud)[i].getVector3fMap().setZero();
+      (*scan.cloud)[i].label = 2;
+    }
+    const Blob::Ptr blob = blobOf(scan, true);
+    SemanticCRF<Blob> crf;
+    crf.setInputCloud(blob);
+    Blob refined;
+    crf.filter(refined);
+    EXPECT_EQ(crf.getSkippedPoints(), zeros > 1 ? zeros : 0u);
+    const std::vector<double> labels = valuesOf(refined, "label");
+    for (std::size_t i = 0; zeros > 1 && i < zeros; ++i)
+      EXPECT_EQ(labels[i], 2.0) << "stays as it was";
+    // The others are as if there were no such points.
+    SemanticCRF<Blob> without;
+    without.setInputCloud(blob);
+    const auto rest = pcl::make_shared<pcl::Indices>();
+    for (std::size_t i = zeros > 1 ? zeros : 0; i < 400; ++i)
+      rest->push_back(pcl::index_t(i));
+    without.setIndices(rest);
+    Blob expected;
+    without.filter(expected);
+    EXPECT_EQ(refined.data, expected.data);
+
+    LabelVoxelGrid grid;
+    grid.setLeafSize(1e-3);
+    grid.setInputCloud(blob);
+    Blob thin;
+    grid.filter(thin);
+    std::size_t at_zero = 0;
+    for (std::size_t i = 0; i < thin.width; ++i)
+      at_zero += valuesOf(thin, "x")[i] == 0.0 && valuesOf(thin, "y")[i] == 0.0;
+    EXPECT_EQ(at_zero, zeros == 1 ? 1u : 0u);
+  }
+}
+
+TEST(PointCloud2Filters, RowsNeedTheirSize)
+{
+  const Blob::Ptr blob = blobOf(labelledCloud(), false);
+  const Blob packed = *blob;
+  PcdTable table, expected;
+  fromPCLPointCloud2(packed, expected);
+  blob->row_step = 0; // some drivers set none
+  fromPCLPointCloud2(*blob, table);
+  EXPECT_EQ(table.data, expected.data);
+  blob->height = 2;
+  blob->width = 200;
+  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
+                        [&] { fromPCLPointCloud2(*blob, table); }),
+                    "row_step is 0, expected at least"));
+}
+
+// The upper 16 bits of a label are an instance.
+TEST(SemanticCRF, TakesInstancesOff)
+{
+  CrfCloud cloud = labelledCloud();
+  Cloud expected, refined;
+  for (Cloud* const output : {&expected, &refined}) {
+    SemanticCRF<pcl::PointXYZRGBL> crf;
+    crf.setInputCloud(cloud.cloud);
+    crf.setLabelConfidence(0.8, 4);
+    crf.filter(*output);
+    for (pcl::PointXYZRGBL& point : *cloud.cloud)
+      point.label |= 9u << 16;
+  }
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_EQ(refined[i].label, expected[i].label);
+}
+
+TEST(SemanticCRF, GivesNothingOfNothing)
+{
+  SemanticCRF<pcl::PointXYZRGBL> crf;
+  const CrfCloud cloud = labelledCloud();
+  crf.setLabelDistributions(cloud.distributions); // of a frame before
+  crf.setInputCloud(pcl::make_shared<Cloud>());
+  Cloud output;
+  output.resize(3);
+  crf.filter(output);
+  EXPECT_TRUE(output.empty());
+  EXPECT_EQ(crf.getLabelDistributions().size(), 0);
 }

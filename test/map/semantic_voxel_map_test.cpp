@@ -72,6 +72,26 @@ TEST(SemanticVoxelMap, LabelsAddedLaterAreThoseOfTheScan)
   EXPECT_TRUE(voxels.measured.matrix().isApprox(expected.measured.matrix(), 1e-5f));
 }
 
+TEST(SemanticVoxelMap, PointsAtTheSensorAreNoReturns)
+{
+  const LabelSet label_set({{"house", {200, 0, 0}}, {"road", {9, 9, 9}}});
+  SemanticVoxelMap map(label_set, smallWindow());
+  pcl::PointCloud<pcl::PointXYZ> scan;
+  scan.push_back({2.0f, 0.5f, 0.5f});
+  for (int i = 0; i < 20; ++i)
+    scan.push_back({0.0f, -0.0f, 0.0f});
+  LabelDistributions labels(2, 21);
+  for (int i = 0; i < 21; ++i)
+    labels.setLabel(i, 1, 0.9f);
+  const Eigen::Isometry3d pose = poseAt(0.1, 0.1, 0.1);
+  const ScanCounts counts = map.integrate(scan, pose, labels);
+  EXPECT_EQ(counts.points, 21u);
+  EXPECT_EQ(counts.rays, 1u);
+  EXPECT_EQ(counts.invalid, 20u);
+  EXPECT_EQ(map.occupied().size(), 1u);
+  EXPECT_EQ(map.addLabels(scan, pose, labels), 1u);
+}
+
 TEST(SemanticVoxelMap, EqualsAPlainMapOverSeveralScans)
 {
   const LabelSet label_set = threeClasses();

@@ -86,6 +86,41 @@ TEST_F(CloudFrames, OfACameraLoseWhatIsSeenThroughAndKeepTheImage)
             cv::Vec3b(point.b, point.g, point.r));
 }
 
+// A scanner's empty scan, and a camera's frame without a depth.
+TEST_F(CloudFrames, OfNoPointsChangeNothing)
+{
+  for (const bool has_camera : {false, true}) {
+    const auto mapper = makeMapper(has_camera ? std::optional(camera_) : std::nullopt);
+    const VoxelCloud before = mapper->process(frame(0)).voxels;
+    CloudFrame empty = frame(1);
+    empty.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
+    empty.distributions = LabelDistributions();
+    const MappedFrame mapped = mapper->process(empty);
+    EXPECT_EQ(mapped.counts.rays, 0u);
+    EXPECT_EQ(mapped.frame.left.empty(), !has_camera);
+    EXPECT_EQ(mapper->map().occupiedEverywhere().size(), before.size());
+  }
+}
+
+TEST_F(CloudFrames, PointsAtTheSensorAreNoReturns)
+{
+  for (const bool has_camera : {false, true}) {
+    CloudFrame zeros = frame(0), nans = frame(0);
+    for (CloudFrame* const each : {&zeros, &nans})
+      each->cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(*each->cloud);
+    for (std::size_t i = 0; i < 500; ++i) {
+      (*zeros.cloud)[7 * i].getVector3fMap().setZero();
+      (*nans.cloud)[7 * i].getVector3fMap().setConstant(std::nanf(""));
+    }
+    const auto camera = has_camera ? std::optional(camera_) : std::nullopt;
+    const MappedFrame of_zeros = makeMapper(camera)->process(zeros),
+                      of_nans = makeMapper(camera)->process(nans);
+    EXPECT_EQ(of_zeros.counts.invalid, of_nans.counts.invalid);
+    EXPECT_GE(of_zeros.counts.invalid, 500u);
+    EXPECT_EQ(of_zeros.voxels.indices, of_nans.voxels.indices);
+  }
+}
+
 TEST_F(CloudFrames, ColoursThatMeanNothingAreNotFused)
 {
   CloudFrame grey = frame(0);
