@@ -3,6 +3,7 @@
 #include "core/fail.h"
 #include "core/label_number.h"
 
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/pipeline/crf_config.h>
 
@@ -30,6 +31,15 @@ cliquesOf(const Array<std::int64_t>& numbers, py::ssize_t points)
   for (auto& [number, members] : cliques)
     result.push_back(std::move(members));
   return result;
+}
+
+void
+warnOfNoReturns(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+{
+  const std::size_t count = countNoReturns(cloud);
+  if (count > 0)
+    warn(std::to_string(count) +
+         " points at exactly 0 0 0 are taken for no return and passed over");
 }
 
 CliqueGenerator::Ptr
@@ -89,6 +99,7 @@ refine(const Array<float>& points, const MaybeArray<float>& probabilities,
     crf.setCliqueGenerator(generatorOf(cliques.cast<std::string>()));
   else if (!cliques.is_none())
     crf.setCliques(cliquesOf(integersOf<std::int64_t>(cliques, "cliques"), count));
+  warnOfNoReturns(*cloud);
   crf.setInputCloud(cloud);
   released([&] { crf.filter(*cloud); });
   return py::make_tuple(labelsOf(*cloud), arrayOf(crf.getLabelDistributions()));
@@ -105,6 +116,7 @@ cliques(const Array<float>& points, const std::string& kind,
   const CliqueGenerator::Ptr generator = generatorOf(kind);
   if (generator->usesColour() && !colours)
     badParameter("'", kind, "' needs colours");
+  warnOfNoReturns(*labelled);
   const auto found = released([&] { return generator->generate(cloud); });
   py::array_t<std::int32_t> numbers((py::ssize_t(cloud.size())));
   std::fill_n(numbers.mutable_data(), cloud.size(), 0);

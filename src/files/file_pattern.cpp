@@ -138,12 +138,20 @@ numbersIn(const std::string& text)
   return numbers;
 }
 
+std::string
+frameNameOf(const std::string& path)
+{
+  const fs::path file(path), name = file.stem();
+  const bool has_two = file.extension() == ".bin" && name.extension() == ".pcd";
+  return (has_two ? name.stem() : name).string();
+}
+
 std::vector<int>
 frameNumbersOf(const std::vector<std::string>& paths)
 {
   std::vector<int> numbers;
   for (const std::string& path : paths) {
-    const std::string name = fs::path(path).stem().string();
+    const std::string name = frameNameOf(path);
     int number = -1;
     if (!parseWhole(name, number) || number < 0 || number > kMaxFrameNumber)
       return {};

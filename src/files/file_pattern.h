@@ -20,6 +20,11 @@ bool naturalLess(const std::string& a, const std::string& b);
 /** \brief The whole numbers in a text, of any length, without leading zeros. */
 std::vector<std::string> numbersIn(const std::string& text);
 
+/** \brief The name of a file without its folder and extension, of which nuScenes has
+ * two
+ * (".pcd.bin"). */
+std::string frameNameOf(const std::string& path);
+
 /** \brief The frame numbers that the names of files are, without their extensions
  * ("000012.pcd"); empty if one is no whole number up to kMaxFrameNumber: dates and time
  * stamps are none.

@@ -13,7 +13,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 
 namespace pcl_semantic {
@@ -24,7 +23,7 @@ namespace {
 std::optional<double>
 timeInName(const std::string& path)
 {
-  const std::string name = std::filesystem::path(path).stem().string();
+  const std::string name = frameNameOf(path);
   double time = 0.0;
   const char* const end = name.data() + name.size();
   const auto [stop, error] = std::from_chars(name.data(), end, time);

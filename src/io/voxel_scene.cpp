@@ -28,13 +28,16 @@ finitePoints(const std::string& path, const PcdTable& table)
 {
   const PcdColumn x(table, table.find("x")), y(table, table.find("y")),
       z(table, table.find("z"));
+  std::size_t zeros = 0;
+  for (std::size_t i = 0; i < table.points; ++i)
+    zeros += x(i) == 0.0 && y(i) == 0.0 && z(i) == 0.0;
   FinitePoints points;
   points.positions.reserve(table.points);
   points.rows.reserve(table.points);
   for (std::size_t i = 0; i < table.points; ++i) {
     const Eigen::Vector3d position(x(i), y(i), z(i));
-    if (!position.allFinite())
-      continue;
+    if (!position.allFinite() || (zeros > 1 && position.isZero(0.0)))
+      continue; // no measurement
     points.positions.push_back(position);
     points.rows.push_back(i);
   }
@@ -169,6 +172,7 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid)
   const LabelledCloud labelled = readLabelledCloud(path);
   const FinitePoints points = finitePoints(path, labelled.table);
   VoxelScene scene;
+  scene.doubts = labelled.table.doubts;
   scene.has_colour = labelled.has_colour;
   scene.has_labels = labelled.has_labels;
   const auto& [size, x, y, z] = labelled.table.voxel_grid;

@@ -117,9 +117,9 @@ TEST_F(CloudTool, TurnsAScanOfKittiIntoAMap)
 // An empty cloud has the fields of the others, and every program takes it.
 TEST_F(CloudTool, LeavesAnEmptyCloudWithTheSameFields)
 {
-  for (const std::string options :
-       {"--keep 7", "--drop 1,3,5", "--crop 90,0,0,91,1,1", "--keep 7 --thin 1",
-        "--crop 90,0,0,91,1,1 --colour --label-set " + label_set}) {
+  for (const std::string& options : std::vector<std::string>{
+           "--keep 7", "--drop 1,3,5", "--crop 90,0,0,91,1,1", "--keep 7 --thin 1",
+           "--crop 90,0,0,91,1,1 --colour --label-set " + label_set}) {
     const std::string text = succeed("cloud " + folder.path("in.pcd") + " " +
                                      folder.path("out.pcd") + " " + options);
     EXPECT_TRUE(holds(text, "no point is left")) << options;

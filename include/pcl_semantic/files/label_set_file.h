@@ -16,7 +16,7 @@ LabelSet readLabelSet(const std::string& path);
 void writeLabelSet(const std::string& path, const LabelSet& label_set);
 
 /** \brief Reads a mapping of ids to the classes of \a label_set
- * (`data/label_mappings/\*.yaml`).
+ * (`data/label_mappings/\*.yaml`), and the ids that are known to have none.
  * \param[in] path of the file, the name of one of those (`semantic_kitti_to_kitti11`),
  * or `zero_based` for numbers from 0 to L - 1, as networks are trained on them
  * \throws BadInputException with file and line, at an unknown class for example */

@@ -28,7 +28,8 @@ struct VoxelScene {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   /// Voxels that are known to be empty. A cloud knows only what is occupied.
   std::vector<VoxelIndex> free;
-  bool knows_free = false; ///< all others are unknown then
+  bool knows_free = false;         ///< all others are unknown then
+  std::vector<std::string> doubts; ///< PcdTable::doubts of the file
 };
 
 /** \brief Centre of a cube in the frame of the points [m]. */
@@ -39,7 +40,7 @@ centreOf(const VoxelGrid& grid, const VoxelIndex& voxel)
 }
 
 /** \brief Reads a `.pcd` as readLabelledCloud() does; points that are not finite are
- * left out.
+ * left out, and so are two or more at exactly 0 0 0 (countNoReturns()).
  *
  * Several points of a voxel become one: the most frequent label (the lowest of equals),
  * the mean colour, and the distribution of the first point of that label.
