@@ -2,6 +2,8 @@
 #include "cloud_doubts.h"
 #include "messages.h"
 
+#include <boost/algorithm/string/predicate.hpp>
+
 #include <exception>
 #include <utility>
 
@@ -11,6 +13,13 @@ ScanColumns
 columnsOf(const std::string& scan_columns)
 {
   return scan_columns.empty() ? ScanColumns() : parseScanColumns(scan_columns);
+}
+
+ScanColumns
+columnsOf(const std::string& scan_columns, const std::string& path)
+{
+  return boost::algorithm::iends_with(path, ".bin") ? columnsOf(scan_columns)
+                                                    : ScanColumns();
 }
 
 void

@@ -21,6 +21,9 @@ constexpr const char* scan_columns_help = "columns of a .bin, float32 each: thei
  * \throws InvalidParameterException */
 ScanColumns columnsOf(const std::string& scan_columns);
 
+/** \brief The same for one of several clouds, of which only a `.bin` has columns. */
+ScanColumns columnsOf(const std::string& scan_columns, const std::string& path);
+
 /** \brief Warns of each of PcdTable::doubts. */
 void warnOfDoubts(const std::vector<std::string>& doubts);
 

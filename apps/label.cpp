@@ -348,7 +348,7 @@ labelCloud(const std::string& path, int number, const Arguments& arguments,
 {
   const bool is_seen = dynamic_cast<NetworkPredictor*>(&predictor) != nullptr;
   LabelledCloud labelled =
-      readLabelledCloud(path, nullptr, columnsOf(arguments.scan_columns));
+      readLabelledCloud(path, nullptr, columnsOf(arguments.scan_columns, path));
   if (counts.doubts.empty()) {
     counts.doubts = labelled.table.doubts;
     warnOfDoubts(counts.doubts);
@@ -413,7 +413,7 @@ int
 labelClouds(const Arguments& arguments)
 {
   setNumberOfThreads(arguments.threads);
-  const CloudSequence clouds(arguments.clouds);
+  const CloudSequence clouds(arguments.clouds, "", columnsOf(arguments.scan_columns));
   MappingWatch watch;
   const auto predictor = makePredictor(arguments, watch);
   std::optional<LabelCarrier> carrier;

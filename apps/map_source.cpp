@@ -416,8 +416,9 @@ private:
     std::map<int, std::string> paths;
     for (const std::size_t i : positions_)
       paths[clouds_.frameNumber(i)] = clouds_.path(i);
-    return [paths, columns = columnsOf(arguments_.scan_columns)](int frame) {
-      return readPositions(paths.at(frame), columns);
+    return [paths, columns = arguments_.scan_columns](int frame) {
+      const std::string& path = paths.at(frame);
+      return readPositions(path, columnsOf(columns, path));
     };
   }
 
@@ -444,7 +445,8 @@ private:
     for (const std::size_t position : positions_) {
       const std::string& path = clouds_.path(position);
       const auto cloud =
-          readLabelledCloud(path, nullptr, columnsOf(arguments_.scan_columns)).cloud;
+          readLabelledCloud(path, nullptr, columnsOf(arguments_.scan_columns, path))
+              .cloud;
       if (cloud->empty())
         continue;
       if (!cloud->isOrganized())

@@ -311,6 +311,71 @@ class Threads(unittest.TestCase):
         self.assertEqual(found, [expected] * 4)
 
 
+class Doubts(unittest.TestCase):
+    def test_instances_are_taken_off_labels(self):
+        points, _, noisy = two_walls()
+        expected = pcl_semantic.refine(points, labels=noisy)[0]
+        for number in (noisy + (7 << 16), (noisy + (40000 << 16)).astype(np.uint32),
+                       (noisy + (40000 << 16)).astype(np.uint32).view(np.int32)):
+            np.testing.assert_array_equal(
+                pcl_semantic.refine(points, labels=number)[0], expected)
+        counts = pcl_semantic.confusion_matrix([1, 2 + (9 << 16)], [1, 2], 2)
+        np.testing.assert_array_equal(counts, np.diag([0, 1, 1]))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.pcd")
+            x, y, z = points.T
+            pcl_semantic.write_cloud(path, {"x": x, "y": y, "z": z,
+                                            "label": (noisy + (7 << 16)).astype("u4")})
+            np.testing.assert_array_equal(pcl_semantic.read_cloud(path)["label"], noisy)
+
+    def test_nothing_gives_nothing(self):
+        points, none = np.zeros((0, 3)), np.zeros(0, int)
+        labels, probabilities = pcl_semantic.refine(points, labels=none, classes=4)
+        self.assertEqual((labels.shape, probabilities.shape), ((0,), (0, 4)))
+        self.assertEqual(pcl_semantic.refine(
+            points, probabilities=np.zeros((0, 4)), crf="hierarchical",
+            cliques="cubes:1")[1].shape, (0, 4))
+        for kind in ("cubes:1", "supervoxel:1"):
+            self.assertEqual(pcl_semantic.cliques(points, kind).shape, (0,))
+        grid = pcl_semantic.SemanticVoxelMap("kitti11")
+        self.assertEqual(grid.integrate(points, np.eye(4))["rays"], 0)
+        self.assertEqual(grid.labels(points).shape, (0,))
+        for camera in (None, [100, 100, 50, 40, 0.5, 100, 80]):
+            mapper = pcl_semantic.SemanticMapper("kitti11", camera=camera)
+            self.assertEqual(mapper.process(points, np.eye(4))["rays"], 0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.pcd")
+            pcl_semantic.write_cloud(path, dict(zip("xyz", points.T)))
+            self.assertEqual(pcl_semantic.read_cloud(path)["x"].shape, (0,))
+
+    def test_no_returns_are_passed_over_and_told(self):
+        points, _, noisy = two_walls()
+        points[:100] = 0
+        with self.assertWarnsRegex(UserWarning, "100 points at exactly 0 0 0"):
+            labels, _ = pcl_semantic.refine(points, labels=noisy)
+        np.testing.assert_array_equal(labels[:100], noisy[:100])
+        with self.assertWarnsRegex(UserWarning, "100 points at exactly 0 0 0"):
+            self.assertFalse(pcl_semantic.cliques(points)[:100].any())
+        counts = pcl_semantic.SemanticVoxelMap("kitti11").integrate(points, np.eye(4))
+        self.assertEqual(counts["invalid"], 100)
+
+    def test_fields_and_columns_that_are_not_read(self):
+        values = np.random.default_rng(1).uniform(0, 1, (40, 5)).astype(np.float32)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.pcd")
+            cloud = dict(zip(["x", "y", "z", "r", "my_label"], values.T))
+            pcl_semantic.write_cloud(path, cloud)
+            with self.assertWarnsRegex(UserWarning, "'my_label' is not read as labels"):
+                pcl_semantic.read_cloud(path)
+            with self.assertRaisesRegex(ValueError, "scan columns are for .bin"):
+                pcl_semantic.read_cloud(path, scan_columns=5)
+            path = os.path.join(folder, "a.bin")
+            values.tofile(path)
+            for columns in (5, "x,y,z,intensity,ring", ["x", "y", "z", "_", "ring"]):
+                found = pcl_semantic.read_cloud(path, scan_columns=columns)
+                np.testing.assert_array_equal(found["ring"], values[:, 4])
+
+
 class Guide(unittest.TestCase):
     def run_script(self, folder, *command):
         return subprocess.run([sys.executable, *command], cwd=folder, check=True,

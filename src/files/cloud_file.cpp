@@ -345,6 +345,8 @@ readCloudTable(const std::string& path, const ScanColumns& columns)
   const std::string extension =
       boost::algorithm::to_lower_copy(fs::path(path).extension().string());
   refuseOtherFormats(path);
+  if (!columns.empty() && extension != ".bin")
+    badParameter(path, ": scan columns are for .bin, which has no header");
   PcdTable table = extension == ".ply"   ? readPly(path)
                    : extension == ".bin" ? readScan(path, columns)
                                          : readPcd(path);

@@ -7,6 +7,7 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
+#include <boost/algorithm/string/predicate.hpp>
 #include <pcl/common/io.h>
 
 #include <algorithm>
@@ -41,6 +42,12 @@ timesInNames(const std::vector<std::string>& paths)
     if (const auto time = timeInName(path))
       all.push_back(*time);
   return all.size() == paths.size() ? all : std::vector<double>();
+}
+
+bool
+isHeaderless(const std::string& path)
+{
+  return boost::algorithm::iends_with(path, ".bin");
 }
 
 LabelDistributions
@@ -83,6 +90,8 @@ CloudSequence::CloudSequence(const std::string& pattern, const std::string& time
                              ScanColumns columns)
     : paths_(findFiles(pattern, cloudExtensions())), columns_(std::move(columns))
 {
+  if (!columns_.empty() && std::none_of(paths_.begin(), paths_.end(), isHeaderless))
+    badParameter(pattern, ": scan columns are for .bin, which has no header");
   numbers_ = frameNumbersOf(paths_);
   if (numbers_.empty()) {
     times_ = timesInNames(paths_);
@@ -113,7 +122,8 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
                      const LabelMapping* mapping,
                      std::vector<std::string>* doubts) const
 {
-  const LabelledCloud read = readLabelledCloud(path(i), mapping, columns_);
+  const LabelledCloud read = readLabelledCloud(
+      path(i), mapping, isHeaderless(path(i)) ? columns_ : ScanColumns());
   if (doubts)
     *doubts = read.table.doubts;
   CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};

@@ -209,8 +209,8 @@ SemanticVoxelMap::State::addLabels(const Scan& scan,
   for (std::uint32_t i = 0; i < scan.points.size(); ++i) {
     const Eigen::Vector3f point = scan.points[i];
     const Label label = scan.distributions->mapLabel(i);
-    if (label == kUnlabelled ||
-        point.isZero(0.0f) || // no return label_set[label].sky ||
+    const bool is_return = !point.isZero(0.0f);
+    if (!is_return || label == kUnlabelled || label_set[label].sky ||
         !(point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <=
           float(parameters.max_range)))
       continue;

@@ -194,6 +194,78 @@ TEST_F(Scans, OfAnySensorBecomeTheMapOfTheLibrary)
   succeed("render " + folder.path("map") + " " + folder.path("map.png"));
 }
 
+// As drivers write what did not come back, and a scan that nothing came back of.
+TEST_F(Scans, NoReturnsAndEmptyScansChangeNothing)
+{
+  for (LabelledCloud& scan : scans)
+    for (int i = 0; i < 300; ++i) {
+      pcl::PointXYZRGBL point;
+      point.getVector3fMap().setZero();
+      point.label = 1;
+      scan.cloud->push_back(point);
+    }
+  for (int frame = 0; frame < 4; ++frame)
+    writeLabelledCloud(folder.path("clouds/" + std::to_string(frame) + ".pcd"),
+                       scans[std::size_t(frame)]);
+  for (LabelledCloud& scan : scans) // what is expected
+    scan.cloud->resize(scan.cloud->size() - 300);
+  succeed(map(folder.path("poses.txt")));
+  expectVoxels(folder.path("map/map.pcd"), expected());
+  EXPECT_TRUE(
+      holds(bytesOf(folder.path("map/summary.json")), "\"without_depth\": 1200"));
+
+  scans[2].cloud->clear();
+  LabelledCloud nothing;
+  nothing.cloud->width = 0;
+  writeLabelledCloud(folder.path("clouds/2.pcd"), nothing);
+  fs::remove_all(folder.path("map"));
+  succeed(map(folder.path("poses.txt")));
+  expectVoxels(folder.path("map/map.pcd"), expected());
+}
+
+TEST_F(Scans, OfOtherColumnsAreReadAsTheyAreNamed)
+{
+  const auto write = [&](const std::string& extension) {
+    for (std::size_t frame = 0; frame < 4; ++frame) {
+      std::vector<float> values;
+      std::vector<std::uint32_t> labels;
+      const auto& cloud = *scans[frame].cloud;
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const pcl::PointXYZRGBL& point = cloud[i];
+        values.insert(values.end(),
+                      {point.x, point.y, point.z, float(i % 200), float(i % 16)});
+        labels.push_back(point.label | std::uint32_t(i) << 16);
+      }
+      const std::string name = folder.path("scans/00000" + std::to_string(frame));
+      std::ofstream(name + extension, std::ios::binary)
+          .write(reinterpret_cast<const char*>(values.data()),
+                 std::streamsize(4 * values.size()));
+      std::ofstream(name + ".label", std::ios::binary)
+          .write(reinterpret_cast<const char*>(labels.data()),
+                 std::streamsize(4 * labels.size()));
+    }
+  };
+  const std::string command = "map --clouds " + folder.path("scans") +
+                              " --crf none --poses " + folder.path("poses.txt") +
+                              " --output " + folder.path("map");
+  fs::create_directories(folder.path("scans"));
+  write(".bin");
+  expectFails(command, 3, "like 5 float32 a point; name them with --scan-columns");
+  succeed(command + " --scan-columns x,y,z,intensity,ring");
+  expectVoxels(folder.path("map/map.pcd"), expected());
+  fs::remove_all(folder.path("scans"));
+  fs::create_directories(folder.path("scans"));
+  write(".pcd.bin");
+  fs::remove_all(folder.path("map"));
+  EXPECT_TRUE(holds(succeed(command + " --label-mapping semantic_kitti_to_kitti11"),
+                    "kitti11 lacks"));
+  fs::remove_all(folder.path("map"));
+  succeed(command);
+  expectVoxels(folder.path("map/map.pcd"), expected());
+  expectFails(map(folder.path("poses.txt")) + " --scan-columns 5", 2,
+              "scan columns are for .bin");
+}
+
 TEST_F(Scans, TakeTheLabelsOfTheirMap)
 {
   succeed(map(folder.path("poses.txt")) + " --also scans,measured");
