@@ -46,9 +46,13 @@ workingFolder()
 fs::path
 folderAbove(const fs::path& scan)
 {
-  fs::path folder = (scan.parent_path() / "").lexically_normal().parent_path();
+  const auto normal = [](const fs::path& path) {
+    const fs::path result = path.lexically_normal();
+    return result.has_filename() ? result : result.parent_path();
+  };
+  fs::path folder = normal(scan.parent_path());
   if (folder.empty() || folder == "." || folder.filename() == "..")
-    folder = (workingFolder() / folder / "").lexically_normal().parent_path();
+    folder = normal(workingFolder() / folder);
   return folder.parent_path();
 }
 

@@ -199,7 +199,8 @@ CloudRefiner::makeCliques(const Fields& fields)
 void
 CloudRefiner::refineNothing()
 {
-  refined_ = LabelDistributions(std::max(label_classes_, measured_.classes()), 0);
+  const int classes = std::max(label_classes_, measured_.classes());
+  refined_ = classes > 0 ? LabelDistributions(classes, 0) : LabelDistributions();
   skipped_points_ = 0;
   clearReport();
 }
