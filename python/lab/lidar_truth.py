@@ -75,7 +75,7 @@ def write(folder, output, mapping, depth=None, scan_labels=None, scan_depth=None
         truth, image = images(rows, columns, depths, labels, sequence.camera)
         files.write_image(f"{output}/{n:06}.png", truth)
         if depth:
-            steps = np.rint(image * 256).clip(0, 65535).astype(np.uint16)
+            steps = np.rint(image * 256).clip(0, 65534).astype(np.uint16)
             files.write_image(f"{depth}/{n:06}.png", steps)
         if scan_labels:
             files.write_array(f"{scan_labels}/{n:06}.label",

@@ -3,6 +3,7 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/measured_depth.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -27,9 +28,11 @@ readPointDepths(const std::string& path)
   cv::Mat1f depths(1, static_cast<int>(bytes.size() / sizeof(float)));
   std::memcpy(depths.data, bytes.data(), bytes.size());
   for (int i = 0; i < depths.cols; ++i)
-    if (!(depths(0, i) >= 0.0f) || std::isinf(depths(0, i)))
+    if (depths(0, i) < 0.0f)
       badInput(path, ": point ", i, " has depth ", depths(0, i),
                ", expected 0 or more");
+    else if (!isMeasuredDepth(depths(0, i)))
+      depths(0, i) = 0.0f;
   return depths;
 }
 
@@ -40,6 +43,9 @@ writeDepthImage(const std::string& path, const cv::Mat& depth)
 {
   cv::Mat image;
   depth.convertTo(image, CV_16U, steps_per_metre); // rounds and saturates
+  for (std::uint16_t& value : cv::Mat1w(image))
+    if (value != 0 && !isMeasuredDepth(value))
+      --value; // as far as the format goes
   writePng(path, image);
 }
 
@@ -48,8 +54,12 @@ readDepths(const std::string& path)
 {
   if (std::filesystem::path(path).extension() == ".bin")
     return readPointDepths(path);
+  cv::Mat1w image = readPng(path, ImageKind::disparity);
+  for (std::uint16_t& value : image)
+    if (!isMeasuredDepth(value))
+      value = 0;
   cv::Mat depth;
-  readPng(path, ImageKind::disparity).convertTo(depth, CV_32F, 1.0 / steps_per_metre);
+  image.convertTo(depth, CV_32F, 1.0 / steps_per_metre);
   return depth;
 }
 

@@ -82,7 +82,7 @@ ruleOf(ImageKind kind)
       {{CV_8UC1, CV_8UC3}, "8-bit grey or 8-bit RGB"},
       {{CV_8UC1}, "8-bit grey (class ids)"},
       {{CV_8UC1, CV_16UC1}, "8-bit or 16-bit grey (numbers of segments)"},
-      {{CV_16UC1}, "16-bit grey (256 x disparity)"}};
+      {{CV_16UC1}, "16-bit grey (depths, or disparities)"}};
   return rules[std::size_t(kind)];
 }
 

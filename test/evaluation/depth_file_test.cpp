@@ -38,6 +38,24 @@ TEST(DepthFile, ImagesAreKittis)
   EXPECT_NEAR(read(1, 2), 256.0f, 0.01f); // as far as the format goes
 }
 
+TEST(DepthFile, NoMeasurementIsZero)
+{
+  constexpr float none = 0.0f, nan = std::numeric_limits<float>::quiet_NaN(),
+                  inf = std::numeric_limits<float>::infinity();
+  const TemporaryFolder folder;
+  writePng(folder.path("a.png"), (cv::Mat1w(2, 2) << 0, 65535, 256, 65534));
+  const cv::Mat1f image = readDepths(folder.path("a.png"));
+  EXPECT_EQ(image(0, 0), none);
+  EXPECT_EQ(image(0, 1), none);
+  EXPECT_EQ(image(1, 0), 1.0f);
+  EXPECT_GT(image(1, 1), 255.0f);
+  folder.write("a.bin", floatBytes({0.0f, nan, inf, 2.0f}));
+  const cv::Mat1f points = readDepths(folder.path("a.bin"));
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(points(0, i), none);
+  EXPECT_EQ(points(0, 3), 2.0f);
+}
+
 TEST(DepthFile, PointsAreFloats)
 {
   const TemporaryFolder folder;
@@ -48,8 +66,7 @@ TEST(DepthFile, PointsAreFloats)
   const auto refusal = [&] {
     return thrownMessage<BadInputException>([&] { readDepths(folder.path("a.bin")); });
   };
-  for (const float bad : {-1.0f, std::numeric_limits<float>::quiet_NaN(),
-                          std::numeric_limits<float>::infinity()}) {
+  for (const float bad : {-1.0f, -std::numeric_limits<float>::infinity()}) {
     folder.write("a.bin", floatBytes({1.0f, bad}));
     EXPECT_TRUE(holds(refusal(), "a.bin: point 1"));
   }
