@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/files/trajectory_file.h>
+
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Whose poses a trajectory holds, and in which frame. */
+enum class PoseFrame {
+  first_camera, ///< camera 0 in the frame of the first one: x right, y down, z forward
+  camera,       ///< a camera, x right, y down, z forward, in a world with z up
+  sensor        ///< a sensor with any axes, in a world with z up
+};
+
+/** \brief What is doubtful of poses, as they would turn the map: most of them upside
+ * down, or tilted by more than 60 degrees (not of a sensor, whose axes are not known),
+ * a way that climbs more than 10 m as no
+ * road does, or steps of more than 30 m.
+ * \param[in] has_quaternions whether they were read as x y z w: if w x y z would turn
+ * them upright, that is said
+ * \return a message for each, without the file */
+std::vector<std::string> doubtsOf(const Trajectory& poses, PoseFrame frame,
+                                  bool has_quaternions);
+
+/** \brief The same of a file, whose name is in front of each message.
+ * \throws BadInputException as readPoses() */
+std::vector<std::string> doubtsOfPoses(const std::string& path, PoseFrame frame);
+
+} // namespace pcl_semantic
