@@ -15,6 +15,7 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
+#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/crf_config.h>
 
@@ -155,7 +156,11 @@ poseOf(const std::string& text, const std::string& calibration)
   if (!(std::abs(turn.norm() - 1.0) <= 1e-2))
     fail<InvalidParameterException>("--pose has a quaternion of length ", turn.norm(),
                                     ", expected 1");
-  return Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) * turn.normalized();
+  const Eigen::Isometry3d pose(
+      Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) * turn.normalized());
+  for (const std::string& doubt : doubtsOf({pose}, PoseFrame::camera, true))
+    warn("--pose: " + doubt);
+  return pose;
 }
 
 // Tells a generator of the frame and the voxels of a map, one for each of its points.

@@ -6,6 +6,7 @@
 #include "sequence_options.h"
 #include "unread_options.h"
 
+#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
@@ -206,8 +207,12 @@ public:
       : visibility_(visibility)
   {
     visibility.validate();
-    if (!images.files.left.empty())
-      images_.emplace(images.files.left, readPinholeCamera(images.files.calibration));
+    if (!images.files.left.empty()) {
+      const PinholeCamera camera = readPinholeCamera(images.files.calibration);
+      warnOf(camera.doubts);
+      images_.emplace(images.files.left, camera);
+      warnOf(doubtsOf(images_->camera()));
+    }
     else {
       const KittiSequence kitti(images.folder);
       std::map<int, std::string> paths;

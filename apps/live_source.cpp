@@ -8,6 +8,7 @@
 #include <pcl_semantic/dataset/live_capture.h>
 #include <pcl_semantic/dataset/live_folder.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
+#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/late_labels.h>
@@ -62,9 +63,10 @@ LiveSource::LiveSource(const MapArguments& arguments) : MapSource(arguments)
   extras_.centres = arguments.centres;
   readCalibrations();
   if (arguments.poses != "auto" && arguments.poses != "odometry")
-    readPoses(arguments.poses, Eigen::Isometry3d::Identity()); // before it waits
+    warnOf(doubtsOfPoses(arguments.poses, PoseFrame::first_camera)); // before it waits
   // Last: what comes until the mapper is made is dropped.
   std::unique_ptr<LiveCamera> camera = openCamera(arguments.sequence);
+  warnOf(camera->doubts());
   watch_.emplace(arguments.sequence.strict, camera->camera());
   run_.camera = camera->camera();
   run_.T_camera0_camera = camera->T_camera0_camera();

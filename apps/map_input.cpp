@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_input.h"
 #include "cloud_doubts.h"
+#include "sequence_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_file.h>
+#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/map_folder.h>
 
@@ -90,8 +92,10 @@ readMap(const std::string& path, const MapHints& hints)
   map.scene = readScene(path, hints);
   warnOfDoubts(map.scene.doubts);
   map.label_set = labelSetOf(path, hints, map.scene);
-  if (!hints.trajectory.empty())
+  if (!hints.trajectory.empty()) {
     map.T_world_camera = readTrajectory(hints.trajectory);
+    warnOf(doubtsOfPoses(hints.trajectory, PoseFrame::first_camera));
+  }
   else if (isFolder(path) && fs::exists(path + "/trajectory.txt"))
     map.T_world_camera = readTrajectory(path + "/trajectory.txt");
   return map;

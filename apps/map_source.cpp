@@ -4,6 +4,7 @@
 #include "messages.h"
 #include "tool.h"
 
+#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
@@ -14,6 +15,7 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -284,6 +286,7 @@ public:
     if (poses_ == "odometry")
       return std::make_unique<StereoOdometry>(sequence_->camera(),
                                               run_.T_camera0_camera);
+    warnOf(doubtsOfPoses(poses_, PoseFrame::first_camera));
     return readPoses(poses_, run_.T_camera0_camera);
   }
 
@@ -344,6 +347,17 @@ public:
   std::unique_ptr<PoseSource>
   openPoses() const override
   {
+    if (arguments_.poses != "viewpoint")
+      warnOf(doubtsOfPoses(arguments_.poses, arguments_.sensor == "own"
+                                                 ? PoseFrame::sensor
+                                                 : PoseFrame::first_camera));
+    return statedPoses();
+  }
+
+private:
+  std::unique_ptr<PoseSource>
+  statedPoses() const
+  {
     if (arguments_.poses == "viewpoint")
       return std::make_unique<ViewpointPoses>();
     return arguments_.sensor == "own"
@@ -351,7 +365,6 @@ public:
                : readPoses(arguments_.poses, run_.T_camera0_camera);
   }
 
-private:
   SensorFrame
   read(std::size_t position) override
   {
@@ -379,7 +392,7 @@ private:
         frame.viewpoint.matrix() == Eigen::Matrix4d::Identity()) // what most files say
       return;
     if (!own_poses_)
-      own_poses_ = openPoses();
+      own_poses_ = statedPoses();
     const Eigen::Isometry3d used = poseAt(*own_poses_, frame);
     if (arguments_.poses == "viewpoint" || frame.viewpoint.isApprox(used, 1e-3))
       return;
@@ -433,6 +446,8 @@ private:
       const RectifiedPair pair = readRectifiedPair(
           {files.calibration, files.extrinsics}, firstCloud(),
           arguments_.sensor == "grey" ? KittiCameras::grey : KittiCameras::colour);
+      warnOf(pair.doubts);
+      warnOf(doubtsOf(pair.camera));
       run_.camera = pair.camera;
       run_.T_camera0_camera = pair.T_camera0_camera;
     }
@@ -492,6 +507,8 @@ public:
                {"model", labelling_.model},
                {"engine", labelling_.engine}});
     labelling_.predictor->requireFrames(labelledFrames());
+    warnOf(sequence_.doubts());
+    warnOf(doubtsOf(sequence_.camera()));
     run_.camera = sequence_.camera();
     run_.label_set = labelling_.label_set;
     extras_ = makeExtras(arguments, [] { return ScanReader(); }); // it has no scans
@@ -501,6 +518,7 @@ public:
   std::unique_ptr<PoseSource>
   openPoses() const override
   {
+    warnOf(doubtsOfPoses(arguments_.poses, PoseFrame::camera));
     return readSensorPoses(arguments_.poses);
   }
 

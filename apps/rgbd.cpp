@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
+#include "sequence_options.h"
 #include "tool.h"
 
+#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -44,7 +46,8 @@ parse(int argc, char** argv)
       {{"sequence", options.sequence, "RGB-D sequence"},
        {"output", options.output, "output folder"},
        {"calibration", options.calibration,
-        "ROS camera_info or Kalibr's camchain (.yaml), of undistorted images"},
+        "camera of undistorted images: ROS camera_info, OpenCV, Kalibr's camchain or "
+        "EuRoC's sensor.yaml (.yaml), KITTI's or Middlebury's calib.txt"},
        {"intrinsics", options.intrinsics, "instead: fx,fy,cx,cy [px]"},
        {"depth-scale", withDefault(options.depth_scale),
         "number in a depth image that stands for a metre; 0 = 5000 in TUM's layout, "
@@ -74,14 +77,19 @@ int
 convert(const Options& options)
 {
   const RgbdSequence sequence(options.sequence, cameraOf(options), options.depth_scale);
+  warnOf(sequence.doubts());
+  warnOf(doubtsOf(sequence.camera()));
   makeOutputFolder(options.output);
   std::vector<std::string> clouds;
   for (std::size_t i = 0; i < sequence.size(); ++i)
     clouds.push_back(options.output + "/" + sequence.name(i) + ".pcd");
   warnOfOtherFiles(options.output, clouds);
   double valid = 0.0;
+  std::size_t unmeasured = 0;
   forEachStep("converting", sequence.size(), [&](std::size_t i) {
-    const CloudFrame frame = sequence.frame(i, options.max_depth);
+    std::size_t without = 0;
+    const CloudFrame frame = sequence.frame(i, options.max_depth, &without);
+    unmeasured += without;
     writeColourCloud(clouds[i], *frame.cloud);
     valid += double(std::count_if(frame.cloud->begin(), frame.cloud->end(),
                                   [](const auto& point) { return point.z > 0.0f; })) /
@@ -91,6 +99,7 @@ convert(const Options& options)
     warn("no pixel has a depth within --max-depth; does --depth-scale fit?");
   printResults({{"clouds", sequence.size()},
                 {"valid_fraction", valid / double(sequence.size())},
+                {"pixels_without_depth", unmeasured},
                 {"output", options.output}});
   return exit_done;
 }

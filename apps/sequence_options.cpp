@@ -4,6 +4,7 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
@@ -14,6 +15,7 @@
 #include <pcl_semantic/odometry/pose_source.h>
 
 #include <cmath>
+#include <set>
 
 namespace pcl_semantic::tool {
 
@@ -77,13 +79,34 @@ requireSequence(const SequenceOptions& options)
                                                  "--calibration belong together");
 }
 
+void
+warnOf(const std::vector<std::string>& doubts)
+{
+  static std::set<std::string> told; // a run of submaps opens the same files again
+  for (const std::string& doubt : doubts)
+    if (told.insert(doubt).second)
+      warn(doubt);
+}
+
+namespace {
+
+template <typename Sequence>
+std::unique_ptr<FrameSequence>
+withWarnings(std::unique_ptr<Sequence> sequence)
+{
+  warnOf(sequence->doubts());
+  return sequence;
+}
+
+} // namespace
+
 std::unique_ptr<FrameSequence>
 openSequence(const SequenceOptions& options)
 {
   if (isVideo(options.files.left) && isVideo(options.files.right))
-    return std::make_unique<VideoPairSequence>(options.files);
+    return withWarnings(std::make_unique<VideoPairSequence>(options.files));
   if (options.hasFiles())
-    return std::make_unique<ImagePairSequence>(options.files);
+    return withWarnings(std::make_unique<ImagePairSequence>(options.files));
   return std::make_unique<KittiSequence>(options.folder);
 }
 
@@ -155,17 +178,10 @@ inputsOf(const SequenceOptions& options)
 
 PairWatch::PairWatch(bool strict, const StereoCamera& camera) : strict_(strict)
 {
-  // Of images of half or double the size it is far off.
-  const double x = camera.cx / camera.width, y = camera.cy / camera.height;
-  if (std::abs(x - 0.5) < 0.2 && std::abs(y - 0.5) < 0.3)
-    return;
-  TextStream text;
-  text << "the principal point (" << camera.cx << ", " << camera.cy
-       << ") is far from the middle of the images, " << camera.width << " x "
-       << camera.height << ": is the calibration of images of another size?";
-  if (strict_)
-    throw BadInputException(text.str());
-  warn(text.str());
+  const std::vector<std::string> doubts = doubtsOf(camera);
+  if (strict_ && !doubts.empty())
+    throw BadInputException(doubts.front());
+  warnOf(doubts);
 }
 
 PairWatch::~PairWatch()

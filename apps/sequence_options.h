@@ -42,7 +42,10 @@ std::vector<Option> withSequence(SequenceOptions& options,
  * \throws InvalidParameterException */
 void requireSequence(const SequenceOptions& options);
 
-/** \brief Opens it. \throws BadInputException */
+/** \brief Warns of each doubt that the library gives, once. */
+void warnOf(const std::vector<std::string>& doubts);
+
+/** \brief Opens it, with warnings. \throws BadInputException */
 std::unique_ptr<FrameSequence> openSequence(const SequenceOptions& options);
 
 /** \brief Indices of the frames that are in the range A:B.

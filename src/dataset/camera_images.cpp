@@ -17,7 +17,7 @@ CameraImages::CameraImages(const std::string& pattern, const PinholeCamera& came
   for (std::size_t i = 0; i < paths.size(); ++i)
     paths_[numbers.empty() ? int(i) : numbers[i]] = paths[i];
   const cv::Mat first = readImage(paths.front());
-  camera_ = {camera.fx, camera.fy, camera.cx, camera.cy, 1.0, first.cols, first.rows};
+  camera_ = camera.ofImage(first.cols, first.rows, paths.front());
 }
 
 CameraImages::CameraImages(std::map<int, std::string> paths, const StereoCamera& camera,

@@ -6,7 +6,6 @@
 #include <pcl_semantic/files/input_file.h>
 
 #include <map>
-#include <set>
 
 namespace pcl_semantic {
 
@@ -15,29 +14,54 @@ namespace {
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
 struct Row {
-  Matrix34 matrix;
+  std::vector<double> numbers;
   std::string where; ///< "FILE line N: P2"
+
+  Matrix34
+  matrix() const
+  {
+    return Matrix34(numbers.data());
+  }
 };
+
+// How many numbers a row has that is read, by its name in the odometry benchmark; the
+// raw data calls P2 `P_rect_02` and has its image size in `S_rect_02`.
+std::size_t
+countOf(const std::string& name)
+{
+  static const std::map<std::string, std::size_t> counts{
+      {"P0", 12}, {"P1", 12}, {"P2", 12}, {"P3", 12}, {"Tr", 12},
+      {"S0", 2},  {"S1", 2},  {"S2", 2},  {"S3", 2}};
+  const auto found = counts.find(name);
+  return found == counts.end() ? 0 : found->second;
+}
+
+std::string
+odometryName(const std::string& name)
+{
+  return name.size() == 9 && name.compare(1, 7, "_rect_0") == 0
+             ? std::string{name[0], name[8]}
+             : name;
+}
 
 std::map<std::string, Row>
 readRows(const std::string& path)
 {
-  static const std::set<std::string> known{"P0", "P1", "P2", "P3", "Tr"};
   std::map<std::string, Row> rows;
   for (const TextLine& line : readLines(path)) {
     const std::size_t colon = line.text.find(':');
-    const std::string name = line.text.substr(0, colon);
-    if (!known.count(name))
+    const std::string stated = line.text.substr(0, colon), name = odometryName(stated);
+    const std::size_t count = countOf(name);
+    if (count == 0)
       continue;
-    const std::string where = atLine(path, line.number) + ": " + name;
+    const std::string where = atLine(path, line.number) + ": " + stated;
     if (colon == std::string::npos)
       fail<BadInputException>(where, ": expected a colon");
-    const std::vector<double> numbers =
-        parseNumbers(line.text.substr(colon + 1), where);
-    if (numbers.size() != 12)
-      fail<BadInputException>(where, ": has ", numbers.size(),
-                              " numbers, expected 12 (a 3 x 4 matrix)");
-    const Row row{Eigen::Map<const Matrix34>(numbers.data()), where};
+    const Row row{parseNumbers(line.text.substr(colon + 1), where), where};
+    if (row.numbers.size() != count)
+      fail<BadInputException>(where, ": has ", row.numbers.size(),
+                              " numbers, expected ", count,
+                              count == 12 ? " (a 3 x 4 matrix)" : " (a size)");
     if (!rows.emplace(name, row).second)
       fail<BadInputException>(where, ": is there twice");
   }
@@ -48,7 +72,7 @@ readRows(const std::string& path)
 Eigen::Vector3d
 translationOf(const Row& row)
 {
-  Eigen::Matrix3d intrinsics = row.matrix.leftCols<3>();
+  Eigen::Matrix3d intrinsics = row.matrix().leftCols<3>();
   const double fx = intrinsics(0, 0), fy = intrinsics(1, 1);
   if (fx <= 0.0 || fy <= 0.0)
     fail<BadInputException>(row.where, ": focal lengths are ", fx, " and ", fy,
@@ -60,20 +84,20 @@ translationOf(const Row& row)
     fail<BadInputException>(
         row.where,
         ": the left 3 x 3 block is no camera matrix, expected fx 0 cx, 0 fy cy, 0 0 1");
-  return pinhole.inverse() * row.matrix.col(3);
+  return pinhole.inverse() * row.matrix().col(3);
 }
 
 Eigen::Isometry3d
 rigidTransformation(const Row& row)
 {
-  const Eigen::Matrix3d block = row.matrix.leftCols<3>();
+  const Eigen::Matrix3d block = row.matrix().leftCols<3>();
   const double deviation =
       (block * block.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (!(deviation <= 1e-2) || block.determinant() < 0.0)
     fail<BadInputException>(row.where, ": the left 3 x 3 block is no rotation");
   Eigen::Isometry3d transformation = Eigen::Isometry3d::Identity();
   transformation.linear() = Eigen::Quaterniond(block).normalized().matrix();
-  transformation.translation() = row.matrix.col(3);
+  transformation.translation() = row.matrix().col(3);
   return transformation;
 }
 
@@ -94,7 +118,7 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
   const Row& right = find(grey ? "P1" : "P3");
   const Eigen::Vector3d t_left = translationOf(left);
   const Eigen::Vector3d t_right = translationOf(right);
-  if (!left.matrix.leftCols<3>().isApprox(right.matrix.leftCols<3>(), 1e-6))
+  if (!left.matrix().leftCols<3>().isApprox(right.matrix().leftCols<3>(), 1e-6))
     fail<BadInputException>(right.where, ": the camera matrix differs from the left "
                                          "camera's, expected a rectified pair");
 
@@ -104,8 +128,12 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
     fail<BadInputException>(right.where, ": baseline is ", baseline, " m, expected ",
                             baseline > 10.0 ? "at most 10 m; is it in millimetres?"
                                             : "more than 0 (left and right swapped?)");
-  calibration.camera = {left.matrix(0, 0), left.matrix(1, 1), left.matrix(0, 2),
-                        left.matrix(1, 2), baseline};
+  const Matrix34 P = left.matrix();
+  calibration.camera = {P(0, 0), P(1, 1), P(0, 2), P(1, 2), baseline};
+  if (const auto size = rows.find(grey ? "S0" : "S2"); size != rows.end()) {
+    calibration.camera.width = int(size->second.numbers[0]);
+    calibration.camera.height = int(size->second.numbers[1]);
+  }
   calibration.T_camera0_camera.translation() = -t_left;
   const auto velodyne = rows.find("Tr");
   if (velodyne != rows.end())

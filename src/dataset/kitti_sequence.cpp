@@ -28,7 +28,7 @@ KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
   readTimes();
   calibration_ = readCalibrationOf(
       readFrameImage(frames_.front().left, frames_.front().number).size(),
-      folder + "/calib.txt", cameras);
+      frames_.front().left, folder + "/calib.txt", cameras);
 }
 
 void

@@ -131,7 +131,7 @@ public:
       fail<BadInputException>(folder, ": holds no whole pair of images yet");
     const cv::Mat first = readFrameImage(grabbed_.left, grabbed_.frame);
     const KittiCalibration calibration = readCalibrationOf(
-        first.size(), folder + "/calib.txt",
+        first.size(), grabbed_.left, folder + "/calib.txt",
         first.channels() == 1 ? KittiCameras::grey : KittiCameras::colour);
     pair_.camera = calibration.camera;
     pair_.T_camera0_camera = calibration.T_camera0_camera;

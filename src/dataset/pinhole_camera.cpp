@@ -1,37 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/dataset/pinhole_camera.h>
 
+#include "camera_file.h"
+
 #include "core/fail.h"
-#include "files/yaml_config.h"
 
 #include <cmath>
-#include <vector>
 
 namespace pcl_semantic {
 
 namespace {
 
+// What a camera_info states of a pair, which one camera has no use for.
 void
-refuseDistortion(const YamlMap& map, const std::string& key)
+doubtPair(CameraFile& file)
 {
-  std::vector<double> values;
-  if (map.isMap(key))
-    map.requireMap(key).get("data", values);
-  else
-    map.get(key, values);
-  for (const double value : values)
-    if (value != 0.0)
-      fail<BadInputException>(
-          map.where(key), ": images have to be undistorted, with coefficients of 0");
-}
-
-PinholeCamera
-cameraOfMatrix(const std::vector<double>& K, const std::string& where)
-{
-  if (K.size() != 9 || K[1] != 0.0 || K[8] != 1.0)
-    fail<BadInputException>(where,
-                            ": is no camera matrix, expected fx 0 cx 0 fy cy 0 0 1");
-  return {K[0], K[4], K[2], K[5]};
+  if (!file.P)
+    return;
+  if (file.isRectified() && file.R && !file.R->isIdentity(1e-6))
+    file.doubts.push_back(file.path + ": has no distortion, so that its images are "
+                                      "taken as rectified by R: P is used, K is not");
+  if (!file.P->col(3).isZero(0.0))
+    file.doubts.push_back(file.path +
+                          ": P says that this camera is not the left one of its pair: "
+                          "that is not used, the camera is where the poses say");
 }
 
 } // namespace
@@ -44,34 +36,37 @@ PinholeCamera::validate() const
     fail<InvalidParameterException>("camera: fx ", fx, ", fy ", fy, ", cx ", cx,
                                     ", cy ", cy,
                                     " px, expected positive focal lengths");
+  if (width < 0 || height < 0 || (width == 0) != (height == 0))
+    badParameter("camera: the image size is ", width, " x ", height, " pixels");
+}
+
+StereoCamera
+PinholeCamera::ofImage(int image_width, int image_height,
+                       const std::string& image) const
+{
+  const std::string name = calibration.empty() ? "the camera" : calibration;
+  requireStatedSize(width, height, stated_size, name, image_width, image_height, image);
+  // Outside, it is the calibration of images of another size.
+  if (width == 0 && !(cx > 0.0 && cx < image_width && cy > 0.0 && cy < image_height))
+    badInput(name, ": the principal point (", cx, ", ", cy,
+             ") is outside the images of ", image_width, " x ", image_height,
+             " pixels, the size of ", image);
+  return {fx, fy, cx, cy, 1.0, image_width, image_height};
 }
 
 PinholeCamera
 readPinholeCamera(const std::string& path)
 {
-  const YamlMap file = YamlMap::load(path);
-  PinholeCamera camera;
-  if (file.isMap("cam0")) {
-    const YamlMap first = file.requireMap("cam0");
-    const auto values = first.require<std::vector<double>>("intrinsics");
-    if (values.size() != 4)
-      fail<BadInputException>(first.where("intrinsics"), ": expected fx, fy, cx, cy");
-    refuseDistortion(first, "distortion_coeffs");
-    camera = {values[0], values[1], values[2], values[3]};
-  }
-  else {
-    const bool is_matrix = file.isMap("camera_matrix");
-    const std::string key = is_matrix ? "camera_matrix" : file.has("K") ? "K" : "k";
-    if (!file.has(key))
-      fail<BadInputException>(
-          path, ": has neither camera_matrix or K (camera_info) nor cam0 (Kalibr)");
-    const auto K = is_matrix ? file.requireMap(key).require<std::vector<double>>("data")
-                             : file.require<std::vector<double>>(key);
-    for (const char* const name : {"distortion_coefficients", "D", "d"})
-      if (file.has(name))
-        refuseDistortion(file, name);
-    camera = cameraOfMatrix(K, file.where(key));
-  }
+  CameraFile file = readCameraFile(path);
+  if (file.isDistorted())
+    badInput(file.distortion,
+             ": the images have to be undistorted, with coefficients of 0 (and P as "
+             "their matrix, if it is not K)");
+  doubtPair(file);
+  const Eigen::Matrix3d K =
+      file.isRectified() ? Eigen::Matrix3d(file.P->leftCols<3>()) : file.K;
+  PinholeCamera camera{K(0, 0),     K(1, 1),   K(0, 2),   K(1, 2),    file.width,
+                       file.height, file.path, file.size, file.doubts};
   readFrom(path, [&] { camera.validate(); });
   return camera;
 }

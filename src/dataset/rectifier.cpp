@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/dataset/rectifier.h>
 
+#include "camera_file.h"
 #include "core/fail.h"
 #include "stereo_pair_reader.h"
 
@@ -148,25 +149,24 @@ RectifiedPair
 readRectifiedPair(const CalibrationFiles& files, const SizedFile& first,
                   KittiCameras cameras)
 {
-  if (std::filesystem::path(files.calibration).extension() == ".txt") {
+  if (std::filesystem::path(files.calibration).extension() == ".txt" &&
+      !isMiddlebury(files.calibration)) {
     if (!files.extrinsics.empty())
       fail<InvalidParameterException>("extrinsics (", files.extrinsics,
                                       ") have no effect on ", files.calibration,
                                       ", which has them");
     const KittiCalibration calibration =
-        readCalibrationOf(first.size, files.calibration, cameras);
-    return {calibration.camera, calibration.T_camera0_camera, std::nullopt};
+        readCalibrationOf(first.size, first.path, files.calibration, cameras);
+    return {calibration.camera, calibration.T_camera0_camera, std::nullopt, {}};
   }
   StereoRig rig = readStereoRig(files.calibration, files.extrinsics);
-  if (rig.width > 0 && first.size != cv::Size(rig.width, rig.height))
-    fail<BadInputException>(first.path, ": has ", first.size.width, " x ",
-                            first.size.height, " pixels, but ", files.calibration,
-                            " is the calibration of ", rig.width, " x ", rig.height);
+  requireStatedSize(rig.width, rig.height, rig.stated_size, files.calibration,
+                    first.size.width, first.size.height, first.path);
   rig.width = first.size.width;
   rig.height = first.size.height;
   const Rectifier rectifier =
       readFrom(files.calibration, [&] { return Rectifier(rig); });
-  return {rectifier.camera(), rectifier.T_left_rectified(), rectifier};
+  return {rectifier.camera(), rectifier.T_left_rectified(), rectifier, rig.doubts};
 }
 
 } // namespace pcl_semantic

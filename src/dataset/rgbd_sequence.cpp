@@ -5,6 +5,7 @@
 #include "core/split.h"
 #include "files/file_pattern.h"
 
+#include <pcl_semantic/core/measured_depth.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 
 namespace pcl_semantic {
 
@@ -51,16 +53,63 @@ readList(const std::string& folder, const std::string& name)
   return files;
 }
 
+// Of less than one, a number would be more than a metre: 0.001 is metres a number.
+void
+requireScale(double scale)
+{
+  if (!(scale >= 0.0 && std::isfinite(scale)))
+    badParameter("depth scale is ", scale, ", expected 0 or more");
+  if (scale > 0.0 && scale < 1.0)
+    badParameter("depth scale is ", scale,
+                 ", expected the number that stands for a metre: ", 1.0 / scale,
+                 " if a number stands for ", scale, " m");
+}
+
+// Of the numbers that are depths.
+std::optional<double>
+medianOf(const cv::Mat1w& depths)
+{
+  std::vector<std::uint16_t> measured;
+  for (const std::uint16_t depth : depths)
+    if (isMeasuredDepth(depth))
+      measured.push_back(depth);
+  if (measured.empty())
+    return std::nullopt;
+  const auto middle = measured.begin() + std::ptrdiff_t(measured.size() / 2);
+  std::nth_element(measured.begin(), middle, measured.end());
+  return *middle;
+}
+
+// Rooms and streets: half of the pixels of no camera are nearer or farther.
+std::string
+doubtOfScale(double median, double scale)
+{
+  constexpr double nearest = 0.05, farthest = 200.0; // [m]
+  const double depth = median / scale;
+  if (depth >= nearest && depth <= farthest)
+    return {};
+  TextStream text;
+  text << "half of its depths are " << (depth < nearest ? "less" : "more") << " than "
+       << depth << " m with depth scale " << scale;
+  const auto isLikely = [&](double other) {
+    return median / other >= 0.3 && median / other <= 50.0;
+  };
+  for (const double other : {1000.0, 5000.0, 256.0, 10000.0, 100.0})
+    if (isLikely(other)) {
+      text << "; " << other << " would make it " << median / other << " m";
+      break;
+    }
+  return text.str();
+}
+
 } // namespace
 
 RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camera,
                            double depth_scale)
-    : camera_(camera), depth_scale_(depth_scale)
+    : camera_doubts_(camera.doubts), depth_scale_(depth_scale)
 {
-  camera_.validate();
-  if (!(depth_scale >= 0.0 && std::isfinite(depth_scale)))
-    fail<InvalidParameterException>("depth scale is ", depth_scale,
-                                    ", expected 0 or more");
+  camera.validate();
+  requireScale(depth_scale);
   const bool is_tum = fs::exists(folder + "/rgb.txt");
   if (is_tum)
     readTumLists(folder);
@@ -68,6 +117,9 @@ RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camer
     findFolders(folder);
   if (depth_scale_ == 0.0)
     depth_scale_ = is_tum ? 5000.0 : 1000.0;
+  const std::string& first = frames_.front().colour;
+  const cv::Mat image = readImage(first);
+  camera_ = camera.ofImage(image.cols, image.rows, first);
 }
 
 void
@@ -103,18 +155,29 @@ RgbdSequence::findFolders(const std::string& folder)
   }
 }
 
-StereoCamera
-RgbdSequence::camera() const
+std::vector<std::string>
+RgbdSequence::doubts() const
 {
-  const cv::Mat first = readImage(frames_.front().colour);
-  return {camera_.fx, camera_.fy, camera_.cx, camera_.cy, 1.0, first.cols, first.rows};
+  std::vector<std::string> doubts = camera_doubts_;
+  for (const Files& files : frames_)
+    if (const auto median = medianOf(readPng(files.depth, ImageKind::disparity))) {
+      const std::string doubt = doubtOfScale(*median, depth_scale_);
+      if (!doubt.empty())
+        doubts.push_back(files.depth + ": " + doubt);
+      break;
+    }
+  return doubts;
 }
 
 CloudFrame
-RgbdSequence::frame(std::size_t i, double max_depth) const
+RgbdSequence::frame(std::size_t i, double max_depth, std::size_t* unmeasured) const
 {
   const Files& files = frames_.at(i);
   const cv::Mat image = readImage(files.colour);
+  if (image.size() != cv::Size(camera_.width, camera_.height))
+    badInput(files.colour, ": has ", image.cols, " x ", image.rows,
+             " pixels, expected those of ", frames_.front().colour, ", ", camera_.width,
+             " x ", camera_.height);
   const cv::Mat depths = readPng(files.depth, ImageKind::disparity);
   if (image.size() != depths.size())
     fail<BadInputException>(files.depth, ": has ", depths.cols, " x ", depths.rows,
@@ -125,11 +188,14 @@ RgbdSequence::frame(std::size_t i, double max_depth) const
       std::uint32_t(image.cols), std::uint32_t(image.rows));
   frame.cloud->is_dense = false;
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  std::size_t without = 0;
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u) {
       pcl::PointXYZRGB& point = (*frame.cloud)(u, v);
-      const double z = double(depths.at<std::uint16_t>(v, u)) / depth_scale_;
-      if (z > 0.0 && (max_depth == 0.0 || z <= max_depth))
+      const std::uint16_t depth = depths.at<std::uint16_t>(v, u);
+      const double z = double(depth) / depth_scale_;
+      without += !isMeasuredDepth(depth);
+      if (isMeasuredDepth(depth) && (max_depth == 0.0 || z <= max_depth))
         point.getVector3fMap() << float((u - camera_.cx) / camera_.fx * z),
             float((v - camera_.cy) / camera_.fy * z), float(z);
       else
@@ -141,6 +207,8 @@ RgbdSequence::frame(std::size_t i, double max_depth) const
       point.g = bgr[1];
       point.r = bgr[2];
     }
+  if (unmeasured)
+    *unmeasured = without;
   return frame;
 }
 

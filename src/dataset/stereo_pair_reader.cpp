@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stereo_pair_reader.h"
+#include "camera_file.h"
 #include "core/fail.h"
 
 #include <pcl_semantic/files/image_file.h>
@@ -40,10 +41,13 @@ readStereoPair(const StereoPairFiles& files, cv::Size size)
 }
 
 KittiCalibration
-readCalibrationOf(cv::Size size, const std::string& path, KittiCameras cameras)
+readCalibrationOf(cv::Size size, const std::string& image, const std::string& path,
+                  KittiCameras cameras)
 {
   KittiCalibration calibration = readKittiCalibration(path, cameras);
   StereoCamera& camera = calibration.camera;
+  requireStatedSize(camera.width, camera.height, "", path, size.width, size.height,
+                    image);
   camera.width = size.width;
   camera.height = size.height;
   readFrom(path, [&] { camera.validate(); });

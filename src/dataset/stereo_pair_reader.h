@@ -27,9 +27,10 @@ StereoFrame readStereoPair(const StereoPairFiles& files, cv::Size size);
 
 /** \brief KITTI's calibration with the size of the images filled in.
  * \param[in] size of one of them [px]
+ * \param[in] image its path, for messages
  * \throws BadInputException as readKittiCalibration(), or if it cannot be theirs */
-KittiCalibration readCalibrationOf(cv::Size size, const std::string& path,
-                                   KittiCameras cameras);
+KittiCalibration readCalibrationOf(cv::Size size, const std::string& image,
+                                   const std::string& path, KittiCameras cameras);
 
 /** \brief The times of a file, at least one a frame [s].
  * \param[in] called what the frames are, for messages */

@@ -139,4 +139,10 @@ VideoPairSequence::T_camera0_camera() const
   return videos_->pair.T_camera0_camera;
 }
 
+const std::vector<std::string>&
+VideoPairSequence::doubts() const
+{
+  return videos_->pair.doubts;
+}
+
 } // namespace pcl_semantic

@@ -60,7 +60,11 @@ readDocument(const std::string& path)
 {
   std::string text;
   bool begun = false;
-  for (const TextLine& line : readLines(path)) {
+  std::vector<TextLine> lines = readLines(path);
+  // `rostopic echo` ends each message with a marker.
+  while (lines.size() > 1 && (lines.back().text.empty() || lines.back().text == "---"))
+    lines.pop_back();
+  for (const TextLine& line : lines) {
     const bool is_directive = line.text.rfind("%YAML", 0) == 0;
     const bool is_marker = line.text.rfind("---", 0) == 0;
     if (is_marker && begun)

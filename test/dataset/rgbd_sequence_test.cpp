@@ -94,11 +94,40 @@ TEST_F(Rgbd, RefusesImagesThatDoNotBelongTogether)
   writePng(folder.path("depth/a.png"), cv::Mat(4, 6, CV_16UC1, cv::Scalar(1000)));
   expectRefused("has 6 x 4 pixels, expected those of");
   writePng(folder.path("depth/a.png"), cv::Mat(2, 3, CV_8UC1, cv::Scalar(1)));
-  expectRefused("expected 16-bit grey");
+  expectRefused("8 bits, expected 16-bit grey (depths");
   std::filesystem::remove(folder.path("depth/b.png"));
   expectRefused("depth/b.png: is missing");
   std::filesystem::remove_all(folder.path("depth"));
   expectRefused("no RGB-D sequence");
+}
+
+TEST_F(Rgbd, NoMeasurementIsNoPoint)
+{
+  std::size_t unmeasured = 7;
+  const auto cloud =
+      RgbdSequence(folder.path(), camera).frame(0, 1.5, &unmeasured).cloud;
+  EXPECT_EQ(unmeasured, 2u); // 0 and 65535; 2 m is too far
+  for (const auto& [u, v] : {std::pair(0, 0), std::pair(2, 1)})
+    EXPECT_TRUE(std::isnan(cloud->at(u, v).z));
+}
+
+TEST_F(Rgbd, AScaleThatIsNotTheImagesIsDoubtful)
+{
+  const auto doubts = [&](double scale) {
+    return RgbdSequence(folder.path(), camera, scale).doubts();
+  };
+  EXPECT_TRUE(doubts(0.0).empty());
+  EXPECT_TRUE(doubts(5000.0).empty());
+  for (const auto& [scale, says] : {std::pair(1.0, "are more than 1000 m with depth "
+                                                   "scale 1; 1000 would make it 1 m"),
+                                    std::pair(1e6, "are less than 0.001 m")}) {
+    ASSERT_EQ(doubts(scale).size(), 1u) << scale;
+    EXPECT_TRUE(holds(doubts(scale)[0], says));
+    EXPECT_TRUE(holds(doubts(scale)[0], "depth/a.png: half of its depths"));
+  }
+  expectRefusal<InvalidParameterException>(
+      "depth scale is 0.001, expected the number that stands for a metre: 1000",
+      [&] { doubts(0.001); });
 }
 
 TEST_F(Rgbd, AJpegThatIsCutOffIsRefused)
@@ -122,8 +151,9 @@ TEST_F(Rgbd, IntrinsicsAreThoseOfRosOrKalibr)
   };
   const std::string K = "[500.5, 0, 320, 0, 501, 240, 0, 0, 1]\n";
   expectCamera(
-      "image_width: 640\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: " + K +
-      "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n");
+      "image_width: 640\nimage_height: 480\ncamera_matrix:\n  rows: 3\n  cols: 3\n  "
+      "data: " +
+      K + "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n");
   expectCamera("D: [0, 0, 0, 0, 0]\nK: " + K);
   expectCamera(
       "cam0:\n  intrinsics: [500.5, 501, 320, 240]\n  distortion_coeffs: [0, 0, "

@@ -59,6 +59,13 @@ public:
     return pair_.T_camera0_camera;
   }
 
+  /** \brief What is doubtful of the calibration, a line each. */
+  const std::vector<std::string>&
+  doubts() const
+  {
+    return pair_.doubts;
+  }
+
   /** \brief Path of the i-th left image. */
   const std::string&
   leftPath(std::size_t i) const

@@ -22,9 +22,10 @@ enum class KittiCameras {
  *
  * A row `Pi` is K [I | t_i]: a point in camera i is the point in camera 0 plus t_i. */
 struct KittiCalibration {
-  /** \brief The pair, image size unknown. The baseline is t_left.x - t_right.x with
-   * t = K^-1 Pi[:, 3]; (P2[0][3] - P3[0][3]) / fx, often seen, ignores that the two
-   * colour cameras differ by 3 mm in z and is 0.5 % too long. */
+  /** \brief The pair; the image size is unknown but in the raw data's file. The
+   * baseline is t_left.x - t_right.x with t = K^-1 Pi[:, 3]; (P2[0][3] - P3[0][3]) /
+   * fx, often seen, ignores that the two colour cameras differ by 3 mm in z and is 0.5
+   * % too long. */
   StereoCamera camera;
 
   /** \brief Pose of the left camera of the pair in camera 0 [m]: takes points of the
@@ -36,10 +37,12 @@ struct KittiCalibration {
 };
 
 /** \brief Reads `calib.txt` of the odometry benchmark: rows `P0:` to `P3:` and, if it
- * is there, `Tr:`, each of 12 numbers; rows of other names are passed over. \param[in]
- * path file \param[in] cameras colour or grey; the rows of that pair have to be there
- * \throws BadInputException with the line, unless the pair is a rectified one with
- * positive focal length and baseline, and `Tr` is a rigid transformation */
+ * is there, `Tr:`, each of 12 numbers; or calib_cam_to_cam.txt of the raw data,
+ * `P_rect_00:` to `P_rect_03:` and the sizes, `S_rect_00:` and so on. Rows of other
+ * names are passed over. \param[in] path file \param[in] cameras colour or grey; the
+ * rows of that pair have to be there \throws BadInputException with the line, unless
+ * the pair is a rectified one with positive focal length and baseline, and `Tr` is a
+ * rigid transformation */
 KittiCalibration readKittiCalibration(const std::string& path, KittiCameras cameras);
 
 } // namespace pcl_semantic

@@ -7,6 +7,9 @@
 
 #include <Eigen/Geometry>
 
+#include <string>
+#include <vector>
+
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A stereo camera, or what plays its part, whose pairs come by themselves: at
@@ -41,6 +44,13 @@ public:
   T_camera0_camera() const
   {
     return pair_.T_camera0_camera;
+  }
+
+  /** \brief What is doubtful of the calibration, a line each. */
+  const std::vector<std::string>&
+  doubts() const
+  {
+    return pair_.doubts;
   }
 
 protected:

@@ -14,6 +14,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -73,6 +74,7 @@ struct RectifiedPair {
   StereoCamera camera;                                                ///< with its size
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity(); ///< left camera
   std::optional<Rectifier> rectifier; ///< none if the images are rectified already
+  std::vector<std::string> doubts{};  ///< about the files, a line each
 
   /** \brief Rectifies the images of a frame, if they are not yet. */
   void rectify(StereoFrame& frame) const;

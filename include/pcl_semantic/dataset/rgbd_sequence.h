@@ -17,14 +17,16 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * Either TUM's layout: `rgb.txt` and `depth.txt` list times and files, each colour
  * image takes the depth image nearest in time, and is passed over if none is within
  * 0.02 s. Or a folder with `rgb/` and `depth/`, whose files have the same names. Depth
- * images are 16-bit PNGs, 0 = no depth. */
+ * images are 16-bit PNGs; 0 and 65535 are no depths. */
 class RgbdSequence {
 public:
   /** \param[in] folder see above
+   * \param[in] camera of the colour images, of undistorted ones
    * \param[in] depth_scale number that stands for a metre; 0 = 5000 in TUM's layout,
    * else 1000
-   * \throws BadInputException if it holds no such frames
-   * \throws InvalidParameterException */
+   * \throws BadInputException if it holds no such frames, or the first image is not of
+   * the size that the camera states
+   * \throws InvalidParameterException if the scale is metres a number: less than 1 */
   RgbdSequence(const std::string& folder, const PinholeCamera& camera,
                double depth_scale = 0.0);
 
@@ -51,13 +53,24 @@ public:
 
   /** \brief The camera, with the size of the first image; a baseline of 1 m that means
    * nothing. */
-  StereoCamera camera() const;
+  const StereoCamera&
+  camera() const
+  {
+    return camera_;
+  }
+
+  /** \brief What is doubtful, a line each, for a program to show: of the camera's file,
+   * and whether the depths of the first frames suggest another scale. Reads depth
+   * images until one has depths. */
+  std::vector<std::string> doubts() const;
 
   /** \brief The i-th frame as an organized coloured cloud in the camera's frame (x
    * right, y down, z forward) [m], NaN where there is no depth, without labels.
    * \param[in] max_depth [m]; 0 = unlimited
-   * \throws BadInputException if an image cannot be read, or the two differ in size */
-  CloudFrame frame(std::size_t i, double max_depth = 0.0) const;
+   * \param[out] unmeasured if not null: the number of pixels without a measurement
+   * \throws BadInputException if an image cannot be read, or is of another size */
+  CloudFrame frame(std::size_t i, double max_depth = 0.0,
+                   std::size_t* unmeasured = nullptr) const;
 
 private:
   struct Files {
@@ -69,7 +82,8 @@ private:
 
   void findFolders(const std::string& folder);
 
-  PinholeCamera camera_;
+  StereoCamera camera_;
+  std::vector<std::string> camera_doubts_;
   double depth_scale_;
   std::vector<Files> frames_;
 };

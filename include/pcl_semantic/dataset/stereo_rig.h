@@ -22,17 +22,25 @@ struct StereoRig {
   std::vector<double> D1, D2; ///< k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 .. s4 [tx ty]]]]
   Eigen::Matrix3d R;          ///< rotation from the left to the right camera's frame
   Eigen::Vector3d T;          ///< the same, translation [m]; x < 0
+  std::string stated_size{};  ///< how a file leads to the size, for messages
+  std::vector<std::string>
+      doubts; ///< about the file, a line each, for a program to show
 
   /** \throws InvalidParameterException that names the value, unless everything is
    * finite, K1 and K2 are camera matrices with the principal point in the image, D1 and
    * D2 have 4, 5, 8, 12 or 14 numbers, R is a rotation, and T says that the right
-   * camera is on the right, beside (not above or ahead), no farther than 100 m */
+   * camera is on the right, beside (not above or ahead), no farther than 10 m */
   void validate() const;
 };
 
 /** \brief Reads a rig as `cv::FileStorage` writes it in YAML, Kalibr's camchain (cam0
- * is the left camera, cam1 the right one; pinhole, radtan), or ROS' camera_info of both
- * cameras (plumb_bob or rational_polynomial). Of OpenCV's:
+ * is the left camera, cam1 the right one; pinhole, radtan), ROS' camera_info of both
+ * cameras (plumb_bob or rational_polynomial), EuRoC's sensor.yaml of both, or
+ * Middlebury's calib.txt. Both cameras have to state one size, or none.
+ *
+ * A camera_info without distortion and rotation is that of rectified images: P is the
+ * camera's matrix then. Binning and a region of interest are those of the images, see
+ * readPinholeCamera(). Of OpenCV's:
  *
  * | value | key, one of |
  * |---|---|
@@ -43,11 +51,11 @@ struct StereoRig {
  * absent |
  *
  * A matrix is an `!!opencv-matrix` or a list of numbers, row after row. Other keys are
- * passed over. An R that is a rotation but for rounding is made one, with a warning if
- * it is more than that of text (1e-4); by more than 1e-2 it is refused.
+ * passed over. An R that is a rotation but for rounding is made one, which is among the
+ * doubts if it is more than that of text (1e-4); by more than 1e-2 it is refused.
  * \param[in] path the calibration, or the intrinsics alone
- * \param[in] extrinsics_path where R and T are, if in a file of their own; of ROS the
- * right camera's file
+ * \param[in] extrinsics_path where R and T are, if in a file of their own; of ROS and
+ * EuRoC the right camera's file
  * \throws BadInputException with file and key */
 StereoRig readStereoRig(const std::string& path,
                         const std::string& extrinsics_path = "");

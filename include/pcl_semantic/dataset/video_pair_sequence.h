@@ -35,6 +35,9 @@ public:
 
   const Eigen::Isometry3d& T_camera0_camera() const override;
 
+  /** \brief What is doubtful of the calibration, a line each. */
+  const std::vector<std::string>& doubts() const;
+
 private:
   struct Videos;
   std::unique_ptr<Videos> videos_;

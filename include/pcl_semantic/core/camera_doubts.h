@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/stereo_camera.h>
+
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief What is doubtful of a camera, a line each: a principal point far from the
+ * middle, as of images of half or double the size, and a focal length that is no
+ * pixels. Empty if the image size is not known. */
+std::vector<std::string> doubtsOf(const StereoCamera& camera);
+
+} // namespace pcl_semantic
