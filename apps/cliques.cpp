@@ -165,11 +165,12 @@ poseOf(const std::string& text, const std::string& calibration)
 
 // Tells a generator of the frame and the voxels of a map, one for each of its points.
 void
-setFrame(const CliqueFrame& frame, const std::string& name,
-         const CliqueGenerator::Cloud& points, SuperpixelCliques& generator)
+setFrame(const CliqueFrame& frame, const std::string& name, const LabelledCloud& map,
+         SuperpixelCliques& generator)
 {
   generator.setVoxels({}, frame.voxel_size); // checks the size
-  const LabelledCloud read = readLabelledCloud(frame.path);
+  LabelledCloud read = readLabelledCloud(frame.path);
+  addOrigin(read);
   if (!read.has_colour)
     fail<BadInputException>(frame.path, ": superpixels need points with rgb or rgba",
                             textOfDoubts(read.table.doubts, frame.path));
@@ -179,14 +180,14 @@ setFrame(const CliqueFrame& frame, const std::string& name,
   pcl::copyPointCloud(*read.cloud, *cloud);
   Eigen::Isometry3d T_map_camera;
   if (frame.pose.empty())
-    T_map_camera = sensorPose(*cloud);
+    T_map_camera = viewpointOf(read.table, frame.path);
   else {
     T_map_camera = poseOf(frame.pose, frame.calibration);
     T_map_camera.pretranslate(-frame.map_origin);
   }
   std::vector<VoxelIndex> voxels;
-  for (const pcl::PointXYZRGB& point : points) {
-    const Eigen::Vector3d position = point.getVector3fMap().cast<double>();
+  for (const pcl::PointXYZRGBL& point : *map.cloud) {
+    const Eigen::Vector3d position = point.getVector3fMap().cast<double>() + map.origin;
     const bool is_near =
         (position.array().abs() < kMaxVoxelIndex * frame.voxel_size).all(); // not NaN
     if (pcl::isXYZFinite(point) && !is_near)
@@ -235,6 +236,7 @@ group(const Arguments& arguments)
     fail<BadInputException>(arguments.input, ": this method needs rgb or rgba",
                             textOfDoubts(read.table.doubts, arguments.input));
   warnOfDoubts(read.table.doubts);
+  warnOfSteps(arguments.input, read);
   warnOfNoReturns(arguments.input, countNoReturns(*read.cloud));
   if (read.cloud->empty())
     warn(arguments.input + ": no point is left");
@@ -242,8 +244,9 @@ group(const Arguments& arguments)
   CliqueGenerator::Cloud cloud;
   pcl::copyPointCloud(*read.cloud, cloud);
   if (auto* const superpixels = dynamic_cast<SuperpixelCliques*>(generator.get()))
-    setFrame(arguments.frame, arguments.input, cloud, *superpixels);
+    setFrame(arguments.frame, arguments.input, read, *superpixels);
   try {
+    generator->setOrigin(read.origin);
     read.cliques = generator->generate(cloud);
   }
   catch (const BadInputException& error) { // a generator knows nothing of files
@@ -258,7 +261,7 @@ group(const Arguments& arguments)
                             ": are --pose, --map-origin and --voxel-size its own?");
   if (!arguments.coloured.empty()) {
     colourCliques(read.cliques, cloud);
-    writeColourCloud(arguments.coloured, cloud);
+    writeColourCloud(arguments.coloured, cloud, read.origin);
   }
   writeCliques(arguments.output, read);
   printResults({{"cliques", read.cliques.size()},

@@ -96,6 +96,7 @@ public:
                                           mapping_ ? &*mapping_ : nullptr);
     const pcl::Indices kept = keptPoints(cloud);
     warnOfDoubts(cloud.table.doubts);
+    warnOfSteps(arguments_.input, cloud);
     warnOfNoReturns(arguments_.input, countNoReturns(*cloud.cloud));
     for (pcl::PointXYZRGBL& point : *cloud.cloud)
       point.label = relabelled_[point.label];
@@ -176,11 +177,11 @@ private:
             arguments_.input, ": has no field 'label' or 'probability', which ", option,
             " needs", textOfDoubts(cloud.table.doubts, arguments_.input));
     const PlaceTest has_place(*cloud.cloud);
+    const CloudPositions positions(cloud);
     pcl::Indices kept;
     for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {
       const pcl::PointXYZRGBL& point = (*cloud.cloud)[i];
-      if ((!box_ || has_place(point)) &&
-          (!box_ || box_->contains(point.getVector3fMap().cast<double>())) &&
+      if ((!box_ || has_place(point)) && (!box_ || box_->contains(positions(i))) &&
           (keep_.empty() || keep_.count(point.label) > 0) &&
           drop_.count(point.label) == 0)
         kept.push_back(pcl::index_t(i));

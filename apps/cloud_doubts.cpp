@@ -2,6 +2,8 @@
 #include "cloud_doubts.h"
 #include "messages.h"
 
+#include <pcl_semantic/filters/position_steps.h>
+
 #include <boost/algorithm/string/predicate.hpp>
 
 #include <exception>
@@ -37,6 +39,16 @@ textOfDoubts(const std::vector<std::string>& doubts, const std::string& path)
     text += "; " +
             (doubt.rfind(path + ": ", 0) == 0 ? doubt.substr(path.size() + 2) : doubt);
   return text;
+}
+
+void
+warnOfSteps(const std::string& path, const LabelledCloud& labelled)
+{
+  if (!labelled.origin.isZero(0.0))
+    return; // of doubles
+  const std::string doubt = doubtOfSteps(*labelled.cloud, path);
+  if (!doubt.empty())
+    warn(doubt);
 }
 
 void

@@ -246,6 +246,7 @@ filter(const Arguments& arguments, LabelledCloud& input)
   setCliques(arguments.parameters.cliques, arguments, input, crf);
   setMeasurements(arguments, input, crf);
   crf.setUseColour(input.has_colour);
+  crf.setOrigin(input.origin);
   crf.setInputCloud(input.cloud);
   const Labels before = labelsOf(*input.cloud);
   try {
@@ -300,6 +301,7 @@ refine(const Arguments& arguments)
       readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr,
                         columnsOf(arguments.scan_columns));
   const std::size_t no_returns = countNoReturns(*cloud.cloud);
+  warnOfSteps(arguments.input, cloud);
   const Results report = filter(arguments, cloud);
   warnOfDoubts(cloud.table.doubts);
   warnOfNoReturns(arguments.input, no_returns);

@@ -358,6 +358,7 @@ labelCloud(const std::string& path, int number, const Arguments& arguments,
     counts.doubts = labelled.table.doubts;
     warnOfDoubts(counts.doubts);
   }
+  addOrigin(labelled);
   pcl::PointCloud<pcl::PointXYZRGBL>& cloud = *labelled.cloud;
   if (cloud.empty()) {
     warn(path + ": has no points");

@@ -477,7 +477,7 @@ private:
   bool told_of_labels_ = false; // a cloud had none
   bool told_of_viewpoint_ = false;
   std::unique_ptr<PoseSource> own_poses_; // to compare viewpoints with
-  bool told_of_doubts_ = false; // of the first cloud that had some
+  bool told_of_doubts_ = false;           // of the first cloud that had some
 };
 
 // An RGB-D sequence, whose images are labelled as those of pairs are.

@@ -137,8 +137,9 @@ chooseClouds(const std::string& name, const CloudSequence& clouds,
 std::vector<Eigen::Vector3d>
 readPositions(const std::string& path, const ScanColumns& columns)
 {
-  return pointsInCamera(*readLabelledCloud(path, nullptr, columns).cloud,
-                        Eigen::Isometry3d::Identity());
+  LabelledCloud read = readLabelledCloud(path, nullptr, columns);
+  addOrigin(read);
+  return pointsInCamera(*read.cloud, Eigen::Isometry3d::Identity());
 }
 
 Eigen::Isometry3d

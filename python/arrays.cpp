@@ -2,9 +2,11 @@
 #include "arrays.h"
 #include "core/fail.h"
 
+#include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/filters/position_steps.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -127,6 +129,30 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
     }
   }
   return cloud;
+}
+
+LocalCloud
+localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
+{
+  const py::array any = py::array::ensure(points);
+  if (!any)
+    throw py::error_already_set();
+  LocalCloud local;
+  if (any.dtype().kind() == 'f' && any.itemsize() <= 4) {
+    local.cloud = cloudOf(points.cast<Array<float>>(), colours);
+    if (const std::string doubt = doubtOfSteps(*local.cloud, "points"); !doubt.empty())
+      warn(doubt);
+    return local;
+  }
+  const auto wide = points.cast<Array<double>>();
+  requireShape(wide, "points", kAny, 3);
+  const Eigen::Map<const Eigen::Matrix3Xd> positions(wide.data(), 3, wide.shape(0));
+  local.origin = localOrigin(positions);
+  Array<float> relative({wide.shape(0), py::ssize_t(3)});
+  Eigen::Map<Eigen::Matrix3Xf>(relative.mutable_data(), 3, wide.shape(0)) =
+      relativeTo(local.origin, positions);
+  local.cloud = cloudOf(relative, colours);
+  return local;
 }
 
 LabelDistributions

@@ -91,6 +91,17 @@ LabelSet labelSetOf(const std::string& path_or_name);
 /** \brief T_world_sensor of 4 x 4 numbers. */
 Eigen::Isometry3d poseOf(const Array<double>& pose);
 
+/** \brief A cloud whose positions are relative to an origin, see localOrigin() [m]. */
+struct LocalCloud {
+  pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+};
+
+/** \brief N x 3 positions of any type [m] and, if there are any, N x 3 colours. Warns
+ * of positions that single precision has spoilt. */
+LocalCloud localCloudOf(const py::object& points,
+                        const MaybeArray<std::uint8_t>& colours);
+
 /** \brief N x 3 positions [m] and, if there are any, N x 3 colours. */
 pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
 cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours);

@@ -67,7 +67,7 @@ setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>&
 }
 
 py::tuple
-refine(const Array<float>& points, const MaybeArray<float>& probabilities,
+refine(const py::object& points, const MaybeArray<float>& probabilities,
        const py::object& given_labels, const py::object& given_colours,
        const py::object& cliques, int classes, const std::vector<int>& thin,
        const py::kwargs& parameters)
@@ -76,7 +76,7 @@ refine(const Array<float>& points, const MaybeArray<float>& probabilities,
   const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
   if (probabilities.has_value() == labels.has_value())
     badParameter("expected probabilities or labels, one of them");
-  const auto cloud = cloudOf(points, colours);
+  const auto [cloud, origin] = localCloudOf(points, colours);
   const auto count = py::ssize_t(cloud->size());
   CRFConfig config;
   setParameters(parametersOf(config), parameters);
@@ -100,23 +100,25 @@ refine(const Array<float>& points, const MaybeArray<float>& probabilities,
   else if (!cliques.is_none())
     crf.setCliques(cliquesOf(integersOf<std::int64_t>(cliques, "cliques"), count));
   warnOfNoReturns(*cloud);
+  crf.setOrigin(origin);
   crf.setInputCloud(cloud);
-  released([&] { crf.filter(*cloud); });
+  released([&, &output = *cloud] { crf.filter(output); });
   return py::make_tuple(labelsOf(*cloud), arrayOf(crf.getLabelDistributions()));
 }
 
 py::array_t<std::int32_t>
-cliques(const Array<float>& points, const std::string& kind,
+cliques(const py::object& points, const std::string& kind,
         const py::object& given_colours)
 {
   const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
-  const auto labelled = cloudOf(points, colours);
+  const auto [labelled, origin] = localCloudOf(points, colours);
   pcl::PointCloud<pcl::PointXYZRGB> cloud;
   pcl::copyPointCloud(*labelled, cloud);
   const CliqueGenerator::Ptr generator = generatorOf(kind);
   if (generator->usesColour() && !colours)
     badParameter("'", kind, "' needs colours");
   warnOfNoReturns(*labelled);
+  generator->setOrigin(origin);
   const auto found = released([&] { return generator->generate(cloud); });
   py::array_t<std::int32_t> numbers((py::ssize_t(cloud.size())));
   std::fill_n(numbers.mutable_data(), cloud.size(), 0);

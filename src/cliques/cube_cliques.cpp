@@ -26,13 +26,15 @@ struct Grouping {
 
 // In double: a single-precision quotient would misplace points far from the origin.
 VoxelIndex
-cubeOf(const pcl::PointXYZRGB& point, double edge, std::size_t index)
+cubeOf(const pcl::PointXYZRGB& point, const Eigen::Vector3d& origin, double edge,
+       std::size_t index)
 {
   VoxelIndex cube;
   for (int axis = 0; axis < 3; ++axis) {
-    const double cell = double(point.data[axis]) / edge;
+    const double position = double(point.data[axis]) + origin[axis];
+    const double cell = position / edge;
     if (!(std::abs(cell) <= kMaxVoxelIndex))
-      badInput("point ", index, " lies at ", point.data[axis], " m, expected at most ",
+      badInput("point ", index, " lies at ", position, " m, expected at most ",
                kMaxVoxelIndex, " cubes of ", edge, " m from the origin");
     const auto truncated = static_cast<std::int32_t>(cell); // std::floor is a call
     cube[axis] = truncated - (truncated > cell ? 1 : 0);
@@ -41,7 +43,8 @@ cubeOf(const pcl::PointXYZRGB& point, double edge, std::size_t index)
 }
 
 Grouping
-groupByCube(const CliqueGenerator::Cloud& cloud, double edge)
+groupByCube(const CliqueGenerator::Cloud& cloud, const Eigen::Vector3d& origin,
+            double edge)
 {
   Grouping groups;
   groups.cube_of_point.resize(cloud.size(), kNoCube);
@@ -52,7 +55,7 @@ groupByCube(const CliqueGenerator::Cloud& cloud, double edge)
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!has_place(cloud[i]))
       continue;
-    const VoxelIndex cube = cubeOf(cloud[i], edge, i);
+    const VoxelIndex cube = cubeOf(cloud[i], origin, edge, i);
     if (last == kNoCube || cube != last_cube) {
       const auto [entry, is_new] =
           numbers.try_emplace(cube, static_cast<int>(groups.cubes.size()));
@@ -80,7 +83,7 @@ CubeCliques::CubeCliques(double edge) : edge_(edge)
 std::vector<pcl::PointIndices>
 CubeCliques::generate(const Cloud& cloud)
 {
-  const Grouping groups = groupByCube(cloud, edge_);
+  const Grouping groups = groupByCube(cloud, origin_, edge_);
   std::vector<std::size_t> order(groups.cubes.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {

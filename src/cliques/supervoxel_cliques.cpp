@@ -186,16 +186,17 @@ SupervoxelCliques::groupByCube(const Cloud& cloud) const
     const pcl::PointXYZRGB& point = cloud[i];
     if (!has_place(point))
       continue;
-    const Eigen::Array3d cells = point.getVector3fMap().cast<double>() / edge;
+    const Eigen::Vector3d absolute = point.getVector3fMap().cast<double>() + origin_;
+    const Eigen::Array3d cells = absolute / edge;
     if (!(cells.abs() <= kMaxVoxelIndex).all())
-      badInput("point ", i, " lies at ", point.getVector3fMap().transpose(),
+      badInput("point ", i, " lies at ", absolute.transpose(),
                " m, too far from the origin for supervoxels");
     const VoxelIndex cube = cells.floor().cast<int>();
     const auto [entry, is_new] = numbers.try_emplace(cube, groups.size());
     if (is_new)
       groups.push_back({cube, {}});
-    const Eigen::Array3d position = point.getVector3fMap().cast<double>().array() -
-                                    edge * cube.cast<double>().array();
+    const Eigen::Array3d position =
+        absolute.array() - edge * cube.cast<double>().array();
     const Eigen::Array3f rounded = ((position / step).round() * step).cast<float>();
     groups[entry->second].points.push_back(
         {{rounded.x(), rounded.y(), rounded.z(), point.rgba & 0xFFFFFF},

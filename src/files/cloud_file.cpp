@@ -9,6 +9,7 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -140,6 +141,7 @@ private:
   readPositions()
   {
     cloud_.is_dense = true;
+    bool has_doubles = false;
     const char* const names[] = {"x", "y", "z"};
     for (int axis = 0; axis < 3; ++axis) {
       const int field = table_.find(names[axis]);
@@ -155,7 +157,26 @@ private:
         cloud_[i].data[axis] = static_cast<float>(value);
         cloud_.is_dense = cloud_.is_dense && std::isfinite(value);
       }
+      has_doubles = has_doubles || column.field().size == 8;
     }
+    if (has_doubles)
+      takeOriginOff();
+  }
+
+  void
+  takeOriginOff()
+  {
+    const PcdColumn x(table_, table_.find("x")), y(table_, table_.find("y")),
+        z(table_, table_.find("z"));
+    Eigen::Matrix3Xd positions(3, Eigen::Index(cloud_.size()));
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+      positions.col(Eigen::Index(i)) << x(i), y(i), z(i);
+    result_.origin = localOrigin(positions);
+    if (result_.origin.isZero(0.0))
+      return;
+    const Eigen::Matrix3Xf relative = relativeTo(result_.origin, positions);
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+      cloud_[i].getVector3fMap() = relative.col(Eigen::Index(i));
   }
 
   void
@@ -332,6 +353,35 @@ setCliqueColumn(const std::string& path, const std::vector<pcl::PointIndices>& c
 
 } // namespace
 
+CloudPositions::CloudPositions(const LabelledCloud& labelled) : cloud_(*labelled.cloud)
+{
+  if (!labelled.origin.isZero(0.0))
+    for (const char* const name : {"x", "y", "z"})
+      columns_.emplace_back(labelled.table, labelled.table.find(name));
+}
+
+void
+addOrigin(LabelledCloud& labelled)
+{
+  if (labelled.origin.isZero(0.0))
+    return;
+  for (pcl::PointXYZRGBL& point : *labelled.cloud)
+    point.getVector3fMap() =
+        (point.getVector3fMap().cast<double>() + labelled.origin).cast<float>();
+  labelled.origin.setZero();
+}
+
+Eigen::Isometry3d
+viewpointOf(const PcdTable& table, const std::string& name)
+{
+  const auto& [x, y, z, qw, qx, qy, qz] = table.viewpoint;
+  const Eigen::Quaterniond rotation(qw, qx, qy, qz);
+  if (!(rotation.norm() > 1e-6) || !std::isfinite(rotation.norm()))
+    badInput(name, ": VIEWPOINT has the quaternion ", qw, " ", qx, " ", qy, " ", qz,
+             ", expected w x y z of length 1");
+  return Eigen::Translation3d(x, y, z) * rotation.normalized();
+}
+
 const std::vector<std::string>&
 cloudExtensions()
 {
@@ -398,7 +448,7 @@ moveToVoxelCentres(LabelledCloud& labelled)
   const auto& [size, x, y, z] = labelled.table.voxel_grid;
   if (!(size > 0.0))
     return;
-  const Eigen::Vector3d corner(x, y, z);
+  const Eigen::Vector3d corner = Eigen::Vector3d(x, y, z) - labelled.origin;
   for (pcl::PointXYZRGBL& point : *labelled.cloud) {
     const Eigen::Vector3d voxel =
         ((point.getVector3fMap().cast<double>() - corner).array() / size).floor();

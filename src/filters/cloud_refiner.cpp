@@ -193,6 +193,7 @@ CloudRefiner::makeCliques(const Fields& fields)
       point.b = colour(2);
     }
   }
+  generator_->setOrigin(fields.origin);
   LabelRefiner::setCliques(generator_->generate(cloud));
 }
 

@@ -85,12 +85,12 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
   const LabelledCloud labelled = labelledCloudOf(std::move(table), "cloud");
   const auto& cloud = *labelled.cloud;
   const PlaceTest has_place(cloud);
+  const CloudPositions positions(labelled);
   std::vector<Member> members;
   for (const pcl::index_t i : *indices_) {
     if (!has_place(cloud.at(std::size_t(i))))
       continue;
-    const Eigen::Array3d voxel =
-        (cloud[std::size_t(i)].getArray3fMap().cast<double>() / edge_).floor();
+    const Eigen::Array3d voxel = (positions(std::size_t(i)).array() / edge_).floor();
     if (!(voxel.abs() < double(kMaxVoxelIndex)).all())
       badParameter("point ", i, " is more than ", kMaxVoxelIndex, " voxels of ", edge_,
                    " m from the origin; take larger ones");

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -16,19 +15,26 @@ namespace {
 
 constexpr Eigen::Index neighbours = 4;
 
-// Of the position alone, so that the sample is the same in any order of the points.
+// Of the position alone, so that the sample is the same in any order of the points, and
+// in steps that the last bits of single precision do not decide: wherever a cloud lies.
 std::uint64_t
-hashOf(const Eigen::Ref<const Eigen::VectorXf>& position)
+hashOf(const Eigen::Ref<const Eigen::VectorXf>& position, float step)
 {
   std::uint64_t hash = 0x9e3779b97f4a7c15u;
   for (const float coordinate : position) {
-    std::uint32_t bits;
-    const float value = coordinate + 0.0f; // no -0
-    std::memcpy(&bits, &value, sizeof bits);
-    hash = (hash ^ bits) * 0xbf58476d1ce4e5b9u;
+    const auto steps = std::int64_t(std::floor(coordinate / step));
+    hash = (hash ^ std::uint64_t(steps)) * 0xbf58476d1ce4e5b9u;
     hash ^= hash >> 29;
   }
   return hash;
+}
+
+// A power of two, of which about 16,000 fit beside the farthest position.
+float
+stepOf(const Eigen::MatrixXf& positions)
+{
+  const float farthest = positions.cwiseAbs().maxCoeff();
+  return farthest > 0.0f ? std::ldexp(1.0f, std::ilogb(farthest) - 13) : 1.0f;
 }
 
 std::vector<Eigen::Index>
@@ -36,8 +42,9 @@ sampleOf(const Eigen::MatrixXf& positions, std::size_t count)
 {
   std::vector<std::pair<std::uint64_t, Eigen::Index>> hashes;
   hashes.reserve(std::size_t(positions.cols()));
+  const float step = stepOf(positions);
   for (Eigen::Index i = 0; i < positions.cols(); ++i)
-    hashes.emplace_back(hashOf(positions.col(i)), i);
+    hashes.emplace_back(hashOf(positions.col(i), step), i);
   count = std::min(count, hashes.size());
   std::nth_element(hashes.begin(), hashes.begin() + std::ptrdiff_t(count) - 1,
                    hashes.end());

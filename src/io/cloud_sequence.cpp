@@ -11,9 +11,7 @@
 #include <pcl/common/io.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <cmath>
 #include <optional>
 
 namespace pcl_semantic {
@@ -72,18 +70,6 @@ distributionsOf(const LabelledCloud& read, const std::string& path, int classes,
   return distributions;
 }
 
-// T_world_sensor of x y z [m] and a quaternion w x y z.
-Eigen::Isometry3d
-poseOf(const std::array<double, 7>& viewpoint, const std::string& path)
-{
-  const auto& [x, y, z, qw, qx, qy, qz] = viewpoint;
-  const Eigen::Quaterniond rotation(qw, qx, qy, qz);
-  if (!(rotation.norm() > 1e-6) || !std::isfinite(rotation.norm()))
-    badInput(path, ": VIEWPOINT has the quaternion ", qw, " ", qx, " ", qy, " ", qz,
-             ", expected w x y z of length 1");
-  return Eigen::Translation3d(x, y, z) * rotation.normalized();
-}
-
 } // namespace
 
 CloudSequence::CloudSequence(const std::string& pattern, const std::string& times,
@@ -122,12 +108,13 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
                      const LabelMapping* mapping,
                      std::vector<std::string>* doubts) const
 {
-  const LabelledCloud read = readLabelledCloud(
+  LabelledCloud read = readLabelledCloud(
       path(i), mapping, isHeaderless(path(i)) ? columns_ : ScanColumns());
+  addOrigin(read);
   if (doubts)
     *doubts = read.table.doubts;
   CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};
-  frame.viewpoint = poseOf(read.table.viewpoint, path(i));
+  frame.viewpoint = viewpointOf(read.table, path(i));
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
   pcl::copyPointCloud(*read.cloud, *frame.cloud);
   frame.distributions = distributionsOf(read, path(i), classes, confidence);

@@ -17,14 +17,16 @@ namespace pcl_semantic {
 
 namespace {
 
-// Positions of the finite points, in the double precision that the file may have.
+// Positions of the finite points relative to an origin, in the double precision that
+// the file may have.
 struct FinitePoints {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::size_t> rows; // of the file
 };
 
 FinitePoints
-finitePoints(const std::string& path, const PcdTable& table)
+finitePoints(const std::string& path, const PcdTable& table,
+             const Eigen::Vector3d& origin)
 {
   const PcdColumn x(table, table.find("x")), y(table, table.find("y")),
       z(table, table.find("z"));
@@ -38,7 +40,7 @@ finitePoints(const std::string& path, const PcdTable& table)
     const Eigen::Vector3d position(x(i), y(i), z(i));
     if (!position.allFinite() || (zeros > 1 && position.isZero(0.0)))
       continue; // no measurement
-    points.positions.push_back(position);
+    points.positions.emplace_back(position - origin);
     points.rows.push_back(i);
   }
   if (points.rows.empty())
@@ -88,7 +90,8 @@ refinedStep(const std::vector<Eigen::Vector3d>& positions, double step)
 }
 
 VoxelGrid
-findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions)
+findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions,
+         const Eigen::Vector3d& origin)
 {
   VoxelGrid grid;
   const double step = smallestStep(positions);
@@ -102,9 +105,9 @@ findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions)
                      "how large they are, with --voxel-size");
   }
   // As our maps lie, as far as single precision tells.
-  const Eigen::Array3d first = grid.corner.array() / grid.size;
+  const Eigen::Array3d first = (grid.corner + origin).array() / grid.size;
   if (((first - first.round()).abs() < 0.01).all())
-    grid.corner.setZero();
+    grid.corner = -origin;
   return grid;
 }
 
@@ -170,18 +173,20 @@ VoxelScene
 readVoxelScene(const std::string& path, const VoxelGrid& grid)
 {
   const LabelledCloud labelled = readLabelledCloud(path);
-  const FinitePoints points = finitePoints(path, labelled.table);
+  // Points, and so the grid, are relative to what was taken off them.
+  const FinitePoints points = finitePoints(path, labelled.table, labelled.origin);
   VoxelScene scene;
+  scene.origin = labelled.origin;
   scene.doubts = labelled.table.doubts;
   scene.has_colour = labelled.has_colour;
   scene.has_labels = labelled.has_labels;
   const auto& [size, x, y, z] = labelled.table.voxel_grid;
   if (grid.size > 0.0)
-    scene.grid = grid;
+    scene.grid = {grid.size, grid.corner - scene.origin};
   else if (size > 0.0)
-    scene.grid = {size, {x, y, z}};
+    scene.grid = {size, Eigen::Vector3d(x, y, z) - scene.origin};
   else
-    scene.grid = findGrid(path, points.positions);
+    scene.grid = findGrid(path, points.positions, scene.origin);
   scene.voxels.voxel_size = scene.grid.size;
   scene.voxels.origin = scene.grid.corner;
   const std::vector<VoxelIndex> indices = indicesOf(path, points.positions, scene.grid);

@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
 
+#include <Eigen/Core>
 #include <pcl/PointIndices.h>
 #include <pcl/pcl_base.h>
 #include <pcl/point_cloud.h>
@@ -45,6 +46,15 @@ public:
     return false;
   }
 
+  /** \brief What was taken off the positions of the clouds, see localOrigin():
+   * generators that lay cells into space lay them as if it had not been. \param[in]
+   * origin [m]; zero by default */
+  void
+  setOrigin(const Eigen::Vector3d& origin)
+  {
+    origin_ = origin;
+  }
+
   /** \brief Groups the points of a cloud; the same for any number of threads.
    * \param[in] cloud organized or not; points that are not finite belong to no clique,
    * though the colour of theirs may be looked at
@@ -52,6 +62,9 @@ public:
    * may overlap and need not cover every point
    * \throws BadInputException if the cloud cannot be used, which the generator says */
   virtual std::vector<pcl::PointIndices> generate(const Cloud& cloud) = 0;
+
+protected:
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< [m]
 };
 
 } // namespace pcl_semantic

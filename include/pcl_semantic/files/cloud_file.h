@@ -5,6 +5,7 @@
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/label_set.h>
 
+#include <Eigen/Geometry>
 #include <pcl/PointIndices.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
@@ -144,14 +145,47 @@ void writeCloudTable(const std::string& path, const PcdTable& table);
 /** \brief A cloud of any sensor with what is known of its labels. */
 struct LabelledCloud {
   /** \brief Organized as the file was; viewpoint in its sensor_origin_ and
-   * sensor_orientation_; points that are not finite keep their place. */
+   * sensor_orientation_; points that are not finite keep their place. Positions are
+   * relative to \a origin. */
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{new pcl::PointCloud<pcl::PointXYZRGBL>};
   LabelDistributions distributions;       ///< L x points; no classes: hard labels only
   std::vector<pcl::PointIndices> cliques; ///< of finite points, disjoint, none empty
   bool has_colour = false;                ///< whether the cloud's colours mean anything
   bool has_labels = false;                ///< likewise its labels
   PcdTable table; ///< the file it comes from, for the fields this struct does not know
+  /// What was taken off the positions, see localOrigin(); zero unless the file has them
+  /// in double precision and far away [m].
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
+
+/** \brief The positions of a cloud's points as its file has them, in double precision.
+ * The cloud has to stay. */
+class CloudPositions {
+public:
+  explicit CloudPositions(const LabelledCloud& labelled);
+
+  /** \return of the i-th point [m] */
+  Eigen::Vector3d
+  operator()(std::size_t i) const
+  {
+    if (columns_.empty())
+      return cloud_[i].getVector3fMap().cast<double>();
+    return {columns_[0](i), columns_[1](i), columns_[2](i)};
+  }
+
+private:
+  const pcl::PointCloud<pcl::PointXYZRGBL>& cloud_;
+  std::vector<PcdColumn> columns_; // x y z, where the cloud is relative to an origin
+};
+
+/** \brief Adds the origin to the points of a cloud again, as far as single precision
+ * holds it: for scans, which are relative to their sensor. */
+void addOrigin(LabelledCloud& labelled);
+
+/** \brief T_world_sensor that a cloud's VIEWPOINT states.
+ * \param[in] name of the cloud, for the message
+ * \throws BadInputException if its quaternion is none */
+Eigen::Isometry3d viewpointOf(const PcdTable& table, const std::string& name);
 
 /** \brief Reads points with labels (readCloudTable()), all but x y z optional, in any
  * order and of any type that holds the value: x y z [m]; rgb or rgba (four bytes,

@@ -37,6 +37,15 @@ public:
    * InvalidParameterException if the size is not positive */
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
 
+  /** \brief What was taken off the positions of the input clouds, as
+   * LabelledCloud::origin is: clique generators lay their cells by it. \param[in]
+   * origin [m]; zero by default */
+  void
+  setOrigin(const Eigen::Vector3d& origin)
+  {
+    origin_ = origin;
+  }
+
   /** \brief Whether kernels look at the colours of the points, if their type has some.
    */
   void
@@ -84,8 +93,9 @@ public:
 protected:
   /** \brief The fields of all points of a cloud. */
   struct Fields {
-    Eigen::Matrix3Xf positions; ///< [m]
-    Eigen::Matrix3Xf colours;   ///< red, green, blue, 0..255; empty = no colour
+    Eigen::Matrix3Xf positions;                       ///< relative to `origin` [m]
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< [m]
+    Eigen::Matrix3Xf colours; ///< red, green, blue, 0..255; empty = no colour
     std::vector<std::uint32_t> labels;
     std::uint32_t width = 0;
     std::uint32_t height = 0;
@@ -112,6 +122,8 @@ protected:
 
   /** \brief The result of a cloud of no points, whatever was set for others. */
   void refineNothing();
+
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< see setOrigin()
 
 private:
   LabelDistributions measurements(const Fields& fields,

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <pcl/type_traits.h>
 
 #include <cstring>
+#include <type_traits>
 
 // PCL instantiates its base classes for its own point types only.
 #include <pcl/filters/impl/filter.hpp>
@@ -27,6 +29,14 @@ getField(const PointT& point)
                   pcl::traits::offset<PointT, Tag>::value,
               sizeof(value));
   return value;
+}
+
+/** \brief Whether a field has more than single precision. */
+template <typename PointT, typename Tag>
+constexpr bool
+isDouble()
+{
+  return std::is_same<typename pcl::traits::datatype<PointT, Tag>::type, double>::value;
 }
 
 template <typename Tag, typename PointT>
@@ -67,6 +77,20 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud)
   fields.height = cloud.height;
   fields.positions.resize(3, count);
   fields.labels.resize(cloud.size());
+  constexpr bool has_doubles = detail::isDouble<PointT, x>() ||
+                               detail::isDouble<PointT, y>() ||
+                               detail::isDouble<PointT, z>();
+  if constexpr (has_doubles) {
+    Eigen::Matrix3Xd positions(3, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const PointT& point = cloud[std::size_t(i)];
+      positions.col(i) << double(detail::getField<x>(point)),
+          double(detail::getField<y>(point)), double(detail::getField<z>(point));
+    }
+    const Eigen::Vector3d origin = localOrigin(positions);
+    fields.positions = relativeTo(origin, positions);
+    fields.origin = origin;
+  }
   if constexpr (has_rgba || has_rgb)
     fields.colours.resize(3, count);
 #ifdef _OPENMP // it may not be where a user's own point type is compiled
@@ -74,8 +98,9 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud)
 #endif
   for (Eigen::Index i = 0; i < count; ++i) {
     const PointT& point = cloud[std::size_t(i)];
-    fields.positions.col(i) << float(detail::getField<x>(point)),
-        float(detail::getField<y>(point)), float(detail::getField<z>(point));
+    if constexpr (!has_doubles)
+      fields.positions.col(i) << float(detail::getField<x>(point)),
+          float(detail::getField<y>(point)), float(detail::getField<z>(point));
     fields.labels[std::size_t(i)] =
         classOf(static_cast<std::uint32_t>(detail::getField<label>(point)));
     if constexpr (has_rgba)
@@ -100,6 +125,7 @@ SemanticCRF<PointT>::applyFilter(PointCloud& output)
   }
   const ThreadScope threads(this->threads_);
   Fields fields = readFields(*this->input_);
+  fields.origin += this->origin_;
   this->refineCloud(fields, *this->indices_);
   output = *this->input_;
   for (const pcl::index_t index : *this->indices_)

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/core/local_origin.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace pcl_semantic {
+
+namespace {
+
+constexpr double kFarAway = 1024.0; // [m]; beyond it steps are of 1.2e-4 m
+constexpr double kBesideGrids = 0.28125;
+
+} // namespace
+
+Eigen::Vector3d
+localOrigin(const Eigen::Matrix3Xd& positions)
+{
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  bool is_far = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    values.reserve(std::size_t(positions.cols()));
+    for (Eigen::Index i = 0; i < positions.cols(); ++i)
+      if (std::isfinite(positions(axis, i)))
+        values.push_back(positions(axis, i));
+    if (values.empty())
+      continue;
+    is_far = is_far || std::any_of(values.begin(), values.end(), [](double value) {
+               return std::abs(value) > kFarAway;
+             });
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    origin[axis] = std::floor(*middle) + kBesideGrids;
+  }
+  return is_far ? origin : Eigen::Vector3d::Zero().eval();
+}
+
+} // namespace pcl_semantic
