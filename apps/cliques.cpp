@@ -169,7 +169,7 @@ setFrame(const CliqueFrame& frame, const std::string& name, const LabelledCloud&
          SuperpixelCliques& generator)
 {
   generator.setVoxels({}, frame.voxel_size); // checks the size
-  LabelledCloud read = readLabelledCloud(frame.path);
+  LabelledCloud read = readLabelledCloud(frame.path, &anyLabels());
   addOrigin(read);
   if (!read.has_colour)
     fail<BadInputException>(frame.path, ": superpixels need points with rgb or rgba",
@@ -230,8 +230,8 @@ group(const Arguments& arguments)
 {
   const auto generator = makeCliqueGenerator(arguments.method, arguments.parameters);
   setNumberOfThreads(arguments.threads);
-  LabelledCloud read =
-      readLabelledCloud(arguments.input, nullptr, columnsOf(arguments.scan_columns));
+  LabelledCloud read = readLabelledCloud(arguments.input, &anyLabels(),
+                                         columnsOf(arguments.scan_columns));
   if (generator->usesColour() && !read.has_colour && !read.cloud->empty())
     fail<BadInputException>(arguments.input, ": this method needs rgb or rgba",
                             textOfDoubts(read.table.doubts, arguments.input));

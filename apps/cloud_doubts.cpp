@@ -24,6 +24,13 @@ columnsOf(const std::string& scan_columns, const std::string& path)
                                                     : ScanColumns();
 }
 
+const LabelMapping&
+anyLabels()
+{
+  static const LabelMapping mapping;
+  return mapping;
+}
+
 void
 warnOfDoubts(const std::vector<std::string>& doubts)
 {

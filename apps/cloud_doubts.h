@@ -24,6 +24,9 @@ ScanColumns columnsOf(const std::string& scan_columns);
 /** \brief The same for one of several clouds, of which only a `.bin` has columns. */
 ScanColumns columnsOf(const std::string& scan_columns, const std::string& path);
 
+/** \brief For clouds whose labels do not matter: takes any numbers. */
+const LabelMapping& anyLabels();
+
 /** \brief Warns of each of PcdTable::doubts. */
 void warnOfDoubts(const std::vector<std::string>& doubts);
 

@@ -353,7 +353,7 @@ labelCloud(const std::string& path, int number, const Arguments& arguments,
 {
   const bool is_seen = dynamic_cast<NetworkPredictor*>(&predictor) != nullptr;
   LabelledCloud labelled =
-      readLabelledCloud(path, nullptr, columnsOf(arguments.scan_columns, path));
+      readLabelledCloud(path, &anyLabels(), columnsOf(arguments.scan_columns, path));
   if (counts.doubts.empty()) {
     counts.doubts = labelled.table.doubts;
     warnOfDoubts(counts.doubts);

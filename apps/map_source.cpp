@@ -459,9 +459,9 @@ private:
   {
     for (const std::size_t position : positions_) {
       const std::string& path = clouds_.path(position);
-      const auto cloud =
-          readLabelledCloud(path, nullptr, columnsOf(arguments_.scan_columns, path))
-              .cloud;
+      const auto cloud = readLabelledCloud(path, &anyLabels(),
+                                           columnsOf(arguments_.scan_columns, path))
+                             .cloud;
       if (cloud->empty())
         continue;
       if (!cloud->isOrganized())

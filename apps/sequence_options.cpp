@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sequence_options.h"
+#include "cloud_doubts.h"
 #include "messages.h"
 
 #include "core/fail.h"
@@ -137,7 +138,7 @@ chooseClouds(const std::string& name, const CloudSequence& clouds,
 std::vector<Eigen::Vector3d>
 readPositions(const std::string& path, const ScanColumns& columns)
 {
-  LabelledCloud read = readLabelledCloud(path, nullptr, columns);
+  LabelledCloud read = readLabelledCloud(path, &anyLabels(), columns);
   addOrigin(read);
   return pointsInCamera(*read.cloud, Eigen::Isometry3d::Identity());
 }

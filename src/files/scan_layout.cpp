@@ -11,83 +11,88 @@ namespace pcl_semantic {
 namespace {
 
 constexpr std::size_t kFewest = 16; // points that say something
+constexpr std::size_t kTurns = 8;
 
-// Ranges of columns differ by orders of magnitude: as large as one looks at.
 float
-compressed(float value)
+numberAt(const std::vector<std::uint8_t>& bytes, std::size_t i)
 {
-  return std::asinh(value);
+  float value;
+  std::memcpy(&value, bytes.data() + i * sizeof(value), sizeof(value));
+  return value;
 }
 
 } // namespace
 
 ScanLayout::ScanLayout(const std::vector<std::uint8_t>& bytes)
-    : values_(bytes.size() / sizeof(float))
+    : bytes_(bytes), count_(bytes.size() / sizeof(float))
 {
-  std::memcpy(values_.data(), bytes.data(), values_.size() * sizeof(float));
+  constexpr std::size_t parts = 8, size = 840; // a multiple of 3 to 7
+  for (std::size_t p = 0; p < parts; ++p) {
+    const std::size_t begin =
+        count_ <= parts * size ? p * size : p * (count_ - size) / (parts - 1);
+    std::vector<float> part;
+    // Columns differ by orders of magnitude.
+    for (std::size_t i = begin; i < std::min(begin + size, count_); ++i)
+      part.push_back(std::asinh(numberAt(bytes_, i)));
+    parts_.push_back(std::move(part));
+  }
 }
 
-// In parts all over the file.
 double
 ScanLayout::difference(std::size_t lag) const
 {
-  constexpr std::size_t parts = 8, size = 840; // a multiple of 3 to 7
-  if (values_.size() <= lag)
-    return std::numeric_limits<double>::infinity();
-  const std::size_t last = values_.size() - lag;
   double sum = 0.0;
   std::size_t count = 0;
-  for (std::size_t p = 0; p < parts; ++p) {
-    const std::size_t begin =
-        last <= parts * size ? p * size : p * (last - size) / (parts - 1);
-    for (std::size_t i = begin; i < std::min(begin + size, last); ++i) {
-      const float each =
-          std::abs(compressed(values_[i + lag]) - compressed(values_[i]));
+  for (const std::vector<float>& part : parts_)
+    for (std::size_t i = lag; i < part.size(); ++i) {
+      const float each = std::abs(part[i] - part[i - lag]);
       if (!std::isfinite(each))
         continue;
       sum += double(each);
       ++count;
     }
-  }
-  return count > 0 ? sum / double(count) : 0.0;
+  return count > 0 ? sum / double(count) : std::numeric_limits<double>::infinity();
 }
 
 std::size_t
 ScanLayout::columnsInsteadOf(std::size_t assumed) const
 {
-  const std::size_t points = values_.size() / std::max<std::size_t>(assumed, 1);
+  const std::size_t points = count_ / std::max<std::size_t>(assumed, 1);
   if (points < kFewest)
     return 0;
-  // Every second point may come from another laser: 2 and 11 times the columns are a
-  // multiple of no other number of them.
-  const double here = std::min(
-      {difference(assumed), difference(2 * assumed), difference(11 * assumed)});
+  // Lasers may take turns: of the points before and after it one is of the same.
+  const auto differenceHere = [&](std::size_t other) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 1; k <= kTurns; ++k)
+      if (assumed * k % other != 0) // else it is one column of the others, too
+        least = std::min(least, difference(assumed * k));
+    return least;
+  };
+  const double clearly = std::min(0.8, 1.0 - 2.0 / std::sqrt(double(points)));
   constexpr double more = 0.9; // twice three columns are six, too
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t columns = 3; columns <= 7; ++columns) {
-    if (values_.size() % columns != 0 || assumed % columns == 0 ||
-        columns % assumed == 0)
+    if (count_ % columns != 0 || assumed % columns == 0 || columns % assumed == 0)
       continue;
     const double each = difference(columns);
-    if (each < more * least) {
+    if (each < more * least && each < clearly * differenceHere(columns)) {
       least = each;
       best = columns;
     }
   }
-  const double clearly = std::min(0.8, 1.0 - 2.0 / std::sqrt(double(points)));
-  return least < clearly * here ? best : 0;
+  return best;
 }
 
 bool
 ScanLayout::isAbsurd(std::size_t columns) const
 {
   std::size_t absurd = 0, seen = 0;
-  const std::size_t points = values_.size() / columns;
+  const std::size_t points = count_ / columns;
   const std::size_t step = std::max<std::size_t>(1, points / 4096);
   for (std::size_t i = 0; i < points; i += step)
     for (std::size_t axis = 0; axis < 3; ++axis, ++seen)
-      absurd += std::abs(values_[i * columns + axis]) > 1e7f;
+      absurd += std::abs(numberAt(bytes_, i * columns + axis)) > 1e7f;
   return points >= kFewest && 10 * absurd > seen;
 }
 

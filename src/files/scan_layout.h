@@ -16,7 +16,7 @@ namespace pcl_semantic {
  * further on is least for the right number of columns. */
 class ScanLayout {
 public:
-  /** \param[in] bytes of the whole file */
+  /** \param[in] bytes of the whole file, which have to stay */
   explicit ScanLayout(const std::vector<std::uint8_t>& bytes);
 
   /** \brief Another number of columns, of 3 to 7, that the size of the file allows and
@@ -32,7 +32,9 @@ public:
 private:
   double difference(std::size_t lag) const;
 
-  std::vector<float> values_;
+  const std::vector<std::uint8_t>& bytes_;
+  std::size_t count_;                     // of numbers
+  std::vector<std::vector<float>> parts_; // all over the file, compressed
 };
 
 } // namespace pcl_semantic

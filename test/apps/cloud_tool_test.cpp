@@ -156,6 +156,18 @@ TEST_F(CloudTool, TellsOfNumbersThatAMappingLacks)
               "m.yaml lacks 1 of the numbers: 5 (1 points): taken as unlabelled\n"));
 }
 
+// Numbers that are no labels of ours do not matter to cliques.
+TEST_F(CloudTool, GroupsCloudsOfAnyLabels)
+{
+  folder.write("raw.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
+                          "property float y\nproperty float z\nproperty int label\n"
+                          "end_header\n1 2 3 259\n4 5 6 -1\n");
+  succeed("cliques " + folder.path("raw.ply") + " " + folder.path("out.pcd") +
+          " --method cubes:1");
+  const PcdTable table = readCloudTable(folder.path("out.pcd"));
+  EXPECT_EQ(PcdColumn(table, table.find("label"))(0), 259.0);
+}
+
 TEST_F(CloudTool, CountsNoReturns)
 {
   std::string rows;

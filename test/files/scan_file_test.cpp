@@ -164,6 +164,12 @@ TEST(ScanFile, TakesScansOfFourColumnsForWhatTheyAre)
            row = {-row[0], -row[1], 2.0f, 0.0f};
          return row;
        }},
+      {"three lasers take turns",
+       [](auto& random, int i) {
+         const float side = 20.0f * float(i % 3 - 1);
+         return Row{side + between(random, -1, 1), -side + between(random, -1, 1),
+                    between(random, -2, 2), between(random, 0, 255)};
+       }},
       {"one point again and again", [](auto&, int) {
          return Row{3.5f, -2.0f, 1.0f, 0.25f};
        }}};
