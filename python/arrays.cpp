@@ -3,6 +3,7 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/local_origin.h>
+#include <pcl_semantic/core/printable.h>
 #include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
@@ -16,7 +17,7 @@ namespace pcl_semantic::python {
 void
 warn(const std::string& message)
 {
-  if (PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 1) != 0)
+  if (PyErr_WarnEx(PyExc_UserWarning, printable(message).c_str(), 1) != 0)
     throw py::error_already_set();
 }
 
