@@ -81,7 +81,34 @@ ScanLayout::columnsInsteadOf(std::size_t assumed) const
       best = columns;
     }
   }
-  return best;
+  return best == 0 && isTwice(assumed) ? 2 * assumed : best;
+}
+
+// Lasers that take turns may see different things, but all to both sides: every second
+// point has columns of another kind if its x or y is never negative.
+bool
+ScanLayout::isTwice(std::size_t assumed) const
+{
+  const std::size_t twice = 2 * assumed, pairs = count_ / twice;
+  if (count_ % twice != 0 || pairs < kFewest)
+    return false;
+  constexpr double clearly = 0.6;
+  for (std::size_t k = 1; k < kTurns; k += 2)
+    if (!(difference(twice) < clearly * difference(assumed * k)))
+      return false;
+  const auto negative = [&](std::size_t column) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < pairs; ++i)
+      count += numberAt(bytes_, i * twice + column) < 0.0f;
+    return double(count) / double(pairs);
+  };
+  constexpr double many = 0.1;
+  for (const std::size_t axis : {0u, 1u}) {
+    const double first = negative(axis);
+    if (first > many && first < 1.0 - many && negative(assumed + axis) == 0.0)
+      return true;
+  }
+  return false;
 }
 
 bool

@@ -19,10 +19,9 @@ public:
   /** \param[in] bytes of the whole file, which have to stay */
   explicit ScanLayout(const std::vector<std::uint8_t>& bytes);
 
-  /** \brief Another number of columns, of 3 to 7, that the size of the file allows and
-   * its numbers show; 0 if they show none clearly.
-   * \param[in] assumed columns, of which the numbers have to speak clearly against
-   * others */
+  /** \brief Another number of columns, of 3 to 7 or twice as many, that the size of the
+   * file allows and its numbers show; 0 if they show none clearly. \param[in] assumed
+   * columns, of which the numbers have to speak clearly against others */
   std::size_t columnsInsteadOf(std::size_t assumed) const;
 
   /** \brief Whether many positions in the first three columns cannot be metres: they
@@ -31,6 +30,8 @@ public:
 
 private:
   double difference(std::size_t lag) const;
+
+  bool isTwice(std::size_t assumed) const;
 
   const std::vector<std::uint8_t>& bytes_;
   std::size_t count_;                     // of numbers

@@ -95,8 +95,9 @@ TEST(ScanFile, RefusesOtherColumnsThanAssumed)
              {"nuScenes", [](auto&random, int) { return around(random, 2, 256.0f); },
               5},
              {"colours", [](auto&random, int) { return around(random, 3, 256.0f); }, 6},
-             {"seven", [](auto&random, int) { return around(random, 4, 256.0f); },
-              7}}) {
+             {"seven", [](auto&random, int) { return around(random, 4, 256.0f); }, 7},
+             {"eight", [](auto&random, int) { return around(random, 5, 256.0f); },
+              8}}) {
       const TemporaryFolder folder;
       // Of a size that fits four columns, too.
       const std::string path = folder.write("a.bin", scanOf(points, each.make));
@@ -169,6 +170,15 @@ TEST(ScanFile, TakesScansOfFourColumnsForWhatTheyAre)
          const float side = 20.0f * float(i % 3 - 1);
          return Row{side + between(random, -1, 1), -side + between(random, -1, 1),
                     between(random, -2, 2), between(random, 0, 255)};
+       }},
+      {"every second beam looks far, or does not come back",
+       [](auto& random, int i) {
+         Row row = around(random, 1, 256.0f);
+         if (i % 2 == 1 && i < 2000)
+           row = {9 * row[0], 9 * row[1], 3.0f, row[3]};
+         else if (i % 2 == 1)
+           row = {0, 0, 0, 0};
+         return row;
        }},
       {"one point again and again", [](auto&, int) {
          return Row{3.5f, -2.0f, 1.0f, 0.25f};
