@@ -351,6 +351,20 @@ setCliqueColumn(const std::string& path, const std::vector<pcl::PointIndices>& c
   table.setColumn({kCliqueField, 'U'}, bytesOf(numbers.data(), numbers.size()));
 }
 
+// The fields as they are in the file.
+PcdTable
+readFields(const std::string& path, const ScanColumns& columns)
+{
+  const std::string extension =
+      boost::algorithm::to_lower_copy(fs::path(path).extension().string());
+  refuseOtherFormats(path);
+  if (!columns.empty() && extension != ".bin")
+    badParameter(path, ": scan columns are for .bin, which has no header");
+  if (extension == ".ply")
+    return readPly(path);
+  return extension == ".bin" ? readScan(path, columns) : readPcd(path);
+}
+
 } // namespace
 
 CloudPositions::CloudPositions(const LabelledCloud& labelled) : cloud_(*labelled.cloud)
@@ -392,14 +406,7 @@ cloudExtensions()
 PcdTable
 readCloudTable(const std::string& path, const ScanColumns& columns)
 {
-  const std::string extension =
-      boost::algorithm::to_lower_copy(fs::path(path).extension().string());
-  refuseOtherFormats(path);
-  if (!columns.empty() && extension != ".bin")
-    badParameter(path, ": scan columns are for .bin, which has no header");
-  PcdTable table = extension == ".ply"   ? readPly(path)
-                   : extension == ".bin" ? readScan(path, columns)
-                                         : readPcd(path);
+  PcdTable table = readFields(path, columns);
   addKnownFields(path, table);
   return table;
 }
@@ -408,7 +415,7 @@ LabelledCloud
 readLabelledCloud(const std::string& path, const LabelMapping* mapping,
                   const ScanColumns& columns)
 {
-  return labelledCloudOf(readCloudTable(path, columns), path, mapping);
+  return labelledCloudOf(readFields(path, columns), path, mapping);
 }
 
 LabelledCloud
