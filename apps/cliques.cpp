@@ -158,7 +158,7 @@ poseOf(const std::string& text, const std::string& calibration)
                                     ", expected 1");
   const Eigen::Isometry3d pose(
       Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) * turn.normalized());
-  for (const std::string& doubt : doubtsOf({pose}, PoseFrame::camera, true))
+  for (const std::string& doubt : doubtsOf({pose}, PoseFrame::sensor, true))
     warn("--pose: " + doubt);
   return pose;
 }

@@ -203,8 +203,12 @@ compareFolders(const Options& options, std::size_t number,
     cv::Mat covered, depth;
     if (!options.covered_by.empty())
       covered = readLabelFile(options.covered_by[number] + "/" + name, 255);
-    if (!ranges.empty())
+    if (!ranges.empty()) {
       depth = readTruthDepth(options.truth_depths[number], file.path, truth);
+      note(file.path + ": " +
+           std::to_string(cv::countNonZero((truth > 0) & (depth <= 0.0))) +
+           " of its labels have no depth and are in no range");
+    }
     try {
       for (std::size_t i = 0; i < total.size(); ++i)
         total[i].add(ranges.empty() ? truth : truthIn(ranges[i], truth, depth),

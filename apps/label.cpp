@@ -225,6 +225,10 @@ public:
     }
     if (!sensor_pose.empty())
       T_camera_sensor_ = readSensorPose(sensor_pose);
+    const double distance = T_camera_sensor_.translation().norm();
+    if (distance > 10.0)
+      warn("the scanner is " + shown(distance) +
+           " m away from the camera: is its pose in metres?");
   }
 
   // cloud is that of the frame, for the message.

@@ -15,6 +15,7 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/map/map_doubts.h>
 #include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
@@ -30,6 +31,7 @@ namespace pcl_semantic::tool {
 MapSource::MapSource(const MapArguments& arguments) : arguments_(arguments)
 {
   run_.config = arguments.parameters;
+  warnOf(doubtsOf(run_.config.map));
 }
 
 std::unique_ptr<SemanticMapper>
@@ -286,8 +288,14 @@ public:
     if (poses_ == "odometry")
       return std::make_unique<StereoOdometry>(sequence_->camera(),
                                               run_.T_camera0_camera);
-    warnOf(doubtsOfPoses(poses_, PoseFrame::first_camera));
     return readPoses(poses_, run_.T_camera0_camera);
+  }
+
+  std::vector<std::string>
+  poseDoubts() const override
+  {
+    return poses_ == "odometry" ? std::vector<std::string>()
+                                : doubtsOfPoses(poses_, PoseFrame::first_camera);
   }
 
 private:
@@ -347,11 +355,17 @@ public:
   std::unique_ptr<PoseSource>
   openPoses() const override
   {
-    if (arguments_.poses != "viewpoint")
-      warnOf(doubtsOfPoses(arguments_.poses, arguments_.sensor == "own"
-                                                 ? PoseFrame::sensor
-                                                 : PoseFrame::first_camera));
     return statedPoses();
+  }
+
+  std::vector<std::string>
+  poseDoubts() const override
+  {
+    if (arguments_.poses == "viewpoint")
+      return {};
+    return doubtsOfPoses(arguments_.poses, arguments_.sensor == "own"
+                                               ? PoseFrame::sensor
+                                               : PoseFrame::first_camera);
   }
 
 private:
@@ -515,18 +529,31 @@ public:
     readCalibrations();
   }
 
+  Results
+  figures() const override
+  {
+    return {{"pixels_without_depth", pixels_without_depth_}};
+  }
+
   std::unique_ptr<PoseSource>
   openPoses() const override
   {
-    warnOf(doubtsOfPoses(arguments_.poses, PoseFrame::camera));
     return readSensorPoses(arguments_.poses);
+  }
+
+  std::vector<std::string>
+  poseDoubts() const override
+  {
+    return doubtsOfPoses(arguments_.poses, PoseFrame::camera);
   }
 
 private:
   SensorFrame
   read(std::size_t position) override
   {
-    CloudFrame frame = sequence_.frame(position);
+    std::size_t unmeasured = 0;
+    CloudFrame frame = sequence_.frame(position, 0.0, &unmeasured);
+    pixels_without_depth_ += unmeasured;
     if (!isLabelled())
       return frame;
     StereoFrame image;
@@ -544,6 +571,7 @@ private:
 
   RgbdSequence sequence_;
   MapLabelling labelling_;
+  std::size_t pixels_without_depth_ = 0;
 };
 
 } // namespace

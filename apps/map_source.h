@@ -3,6 +3,7 @@
 
 #include "cloud_doubts.h"
 #include "map_arguments.h"
+#include "messages.h"
 
 #include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/labelling/label_calibration.h>
@@ -46,6 +47,13 @@ public:
 
   virtual std::unique_ptr<PoseSource> openPoses() const = 0;
 
+  /** \brief What is doubtful of the file of poses, a line each. */
+  virtual std::vector<std::string>
+  poseDoubts() const
+  {
+    return {};
+  }
+
   /** \brief Once. \throws InvalidParameterException if the parameters do not fit */
   std::unique_ptr<SemanticMapper> makeMapper(std::unique_ptr<PoseSource> poses,
                                              std::shared_ptr<BlockStore> store);
@@ -59,6 +67,13 @@ public:
    * what is there now
    * \throws BadInputException if a frame is not what it was */
   virtual void skip(const std::vector<FrameRecord>& mapped) = 0;
+
+  /** \brief Figures of the frames that were read, for the results. */
+  virtual Results
+  figures() const
+  {
+    return {};
+  }
 
 protected:
   using Inputs = std::vector<std::pair<std::string, std::string>>;

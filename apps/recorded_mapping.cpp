@@ -40,6 +40,8 @@ outputsOf(const MapArguments& arguments, const MapSource& source,
   Results results;
   if (!archive.records().empty())
     results.push_back({"resumed_after", archive.records().size()});
+  for (const auto& figure : source.figures())
+    results.push_back(figure);
   results.push_back({"map", arguments.output + "/map.pcd"});
   results.push_back({"top_view", arguments.output + "/top_view.png"});
   if (source.run().camera && !arguments.map_only)
@@ -122,6 +124,7 @@ mapRecorded(const MapArguments& arguments)
   std::unique_ptr<PoseSource> owned_poses = source->openPoses();
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(source->times());
+  warnOf(source->poseDoubts());
   if (arguments.archive_only && MappingArchive::isFinished(arguments.archive.path, run))
     return {};
   if (arguments.view)

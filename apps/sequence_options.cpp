@@ -45,10 +45,11 @@ withSequence(SequenceOptions& options, const std::vector<Option>& more)
       {"right", files.right, "right images, one for each left image"},
       {"calibration", files.calibration,
        "calibration of --left and --right: of OpenCV's stereoCalibrate, Kalibr's "
-       "camchain, the left camera_info of ROS (.yaml, .yml) or KITTI (.txt)"},
+       "camchain, the left camera_info of ROS or sensor.yaml of EuRoC (.yaml, .yml), "
+       "KITTI or Middlebury (.txt)"},
       {"extrinsics", files.extrinsics,
-       "file with R and T, if they are not in --calibration; of ROS the right "
-       "camera_info (.yaml)"},
+       "file with R and T, if they are not in --calibration; of ROS and EuRoC that of "
+       "the right camera (.yaml)"},
       {"times", files.times,
        "time stamps of the images, one per line [s] (default: 10 Hz)"},
       {"strict", options.strict,

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
+#include "cameras.h"
 #include "core/fail.h"
 
+#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/io/map_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
+#include <pcl_semantic/map/map_doubts.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include <pcl/common/io.h>
@@ -95,6 +98,7 @@ public:
     MapperConfig config;
     setParameters(parametersOf(config), values);
     config.validate();
+    warnOf(doubtsOf(config.map));
     map_ = std::make_unique<SemanticVoxelMap>(labelSetOf(label_set), config.map);
     map_->setNumberOfThreads(config.threads);
   }
@@ -175,6 +179,16 @@ cameraOf(const std::vector<double>& numbers)
           numbers[4], int(numbers[5]), int(numbers[6])};
 }
 
+// "480 x 640 x 3"
+std::string
+shapeOf(const py::array& array)
+{
+  std::string text;
+  for (py::ssize_t i = 0; i < array.ndim(); ++i)
+    text += (text.empty() ? "" : " x ") + std::to_string(array.shape(i));
+  return text;
+}
+
 // H x W or H x W x 3, red green blue.
 cv::Mat
 imageOf(const py::object& values, const StereoCamera& camera, const char* name)
@@ -183,8 +197,8 @@ imageOf(const py::object& values, const StereoCamera& camera, const char* name)
   const bool is_grey = array.ndim() == 2;
   if ((!is_grey && (array.ndim() != 3 || array.shape(2) != 3)) ||
       array.shape(0) != camera.height || array.shape(1) != camera.width)
-    badParameter(name, " is not an image of the camera, expected ", camera.height,
-                 " x ", camera.width, " or with three colours");
+    badParameter(name, " is ", shapeOf(array), ", expected ", camera.height, " x ",
+                 camera.width, " as the camera's, or with three colours");
   cv::Mat image(camera.height, camera.width, is_grey ? CV_8UC1 : CV_8UC3);
   std::memcpy(image.data, array.data(), std::size_t(array.size()));
   if (!is_grey)
@@ -200,11 +214,13 @@ public:
   {
     MapperConfig config;
     setParameters(parametersOf(config), values);
+    warnOf(doubtsOf(config.map));
     auto poses = std::make_unique<GivenPose>();
     pose_ = poses.get();
     std::unique_ptr<GivenLabels> labels;
     if (camera) {
       camera_ = cameraOf(*camera);
+      warnOf(doubtsOf(*camera_));
       labels = std::make_unique<GivenLabels>();
       labels_ = labels.get();
     }

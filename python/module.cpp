@@ -3,6 +3,7 @@
 // import pcl_semantic: arrays of numpy in and out (doc/python.md).
 
 #include "arrays.h"
+#include "cameras.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/version.h>
@@ -28,4 +29,5 @@ PYBIND11_MODULE(pcl_semantic, module)
   python::bindMaps(module);
   python::bindEvaluation(module);
   python::bindFiles(module);
+  python::bindCameras(module);
 }

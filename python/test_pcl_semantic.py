@@ -215,7 +215,7 @@ class Mapper(unittest.TestCase):
             pcl_semantic.SemanticMapper(LABEL_SET, camera=[1, 2, 3, 4, 5, 6.5, 1e300])
         mapper = pcl_semantic.SemanticMapper(LABEL_SET, disparities=64,
                                              camera=[50, 50, 30, 20, 0.5, 60, 40])
-        with self.assertRaisesRegex(ValueError, "left image"):
+        with self.assertRaisesRegex(ValueError, "the left image is 39 x 60, expected 40 x 60"):
             mapper.process_pair(image[1:], image, np.eye(4), np.ones((2400, 11)))
 
     def test_a_pair_becomes_voxels(self):
@@ -232,6 +232,30 @@ class Mapper(unittest.TestCase):
         self.assertGreater(len(voxels["labels"]), 100)
         self.assertEqual(set(voxels["labels"]), {5})
         self.assertAlmostEqual(np.median(voxels["points"][:, 2]), 25 / 8, delta=0.1)
+
+
+class Cameras(unittest.TestCase):
+    K = "K: [400, 0, 320, 0, 401, 240, 0, 0, 1]\n"
+
+    def read(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "c.yaml")
+            with open(path, "w") as file:
+                file.write(text)
+            return pcl_semantic.read_camera(path)
+
+    def test_what_a_file_states(self):
+        binned = "width: 640\nheight: 480\nbinning_x: 2\nbinning_y: 2\n" + self.K
+        self.assertEqual(self.read(binned), {"fx": 200, "fy": 200.5, "cx": 160, "cy": 120,
+                                             "width": 320, "height": 240})
+        with self.assertRaisesRegex(ValueError, "c.yaml line 2: distortion_model is 'fov'"):
+            self.read(self.K + "distortion_model: fov\n")
+        with self.assertWarnsRegex(UserWarning, "not the left one of its pair"):
+            self.read(self.K + "P: [400, 0, 320, -40, 0, 401, 240, 0, 0, 0, 1, 0]\n")
+
+    def test_a_camera_of_other_images_is_doubtful(self):
+        with self.assertWarnsRegex(UserWarning, "images of another size"):
+            pcl_semantic.SemanticMapper(LABEL_SET, camera=[50, 50, 10, 8, 0.5, 60, 40])
 
 
 class Files(unittest.TestCase):

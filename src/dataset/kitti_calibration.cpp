@@ -24,14 +24,15 @@ struct Row {
   }
 };
 
-// How many numbers a row has that is read, by its name in the odometry benchmark; the
-// raw data calls P2 `P_rect_02` and has its image size in `S_rect_02`.
+// How many numbers a row has that is read, by its name in the odometry benchmark. The
+// raw data calls P2 `P_rect_02` and has its image size in `S_rect_02`; the benchmarks
+// of objects and tracking have Tr in two parts, R0 before V.
 std::size_t
 countOf(const std::string& name)
 {
   static const std::map<std::string, std::size_t> counts{
-      {"P0", 12}, {"P1", 12}, {"P2", 12}, {"P3", 12}, {"Tr", 12},
-      {"S0", 2},  {"S1", 2},  {"S2", 2},  {"S3", 2}};
+      {"P0", 12}, {"P1", 12}, {"P2", 12}, {"P3", 12}, {"Tr", 12}, {"S0", 2},
+      {"S1", 2},  {"S2", 2},  {"S3", 2},  {"R0", 9},  {"V", 12}};
   const auto found = counts.find(name);
   return found == counts.end() ? 0 : found->second;
 }
@@ -39,9 +40,13 @@ countOf(const std::string& name)
 std::string
 odometryName(const std::string& name)
 {
-  return name.size() == 9 && name.compare(1, 7, "_rect_0") == 0
-             ? std::string{name[0], name[8]}
-             : name;
+  if (name == "R0_rect" || name == "R_rect")
+    return "R0";
+  if (name == "Tr_velo_to_cam" || name == "Tr_velo_cam")
+    return "V";
+  const bool is_raw = name.size() == 9 && name.compare(1, 7, "_rect_0") == 0 &&
+                      (name[0] == 'P' || name[0] == 'S');
+  return is_raw ? std::string{name[0], name[8]} : name;
 }
 
 std::map<std::string, Row>
@@ -87,16 +92,21 @@ translationOf(const Row& row)
   return pinhole.inverse() * row.matrix().col(3);
 }
 
-Eigen::Isometry3d
-rigidTransformation(const Row& row)
+Eigen::Quaterniond
+rotationOf(const Eigen::Matrix3d& block, const Row& row)
 {
-  const Eigen::Matrix3d block = row.matrix().leftCols<3>();
   const double deviation =
       (block * block.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (!(deviation <= 1e-2) || block.determinant() < 0.0)
     fail<BadInputException>(row.where, ": the left 3 x 3 block is no rotation");
+  return Eigen::Quaterniond(block).normalized();
+}
+
+Eigen::Isometry3d
+rigidTransformation(const Row& row)
+{
   Eigen::Isometry3d transformation = Eigen::Isometry3d::Identity();
-  transformation.linear() = Eigen::Quaterniond(block).normalized().matrix();
+  transformation.linear() = rotationOf(row.matrix().leftCols<3>(), row).matrix();
   transformation.translation() = row.matrix().col(3);
   return transformation;
 }
@@ -135,9 +145,15 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
     calibration.camera.height = int(size->second.numbers[1]);
   }
   calibration.T_camera0_camera.translation() = -t_left;
-  const auto velodyne = rows.find("Tr");
-  if (velodyne != rows.end())
+  if (const auto velodyne = rows.find("Tr"); velodyne != rows.end())
     calibration.T_camera0_velodyne = rigidTransformation(velodyne->second);
+  else if (rows.count("V") && rows.count("R0")) {
+    using RowMajor33 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    const Row& R0 = rows.at("R0");
+    calibration.T_camera0_velodyne =
+        rotationOf(Eigen::Map<const RowMajor33>(R0.numbers.data()), R0) *
+        rigidTransformation(rows.at("V"));
+  }
   return calibration;
 }
 

@@ -84,8 +84,8 @@ TEST(RgbdMap, BadInput)
        {"frames", 3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
        {"layout", 3, "no RGB-D sequence", replaceAll(run, "STREET/rgbd", "STREET/gt"),
         makeRgbd},
-       {"intrinsics", 3, "calib.txt", replaceAll(run, "camera.yaml", "calib.txt"),
-        makeRgbd},
+       {"intrinsics", 3, "times.txt: has no row 'P2:'",
+        replaceAll(run, "camera.yaml", "times.txt"), makeRgbd},
        {"a pose is missing", 3, "world.txt", run, [](const std::string& street) {
           makeRgbd(street);
           writeKittiTrajectory(street + "/world.txt", {Eigen::Isometry3d::Identity()});

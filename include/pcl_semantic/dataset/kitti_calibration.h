@@ -32,7 +32,8 @@ struct KittiCalibration {
    * pair's left camera to camera 0. */
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
 
-  /** \brief The row `Tr`: takes points of the laser scanner to camera 0 [m]. */
+  /** \brief The row `Tr`, or `R0_rect` times `Tr_velo_to_cam`: takes points of the
+   * laser scanner to camera 0 [m]. */
   std::optional<Eigen::Isometry3d> T_camera0_velodyne;
 };
 

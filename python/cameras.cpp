@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cameras.h"
+
+#include <pcl_semantic/dataset/pinhole_camera.h>
+
+namespace pcl_semantic::python {
+
+void
+warnOf(const std::vector<std::string>& doubts)
+{
+  for (const std::string& doubt : doubts)
+    if (PyErr_WarnEx(PyExc_UserWarning, doubt.c_str(), 1) != 0)
+      throw py::error_already_set(); // a filter made it an error
+}
+
+void
+bindCameras(py::module_& module)
+{
+  module.def(
+      "read_camera",
+      [](const std::string& path) {
+        const PinholeCamera camera = released([&] { return readPinholeCamera(path); });
+        warnOf(camera.doubts);
+        py::dict read;
+        read["fx"] = camera.fx;
+        read["fy"] = camera.fy;
+        read["cx"] = camera.cx;
+        read["cy"] = camera.cy;
+        read["width"] = camera.width;
+        read["height"] = camera.height;
+        return read;
+      },
+      py::arg("path"),
+      "The camera of undistorted images: fx, fy, cx, cy, width and height [px] (0 if "
+      "the\n"
+      "file states none), of ROS' camera_info, OpenCV's camera_matrix, Kalibr's "
+      "camchain or\n"
+      "EuRoC's sensor.yaml (.yaml), KITTI's or Middlebury's calib.txt. Binning and a "
+      "region\n"
+      "of interest are applied; P of rectified images takes the place of K.");
+}
+
+} // namespace pcl_semantic::python
