@@ -49,8 +49,10 @@ parse(int argc, char** argv)
       {{"left", options.left, "left image, or folder of images"},
        {"right", options.right, "right image, or folder of images"},
        {"calibration", options.calibration,
-        "KITTI's calib.txt, or a stereo calibration of OpenCV (.yaml, .yml); the cloud "
-        "is in the frame of the rectified left camera"},
+        "calibration of the pair: KITTI's or Middlebury's calib.txt, or one of OpenCV, "
+        "Kalibr, ROS or EuRoC (.yaml, .yml); the cloud is in the frame of the "
+        "rectified "
+        "left camera"},
        {"extrinsics", options.extrinsics,
         "file with R and T, if they are not in --calibration (.yaml)"},
        {"output", options.output, "output cloud (.pcd), or output folder"},
@@ -147,6 +149,7 @@ processPairs(const Options& options)
   const auto estimator = makeDisparityEstimator(options.engine, options.disparities);
   const ImagePairSequence pairs(
       {options.left, options.right, options.calibration, options.extrinsics, ""});
+  warnOf(pairs.doubts());
   const std::vector<Outputs> outputs = nameOutputs(options, pairs);
   double fraction = 0.0;
   {

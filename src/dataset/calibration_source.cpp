@@ -80,8 +80,8 @@ CalibrationSource::count(const std::string& key) const
 {
   int number = 0;
   map.get(key, number);
-  if (number < 0)
-    badInput(where(key), ": is ", number, ", expected 0 or more");
+  if (number < 0 || number > 1000000)
+    badInput(where(key), ": is ", number, ", expected 0 to 1000000");
   return number;
 }
 

@@ -279,6 +279,14 @@ readCameraSize(const CalibrationSource& source)
   return found.empty() ? Size(0, 0) : found.front().second;
 }
 
+int
+wholePixels(double number, const std::string& where)
+{
+  if (!(number >= 2.0 && number <= 1e6 && number == std::floor(number)))
+    badInput(where, ": is ", number, ", expected a number of pixels");
+  return int(number);
+}
+
 bool
 isYamlCamera(const CalibrationSource& source)
 {
@@ -337,8 +345,8 @@ readMiddlebury(const std::string& path)
   file.right = middleburyCamera(path, find("cam1").first, find("cam1").second);
   file.baseline = 1e-3 * number("baseline");
   for (CameraFile* const camera : {&file.left, &file.right}) {
-    camera->width = int(number("width"));
-    camera->height = int(number("height"));
+    camera->width = wholePixels(number("width"), find("width").second);
+    camera->height = wholePixels(number("height"), find("height").second);
     camera->size = textOf({camera->width, camera->height});
   }
   return file;

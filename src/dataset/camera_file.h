@@ -67,6 +67,9 @@ bool isYamlCamera(const CalibrationSource& source);
  * Cameras that are not used are among the doubts. \throws BadInputException */
 CameraFile readCameraFile(const std::string& path);
 
+/** \brief Columns or rows of an image from text. \throws BadInputException */
+int wholePixels(double number, const std::string& where);
+
 /** \brief A camera matrix fx 0 cx, 0 fy cy, 0 0 1. \throws BadInputException */
 void requireCameraMatrix(const Eigen::Matrix3d& K, const std::string& where);
 

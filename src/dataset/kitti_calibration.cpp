@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/dataset/kitti_calibration.h>
 
+#include "camera_file.h"
 #include "core/fail.h"
 
 #include <pcl_semantic/files/input_file.h>
@@ -141,8 +142,9 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
   const Matrix34 P = left.matrix();
   calibration.camera = {P(0, 0), P(1, 1), P(0, 2), P(1, 2), baseline};
   if (const auto size = rows.find(grey ? "S0" : "S2"); size != rows.end()) {
-    calibration.camera.width = int(size->second.numbers[0]);
-    calibration.camera.height = int(size->second.numbers[1]);
+    calibration.camera.width = wholePixels(size->second.numbers[0], size->second.where);
+    calibration.camera.height =
+        wholePixels(size->second.numbers[1], size->second.where);
   }
   calibration.T_camera0_camera.translation() = -t_left;
   if (const auto velodyne = rows.find("Tr"); velodyne != rows.end())

@@ -60,7 +60,8 @@ with(const std::string& image, int type)
   return [=](const std::string& street) {
     described(columns, rows)(street);
     writePng(street + "/" + image,
-             cv::Mat(rows / 2, columns / 2, type, cv::Scalar::all(1)));
+             cv::Mat(rows / 2, columns / 2, type,
+                     cv::Scalar::all(type == CV_16UC1 ? 5000 : 1)));
   };
 }
 
@@ -130,6 +131,14 @@ TEST(CameraSizes, EveryConsumerRefusesAnother)
        pair_map, with("image_3/000001.png", CV_8UC3)},
       {"sequence, labels", 3, "000001.png: is 104 x 32 pixels, expected 208 x 64",
        "--labels STREET/gt", with("gt/000001.png", CV_8UC1)},
+      {"image, labels", 3, "000001.png: is 104 x 32 pixels, expected 208 x 64",
+       "image_crf STREET/image_2/000001.png STREET/gt/000001.png OUT.png",
+       with("gt/000001.png", CV_8UC1)},
+      {"image, cliques", 3, "000001.png: has 104 x 32 pixels, expected 208 x 64",
+       "image_crf STREET/image_2/000001.png STREET/labels/000001.bin OUT.png --crf "
+       "pn-potts --cliques "
+       "STREET/gt/000001.png",
+       with("gt/000001.png", CV_8UC1)},
       {"truth", 3, "000001.png", evaluate, predictions("gt2/000001.png", CV_8UC1)},
       {"depth of the truth", 3, "has 104 x 32 depths, the ground truth 208 x 64",
        evaluate + "--truth-depth STREET/depth --range 0:9",
