@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/text_stream.h"
 #include "messages.h"
+#include "sequence_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -8,6 +9,8 @@
 #include <pcl_semantic/io/map_changes.h>
 #include <pcl_semantic/io/map_export.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
+#include <pcl_semantic/odometry/pose_doubts.h>
+#include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/pipeline/submaps.h>
 
 #include <algorithm>
@@ -154,6 +157,18 @@ exportCloud(const Arguments& arguments)
   return exit_done;
 }
 
+void
+warnOfPoses(const Submap& submap)
+{
+  if (submap.trajectory.empty())
+    return;
+  const RunSensor sensor =
+      sensorOf(MapReader::open(submap.path)->header().configuration);
+  warnOf(doubtsOfPoses(submap.trajectory, sensor.has_own_poses
+                                              ? PoseFrame::sensor
+                                              : PoseFrame::first_camera));
+}
+
 // The archives with the trajectories that place them.
 std::vector<Submap>
 submapsOf(const Arguments& arguments, const std::vector<std::string>& inputs)
@@ -166,6 +181,7 @@ submapsOf(const Arguments& arguments, const std::vector<std::string>& inputs)
     submaps.push_back({input, poses.empty()       ? ""
                               : poses.size() == 1 ? poses[0]
                                                   : poses[submaps.size()]});
+  std::for_each(submaps.begin(), submaps.end(), warnOfPoses);
   return submaps;
 }
 

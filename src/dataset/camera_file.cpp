@@ -154,9 +154,11 @@ readMatrices(const CalibrationSource& source, CameraFile& camera)
       requireCameraMatrix(camera.P->leftCols<3>(), source.where(projection));
   }
   const std::string rectification = source.find(rectification_keys);
-  if (camera.P && !rectification.empty())
-    camera.R = nearestRotation(source.square({rectification}),
-                               source.where(rectification), camera.doubts);
+  if (rectification.empty())
+    return;
+  const Eigen::Matrix3d R = source.square({rectification});
+  if (!R.isZero(0.0)) // as of P
+    camera.R = nearestRotation(R, source.where(rectification), camera.doubts);
 }
 
 void

@@ -15,12 +15,13 @@ namespace {
 void
 doubtPair(CameraFile& file)
 {
-  if (!file.P)
-    return;
-  if (file.isRectified() && file.R && !file.R->isIdentity(1e-6))
-    file.doubts.push_back(file.path + ": has no distortion, so that its images are "
-                                      "taken as rectified by R: P is used, K is not");
-  if (!file.P->col(3).isZero(0.0))
+  if (file.R && !file.R->isIdentity(1e-6))
+    file.doubts.push_back(file.path +
+                          (file.isRectified()
+                               ? ": has no distortion, so that its images are taken as "
+                                 "rectified by R: P is used, K is not"
+                               : ": R is not used: it turns the images of a pair"));
+  if (file.P && !file.P->col(3).isZero(0.0))
     file.doubts.push_back(file.path +
                           ": P says that this camera is not the left one of its pair: "
                           "that is not used, the camera is where the poses say");

@@ -84,7 +84,7 @@ medianOf(const cv::Mat1w& depths)
 std::string
 doubtOfScale(double median, double scale)
 {
-  constexpr double nearest = 0.05, farthest = 200.0; // [m]
+  constexpr double nearest = 0.05, farthest = 100.0; // [m]
   const double depth = median / scale;
   if (depth >= nearest && depth <= farthest)
     return {};

@@ -132,6 +132,14 @@ TEST(CameraFile, KnowsAllThatAFileStates)
             480,
             "P is used, K is not"},
            {"c.yaml",
+            size + no_distortion + K +
+                "R: [0, -1, 0, 1, 0, 0, 0, 0, 1]\nP: [400, 0, 320, 0, 0, 401, 240, 0, "
+                "0, 0, 1, 0]\n",
+            {400, 401, 320, 240},
+            640,
+            480,
+            "R is not used"},
+           {"c.yaml",
             full + "P: [400, 0, 320, -48, 0, 401, 240, 0, 0, 0, 1, 0]\n",
             {400, 401, 320, 240},
             640,

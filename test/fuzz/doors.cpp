@@ -210,6 +210,8 @@ doors()
       {"npy", [](const std::string& b) { readArray(fileOf(b, "a.npy")); }},
       {"pinhole_camera",
        [](const std::string& b) { readPinholeCamera(fileOf(b, "camera.yaml")); }},
+      {"pinhole_camera_txt",
+       [](const std::string& b) { readPinholeCamera(fileOf(b, "calib.txt")); }},
       {"poses_kitti",
        [](const std::string& b) { readKittiTrajectory(fileOf(b, "poses.txt")); }},
       {"poses_tum",
