@@ -10,7 +10,9 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/io/archive_merge.h>
+#include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/pipeline/fleet_plan.h>
 #include <pcl_semantic/pipeline/submaps.h>
 
@@ -35,7 +37,7 @@ const Usage usage{
     R"(Maps many drives into one map: cuts them into submaps, maps these, places each by
 corrected poses if there are any, and merges them tile by tile. Under mpirun or
 Slurm all processes share the work; what is done stays done when it is started
-again. OUTPUT/map.tiles is the map: pcl_semantic_archive, _export, _render
+again; what the plan no longer says is made anew or removed. OUTPUT/map.tiles is the map: pcl_semantic_archive, _export, _render
 and _view read it as an archive.)",
     R"(pcl_semantic_synthesize /tmp/street && cat >/tmp/plan.yaml <<'EOF'
 output: city
@@ -51,6 +53,13 @@ pcl_semantic_fleet /tmp/plan.yaml && \
 struct Task {
   MapArguments run;
   std::string corrected_poses;
+  std::uint64_t digest = 0; // of its archive
+
+  Submap
+  submap() const
+  {
+    return {run.archive.path, corrected_poses, digest};
+  }
 };
 
 // As if the drive's options were a command line of pcl_semantic_map.
@@ -194,8 +203,7 @@ tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
   std::vector<std::string> own;
   for (std::size_t i = std::size_t(ranks.rank()); i < tasks.size();
        i += std::size_t(ranks.size()))
-    for (const MapTile& tile :
-         tilesOf(Submap{tasks[i].run.archive.path, tasks[i].corrected_poses}))
+    for (const MapTile& tile : tilesOf(tasks[i].submap()))
       own.push_back(std::to_string(i) + " " + std::to_string(tile.y) + " " +
                     std::to_string(tile.x));
   std::map<MapTile, std::set<std::size_t>> reached; // by which task
@@ -208,8 +216,7 @@ tilesOf(const std::vector<Task>& tasks, const Ranks& ranks)
   SubmapTiles tiles;
   for (const auto& [tile, by] : reached)
     for (const std::size_t task : by)
-      tiles[tile].push_back(
-          {tasks[task].run.archive.path, tasks[task].corrected_poses});
+      tiles[tile].push_back(tasks[task].submap());
   return tiles;
 }
 
@@ -219,17 +226,40 @@ removeOtherTiles(const std::string& index, const SubmapTiles& tiles)
 {
   std::set<std::string> kept;
   for (const auto& [tile, submaps] : tiles)
-    kept.insert(fs::path(tilePath(index, tile)).filename().string());
+    kept.insert(fs::path(tilePath(index, tile)).stem().string());
   for (const fs::directory_entry& file :
-       fs::directory_iterator(fs::path(tilePath(index, {})).parent_path()))
-    if (file.path().extension() == ".map" &&
-        kept.count(file.path().filename().string()) == 0)
+       fs::directory_iterator(fs::path(tilePath(index, {})).parent_path())) {
+    const fs::path extension = file.path().extension();
+    if ((extension == ".map" || extension == ".made") &&
+        kept.count(file.path().stem().string()) == 0)
       fs::remove(file.path());
+  }
 }
 
-// The costs of an earlier run, and those of this one.
+// Submaps of an earlier plan: archives that are named by their first frame.
 void
-writeLog(const std::string& path, const std::vector<std::string>& lines)
+removeOtherSubmaps(const std::string& folder, const std::vector<Task>& tasks)
+{
+  std::set<fs::path> kept;
+  for (const Task& task : tasks)
+    kept.insert(fs::path(task.run.archive.path).lexically_normal());
+  std::vector<fs::path> drives;
+  std::error_code error;
+  for (const fs::directory_entry& drive : fs::directory_iterator(folder, error))
+    if (drive.is_directory(error) && !drive.is_symlink(error))
+      drives.push_back(drive.path());
+  for (const fs::path& drive : drives) {
+    for (const FrameFile& file : listFrameFiles(drive.string(), {".map"}))
+      if (kept.count(fs::path(file.path).lexically_normal()) == 0)
+        removeArchive(file.path);
+    fs::remove(drive, error); // unless it holds something
+  }
+}
+
+// The costs of an earlier run, as far as they are of the same tasks, and those of this.
+void
+writeLog(const std::string& path, const std::set<std::string>& tasks,
+         const std::vector<std::string>& lines)
 {
   const auto taskOf = [](const std::string& line) {
     return line.substr(0, line.rfind(',', line.rfind(',') - 1));
@@ -239,7 +269,8 @@ writeLog(const std::string& path, const std::vector<std::string>& lines)
   std::string line;
   std::getline(old, line); // its head
   while (std::getline(old, line))
-    by_task[taskOf(line)] = line;
+    if (tasks.count(taskOf(line)) > 0)
+      by_task[taskOf(line)] = line;
   for (const std::string& each : lines)
     by_task[taskOf(each)] = each;
   std::string text = "task,rank,seconds\n";
@@ -253,6 +284,25 @@ stopIfInterrupted()
 {
   if (interrupted())
     throw Exit{exit_interrupted};
+}
+
+// Maps the submaps that are not there as the plan has them.
+void
+mapSubmaps(const Ranks& ranks, std::vector<Task>& tasks, Log& log)
+{
+  std::vector<std::string> digests;
+  ranks.share(tasks.size(), [&](std::size_t i) {
+    const std::string& archive = tasks[i].run.archive.path;
+    log.time(archive, [&] { return !mapRecorded(tasks[i].run).empty(); });
+    stopIfInterrupted();
+    digests.push_back(std::to_string(i) + " " + std::to_string(archiveDigest(archive)));
+  });
+  for (const std::string& text : ranks.gather(digests)) {
+    std::size_t i = 0;
+    std::uint64_t digest = 0;
+    std::istringstream(text) >> i >> digest;
+    tasks[i].digest = digest;
+  }
 }
 
 FleetPlan
@@ -283,13 +333,9 @@ mapFleet(const std::string& path, const Ranks& ranks)
   if (!is_first)
     plan = readPlanBeside(path);
   const std::string index = plan->output + "/map.tiles";
-  const std::vector<Task> tasks = tasksOf(*plan, stretches);
+  std::vector<Task> tasks = tasksOf(*plan, stretches);
   Log log(ranks.rank());
-  ranks.share(tasks.size(), [&](std::size_t i) {
-    log.time(tasks[i].run.archive.path,
-             [&] { return !mapRecorded(tasks[i].run).empty(); });
-    stopIfInterrupted();
-  });
+  mapSubmaps(ranks, tasks, log);
   const SubmapTiles tiles = tilesOf(tasks, ranks);
   std::vector<MapTile> order;
   for (const auto& [tile, submaps] : tiles)
@@ -310,8 +356,14 @@ mapFleet(const std::string& path, const Ranks& ranks)
   if (!is_first)
     return exit_done;
   removeOtherTiles(index, tiles);
+  removeOtherSubmaps(plan->output + "/submaps", tasks);
   writeTileIndex(index, order);
-  writeLog(plan->output + "/log.csv", lines);
+  std::set<std::string> names;
+  for (const Task& task : tasks)
+    names.insert(task.run.archive.path);
+  for (const MapTile& tile : order)
+    names.insert(tilePath(index, tile));
+  writeLog(plan->output + "/log.csv", names, lines);
   const fs::path folder = fs::path(path).parent_path();
   printResults({{"submaps", tasks.size()},
                 {"tiles", order.size()},

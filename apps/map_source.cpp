@@ -117,6 +117,18 @@ public:
     next_ = mapped.size();
   }
 
+  std::string
+  changeSince(const std::vector<FrameRecord>& mapped) override
+  {
+    std::string change;
+    for (std::size_t i = 0; i < mapped.size() && change.empty(); ++i)
+      change = i < positions_.size() && mapped[i].number == run_.frames[i]
+                   ? changeOf(i, mapped[i])
+                   : "frame " + std::to_string(mapped[i].number) + " is gone";
+    next_ = 0;
+    return change;
+  }
+
 protected:
   using MapSource::MapSource;
 
@@ -138,9 +150,20 @@ protected:
     return (next_ - 1) % std::size_t(run_.config.network_every) == 0;
   }
 
-  // The labels of a network are not looked at: its images and the network itself are.
   void
   requireSame(std::size_t i, const FrameRecord& mapped)
+  {
+    const std::string change = changeOf(i, mapped);
+    if (!change.empty())
+      fail<BadInputException>(arguments_.archive.path, ": holds ", change,
+                              " as it was, which is another one now: put the old data "
+                              "back, or begin with another archive");
+  }
+
+  // What of a frame is another one now. The labels of a network are not looked at: its
+  // images and the network itself are.
+  std::string
+  changeOf(std::size_t i, const FrameRecord& mapped)
   {
     next_ = i;
     const SensorFrame frame = *next();
@@ -156,14 +179,14 @@ protected:
     const auto differ = [](std::uint64_t a, std::uint64_t b) {
       return a != 0 && b != 0 && a != b;
     };
-    for (const auto& [what, was, is] :
-         {std::tuple("", mapped.digest.data, now.data),
-          std::tuple(" labels of", mapped.digest.labels, now.labels)})
-      if (differ(was, is))
-        fail<BadInputException>(
-            arguments_.archive.path, ": holds", what, " frame ", mapped.number,
-            " as it was, which is another one now: put the old data "
-            "back, or begin with another archive");
+    const std::string name = "frame " + std::to_string(mapped.number);
+    if (differ(mapped.digest.data, now.data))
+      return name;
+    if (differ(mapped.digest.labels, now.labels))
+      return "labels of " + name;
+    // NaN: not known
+    const double time = timestamp(positions_[i]);
+    return mapped.timestamp < time || mapped.timestamp > time ? "time of " + name : "";
   }
 
   /** \brief Reads the frame at a position in the source. */

@@ -75,6 +75,15 @@ public:
     return {};
   }
 
+  /** \brief Compares all frames that are mapped already with what is there now; before
+   * makeMapper(). \return the first difference, for a message; empty if there is none
+   * \throws BadInputException if a frame cannot be read */
+  virtual std::string
+  changeSince(const std::vector<FrameRecord>& mapped)
+  {
+    return mapped.empty() ? "" : "its frames are not kept";
+  }
+
 protected:
   using Inputs = std::vector<std::pair<std::string, std::string>>;
 

@@ -8,6 +8,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
@@ -15,6 +16,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -112,7 +114,67 @@ parseSubmapLength(const std::string& text)
   return length;
 }
 
+// What the archive of a submap holds.
+struct MadeSubmap {
+  std::vector<FrameRecord> frames;
+  bool is_finished = false;
+  std::string fault; // why it is not of its run, or cannot be read
+};
+
+MadeSubmap
+lookInto(const std::string& path, const MappingRun& run)
+{
+  MadeSubmap made;
+  try {
+    const MapArchive archive(path, ArchiveAccess::read);
+    made.fault = changeOfRun(archive.header().configuration, describeRun(run));
+    archive.forEachFrame([&](int number, const std::vector<std::uint8_t>& bytes) {
+      made.frames.push_back(decodeFrameRecord(number, bytes));
+    });
+    made.is_finished =
+        archive.state().finished && made.frames.size() == run.frames.size();
+    const std::vector<std::string> faults = verifyArchive(path);
+    if (made.fault.empty() && !faults.empty())
+      made.fault = faults.front();
+  }
+  catch (const BadInputException& error) {
+    made.fault = error.what();
+  }
+  return made;
+}
+
+// Whether the archive of a submap holds all that its run would make now. One that holds
+// something else, or is damaged, is removed.
+bool
+isMade(MapSource& source, const std::string& path)
+{
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    removeArchive(path); // a log without its file
+    return false;
+  }
+  MadeSubmap made = lookInto(path, source.run());
+  if (made.fault.empty())
+    made.fault = source.changeSince(made.frames);
+  if (made.fault.empty())
+    return made.is_finished;
+  note(path + ": is made anew: " + made.fault);
+  removeArchive(path);
+  return false;
+}
+
 } // namespace
+
+void
+removeArchive(const std::string& path)
+{
+  for (const char* const ending : {"", "-wal", "-shm", "-journal"}) {
+    std::error_code error;
+    std::filesystem::remove(path + ending, error);
+    if (error)
+      fail<OutputException>(path + ending, ": cannot be removed: ", error.message());
+  }
+}
 
 Results
 mapRecorded(const MapArguments& arguments)
@@ -125,7 +187,7 @@ mapRecorded(const MapArguments& arguments)
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(source->times());
   warnOf(source->poseDoubts());
-  if (arguments.archive_only && MappingArchive::isFinished(arguments.archive.path, run))
+  if (arguments.archive_only && isMade(*source, arguments.archive.path))
     return {};
   if (arguments.view)
     tool::openLiveView(arguments.output, arguments.sequence.folder);

@@ -11,8 +11,15 @@
 namespace pcl_semantic::tool {
 
 /** \brief Maps a recording until its end or an interrupt (interrupted()).
- * \return what was written \throws as a tool's body */
+ *
+ * A submap of a fleet (`archive_only`) that is there is kept if it holds what would be
+ * made now; made further if it is a part of that; else replaced.
+ * \return what was written; nothing if it was kept \throws as a tool's body */
 Results mapRecorded(const MapArguments& arguments);
+
+/** \brief Removes an archive and what SQLite has put beside it, if it is there.
+ * \throws OutputException */
+void removeArchive(const std::string& path);
 
 /** \brief A recording in submaps. */
 struct SubmapRuns {

@@ -64,7 +64,7 @@ demo
 presets
 fleet
 results=(map/map.pcd export.pcd old_export.pcd labels crf_map.pcd preset_*/map.pcd city/map.tiles
-  city/tiles/*)
+  city/tiles/*.map)
 if [[ -n ${PCL_SEMANTIC_DATA:-} ]]; then
   real_clouds
   results+=(crf_scan.pcd crf_objects.pcd)

@@ -189,28 +189,6 @@ blocksOf(const Archives& archives, const MapTile& tile, int halo)
   return found;
 }
 
-// Whether a merge of these is there already.
-bool
-isNewest(const std::string& output, const std::vector<PlacedArchive>& inputs)
-{
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (!fs::exists(output, error))
-    return false;
-  try {
-    const MapArchive archive(output, ArchiveAccess::read);
-    if (archive.header().configuration.rfind(describeMerge(inputs), 0) != 0)
-      return false;
-  }
-  catch (const BadInputException&) { // it is damaged, but can be made again
-    return false;
-  }
-  const auto made = fs::last_write_time(output);
-  return std::all_of(inputs.begin(), inputs.end(), [&](const PlacedArchive& input) {
-    return fs::last_write_time(input.path) < made;
-  });
-}
-
 } // namespace
 
 MapTile
@@ -263,14 +241,12 @@ differenceOf(const ArchiveHeader& first, const ArchiveHeader& other)
   return {};
 }
 
-bool
+void
 mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
           const std::string& output, const MergeOptions& options)
 {
   if (inputs.empty())
     badParameter("expected archives to merge");
-  if (isNewest(output, inputs))
-    return false;
   const Archives archives = openAll(inputs);
   std::filesystem::remove(output);
   makeArchiveFile(output, [&](const std::string& temporary) {
@@ -279,7 +255,6 @@ mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
     merged->commit(stateOf(archives));
     merged->close();
   });
-  return true;
 }
 
 std::uint64_t

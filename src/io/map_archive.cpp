@@ -4,6 +4,7 @@
 #include "archive_database.h"
 #include "archive_meta.h"
 #include "block_encoding.h"
+#include "core/digest.h"
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 #include "files/bytes.h"
@@ -391,6 +392,23 @@ checkBlocks(ArchiveDatabase& database, int classes, const ArchiveState& state,
 }
 
 } // namespace
+
+std::uint64_t
+archiveDigest(const std::string& path)
+{
+  ArchiveDatabase database(path, ArchiveDatabase::Access::read);
+  const std::string configuration = readHeader(database).configuration;
+  const ArchiveState state = readState(database);
+  Digest digest;
+  digest.add(configuration.data(), configuration.size());
+  digest.add(state.cloud_origin.data(), 3 * sizeof(double));
+  digest.addWord(state.finished);
+  database.forEachBlock([&](const VoxelIndex& index, std::string_view sealed) {
+    digest.add(index.data(), 3 * sizeof(int));
+    digest.add(sealed.data(), sealed.size());
+  });
+  return digest.value();
+}
 
 std::vector<std::string>
 verifyArchive(const std::string& path, const BlockProgress& progress)

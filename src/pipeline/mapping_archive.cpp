@@ -74,17 +74,6 @@ MappingArchive::~MappingArchive()
   }
 }
 
-bool
-MappingArchive::isFinished(const std::string& path, const MappingRun& run)
-{
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    return false;
-  const MapArchive archive(path, ArchiveAccess::read);
-  requireSameRun(archive, run);
-  return archive.state().finished && archive.state().frames == run.frames.size();
-}
-
 std::shared_ptr<BlockStore>
 MappingArchive::store() const
 {

@@ -1,22 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/pipeline/submaps.h>
 
+#include "core/digest.h"
 #include "core/fail.h"
 #include "crf_region.h"
 #include "map/block_reader.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/run_description.h>
+#include <pcl_semantic/version.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <set>
 #include <utility>
 
 namespace pcl_semantic {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -172,6 +179,7 @@ placed(const Submap& submap)
 
 namespace {
 
+// How submaps are merged, and where each of them lies.
 struct Merge {
   std::vector<PlacedArchive> archives;
   MergeOptions options;
@@ -219,11 +227,59 @@ tilesOf(const Submap& submap)
   return tilesOf(placed(submap));
 }
 
+namespace {
+
+// All that the bytes of a tile depend on, but its place.
+std::string
+describe(const std::set<Submap>& submaps, const Merge& merge)
+{
+  TextStream text;
+  text.precision(17);
+  text << "version: " << PCL_SEMANTIC_VERSION << "\n";
+  auto archive = merge.archives.begin();
+  for (const Submap& submap : submaps) {
+    text << "submap: " << submap.path << " "
+         << (submap.digest != 0 ? submap.digest : archiveDigest(submap.path));
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column)
+        text << " " << archive->motion(row, column);
+    text << "\n";
+    ++archive;
+  }
+  return text.str();
+}
+
+// With what lies at the path of a tile now.
+std::string
+withBytes(const std::string& description, const std::string& tile)
+{
+  const std::vector<std::uint8_t> bytes = readBytes(tile);
+  Digest digest;
+  digest.add(bytes.data(), bytes.size());
+  return description + "bytes: " + std::to_string(digest.value()) + "\n";
+}
+
+bool
+isMade(const std::string& tile, const std::string& text_path,
+       const std::string& description)
+{
+  try {
+    const std::vector<std::uint8_t> text = readBytes(text_path);
+    return std::string(text.begin(), text.end()) == withBytes(description, tile);
+  }
+  catch (const BadInputException&) { // one of both is missing, or cannot be read
+    return false;
+  }
+}
+
+} // namespace
+
 bool
 mergeTile(const SubmapTiles& tiles, const MapTile& tile, const std::string& output)
 {
+  std::set<Submap> near;
   const auto mergeWith = [&](int tiles_around) {
-    std::set<Submap> near;
+    near.clear();
     for (int y = tile.y - tiles_around; y <= tile.y + tiles_around; ++y)
       for (int x = tile.x - tiles_around; x <= tile.x + tiles_around; ++x)
         if (const auto found = tiles.find({y, x}); found != tiles.end())
@@ -234,7 +290,14 @@ mergeTile(const SubmapTiles& tiles, const MapTile& tile, const std::string& outp
   const int halo = merge.options.halo;
   if (halo > MapTile::tile_edge) // kernels that few use
     merge = mergeWith((halo + MapTile::tile_edge - 1) / MapTile::tile_edge);
-  return mergeTile(merge.archives, tile, output, merge.options);
+  const std::string description = describe(near, merge);
+  const std::string made = fs::path(output).replace_extension(".made").string();
+  if (isMade(output, made, description))
+    return false;
+  fs::remove(made);
+  mergeTile(merge.archives, tile, output, merge.options);
+  writeTextFile(made, withBytes(description, output));
+  return true;
 }
 
 } // namespace pcl_semantic

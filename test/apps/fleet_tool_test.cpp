@@ -7,6 +7,8 @@
 
 #include <pcl_semantic/io/map_archive.h>
 
+#include <fstream>
+#include <functional>
 #include <map>
 #include <tuple>
 
@@ -173,10 +175,211 @@ TEST_F(Fleet, RefusesWhatCannotBe)
            {2, "strict is 'maybe'", begin + ", strict: maybe}\n"}})
     expectFails(plan(text), code, says);
   EXPECT_FALSE(fs::exists(folder_.path("none")));
-  const std::string other = writePlan("city");
-  succeed("fleet " + other);
-  writePlan("city", ", max_depth: 20");
-  expectFails("fleet " + other, 3, "is the archive of another run: max_depth was ");
+}
+
+// Plan A in a folder, then plan B in the same, against plan B alone.
+class ChangedFleet : public Fleet {
+protected:
+  struct Case {
+    std::string name, before, after;
+    std::function<void()> change = nullptr; ///< of files, in between
+  };
+
+  std::string
+  drive(const std::string& name, const std::string& frames,
+        const std::string& more = "") const
+  {
+    return "  - {name: " + name + ", frames: '" + frames + "', sequence: " + street_ +
+           more + "}\n";
+  }
+
+  // Options that are not given are such that it takes little time.
+  std::string
+  plan(const std::string& drives, const std::string& options = "") const
+  {
+    std::string all = "labels: " + street_ + "/labels" + options;
+    for (const std::string option :
+         {"submap_every: 1", "voxel_size: 0.2", "max_depth: 15", "crf: none"})
+      if (!holds(options, option.substr(0, option.find(':'))))
+        all += ", " + option;
+    return "output: city\noptions: {" + all + "}\ndrives:\n" + drives;
+  }
+
+  // KITTI's poses, all of them moved to the right.
+  std::string
+  writePoses(const std::string& name, double right) const
+  {
+    std::string text;
+    for (int frame = 0; frame < 3; ++frame)
+      text += "1 0 0 " + std::to_string(right) + " 0 1 0 0 0 0 1 " +
+              std::to_string(frame) + "\n";
+    return folder_.write(name, text);
+  }
+
+  std::string
+  run(const std::string& folder, const std::string& plan) const
+  {
+    fs::create_directories(folder_.path(folder));
+    return succeed("fleet " + folder_.write(folder + "/plan.yaml", plan));
+  }
+
+  // One byte of a file is another one.
+  static void
+  damage(const std::string& path, std::size_t at)
+  {
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekg(std::streamoff(at));
+    const char byte = char(file.get());
+    file.seekp(std::streamoff(at));
+    file.put(char(byte ^ 0x55));
+    ASSERT_TRUE(file.good()) << path;
+  }
+
+  void
+  expectSame(const Case& each)
+  {
+    SCOPED_TRACE(each.name);
+    copyStreet(street_);
+    for (const char* const folder : {"used", "new"})
+      fs::remove_all(folder_.path(folder));
+    const std::string before =
+        folder_.path("before/" + std::to_string(std::hash<std::string>()(each.before)));
+    if (!fs::exists(before)) {
+      run("used", each.before);
+      fs::create_directories(folder_.path("before"));
+      fs::copy(folder_.path("used"), before, fs::copy_options::recursive);
+    }
+    else
+      fs::copy(before, folder_.path("used"), fs::copy_options::recursive);
+    if (each.change)
+      each.change();
+    run("used", each.after);
+    run("new", each.after);
+    const std::string used = folder_.path("used/city"),
+                      fresh = folder_.path("new/city");
+    EXPECT_EQ(mapIn(used), mapIn(fresh));
+    EXPECT_EQ(filesIn(used), filesIn(fresh));
+    const auto columns = [](const std::string& log) {
+      std::vector<std::string> tasks;
+      for (const std::string& line : linesOf(log))
+        tasks.push_back(line.substr(0, line.find(',')));
+      return tasks;
+    };
+    EXPECT_EQ(columns(used + "/log.csv"), columns(fresh + "/log.csv"));
+  }
+
+  const std::string street_ = folder_.path("street");
+};
+
+TEST_F(ChangedFleet, IsThatOfItsPlan)
+{
+  const std::string a = drive("a", "0:1"), b = drive("b", "1:3"), both = plan(a + b),
+                    refined = plan(a + b, ", crf: dense"),
+                    near = writePoses("near.txt", 0.3),
+                    far = writePoses("far.txt", 300),
+                    placed = plan(a + drive("b", "1:3", ", corrected_poses: " + near)),
+                    whole = plan(drive("a", "0:3"), ", submap_every: 3");
+  std::string classes =
+      bytesOf(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  const std::string kitti = folder_.write("kitti.yaml", classes);
+  classes.replace(classes.find("building"), 8, "dwelling");
+  const std::string others = folder_.write("others.yaml", classes);
+  const auto copyFile = [&](const std::string& from, const std::string& to) {
+    fs::copy_file(street_ + from, street_ + to, fs::copy_options::overwrite_existing);
+  };
+  // The second of two frames is another one: neither the first nor the last of three.
+  const auto middle = [&](const std::string& kind, const std::string& extension) {
+    return [=] {
+      copyFile("/" + kind + "/000000" + extension, "/" + kind + "/000001" + extension);
+    };
+  };
+  const std::string tile_of_used = folder_.path("used/city/tiles/");
+  const auto firstTile = [=] {
+    std::set<fs::path> tiles;
+    for (const auto& file : fs::directory_iterator(tile_of_used))
+      if (file.path().extension() == ".map")
+        tiles.insert(file.path());
+    return tiles.begin()->string();
+  };
+  for (const Case& each : std::vector<Case>{
+           {"nothing", both, both},
+           {"drive added", plan(b), both},
+           {"drive added behind", plan(a), both},
+           {"first drive removed", both, plan(b)},
+           {"last drive removed", both, plan(a)},
+           {"drive renamed", both, plan(a + drive("c", "1:3"))},
+           {"drives reordered", both, plan(b + a)},
+           {"drive shortened", both, plan(a + drive("b", "1:2"))},
+           {"drive lengthened", plan(a + drive("b", "1:2")), both},
+           {"drive begins later", both, plan(a + drive("b", "2:3"))},
+           {"corrected poses added", both, placed},
+           {"corrected poses changed", placed, placed,
+            [&] { writePoses("near.txt", 0.6); }},
+           {"corrected poses removed", placed, both, [&] { writePoses("near.txt", 0.3); }},
+           {"submaps moved out of reach", both,
+            plan(a + drive("b", "1:3", ", corrected_poses: " + far))},
+           {"poses changed", both, both,
+            [&] { setWord(street_ + "/poses.txt", 2, 4, "0.7"); }},
+           {"other poses", both, plan(a + b, ", poses: " + near)},
+           {"labels changed", whole, whole, middle("labels", ".bin")},
+           {"labels changed without a trace", whole, whole,
+            [&] {
+              const std::string path = street_ + "/labels/000001.bin";
+              const auto time = fs::last_write_time(path);
+              middle("labels", ".bin")();
+              fs::last_write_time(path, time);
+            }},
+           {"left image changed", whole, whole, middle("image_2", ".png")},
+           {"right image changed", whole, whole, middle("image_3", ".png")},
+           {"calibration changed", both, both,
+            [&] { for (const std::size_t line : {3, 4})
+                setWord(street_ + "/calib.txt", line, 2, "180"); }},
+           {"label set changed", plan(a + b, ", label_set: " + kitti),
+            plan(a + b, ", label_set: " + others)},
+           {"label set of that name changed", plan(a + b, ", label_set: " + kitti),
+            plan(a + b, ", label_set: " + kitti),
+            [&] { fs::copy_file(others, kitti, fs::copy_options::overwrite_existing); }},
+           {"voxel size, and with it tiles", both, plan(a + b, ", voxel_size: 0.3")},
+           {"longer submaps", both, plan(a + b, ", submap_every: 2")},
+           {"map option", both, plan(a + b, ", max_depth: 12")},
+           {"option of one drive", both, plan(a + drive("b", "1:3", ", max_depth: 12"))},
+           {"option of the CRF", refined, plan(a + b, ", crf: dense, crf_iterations: 2")},
+           {"no CRF", refined, both},
+           {"last drive removed, with the CRF", refined, plan(a, ", crf: dense")},
+           {"a tile is damaged", both, both, [&] { damage(firstTile(), 9000); }},
+           {"a tile is lost", both, both, [&] { fs::remove(firstTile()); }},
+           {"a submap is damaged", both, both,
+            [&] {
+              const std::string path =
+                  folder_.path("used/city/submaps/b/000002.map");
+              damage(path, fs::file_size(path) / 2);
+            }},
+           {"a submap is no archive", both, both,
+            [&] { folder_.write("used/city/submaps/b/000002.map", "nothing"); }},
+           {"a submap is lost", both, both,
+            [&] { fs::remove(folder_.path("used/city/submaps/b/000002.map")); }}})
+    expectSame(each);
+}
+
+TEST_F(ChangedFleet, MakesOnlyWhatHasChanged)
+{
+  copyStreet(street_);
+  const std::string a = drive("a", "0:1"), b = drive("b", "1:3");
+  run("used", plan(a + b));
+  const std::string first = folder_.path("used/city/submaps/a/000000.map");
+  const auto made = fs::last_write_time(first);
+  run("used", plan(a));
+  EXPECT_EQ(fs::last_write_time(first), made);
+  EXPECT_FALSE(fs::exists(folder_.path("used/city/submaps/b")));
+  // What is not the fleet's stays.
+  folder_.write("used/city/submaps/notes.txt", "mine");
+  fs::create_directories(folder_.path("used/city/submaps/b"));
+  folder_.write("used/city/submaps/b/notes.txt", "mine");
+  folder_.write("used/city/tiles/notes.txt", "mine");
+  run("used", plan(a));
+  for (const char* const name :
+       {"submaps/notes.txt", "submaps/b/notes.txt", "tiles/notes.txt"})
+    EXPECT_TRUE(fs::exists(folder_.path("used/city/") + name)) << name;
 }
 
 } // namespace

@@ -62,13 +62,10 @@ std::vector<MapTile> tilesOf(const PlacedArchive& archive);
 /** \brief What mergeArchives() makes of one tile, in an archive of its own.
  *
  * \param[in] inputs one or more, among them all that reach the tile and its halo
- * \param[in] output path; what is there is replaced, unless it was made of the same
- * inputs after they were written
- *
- * \return whether it was made now
+ * \param[in] output path; what is there is replaced
  *
  * \throws as mergeArchives() */
-bool mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
+void mergeTile(const std::vector<PlacedArchive>& inputs, const MapTile& tile,
                const std::string& output, const MergeOptions& options = {});
 
 /** \brief Path of the archive of a tile, beside the index of a map in tiles. */

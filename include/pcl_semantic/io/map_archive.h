@@ -85,6 +85,11 @@ private:
   std::unique_ptr<Implementation> implementation_;
 };
 
+/** \brief A digest of all that a merge takes from an archive: its configuration, its
+ * origin and its blocks. It tells what was changed by mistake, not what was forged.
+ * \throws BadInputException */
+std::uint64_t archiveDigest(const std::string& path);
+
 /** \brief Reads all of an archive, or of the archives of an index of tiles, and
  * compares it with its checksums and counts. \return what is wrong, a line each; empty
  * if nothing is \throws BadInputException if it cannot be read, or is no archive at all

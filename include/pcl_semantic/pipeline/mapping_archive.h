@@ -31,10 +31,6 @@ public:
    * \throws OutputException if it cannot be written, or is there and not resumed */
   MappingArchive(const Options& options, const MappingRun& run);
 
-  /** \brief Whether an archive is there and holds the whole run; leaves it as it is.
-   * \throws BadInputException as the constructor */
-  static bool isFinished(const std::string& path, const MappingRun& run);
-
   /** \brief Removes an archive that it made and that holds no frame: a run that failed
    * at once can be begun again. */
   ~MappingArchive();

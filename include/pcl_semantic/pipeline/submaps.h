@@ -49,6 +49,7 @@ Eigen::Isometry3d submapMotion(const MapArchive& submap, const std::string& traj
 struct Submap {
   std::string path;         ///< of its archive
   std::string trajectory{}; ///< see submapMotion(); empty: it lies where it was made
+  std::uint64_t digest = 0; ///< archiveDigest() of it; 0: not computed yet
 
   bool
   operator<(const Submap& other) const
@@ -79,7 +80,10 @@ std::vector<MapTile> tilesOf(const Submap& submap);
 /** \brief What mergeSubmaps() makes of one tile, in an archive of its own; a halo as
  * wide as the CRF needs comes from the tiles around it.
  * \param[in] tile a key of \a tiles
- * \param[in] output path; see mergeTile() of archives
+ *
+ * Beside it a text says from which submaps it was made, how they were placed, and what
+ * its own bytes are. A tile whose text would be the same is left as it is.
+ * \param[in] output path, "tiles/0_0.map"; the text is "tiles/0_0.made"
  * \return whether it was made now \throws as mergeSubmaps() */
 bool mergeTile(const SubmapTiles& tiles, const MapTile& tile,
                const std::string& output);
