@@ -5,6 +5,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/printable.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_changes.h>
 #include <pcl_semantic/io/map_export.h>
@@ -115,7 +116,7 @@ verify(const Arguments& arguments)
   const std::vector<std::string> faults =
       verifyArchive(onlyFile(arguments), showProgress("verifying"));
   for (const std::string& fault : faults)
-    std::cout << fault << "\n";
+    std::cout << printable(fault) << "\n";
   if (!faults.empty())
     fail<BadInputException>(arguments.files[0], ": ", faults.size(), " faults");
   printFigures("ok\n", "{\"faults\": 0}\n");

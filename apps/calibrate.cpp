@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/report_text.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -204,7 +205,7 @@ jsonOf(const CalibrationTrial& trial, const LabelSet& label_set)
                                  {"learned_from_all", scores(trial.fitted)}};
   if (!trial.without.empty())
     json["learned_from_the_others"] = scores(trial.held_out);
-  return json.dump(2) + "\n";
+  return jsonText(json);
 }
 
 // What an earlier run has learned from other sequences would be taken for ours.

@@ -265,7 +265,8 @@ writeLog(const std::string& path, const std::set<std::string>& tasks,
     return line.substr(0, line.rfind(',', line.rfind(',') - 1));
   };
   std::map<std::string, std::string> by_task;
-  std::ifstream old(path);
+  std::error_code error;
+  std::ifstream old(fs::is_regular_file(path, error) ? path : "");
   std::string line;
   std::getline(old, line); // its head
   while (std::getline(old, line))

@@ -71,11 +71,7 @@ setCliques(const std::string& cliques, const cv::Mat& image, ImageCRF& crf)
     return;
   SlicParameters slic;
   if (!parseSlic(cliques, slic)) {
-    const cv::Mat segments = readPng(cliques, ImageKind::segments);
-    if (segments.size() != image.size())
-      fail<BadInputException>(cliques, ": has ", segments.cols, " x ", segments.rows,
-                              " pixels, expected ", image.cols, " x ", image.rows);
-    return crf.setSegments(segments);
+    return crf.setSegments(readPng(cliques, ImageKind::segments, image.size()));
   }
   crf.setCliques(cliquesOfSegments(slicSuperpixels(image, slic)));
 }

@@ -9,6 +9,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/pipeline/late_labels.h>
+#include <pcl_semantic/pipeline/mapping_archive.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 
 #include <algorithm>
@@ -102,7 +103,8 @@ private:
 // Until there are no more, or an interrupt comes.
 void
 mapFrames(LiveSource& source, SemanticMapper& mapper, LateLabels& labels,
-          MappingOutput& output, bool is_watched, LiveFigures& figures)
+          MappingArchive& archive, MappingOutput& output, bool is_watched,
+          LiveFigures& figures)
 {
   StatusLine status("live");
   NowAndThen view(std::chrono::milliseconds(500));
@@ -111,6 +113,7 @@ mapFrames(LiveSource& source, SemanticMapper& mapper, LateLabels& labels,
     const MappedFrame mapped = mapper.process(*frame);
     labels.offer(mapped);
     output.writeFrame(mapped, mapper.map());
+    archive.add(mapped, mapper);
     figures.add(mapped, source.secondsSinceGrabbed());
     if (is_watched && view.isDue())
       output.writeLive(mapped);
@@ -126,11 +129,12 @@ mapLive(const MapArguments& arguments)
 {
   requireMapArguments(arguments);
   setNumberOfThreads(arguments.parameters.threads);
-  catchInterrupts();
+  catchInterruptsOfMap();
   LiveSource source(arguments);
   std::unique_ptr<PoseSource> owned_poses = source.openPoses();
   const PoseSource& poses = *owned_poses;
-  const auto mapper = source.makeMapper(std::move(owned_poses), nullptr);
+  MappingArchive archive(arguments.archive, source.run());
+  const auto mapper = source.makeMapper(std::move(owned_poses), archive.store());
   LateLabels labels(source.takePredictor(), *mapper);
   MappingOutput output(arguments.output, source.run(), {}, source.extras());
   if (arguments.view)
@@ -139,7 +143,7 @@ mapLive(const MapArguments& arguments)
   // What goes wrong ends the run, but not without the map so far.
   std::exception_ptr error;
   try {
-    mapFrames(source, *mapper, labels, output, arguments.view, figures);
+    mapFrames(source, *mapper, labels, archive, output, arguments.view, figures);
     labels.fuseLast();
   }
   catch (...) {
@@ -147,8 +151,12 @@ mapLive(const MapArguments& arguments)
       throw;
     error = std::current_exception();
   }
-  mapper->finish();
-  output.finish(mapper->map());
+  if (error)
+    archive.abandon(*mapper);
+  else
+    archive.finish(*mapper);
+  output.finish(mapper->map(), !error);
+  archive.close();
   if (error)
     std::rethrow_exception(error);
   if (figures.voxels() == 0)

@@ -163,7 +163,7 @@ requireLive(const MapArguments& arguments)
   for (const auto& [name, is_given] :
        {std::pair("--clouds", !arguments.clouds.empty()),
         std::pair("--rgbd", !arguments.rgbd.empty()),
-        std::pair("--archive", !arguments.archive.path.empty()),
+        std::pair("--resume", arguments.archive.resume),
         std::pair("--submap-every", !arguments.submap_every.empty()),
         std::pair("--frames", arguments.frames != ":"),
         std::pair("--also", !arguments.also.empty()),
@@ -300,7 +300,8 @@ requireMapArguments(const MapArguments& arguments)
   refuseIf(!arguments.archive.path.empty() &&
                isOutput(arguments.archive.path, arguments.output),
            "--archive is where --output puts its own files");
-  refuseIf(!arguments.archive.path.empty() && arguments.poses == "odometry",
+  refuseIf(!arguments.archive.path.empty() && arguments.poses == "odometry" &&
+               !arguments.live,
            "--archive needs poses from a file: odometry cannot go on where a run was "
            "killed; write them with pcl_semantic_odometry");
   for (const auto& [name, path] : inputsOf(arguments.sequence))

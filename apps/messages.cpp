@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
+#include "files/report_text.h"
 
 #include <pcl_semantic/core/printable.h>
 
@@ -45,9 +46,7 @@ printFigures(const Results& results)
   for (const auto& [name, value] : results)
     std::visit([&, &key = name](const auto& known) { object[key] = known; }, value);
   if (manner().json) {
-    // Paths need not be UTF-8, but JSON is.
-    std::cout << object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
-              << "\n";
+    std::cout << jsonText(object);
     return;
   }
   for (const auto& [name, value] : object.items()) {
@@ -61,7 +60,7 @@ printFigures(const Results& results)
 void
 printFigures(const std::string& text, const std::string& json)
 {
-  std::cout << (manner().json ? json : text);
+  std::cout << (manner().json ? json : printable(text, true));
 }
 
 void
@@ -140,7 +139,7 @@ StatusLine::show(const std::string& text)
   if (!terminal_ || now < next_)
     return;
   next_ = now + std::chrono::milliseconds(250);
-  std::fprintf(stderr, "\r%s: %s\033[K", what_.c_str(), text.c_str());
+  std::fprintf(stderr, "\r%s: %s\033[K", what_.c_str(), printable(text).c_str());
   std::fflush(stderr);
   bar_is_drawn = true;
 }

@@ -69,7 +69,7 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
           MappingOutput* output, bool is_watched)
 {
   const std::size_t mapped_before = archive.records().size();
-  catchInterrupts();
+  catchInterruptsOfMap();
   ProgressBar progress("mapping", source.run().frames.size() - mapped_before);
   bool is_empty = mapped_before == 0;
   PoseWatch watch(source.run().config.map.max_range);

@@ -18,6 +18,7 @@
 #include <iostream>
 #include <new>
 #include <set>
+#include <string_view>
 
 #include <unistd.h>
 #ifdef __GLIBC__
@@ -31,13 +32,20 @@ namespace pcl_semantic::tool {
 namespace {
 
 volatile std::sig_atomic_t interrupt_count = 0;
+volatile std::sig_atomic_t interrupts_that_end = 2;
 
+// Only write() and _exit() may be called here.
 extern "C" void
 onInterrupt(int)
 {
   interrupt_count = interrupt_count + 1;
-  if (interrupt_count > 1)
+  if (interrupt_count >= interrupts_that_end)
     _exit(exit_interrupted);
+  constexpr std::string_view text =
+      "\ninterrupted: the map is being finished; the third Ctrl-C ends at once\n";
+  if (interrupt_count == 1 && interrupts_that_end > 2 &&
+      ::write(STDERR_FILENO, text.data(), text.size()) < 0)
+    return; // nobody reads it
 }
 
 // The class that a number or a name of --ignore means.
@@ -211,6 +219,13 @@ evaluatedClasses(const std::optional<std::string>& ignored, const LabelSet& labe
   if (evaluated.empty())
     fail<InvalidParameterException>("--ignore leaves no class");
   return evaluated;
+}
+
+void
+catchInterruptsOfMap()
+{
+  interrupts_that_end = 3;
+  catchInterrupts();
 }
 
 void

@@ -77,6 +77,11 @@ std::vector<Label> evaluatedClasses(const std::optional<std::string>& ignored,
  * flag; a second one ends at once. */
 void catchInterrupts();
 
+/** \brief Likewise for who has a map in memory that is lost otherwise: the first says
+ * that the map is being finished, a second (of two pressed in a row) is ignored, and a
+ * third ends at once. */
+void catchInterruptsOfMap();
+
 /** \brief Whether one came since catchInterrupts(). */
 bool interrupted();
 

@@ -86,7 +86,8 @@ synthesize(const Options& options)
   const SyntheticRenderer renderer(scene, size.width, size.height);
   const std::string longer =
       options.output + "/image_2/" + frameFileName(options.frames, ".png");
-  if (std::filesystem::exists(longer))
+  std::error_code error; // then writing there fails
+  if (std::filesystem::exists(longer, error))
     fail<InvalidParameterException>(longer,
                                     ": is of a longer sequence, expected a new folder");
   const SyntheticWriter writer(options.output);

@@ -31,12 +31,8 @@ CameraImages::image(int frame) const
   const auto found = paths_.find(frame);
   if (found == paths_.end())
     fail<BadInputException>(name_, ": has no image of frame ", frame);
-  cv::Mat image = readImage(found->second);
-  if (image.cols != camera_.width || image.rows != camera_.height)
-    fail<BadInputException>(found->second, ": has ", image.cols, " x ", image.rows,
-                            " pixels, expected those of ", paths_.begin()->second, ", ",
-                            camera_.width, " x ", camera_.height);
-  return image;
+  return readImage(found->second, {camera_.width, camera_.height},
+                   " as " + paths_.begin()->second);
 }
 
 } // namespace pcl_semantic

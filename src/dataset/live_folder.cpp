@@ -42,6 +42,9 @@ isWhole(const std::string& path)
 {
   constexpr std::array<char, 8> end = {'I',    'E',    'N',    'D',
                                        '\xae', '\x42', '\x60', '\x82'};
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
+    return false; // a pipe would have to be waited for
   std::ifstream file(path, std::ios::binary);
   std::array<char, 8> last{};
   return file.seekg(-std::streamoff(end.size()), std::ios::end) &&
@@ -67,6 +70,7 @@ public:
     pair = {whole->path, rightOf(*whole), whole->frame};
     last_ = whole->frame;
     const auto came = int(found_.rend() - whole) + passed_;
+    behind_ += came;
     passed_ = 0;
     found_.erase(found_.begin(), whole.base());
     return came;
@@ -92,32 +96,41 @@ private:
     if (changed == seen_)
       return;
     found_.clear();
+    int behind = 0;
     for (const fs::directory_entry& entry :
          fs::directory_iterator(folders_.left, error))
-      add(entry.path());
+      behind += isBehind(entry.path());
+    const int late = std::max(behind - behind_, 0);
+    behind_ = behind - late; // until they are counted
     std::sort(found_.begin(), found_.end(), [](const FrameFile& a, const FrameFile& b) {
       return a.frame != b.frame ? a.frame < b.frame : a.path < b.path;
     });
-    passed_ = int(found_.size() - std::min(most, found_.size()));
-    found_.erase(found_.begin(), found_.begin() + passed_);
+    const int older = int(found_.size() - std::min(most, found_.size()));
+    found_.erase(found_.begin(), found_.begin() + older);
+    passed_ = older + late;
     // The clock of files is coarse: what comes in the same moment must not be missed.
     constexpr std::chrono::milliseconds moment(20);
     if (fs::file_time_type::clock::now() - changed > moment)
       seen_ = changed;
   }
 
-  void
-  add(const fs::path& path)
+  // Whether it is of a pair before the last one; adds those after it.
+  bool
+  isBehind(const fs::path& path)
   {
     int number = 0;
-    if (path.extension() == ".png" && parseWhole(path.stem().string(), number) &&
-        number > last_ && number <= kMaxFrameNumber)
+    if (path.extension() != ".png" || !parseWhole(path.stem().string(), number) ||
+        number > kMaxFrameNumber)
+      return false;
+    if (number > last_)
       found_.push_back({number, path.string()});
+    return number <= last_;
   }
 
   PairFolders folders_;
   std::vector<FrameFile> found_; // left images behind last_, by number
-  int passed_ = 0;               // older ones that are not looked at
+  int passed_ = 0;               // older ones that are not looked at, or came late
+  int behind_ = 0;               // in the folder, up to last_, and counted
   int last_ = -1;                // number of the pair that was given out last
   fs::file_time_type seen_ = fs::file_time_type::min();
 };

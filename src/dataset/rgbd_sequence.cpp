@@ -178,11 +178,8 @@ RgbdSequence::frame(std::size_t i, double max_depth, std::size_t* unmeasured) co
     badInput(files.colour, ": has ", image.cols, " x ", image.rows,
              " pixels, expected those of ", frames_.front().colour, ", ", camera_.width,
              " x ", camera_.height);
-  const cv::Mat depths = readPng(files.depth, ImageKind::disparity);
-  if (image.size() != depths.size())
-    fail<BadInputException>(files.depth, ": has ", depths.cols, " x ", depths.rows,
-                            " pixels, expected those of ", files.colour, ", ",
-                            image.cols, " x ", image.rows);
+  const cv::Mat depths =
+      readPng(files.depth, ImageKind::disparity, image.size(), " as " + files.colour);
   CloudFrame frame{{int(i), files.time}, {}, {}, true};
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(
       std::uint32_t(image.cols), std::uint32_t(image.rows));

@@ -9,10 +9,10 @@
 namespace pcl_semantic {
 
 cv::Mat
-readFrameImage(const std::string& path, int frame)
+readFrameImage(const std::string& path, int frame, cv::Size size)
 {
   try {
-    return readImage(path);
+    return readImage(path, size, " as the first image");
   }
   catch (const BadInputException& error) {
     fail<BadInputException>(error.what(), " (frame ", frame, ")");
@@ -24,19 +24,12 @@ readStereoPair(const StereoPairFiles& files, cv::Size size)
 {
   StereoFrame frame;
   frame.number = files.frame;
-  frame.left = readFrameImage(files.left, files.frame);
-  frame.right = readFrameImage(files.right, files.frame);
-  for (const auto& [image, path] :
-       {std::pair(&frame.left, &files.left), std::pair(&frame.right, &files.right)}) {
-    if (image->size() != size)
-      fail<BadInputException>(*path, ": has ", image->cols, " x ", image->rows,
-                              " pixels, expected ", size.width, " x ", size.height,
-                              " as the first image (frame ", files.frame, ")");
-    if (image->type() != frame.left.type())
-      fail<BadInputException>(*path, ": has ", image->channels(),
-                              " channel(s), the left image has ", frame.left.channels(),
-                              " (frame ", files.frame, ")");
-  }
+  frame.left = readFrameImage(files.left, files.frame, size);
+  frame.right = readFrameImage(files.right, files.frame, size);
+  if (frame.right.type() != frame.left.type())
+    fail<BadInputException>(files.right, ": has ", frame.right.channels(),
+                            " channel(s), the left image has ", frame.left.channels(),
+                            " (frame ", files.frame, ")");
   return frame;
 }
 

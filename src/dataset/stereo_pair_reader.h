@@ -16,8 +16,10 @@ struct StereoPairFiles {
   int frame = 0;     ///< for messages
 };
 
-/** \brief Reads one image. \throws BadInputException that names the frame */
-cv::Mat readFrameImage(const std::string& path, int frame);
+/** \brief Reads one image.
+ * \param[in] size of the first image, which it must have [px]; empty: it is the first
+ * \throws BadInputException that names the frame */
+cv::Mat readFrameImage(const std::string& path, int frame, cv::Size size = {});
 
 /** \brief Reads both images; they have to be of one type.
  * \param[in] size of the first image, which they must have [px]

@@ -11,7 +11,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 namespace pcl_semantic {
 
@@ -28,8 +27,7 @@ namespace {
 struct Video {
   explicit Video(const std::string& file) : path(file)
   {
-    if (!std::ifstream(path))
-      fail<BadInputException>(path, ": cannot be read");
+    requireRegularFile(path);
     open();
     const double count = capture.get(cv::CAP_PROP_FRAME_COUNT);
     rate = capture.get(cv::CAP_PROP_FPS);

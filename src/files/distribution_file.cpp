@@ -43,11 +43,11 @@ readNpyMatrix(const std::string& path, int width, int height, int classes)
 
 // The classes of the pixels.
 cv::Mat1b
-readLabels(const std::string& path, const PixelMapping& mapping)
+readLabels(const std::string& path, cv::Size size, const PixelMapping& mapping)
 {
   if (const auto* const numbers = std::get_if<LabelMapping>(&mapping)) {
     cv::Mat ids;
-    readPng(path, ImageKind::segments).convertTo(ids, CV_16U);
+    readPng(path, ImageKind::segments, size).convertTo(ids, CV_16U);
     cv::Mat1b labels(ids.size());
     std::transform(ids.begin<std::uint16_t>(), ids.end<std::uint16_t>(), labels.begin(),
                    *numbers);
@@ -55,8 +55,8 @@ readLabels(const std::string& path, const PixelMapping& mapping)
   }
   const auto* const colours = std::get_if<ColourMapping>(&mapping);
   if (!colours)
-    return cv::Mat1b(readPng(path, ImageKind::labels));
-  const cv::Mat image = readPng(path, ImageKind::grey_or_colour);
+    return cv::Mat1b(readPng(path, ImageKind::labels, size));
+  const cv::Mat image = readPng(path, ImageKind::grey_or_colour, size);
   if (image.channels() != 3)
     badInput(path, ": is grey, expected the colours of the classes");
   cv::Mat1b labels(image.size());
@@ -76,10 +76,7 @@ LabelDistributions
 readIds(const std::string& path, int width, int height, int classes, float confidence,
         const PixelMapping& mapping)
 {
-  const cv::Mat ids = readLabels(path, mapping);
-  if (ids.cols != width || ids.rows != height)
-    badInput(path, ": is ", ids.cols, " x ", ids.rows, " pixels, expected ", width,
-             " x ", height);
+  const cv::Mat ids = readLabels(path, {width, height}, mapping);
   LabelDistributions distributions(classes, Eigen::Index(width) * height);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u) {

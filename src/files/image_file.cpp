@@ -95,6 +95,24 @@ requireKind(const cv::Mat& image, ImageKind kind, const std::string& path)
              " bits, expected ", rule.name);
 }
 
+StatedSize
+sizeOf(const cv::Mat& image)
+{
+  return {std::uint64_t(image.cols), std::uint64_t(image.rows)};
+}
+
+// A small file may unpack to gigabytes.
+void
+requireSize(const StatedSize& stated, cv::Size size, const std::string& like,
+            const std::string& path)
+{
+  if (!size.empty() && stated.columns != 0 && stated.rows != 0 &&
+      (stated.columns != std::uint64_t(size.width) ||
+       stated.rows != std::uint64_t(size.height)))
+    badInput(path, ": has ", stated.columns, " x ", stated.rows, " pixels, expected ",
+             size.width, " x ", size.height, like);
+}
+
 // Empty if the image is damaged, or larger than OpenCV's limit.
 cv::Mat
 decode(const Bytes& bytes, int flags)
@@ -118,12 +136,12 @@ imageExtensions()
 }
 
 cv::Mat
-readImage(const std::string& path)
+readImage(const std::string& path, cv::Size size, const std::string& like)
 {
   const std::string extension = std::filesystem::path(path).extension().string();
   const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
   if (!is_jpeg && extension != ".tif" && extension != ".tiff")
-    return readPng(path, ImageKind::grey_or_colour);
+    return readPng(path, ImageKind::grey_or_colour, size, like);
   const Bytes bytes = readBytes(path);
   if (is_jpeg)
     requireWholeJpeg(bytes, path);
@@ -131,18 +149,20 @@ readImage(const std::string& path)
                                 !beginsWith(bytes, {'M', 'M', 0, 42})))
     badInput(path, ": is not a TIFF image");
   requirePlausibleSize(bytes, path);
+  requireSize(statedSize(bytes), size, like, path);
   const QuietOpenCv quiet;
   const cv::Mat image =
       decode(bytes, is_jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION
                             : cv::IMREAD_UNCHANGED);
   if (image.cols < 2 || image.rows < 2)
     badInput(path, ": the ", is_jpeg ? "JPEG" : "TIFF", " image is damaged");
+  requireSize(sizeOf(image), size, like, path); // headers of these are not always found
   requireKind(image, ImageKind::grey_or_colour, path);
   return image;
 }
 
 cv::Mat
-readPng(const std::string& path, ImageKind kind)
+readPng(const std::string& path, ImageKind kind, cv::Size size, const std::string& like)
 {
   const Bytes bytes = readBytes(path);
   constexpr std::size_t bit_depth = 24; // where the header chunk holds it
@@ -152,6 +172,7 @@ readPng(const std::string& path, ImageKind kind)
   if (!isWhole(bytes))
     badInput(path, ": the PNG image is damaged or not complete");
   requirePlausibleSize(bytes, path);
+  requireSize(statedSize(bytes), size, like, path);
   // Decoders stretch fewer bits to 0..255, which makes other class ids of them.
   if ((kind == ImageKind::labels || kind == ImageKind::segments) &&
       bytes[bit_depth] < 8)

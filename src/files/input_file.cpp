@@ -43,6 +43,15 @@ struct OpenedFile {
   const int descriptor;
 };
 
+void
+requireRegular(const struct stat& status, const std::string& path)
+{
+  if (S_ISDIR(status.st_mode))
+    badInput(path, ": is a folder, expected a file");
+  if (!S_ISREG(status.st_mode))
+    badInput(path, ": cannot be read: it is no regular file");
+}
+
 } // namespace
 
 std::vector<std::uint8_t>
@@ -52,10 +61,7 @@ readBytes(const std::string& path)
   struct stat status {};
   if (file.descriptor < 0 || ::fstat(file.descriptor, &status) != 0)
     badInput(path, ": cannot be read: ", std::strerror(errno));
-  if (S_ISDIR(status.st_mode))
-    badInput(path, ": is a folder, expected a file");
-  if (!S_ISREG(status.st_mode))
-    badInput(path, ": cannot be read: it is no regular file");
+  requireRegular(status, path);
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(status.st_size));
   for (std::size_t done = 0; done < bytes.size();) {
     const ssize_t count =
@@ -70,6 +76,15 @@ readBytes(const std::string& path)
     badInput(path, ": is a pointer of Git LFS, not the file itself: git lfs pull "
                    "fetches it");
   return bytes;
+}
+
+void
+requireRegularFile(const std::string& path)
+{
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0)
+    badInput(path, ": cannot be read: ", std::strerror(errno));
+  requireRegular(status, path);
 }
 
 std::vector<TextLine>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/printable.h>
+
 #include <nlohmann/json.hpp>
 
 #include <string>
@@ -20,12 +22,13 @@ csvField(const std::string& text)
 }
 
 /** \brief A JSON value as indented text with a last line break. Bytes that are not
- * UTF-8, as paths may hold, appear as U+FFFD: JSON has no others. */
+ * UTF-8, as paths may hold, appear as U+FFFD: JSON has no others. Control characters
+ * are escaped. */
 template <typename Json>
 std::string
 jsonText(const Json& json)
 {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return printableJson(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 } // namespace pcl_semantic

@@ -7,6 +7,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/input_file.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -45,9 +46,7 @@ unseal(std::string_view sealed, std::size_t max_size)
 void
 requireReadableFile(const std::string& path)
 {
-  std::error_code error;
-  if (fs::is_directory(path, error))
-    badInput(path, ": is a folder, expected a file");
+  requireRegularFile(path);
   // Not by opening it: closing it again would drop the locks that SQLite holds on the
   // file in this process.
   if (::access(path.c_str(), R_OK) != 0)

@@ -60,6 +60,9 @@ writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
 bool
 TiledMap::isIndex(const std::string& path)
 {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    return false; // a pipe would have to be waited for
   std::ifstream file(path, std::ios::binary);
   std::string begin(std::string(first_word).size(), ' ');
   file.read(begin.data(), std::streamsize(begin.size()));

@@ -25,7 +25,8 @@ StoredPredictor::StoredPredictor(const std::string& folder, int classes,
                                     ", expected more than 0, up to 1");
   std::error_code error;
   if (!fs::is_directory(folder, error))
-    fail<BadInputException>(folder, ": is no folder of stored labels");
+    fail<BadInputException>(folder, ": is no folder of stored labels",
+                            error ? ": " + error.message() : "");
 }
 
 std::string
@@ -36,7 +37,10 @@ StoredPredictor::findFile(int frame) const
     const std::string name = frameFileName(frame, extension);
     const std::string path = (fs::path(folder_) / name).string();
     std::error_code error;
-    if (!fs::exists(path, error))
+    const bool is_there = fs::exists(path, error);
+    if (error)
+      fail<BadInputException>(path, ": cannot be read: ", error.message());
+    if (!is_there)
       continue;
     if (!found.empty())
       fail<BadInputException>(folder_, ": frame ", frame, " has two files of labels, ",

@@ -109,13 +109,22 @@ MappingArchive::add(const MappedFrame& mapped, SemanticMapper& mapper)
 void
 MappingArchive::finish(SemanticMapper& mapper)
 {
-  const bool finished = added_frame_ == last_frame_;
+  const bool is_live = last_frame_ < 0;
+  const bool finished = is_live ? added_frame_ >= 0 : added_frame_ == last_frame_;
   // What finish() does would not happen here if the run had not been interrupted.
   if (archive_ && !finished && since_commit_ > 0)
     commit(mapper, false);
   mapper.finish();
   if (archive_ && finished)
     commit(mapper, true);
+}
+
+void
+MappingArchive::abandon(SemanticMapper& mapper)
+{
+  mapper.finish();
+  if (archive_)
+    commit(mapper, false);
 }
 
 void

@@ -200,7 +200,7 @@ MappingOutput::writeLive(const MappedFrame& mapped) const
 }
 
 void
-MappingOutput::finish(const SemanticVoxelMap& map)
+MappingOutput::finish(const SemanticVoxelMap& map, bool is_whole)
 {
   replaceEarlierRun();
   VoxelCloud voxels = map.occupiedEverywhere();
@@ -217,8 +217,8 @@ MappingOutput::finish(const SemanticVoxelMap& map)
     positions.push_back(frame.T_world_camera.translation());
   writeKittiTrajectory(path("trajectory.txt"), trajectory());
   writePng(path("top_view.png"), drawTopView(voxels, positions, run_.label_set));
-  writeSummary(voxels);
-  RunFolder::endRun(folder_);
+  writeSummary(voxels, is_whole);
+  RunFolder::endRun(folder_, is_whole);
 }
 
 void
@@ -267,10 +267,10 @@ MappingOutput::domainShift() const
 }
 
 void
-MappingOutput::writeSummary(const VoxelCloud& voxels) const
+MappingOutput::writeSummary(const VoxelCloud& voxels, bool is_whole) const
 {
   Json summary;
-  summary["finished"] = true;
+  summary["finished"] = is_whole;
   for (const auto& [name, value] : run_.inputs)
     summary["inputs"][name] = value;
   summary["frames"] = frames_.size();

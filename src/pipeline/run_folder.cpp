@@ -25,7 +25,8 @@ namespace {
 nlohmann::json
 summaryAt(const std::string& path)
 {
-  if (!fs::exists(path))
+  std::error_code error; // then writing there fails
+  if (!fs::exists(path, error))
     return {};
   const std::vector<std::uint8_t> bytes = readBytes(path);
   nlohmann::json summary =
@@ -136,7 +137,8 @@ void
 setAside(const std::string& folder)
 {
   const std::string previous = folder + "/" + RunFolder::previous;
-  if (fs::exists(previous + "/summary.json"))
+  std::error_code unknown;
+  if (fs::exists(previous + "/summary.json", unknown))
     removePrevious(folder);
   makeOutputFolder(previous);
   writeTextFile(markOf(previous), "");
@@ -214,10 +216,11 @@ RunFolder::beginRun(const std::string& folder, const std::vector<int>& kept,
 }
 
 void
-RunFolder::endRun(const std::string& folder)
+RunFolder::endRun(const std::string& folder, bool is_whole)
 {
   removeLive(folder);
-  removePrevious(folder);
+  if (is_whole)
+    removePrevious(folder);
 }
 
 } // namespace pcl_semantic

@@ -44,9 +44,9 @@ struct RunFolder {
   static void beginRun(const std::string& folder, const std::vector<int>& kept,
                        bool has_images);
 
-  /** \brief Once the new map is whole: removes `live`, and `previous` if it was set
-   * aside. */
-  static void endRun(const std::string& folder);
+  /** \brief Once the new map is written: removes `live` and, if the map is whole,
+   * `previous` if it was set aside. */
+  static void endRun(const std::string& folder, bool is_whole);
 };
 
 } // namespace pcl_semantic

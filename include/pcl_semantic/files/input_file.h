@@ -34,6 +34,10 @@ std::vector<double> parseNumbers(const std::string& text, const std::string& whe
 /** \brief "PATH line N", for messages. */
 std::string atLine(const std::string& path, int line);
 
+/** \brief Makes sure that a path is not that of a folder, a pipe or a device, whose
+ * opening could wait for ever. \throws BadInputException */
+void requireRegularFile(const std::string& path);
+
 /** \brief A piece of a file for a message: in quotes, short and printable. */
 std::string inQuotes(std::string_view text);
 

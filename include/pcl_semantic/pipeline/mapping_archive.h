@@ -51,8 +51,12 @@ public:
   /** \brief After each frame: commits, if it is time. */
   void add(const MappedFrame& mapped, SemanticMapper& mapper);
 
-  /** \brief After the last frame, or an interrupt: ends the map and commits. */
+  /** \brief After the last frame, or an interrupt: ends the map and commits. A live
+   * run, whose frames are not known before, ends where it is interrupted. */
   void finish(SemanticMapper& mapper);
+
+  /** \brief After an error: likewise, but the archive says that it is not finished. */
+  void abandon(SemanticMapper& mapper);
 
   /** \brief When nothing is read from the map any more: brings the archive into one
    * file. \return false if another program kept reading it: FILE-wal then belongs to it

@@ -71,8 +71,11 @@ public:
   void writeLive(const MappedFrame& mapped) const;
 
   /** \brief map.pcd, map_classes.pcd, label_set.yaml, final_labels, top_view.png,
-   * trajectory.txt, summary.json. \throws OutputException */
-  void finish(const SemanticVoxelMap& map);
+   * trajectory.txt, summary.json.
+   * \param[in] is_whole false if an error has ended the run: the summary then says
+   * that it is not finished, and an earlier map stays in `previous`
+   * \throws OutputException */
+  void finish(const SemanticVoxelMap& map, bool is_whole = true);
 
   /** \brief How far the frames are from what their label calibration was learned from,
    * the median of domainShift(); NaN = not known. */
@@ -93,7 +96,7 @@ private:
 
   Trajectory trajectory() const;
 
-  void writeSummary(const VoxelCloud& voxels) const;
+  void writeSummary(const VoxelCloud& voxels, bool is_whole) const;
 
   std::string folder_;
   MappingRun run_;
