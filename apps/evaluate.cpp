@@ -71,8 +71,9 @@ parse(int argc, char** argv)
         "ranges"},
        {"label-set", required(options.label_set), "classes (YAML)"},
        {"label-mapping", options.label_mapping,
-        "mapping from the ids of .label ground truth to classes (YAML), for "
-        "SemanticKITTI"},
+        "numbers of the ground truth to classes of the label set: a file (YAML), the "
+        "name of one that is installed (semantic_kitti_to_kitti11), zero_based, or of "
+        "images colours, those of the classes (default: they are labels, 0 = none)"},
        {"ignore", ignore,
         "classes not evaluated, as numbers or names separated by commas, or none "
         "(default: sky,pedestrian,cyclist, if in the label set)"},
@@ -113,11 +114,15 @@ readLabelFile(const std::string& path, int classes)
 
 cv::Mat
 readTruth(const std::string& path, const cv::Mat& prediction, int classes,
-          const LabelMapping* mapping)
+          const PixelMapping& mapping)
 {
-  if (!mapping || fs::path(path).extension() != ".label")
+  if (fs::path(path).extension() != ".label")
+    return readLabelImage(path, mapping);
+  if (std::holds_alternative<std::monostate>(mapping))
     return readLabelFile(path, classes);
-  return asImage(readSemanticKittiLabels(path, *mapping, prediction.total()));
+  if (const auto* const numbers = std::get_if<LabelMapping>(&mapping))
+    return asImage(readSemanticKittiLabels(path, *numbers, prediction.total()));
+  fail<BadInputException>(path, ": has numbers, but --label-mapping maps colours");
 }
 
 cv::Mat
@@ -183,12 +188,12 @@ parseDepthRange(const std::string& text)
 }
 
 // Compares the files of the folders of one --truth.
-// \param[in] mapping of the classes of `.label` ground truth to ours; null = ours
+// \param[in] mapping of the classes of the ground truth to ours; none = ours
 // \param[in,out] total a matrix for each range of the ground truth's depth, or one
 void
 compareFolders(const Options& options, std::size_t number,
                const std::vector<DepthRange>& ranges, const LabelSet& label_set,
-               const LabelMapping* mapping, std::vector<ConfusionMatrix>& total)
+               const PixelMapping& mapping, std::vector<ConfusionMatrix>& total)
 {
   const std::string& folder = options.truths[number];
   const std::vector<FrameFile> files = listFrameFiles(folder, {".png", ".label"});
@@ -267,19 +272,15 @@ evaluate(const Options& options)
   for (const std::string& range : options.ranges)
     ranges.push_back(parseDepthRange(range));
   const LabelSet label_set = readLabelSet(options.label_set);
-  std::optional<LabelMapping> mapping;
-  if (!options.label_mapping.empty())
-    mapping = readLabelMapping(options.label_mapping, label_set);
-  MappingWatch watch;
-  if (mapping)
-    watch = MappingWatch(options.label_mapping, *mapping, "labels");
+  const PixelMapping mapping = readPixelMapping(options.label_mapping, label_set);
+  const MappingWatch watch(options.label_mapping, mapping, "labels");
   const std::vector<Label> evaluated = evaluatedClasses(options.ignore, label_set);
   if (!options.output.empty())
     makeOutputFolder(options.output);
   std::vector<ConfusionMatrix> total(std::max<std::size_t>(ranges.size(), 1),
                                      ConfusionMatrix(label_set.size()));
   for (std::size_t i = 0; i < options.truths.size(); ++i)
-    compareFolders(options, i, ranges, label_set, mapping ? &*mapping : nullptr, total);
+    compareFolders(options, i, ranges, label_set, mapping, total);
   if (options.header)
     std::cout << scoresMarkdownHeader(computeScores(total[0], evaluated), label_set);
   for (std::size_t i = 0; i < total.size(); ++i)

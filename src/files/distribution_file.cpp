@@ -41,42 +41,11 @@ readNpyMatrix(const std::string& path, int width, int height, int classes)
   return std::move(array.values);
 }
 
-// The classes of the pixels.
-cv::Mat1b
-readLabels(const std::string& path, cv::Size size, const PixelMapping& mapping)
-{
-  if (const auto* const numbers = std::get_if<LabelMapping>(&mapping)) {
-    cv::Mat ids;
-    readPng(path, ImageKind::segments, size).convertTo(ids, CV_16U);
-    cv::Mat1b labels(ids.size());
-    std::transform(ids.begin<std::uint16_t>(), ids.end<std::uint16_t>(), labels.begin(),
-                   *numbers);
-    return labels;
-  }
-  const auto* const colours = std::get_if<ColourMapping>(&mapping);
-  if (!colours)
-    return cv::Mat1b(readPng(path, ImageKind::labels, size));
-  const cv::Mat image = readPng(path, ImageKind::grey_or_colour, size);
-  if (image.channels() != 3)
-    badInput(path, ": is grey, expected the colours of the classes");
-  cv::Mat1b labels(image.size());
-  for (int v = 0; v < image.rows; ++v)
-    for (int u = 0; u < image.cols; ++u) {
-      const cv::Vec3b& bgr = image.at<cv::Vec3b>(v, u);
-      const auto label = (*colours)(bgr[2], bgr[1], bgr[0]);
-      if (!label)
-        badInput(path, ": pixel (", u, ", ", v, ") has the colour ", int(bgr[2]), ", ",
-                 int(bgr[1]), ", ", int(bgr[0]), ", expected that of a class");
-      labels(v, u) = *label;
-    }
-  return labels;
-}
-
 LabelDistributions
 readIds(const std::string& path, int width, int height, int classes, float confidence,
         const PixelMapping& mapping)
 {
-  const cv::Mat ids = readLabels(path, {width, height}, mapping);
+  const cv::Mat ids = readLabelImage(path, mapping, {width, height});
   LabelDistributions distributions(classes, Eigen::Index(width) * height);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u) {
@@ -122,6 +91,36 @@ rowsOf(const LabelDistributions& distributions, int width)
 }
 
 } // namespace
+
+cv::Mat
+readLabelImage(const std::string& path, const PixelMapping& mapping, cv::Size size)
+{
+  if (const auto* const numbers = std::get_if<LabelMapping>(&mapping)) {
+    cv::Mat ids;
+    readPng(path, ImageKind::segments, size).convertTo(ids, CV_16U);
+    cv::Mat1b labels(ids.size());
+    std::transform(ids.begin<std::uint16_t>(), ids.end<std::uint16_t>(), labels.begin(),
+                   *numbers);
+    return labels;
+  }
+  const auto* const colours = std::get_if<ColourMapping>(&mapping);
+  if (!colours)
+    return readPng(path, ImageKind::labels, size);
+  const cv::Mat image = readPng(path, ImageKind::grey_or_colour, size);
+  if (image.channels() != 3)
+    badInput(path, ": is grey, expected the colours of the classes");
+  cv::Mat1b labels(image.size());
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      const cv::Vec3b& bgr = image.at<cv::Vec3b>(v, u);
+      const auto label = (*colours)(bgr[2], bgr[1], bgr[0]);
+      if (!label)
+        badInput(path, ": pixel (", u, ", ", v, ") has the colour ", int(bgr[2]), ", ",
+                 int(bgr[1]), ", ", int(bgr[0]), ", expected that of a class");
+      labels(v, u) = *label;
+    }
+  return labels;
+}
 
 LabelDistributions
 readDistributions(const std::string& path, int width, int height, int classes,

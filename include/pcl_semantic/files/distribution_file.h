@@ -3,11 +3,21 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
+#include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/files/npy_file.h>
+
+#include <opencv2/core/mat.hpp>
 
 #include <string>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Reads the labels of an image's pixels (`.png`), CV_8U.
+ * \param[in] mapping of its numbers (8 or 16 bits) or colours; none: they are labels
+ * \param[in] size that it has to have [px]; empty: any
+ * \throws BadInputException as readPng(), or at a colour that no class has */
+cv::Mat readLabelImage(const std::string& path, const PixelMapping& mapping,
+                       cv::Size size = {});
 
 /** \brief Reads the label distributions of an image.
  *
