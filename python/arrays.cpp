@@ -12,7 +12,21 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <unistd.h>
+
 namespace pcl_semantic::python {
+
+namespace {
+
+const pid_t loaded_by = ::getpid();
+
+} // namespace
+
+bool
+isForked()
+{
+  return ::getpid() != loaded_by;
+}
 
 void
 warn(const std::string& message)

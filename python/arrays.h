@@ -13,6 +13,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <future>
 #include <limits>
 #include <optional>
 #include <string>
@@ -22,12 +23,27 @@ namespace pcl_semantic::python {
 
 namespace py = pybind11;
 
-/** \brief Of this type and row by row: converted if it is not, else without a copy. */
+/** \brief Of this type and row by row: converted if it is not, else without a copy.
+ * Complex numbers are refused: numpy would drop a part of them. */
 template <typename T>
-using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
+class Array : public py::array_t<T, py::array::c_style | py::array::forcecast> {
+public:
+  using py::array_t<T, py::array::c_style | py::array::forcecast>::array_t;
+};
+
+/** \brief A path: str, bytes or os.PathLike. A NUL in it is a ValueError. */
+struct Path {
+  std::string text;
+
+  operator const std::string&() const { return text; }
+};
+
 template <typename T> using MaybeArray = std::optional<Array<T>>;
 
 constexpr py::ssize_t kAny = -1; ///< number of rows or columns
+
+/** \brief Whether fork() has made this process since the module was loaded. */
+bool isForked();
 
 /** \brief What \a work gives; other threads of Python may run meanwhile. */
 template <typename Work>
@@ -35,6 +51,10 @@ auto
 released(Work&& work)
 {
   const py::gil_scoped_release others_may_run;
+  // A fork takes none of OpenMP's threads along, and the thread that had begun them
+  // would wait for them for ever. Another one begins its own.
+  if (isForked())
+    return std::async(std::launch::async, std::forward<Work>(work)).get();
   return work();
 }
 
@@ -132,3 +152,48 @@ void bindEvaluation(py::module_& module);
 void bindFiles(py::module_& module);
 
 } // namespace pcl_semantic::python
+
+namespace pybind11::detail {
+
+template <typename T> struct pyobject_caster<pcl_semantic::python::Array<T>> {
+  using type = pcl_semantic::python::Array<T>;
+  PYBIND11_TYPE_CASTER(type, const_name("numpy.ndarray"));
+
+  bool
+  load(handle source, bool)
+  {
+    const array any = array::ensure(source);
+    if (!any)
+      return false;
+    if (any.dtype().kind() == 'c')
+      throw value_error("got complex numbers, expected real ones");
+    value = type(any);
+    return true;
+  }
+
+  static handle
+  cast(const handle& source, return_value_policy, handle)
+  {
+    return source.inc_ref();
+  }
+};
+
+template <> struct type_caster<pcl_semantic::python::Path> {
+  PYBIND11_TYPE_CASTER(pcl_semantic::python::Path, const_name("os.PathLike"));
+
+  bool
+  load(handle source, bool)
+  {
+    PyObject* bytes = nullptr;
+    if (PyUnicode_FSConverter(source.ptr(), &bytes) == 0) {
+      if (!PyErr_ExceptionMatches(PyExc_TypeError))
+        throw error_already_set();
+      PyErr_Clear();
+      return false;
+    }
+    value.text = reinterpret_steal<pybind11::bytes>(bytes);
+    return true;
+  }
+};
+
+} // namespace pybind11::detail

@@ -34,7 +34,7 @@ columnsOf(const py::object& columns)
 }
 
 py::dict
-readCloud(const std::string& path, const py::object& scan_columns)
+readCloud(const Path& path, const py::object& scan_columns)
 {
   const ScanColumns columns = columnsOf(scan_columns);
   const PcdTable table = released([&] { return readCloudTable(path, columns); });
@@ -77,7 +77,7 @@ fieldOf(const std::string& name, const py::array& column)
 }
 
 void
-writeCloud(const std::string& path, const py::dict& cloud)
+writeCloud(const Path& path, const py::dict& cloud)
 {
   requirePcdName(path);
   PcdTable table;

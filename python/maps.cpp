@@ -54,7 +54,7 @@ labels(const Bound& bound, const Array<double>& points)
 
 template <typename Bound>
 void
-write(const Bound& bound, const std::string& path, bool class_colours)
+write(const Bound& bound, const Path& path, bool class_colours)
 {
   requirePcdName(path);
   const SemanticVoxelMap& map = bound.map();
@@ -66,7 +66,7 @@ write(const Bound& bound, const std::string& path, bool class_colours)
 
 template <typename Bound>
 void
-save(const Bound& bound, const std::string& path)
+save(const Bound& bound, const Path& path)
 {
   released([&] { saveMap(bound.map(), path); });
 }
@@ -93,7 +93,7 @@ class Map {
 public:
   explicit Map(std::unique_ptr<SemanticVoxelMap> map) : map_(std::move(map)) {}
 
-  Map(const std::string& label_set, const py::kwargs& values)
+  Map(const Path& label_set, const py::kwargs& values)
   {
     MapperConfig config;
     setParameters(parametersOf(config), values);
@@ -133,9 +133,10 @@ public:
   {
     requireShape(centre, "coordinates of the centre", 3);
     const Eigen::Vector3d place(centre.at(0), centre.at(1), centre.at(2));
-    const py::gil_scoped_release others_may_run;
-    const std::lock_guard<std::mutex> lock(writing_);
-    map_->moveWindow(place);
+    released([&] {
+      const std::lock_guard<std::mutex> lock(writing_);
+      map_->moveWindow(place);
+    });
   }
 
 private:
@@ -209,7 +210,7 @@ imageOf(const py::object& values, const StereoCamera& camera, const char* name)
 
 class Mapper {
 public:
-  Mapper(const std::string& label_set, const std::optional<std::vector<double>>& camera,
+  Mapper(const Path& label_set, const std::optional<std::vector<double>>& camera,
          const py::kwargs& values)
   {
     MapperConfig config;
@@ -258,6 +259,9 @@ public:
   {
     if (!camera_)
       badParameter("stereo pairs need the camera: SemanticMapper(camera=...)");
+    if (isForked()) // would wait for threads of OpenCV
+      badParameter("stereo pairs cannot be computed in a process that fork() has made "
+                   "since the module was loaded: have multiprocessing spawn it");
     StereoFrame frame;
     frame.left = imageOf(left, *camera_, "the left image");
     frame.right = imageOf(right, *camera_, "the right image");
@@ -271,9 +275,10 @@ public:
   void
   finish()
   {
-    const py::gil_scoped_release others_may_run;
-    const std::lock_guard<std::mutex> lock(writing_);
-    mapper_->finish();
+    released([&] {
+      const std::lock_guard<std::mutex> lock(writing_);
+      mapper_->finish();
+    });
   }
 
 private:
@@ -310,7 +315,7 @@ bindMaps(py::module_& module)
 {
   py::class_<Map> map(module, "SemanticVoxelMap",
                       "An occupancy map with labels in a window that moves along.");
-  map.def(py::init<const std::string&, const py::kwargs&>(), py::arg("label_set"),
+  map.def(py::init<const Path&, const py::kwargs&>(), py::arg("label_set"),
           "label_set: a file, or the name of one that comes along ('kitti11').\n"
           "Other keywords are parameters of pcl_semantic_map: voxel_size=0.2.")
       .def("integrate", &Map::integrate, py::arg("points"), py::arg("pose"),
@@ -323,7 +328,7 @@ bindMaps(py::module_& module)
   bindReading(map);
   module.def(
       "load_map",
-      [](const std::string& path) {
+      [](const Path& path) {
         return released([&] { return std::make_unique<Map>(loadMap(path)); });
       },
       py::arg("path"), "The map of an archive, in memory; the file stays as it is.");
@@ -331,7 +336,7 @@ bindMaps(py::module_& module)
   py::class_<Mapper> mapper(module, "SemanticMapper",
                             "The whole pipeline: frames go in, a refined map grows.");
   mapper
-      .def(py::init<const std::string&, const std::optional<std::vector<double>>&,
+      .def(py::init<const Path&, const std::optional<std::vector<double>>&,
                     const py::kwargs&>(),
            py::arg("label_set"), py::arg("camera") = py::none(),
            "camera, for stereo pairs: fx, fy, cx, cy [px], baseline [m], width, "

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The module gives what the programs give, byte by byte, and refuses with a word."""
 
+import multiprocessing
 import os
+import pathlib
 import re
 import subprocess
 import sys
@@ -430,6 +432,83 @@ class Guide(unittest.TestCase):
             refined = pcl_semantic.read_cloud(os.path.join(folder, "out.pcd"))
         np.testing.assert_array_equal(refined["label"], labels)
         np.testing.assert_array_equal(refined["ring"], labels)
+
+
+class Paths(unittest.TestCase):
+    def test_a_nul_is_refused_and_writes_nothing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.pcd\0.pcd")
+            empty = pcl_semantic.SemanticVoxelMap("kitti11")
+            for call in (lambda: pcl_semantic.read_cloud(path),
+                         lambda: pcl_semantic.write_cloud(path, {"x": np.zeros(1)}),
+                         lambda: pcl_semantic.load_map(path),
+                         lambda: pcl_semantic.SemanticVoxelMap("kitti11\0"),
+                         lambda: pcl_semantic.SemanticMapper("kitti11\0"),
+                         lambda: empty.write(path), lambda: empty.save(path)):
+                with self.assertRaisesRegex(ValueError, "embedded null"):
+                    call()
+            self.assertEqual(os.listdir(folder), [])
+
+    def test_may_be_of_pathlib_and_bytes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "a.pcd"
+            pcl_semantic.write_cloud(path, {"x": np.ones(1, np.float32)})
+            for each in (path, bytes(path), str(path)):
+                self.assertEqual(pcl_semantic.read_cloud(each)["x"][0], 1)
+            empty = pcl_semantic.SemanticVoxelMap(pathlib.Path(LABEL_SET))
+            empty.save(pathlib.Path(folder) / "a.map")
+            pcl_semantic.load_map(pathlib.Path(folder) / "a.map")
+        with self.assertRaises(TypeError):
+            pcl_semantic.read_cloud(7)
+
+
+class ComplexNumbers(unittest.TestCase):
+    def test_are_refused(self):
+        points, _, noisy = two_walls()
+        mapper = pcl_semantic.SemanticMapper("kitti11")
+        for call in (lambda: pcl_semantic.refine(points + 1j, labels=noisy),
+                     lambda: pcl_semantic.refine(points, probabilities=np.eye(2)[noisy - 1] * 1j),
+                     lambda: pcl_semantic.refine(points, labels=noisy * 1j),
+                     lambda: pcl_semantic.cliques(points + 0j),
+                     lambda: mapper.process(points, np.eye(4) + 0j),
+                     lambda: mapper.labels(points + 0j)):
+            with self.assertRaises(ValueError):
+                call()
+
+
+class Forked(unittest.TestCase):
+    def run_in_child(self, work):
+        child = multiprocessing.get_context("fork").Process(target=work)
+        child.start()
+        child.join(60)
+        hangs = child.is_alive()
+        if hangs:
+            child.kill()
+        self.assertFalse(hangs)
+        self.assertEqual(child.exitcode, 0)
+
+    def test_a_child_computes_what_its_parent_does(self):
+        points, _, noisy = two_walls()
+        for threads in (1, 2, 0):
+            with self.subTest(threads=threads):
+                def refine():
+                    return pcl_semantic.refine(points, labels=noisy, threads=threads,
+                                               crf="hierarchical", cliques="supervoxel:0.5")
+
+                expected, _ = refine()
+                def child():
+                    np.testing.assert_array_equal(refine()[0], expected)
+                self.run_in_child(child)
+
+    def test_a_child_refuses_stereo_pairs(self):
+        camera = (100, 100, 40, 30, 0.5, 80, 60)
+        mapper = pcl_semantic.SemanticMapper("kitti11", camera=camera)
+        image = np.zeros((60, 80), np.uint8)
+        def child():
+            with self.assertRaisesRegex(ValueError, "fork"):
+                mapper.process_pair(image, image, np.eye(4), np.full((4800, 11), 1 / 11))
+
+        self.run_in_child(child)
 
 
 class Stub(unittest.TestCase):
