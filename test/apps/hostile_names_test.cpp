@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -18,6 +19,8 @@
 namespace {
 
 using namespace pcl_semantic;
+
+namespace fs = std::filesystem;
 
 TEST(HostileNames, ControlCharactersAreEscapedInMessages)
 {
@@ -31,6 +34,75 @@ TEST(HostileNames, ControlCharactersAreEscapedInMessages)
   const ToolResult path =
       runTool("crf '/none/\x1B[2J\xC2\x9B\xE9\xC3\xA9.pcd' /tmp/x.pcd");
   EXPECT_TRUE(holds(path.text, "/none/\\x1B[2J\\xC2\\x9B\\xE9\xC3\xA9.pcd"));
+}
+
+TEST(HostileNames, ClassNamesAreEscapedInTextAndJson)
+{
+  const TemporaryFolder folder;
+  std::string classes =
+      bytesOf(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
+  classes.replace(classes.find("building"), 8, "a\xC2\x9B\xE2\x80\xAEz");
+  const std::string set = folder.write("classes.yaml", classes);
+  for (const std::string image : {"000000.png"}) {
+    fs::create_directories(folder.path("labels"));
+    writePng(folder.path("labels/" + image), cv::Mat(20, 30, CV_8UC1, cv::Scalar(1)));
+  }
+  const std::string command = "evaluate " + folder.path("labels") + " " +
+                              folder.path("labels") + " --label-set " + set;
+  const std::string json = succeed(command + " --json"), text = succeed(command);
+  for (const std::string& output : {json, text}) {
+    EXPECT_FALSE(holds(output, "\xC2\x9B")) << output;
+    EXPECT_FALSE(holds(output, "\xE2\x80\xAE")) << output;
+  }
+  EXPECT_TRUE(holds(json, "a\\u009B\\u202Ez")) << json;
+  EXPECT_TRUE(holds(text, "a\\xC2\\x9B\\xE2\\x80\\xAEz")) << text;
+}
+
+TEST(HostileOutputs, LoopsAndLongNamesCannotBeWritten)
+{
+  const TemporaryFolder folder;
+  fs::create_symlink("loop", folder.path("loop"));
+  const std::string street = tinyStreet();
+  for (const std::string& output :
+       {folder.path("loop"), folder.path("loop/x"), folder.path(std::string(300, 'x'))})
+    for (const std::string& command :
+         {mapOf(street) + " --crf none --frames 0:1 --output " + output,
+          mapOf(street) + " --crf none --frames 0:1 --output " + folder.path("map") +
+              " --archive " + output,
+          "synthesize " + output + " --frames 1",
+          "odometry " + street + " --output " + output + "/poses.txt",
+          "fleet " + folder.write("plan.yaml",
+                                  "output: " + output +
+                                      "\ndrives:\n  - {name: a, sequence: " + street +
+                                      ", labels: " + street + "/labels}\n")})
+      EXPECT_EQ(runTool(command).code, 5) << command;
+}
+
+TEST(HostileInputs, PipesAndDevicesAreNotWaitedFor)
+{
+  const TemporaryFolder folder;
+  const std::string street = tinyStreet(), out = " " + folder.path("out.pcd");
+  for (const char* const name :
+       {"pipe", "pipe.pcd", "pipe.png", "pipe.yaml", "pipe.mp4"})
+    ASSERT_EQ(::mkfifo(folder.path(name).c_str(), 0600), 0);
+  const std::string pipe = folder.path("pipe");
+  for (const std::string& command : std::vector<std::string>{
+           "archive info " + pipe, "archive info /dev/zero", "archive verify " + pipe,
+           "archive merge " + pipe + " " + pipe + out,
+           "export " + pipe + " " + folder.path("a.ply"),
+           "render " + pipe + " " + folder.path("a.png"), "crf " + pipe + ".pcd" + out,
+           "image_crf " + pipe + ".png " + pipe + ".png " + folder.path("b.png"),
+           mapOf(street) + " --config " + pipe + ".yaml --output " + folder.path("map"),
+           mapOf(street) + " --poses " + pipe + " --output " + folder.path("map"),
+           mapOf(street) + " --archive " + pipe + " --resume --output " +
+               folder.path("map"),
+           "odometry --left " + pipe + ".mp4 --right " + pipe + ".mp4 --calibration " +
+               street + "/calib.txt --output " + folder.path("poses.txt"),
+           "fleet " + pipe + ".yaml"}) {
+    const ToolResult result = runShell(
+        "timeout 20 " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" + command + " 2>&1");
+    EXPECT_EQ(result.code, 3) << command << "\n" << result.text;
+  }
 }
 
 TEST(HostileNames, PathsNeedNotBeUtf8)

@@ -74,6 +74,24 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
   EXPECT_FALSE(fs::exists(map + "/labels"));
 }
 
+// Of a finger that was too quick; and the archive that goes with the map.
+TEST_F(LiveMap, ASecondInterruptIsIgnored)
+{
+  const std::string archive = folder.path("live.map");
+  const ToolResult twice = runShell(
+      PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " + tinyStreet() + " --labels " +
+      tinyStreet() + "/labels --live --verbose --output " + map + " --archive " +
+      archive + " >" + log + " 2>&1 & " + waitFor("live: frame 2") +
+      "kill -INT $!; sleep 0.02; kill -INT $!; wait $!; code=$?; cat " + log +
+      "; exit $code");
+  EXPECT_EQ(twice.code, 0) << twice.text;
+  EXPECT_TRUE(holds(twice.text, "interrupted: the map is being finished"));
+  std::ifstream file(map + "/summary.json");
+  EXPECT_EQ(nlohmann::json::parse(file)["finished"], true);
+  EXPECT_TRUE(holds(succeed("archive info " + archive), "run: finished"));
+  EXPECT_TRUE(holds(succeed("archive verify " + archive), "ok"));
+}
+
 TEST_F(LiveMap, InterruptedBeforeAnythingCameItWritesNothing)
 {
   const ToolResult result =
@@ -93,6 +111,8 @@ TEST_F(LiveMap, WhatGoesWrongEndsItButNotWithoutTheMap)
       "kill -INT $!; wait $!; code=$?; tail -n 1 " + log + "; exit $code");
   EXPECT_EQ(result.code, 3) << result.text;
   EXPECT_TRUE(holds(result.text, "no_labels"));
+  std::ifstream file(map + "/summary.json");
+  EXPECT_EQ(nlohmann::json::parse(file)["finished"], false);
   EXPECT_EQ(readKittiTrajectory(map + "/trajectory.txt").size(), 3u);
   EXPECT_TRUE(fs::exists(map + "/map.pcd"));
 }
@@ -101,8 +121,8 @@ TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
 {
   const std::string live = "map " + tinyStreet() + " --labels " + tinyStreet() +
                            "/labels --live --output " + map + " ";
-  for (const char* const option :
-       {"--archive a.map", "--frames 0:2", "--also depth", "--network-every 2"})
+  for (const char* const option : {"--archive a.map --resume", "--frames 0:2",
+                                   "--also depth", "--network-every 2"})
     expectFails(live + option, 2, "exclude each other");
   expectFails("map --left 'l*.png' --right 'r*.png' --calibration c.yaml --labels l "
               "--live --output " +

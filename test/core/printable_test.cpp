@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <tuple>
+#include <vector>
+
 namespace pcl_semantic {
 
 TEST(Printable, EscapesWhatMovesACursorAndWhatIsNoUtf8)
@@ -21,6 +25,26 @@ TEST(Printable, EscapesWhatMovesACursorAndWhatIsNoUtf8)
       << "a control character of two bytes";
   EXPECT_EQ(printable("\xE9 \xC3"), "\\xE9 \\xC3");
   EXPECT_EQ(printable(std::string(1, '\0')), "\\x00");
+}
+
+TEST(Printable, EscapesWhatChangesLinesOrTheirDirection)
+{
+  for (const auto& [hidden, text, json] :
+       std::vector<std::tuple<std::string, std::string, std::string>>{
+           {"\x7F", "\\x7F", "\\u007F"},
+           {"\xC2\x9B", "\\xC2\\x9B", "\\u009B"},
+           {"\xD8\x9C", "\\xD8\\x9C", "\\u061C"},
+           {"\xE2\x80\x8E", "\\xE2\\x80\\x8E", "\\u200E"},
+           {"\xE2\x80\xA8", "\\xE2\\x80\\xA8", "\\u2028"},
+           {"\xE2\x80\xAE", "\\xE2\\x80\\xAE", "\\u202E"},
+           {"\xE2\x81\xA9", "\\xE2\\x81\\xA9", "\\u2069"}}) {
+    EXPECT_EQ(printable("a" + hidden + "b"), "a" + text + "b");
+    EXPECT_EQ(printableJson("{\n\"" + hidden + "\"}"), "{\n\"" + json + "\"}");
+  }
+  // Surrogates, overlong forms and what lies beyond Unicode are no UTF-8.
+  for (const std::string bad : {"\xED\xA0\x80", "\xE0\x80\xAF", "\xF4\x90\x80\x80"})
+    EXPECT_EQ(printable(bad).substr(0, 2), "\\x") << printable(bad);
+  EXPECT_EQ(printableJson("\"\xC3\x9F\""), "\"\xC3\x9F\"");
 }
 
 TEST(Exception, SaysWhatItCitesInOneLine)

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -119,6 +121,35 @@ TEST_F(FillingFolder, AnImageIsWaitedForUntilItIsWhole)
   writePair(3);
   EXPECT_EQ(camera->grab(), 2);
   EXPECT_EQ(camera->retrieve().number, 3);
+}
+
+TEST_F(FillingFolder, APairThatComesLateIsCountedWithTheNext)
+{
+  writePair(0);
+  const auto camera = openLiveFolder(folder.path(""));
+  EXPECT_EQ(camera->grab(), 1);
+  writePair(3);
+  EXPECT_EQ(camera->grab(), 1);
+  writePair(1);
+  writePair(2);
+  EXPECT_EQ(camera->grab(), 0);
+  writePair(4);
+  EXPECT_EQ(camera->grab(), 3);
+  EXPECT_EQ(camera->retrieve().number, 4);
+  writePair(5);
+  EXPECT_EQ(camera->grab(), 1);
+}
+
+TEST_F(FillingFolder, APipeIsNotWaitedFor)
+{
+  writePair(0);
+  const auto camera = openLiveFolder(folder.path(""));
+  EXPECT_EQ(camera->grab(), 1);
+  for (const char* const side : {"image_2", "image_3"})
+    ASSERT_EQ(::mkfifo(imageOf(side, 1).c_str(), 0600), 0);
+  EXPECT_EQ(camera->grab(), 0);
+  writePair(2);
+  EXPECT_EQ(camera->grab(), 2);
 }
 
 TEST_F(FillingFolder, OtherFilesArePassedOver)

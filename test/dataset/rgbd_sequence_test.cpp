@@ -92,7 +92,7 @@ TEST_F(Rgbd, TumsListsAreMatchedByTime)
 TEST_F(Rgbd, RefusesImagesThatDoNotBelongTogether)
 {
   writePng(folder.path("depth/a.png"), cv::Mat(4, 6, CV_16UC1, cv::Scalar(1000)));
-  expectRefused("has 6 x 4 pixels, expected those of");
+  expectRefused("has 6 x 4 pixels, expected ");
   writePng(folder.path("depth/a.png"), cv::Mat(2, 3, CV_8UC1, cv::Scalar(1)));
   expectRefused("8 bits, expected 16-bit grey (depths");
   std::filesystem::remove(folder.path("depth/b.png"));
