@@ -22,6 +22,15 @@ const pid_t loaded_by = ::getpid();
 
 } // namespace
 
+void
+refuseMasked(const py::handle& array)
+{
+  if (!py::hasattr(array, "mask") || !py::hasattr(array, "filled"))
+    return;
+  throw py::value_error("got a masked array, whose mask would be lost: give the values "
+                        "that count, or filled() ones");
+}
+
 bool
 isForked()
 {
@@ -149,6 +158,7 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
 LocalCloud
 localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
 {
+  refuseMasked(points);
   const py::array any = py::array::ensure(points);
   if (!any)
     throw py::error_already_set();

@@ -18,7 +18,7 @@ bindCameras(py::module_& module)
 {
   module.def(
       "read_camera",
-      [](const std::string& path) {
+      [](const Path& path) {
         const PinholeCamera camera = released([&] { return readPinholeCamera(path); });
         warnOf(camera.doubts);
         py::dict read;

@@ -68,6 +68,31 @@ class Refine(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "cliques hold -1 at point 0"):
             pcl_semantic.refine(points, labels=noisy, crf="hierarchical", cliques=numbers)
 
+    def test_what_numpy_would_drop_is_refused(self):
+        points, _, noisy = two_walls()
+        probabilities = np.full((4000, 2), 0.5)
+        masked = np.ma.masked_array
+        for message, arguments in [
+                ("masked", (masked(points, points > 3), {"labels": noisy})),
+                ("masked", (points, {"labels": masked(noisy, noisy == 1)})),
+                ("masked", (points, {"probabilities": masked(probabilities)})),
+                ("complex", (points, {"probabilities": probabilities + 1j})),
+                ("dates", (points.astype("M8[s]"), {"labels": noisy}))]:
+            with self.assertRaisesRegex(ValueError, message):
+                pcl_semantic.refine(arguments[0], **arguments[1])
+
+    def test_a_cloud_far_away_is_the_same_cloud(self):
+        points, _, noisy = two_walls()
+        shift = np.array([691200.0, 5334400.0, 384.0])
+        for options in ({}, {"crf": "hierarchical", "cliques": "cubes:0.8"}):
+            near, _ = pcl_semantic.refine(points, labels=noisy, **options)
+            far, _ = pcl_semantic.refine(points + shift, labels=noisy, **options)
+            np.testing.assert_array_equal(near, far)
+        np.testing.assert_array_equal(pcl_semantic.cliques(points, "cubes:0.8"),
+                                      pcl_semantic.cliques(points + shift, "cubes:0.8"))
+        with self.assertWarnsRegex(UserWarning, "steps of 0.5 m"):
+            pcl_semantic.refine((points + shift).astype(np.float32), labels=noisy)
+
     def test_what_does_not_fit_is_refused(self):
         points, _, noisy = two_walls()
         for message, arguments in [

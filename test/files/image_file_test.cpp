@@ -56,7 +56,8 @@ refuses(const std::string& bytes, ImageKind kind = ImageKind::grey_or_colour,
 ::testing::AssertionResult
 refusesImage(const std::string& name, const std::string& bytes, const std::string& part)
 {
-  return refusesFile(name, bytes, part, readImage);
+  return refusesFile(name, bytes, part,
+                     [](const std::string& path) { readImage(path); });
 }
 
 } // namespace
