@@ -8,6 +8,7 @@
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>

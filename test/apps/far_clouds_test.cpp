@@ -160,9 +160,10 @@ TEST(FarClouds, WhatSinglePrecisionLostIsSaid)
   const TemporaryFolder folder;
   const std::string input = folder.path("far.pcd");
   writeCloudTable(input, surfaces<float>(far_away));
-  for (const std::string& command :
+  for (const char* const command :
        {"crf ", "cloud --thin 0.4 ", "cliques --method cubes "}) {
-    const std::string text = succeed(command + input + " " + folder.path("out.pcd"));
+    const std::string text =
+        succeed(std::string(command) + input + " " + folder.path("out.pcd"));
     EXPECT_TRUE(holds(text, "far.pcd: single precision has steps of 0.5 m at"));
   }
 }
