@@ -106,15 +106,20 @@ checkLayout(const std::string& path, const std::vector<std::uint8_t>& bytes,
     badInput(path, ": has ", bytes.size(), " bytes, expected a multiple of ", size,
              " (", count, " float32 a point)",
              others > 0 ? "; it looks like " + hintOf(others) : "");
+  if (layout.isText())
+    badInput(path, ": is text, expected float32 ", textOf(columns));
   if (others > 0 && is_known)
     addDoubt(table, path + ": looks like " + std::to_string(others) +
                         " float32 a point, not " + textOf(columns));
   else if (others > 0)
     badInput(path, ": does not look like ", textOf(columns), ", but like ",
              hintOf(others));
-  else if (layout.isAbsurd(count))
+  else if (!is_known && layout.isAbsurd(count))
     badInput(path, ": its positions cannot be metres, expected float32 ",
              textOf(columns), "; other columns are named with --scan-columns");
+  else if (!is_known && layout.isSigned(count, 3))
+    badInput(path, ": holds negative intensities, expected float32 ", textOf(columns),
+             "; other columns are named with --scan-columns");
 }
 
 // Leaves out the columns that are passed over.

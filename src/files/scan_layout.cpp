@@ -123,4 +123,27 @@ ScanLayout::isAbsurd(std::size_t columns) const
   return points >= kFewest && 10 * absurd > seen;
 }
 
+bool
+ScanLayout::isText() const
+{
+  constexpr std::size_t enough = 64, most = 4096;
+  return bytes_.size() >= enough &&
+         std::all_of(bytes_.begin(),
+                     bytes_.begin() + std::ptrdiff_t(std::min(most, bytes_.size())),
+                     [](std::uint8_t byte) {
+                       return (byte >= ' ' && byte < 0x7F) ||
+                              (byte >= '\t' && byte <= '\r');
+                     });
+}
+
+bool
+ScanLayout::isSigned(std::size_t columns, std::size_t column) const
+{
+  std::size_t negative = 0;
+  const std::size_t points = count_ / columns;
+  for (std::size_t i = 0; i < points; ++i)
+    negative += numberAt(bytes_, i * columns + column) < 0.0f;
+  return points >= kFewest && 20 * negative > points;
+}
+
 } // namespace pcl_semantic

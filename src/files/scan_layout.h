@@ -28,6 +28,13 @@ public:
    * are no float32 numbers. */
   bool isAbsurd(std::size_t columns) const;
 
+  /** \brief Whether the file is text. */
+  bool isText() const;
+
+  /** \brief Whether many numbers of a column are negative, which an intensity is not.
+   */
+  bool isSigned(std::size_t columns, std::size_t column) const;
+
 private:
   double difference(std::size_t lag) const;
 

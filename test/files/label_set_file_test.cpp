@@ -132,6 +132,29 @@ TEST(LabelMappingFile, SemanticKittiToItsNineteenClasses)
                  {19, {81}}});
 }
 
+// Numbers that are known to have no class are not counted as lacking.
+TEST(LabelMappingFile, KnowsNumbersWithoutAClass)
+{
+  const LabelSet set = readLabelSet(data_folder + "label_sets/kitti11.yaml");
+  for (const std::string name :
+       {"semantic_kitti_to_kitti11", "semantic_kitti_to_semantic_kitti19"}) {
+    const LabelSet of_name =
+        readLabelSet(data_folder + "label_sets/" +
+                     (name.back() == '9' ? "semantic_kitti19.yaml" : "kitti11.yaml"));
+    const LabelMapping mapping = readLabelMapping(name, of_name);
+    for (const std::uint32_t id :
+         {0,  1,  10, 11, 13, 15, 16, 18, 20, 30,  31,  32,  40,  44,  48,  49,  50,
+          51, 52, 60, 70, 71, 72, 80, 81, 99, 252, 253, 254, 255, 256, 257, 258, 259})
+      mapping(id);
+    EXPECT_TRUE(mapping.lacking().empty()) << name;
+  }
+  const LabelMapping zero_based = readLabelMapping("zero_based", set);
+  EXPECT_EQ(zero_based(255), kUnlabelled);
+  EXPECT_TRUE(zero_based.lacking().empty());
+  EXPECT_EQ(zero_based(11), kUnlabelled);
+  EXPECT_EQ(zero_based.lacking().size(), 1u);
+}
+
 TEST(LabelMappingFile, NamesTheLineOfAMistake)
 {
   for (const auto& [text, part] :
@@ -141,6 +164,8 @@ TEST(LabelMappingFile, NamesTheLineOfAMistake)
         std::pair("classes:\n  road: 7\n", "line 2"),
         std::pair("classes:\n  road: [7]\nextra: 1\n", "extra"),
         std::pair("classes:\n  road: [7]\n  car: [8, 7]\n", "mapping.yaml line 3"),
+        std::pair("classes:\n  road: [7]\nunlabelled: [7]\n", "mapping.yaml line 3"),
+        std::pair("classes:\n  road: [7]\nunlabelled: [-1]\n", "line 3"),
         std::pair("a: 1\n", "classes")})
     EXPECT_TRUE(refusesMapping(text, part)) << text;
 }

@@ -315,6 +315,25 @@ TEST(WriteCloudTable, LeavesNothingBehindWhenItFails)
   EXPECT_EQ(folder.entries(), 0u);
 }
 
+// As PCL wrote padding between fields of Ouster's points that touch.
+TEST(PcdFile, ReadsPaddingOfNoBytes)
+{
+  const TemporaryFolder folder;
+  const std::uint32_t row[] = {0x3F800000, 0x40000000, 0x40400000, 5, 0};
+  for (const std::string counts : {"1 1 1 0 1 4", "1 1 1 0 1 4\n# and a comment"}) {
+    const std::string path = folder.write(
+        "a.pcd",
+        "VERSION 0.7\nFIELDS x y z _ label _\nSIZE 4 4 4 1 4 1\nTYPE F F F U U "
+        "U\nCOUNT " +
+            counts + "\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n" +
+            std::string(reinterpret_cast<const char*>(row), 20));
+    const PcdTable table = readPcd(path);
+    ASSERT_EQ(table.fields.size(), 4u);
+    EXPECT_EQ(PcdColumn(table, 2)(0), 3.0);
+    EXPECT_EQ(PcdColumn(table, 3)(0), 5.0);
+  }
+}
+
 TEST(PcdTable, ColumnsAreReplacedAppendedAndRemoved)
 {
   PcdTable table;

@@ -129,6 +129,27 @@ TEST(ScanFile, RefusesOtherColumnsThanAssumed)
   }));
 }
 
+// Columns that are alike say nothing of their number, but no intensity is negative.
+TEST(ScanFile, RefusesNegativeIntensitiesAndText)
+{
+  const TemporaryFolder folder;
+  const std::string path =
+      folder.write("a.bin", scanOf(400, [](auto& random, int) {
+                     return Row{between(random, -9, 9), between(random, -9, 9),
+                                between(random, -9, 9)};
+                   }));
+  EXPECT_TRUE(throws<BadInputException>(
+      "holds negative intensities, expected float32 x", [&] { readCloudTable(path); }));
+  EXPECT_EQ(readCloudTable(path, parseScanColumns("3")).points, 400u);
+  EXPECT_EQ(readCloudTable(path, {"x", "y", "z", "doppler"}).points, 300u);
+  std::string text;
+  for (int i = 0; i < 64; ++i)
+    text += "1.25 2.50 3.75 4\n";
+  EXPECT_TRUE(throws<BadInputException>("a.bin: is text, expected float32", [&] {
+    readCloudTable(folder.write("a.bin", text));
+  }));
+}
+
 TEST(ScanFile, TakesScansOfFourColumnsForWhatTheyAre)
 {
   const std::vector<std::pair<const char*, MakeRow>> scans = {
@@ -148,7 +169,8 @@ TEST(ScanFile, TakesScansOfFourColumnsForWhatTheyAre)
       {"all alike",
        [](auto& random, int) {
          std::normal_distribution<float> normal;
-         return Row{normal(random), normal(random), normal(random), normal(random)};
+         return Row{normal(random), normal(random), normal(random),
+                    std::abs(normal(random))};
        }},
       {"a grid",
        [](auto&, int i) {
