@@ -226,6 +226,28 @@ compareFolders(const Options& options, std::size_t number,
   }
 }
 
+// Labels that agree one class apart count from 0 on one side.
+void
+warnOfNumbers(const ConfusionMatrix& confusion)
+{
+  std::uint64_t covered = 0, alike = 0, less = 0, more = 0;
+  for (int t = 1; t <= confusion.classes(); ++t)
+    for (int p = 0; p <= confusion.classes(); ++p) {
+      const std::uint64_t count = confusion(Label(t), Label(p));
+      covered += count;
+      alike += p == t ? count : 0;
+      less += p == t - 1 ? count : 0;
+      more += p == t + 1 ? count : 0;
+    }
+  const std::uint64_t apart = std::max(less, more);
+  if (2 * apart <= covered || 10 * alike >= apart)
+    return;
+  warn(std::to_string(apart) + " of " + std::to_string(covered) +
+       " predictions are one " + (less > more ? "less" : "more") +
+       " than the ground truth: do the " + (less > more ? "predictions" : "truths") +
+       " count classes from 0? --label-mapping zero_based is for ground truth");
+}
+
 void
 requireFittingOptions(const Options& options)
 {
@@ -282,6 +304,8 @@ evaluate(const Options& options)
                                      ConfusionMatrix(label_set.size()));
   for (std::size_t i = 0; i < options.truths.size(); ++i)
     compareFolders(options, i, ranges, label_set, mapping, total);
+  for (const ConfusionMatrix& confusion : total)
+    warnOfNumbers(confusion);
   if (options.header)
     std::cout << scoresMarkdownHeader(computeScores(total[0], evaluated), label_set);
   for (std::size_t i = 0; i < total.size(); ++i)

@@ -52,7 +52,8 @@ generatorOf(const std::string& kind)
 
 // Puts them into the cloud. \return the largest, at least 1
 int
-setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+setLabels(const Array<std::int64_t>& labels, int classes,
+          pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
 {
   requireShape(labels, "labels", py::ssize_t(cloud.size()));
   std::int64_t largest = 1;
@@ -63,6 +64,8 @@ setLabels(const Array<std::int64_t>& labels, pcl::PointCloud<pcl::PointXYZRGBL>&
     cloud[i].label = std::uint32_t(label);
     largest = std::max(largest, label);
   }
+  if (largest == 255 && classes == 0)
+    warn("labels hold 255, which is taken for a class: where it means none, give 0");
   return int(largest);
 }
 
@@ -92,7 +95,7 @@ refine(const py::object& points, const MaybeArray<float>& probabilities,
   if (probabilities)
     crf.setLabelDistributions(distributionsOf(probabilities, count));
   else {
-    const int largest = setLabels(*labels, *cloud);
+    const int largest = setLabels(*labels, classes, *cloud);
     crf.setLabelConfidence(config.label_confidence, classes > 0 ? classes : largest);
   }
   if (py::isinstance<py::str>(cliques))

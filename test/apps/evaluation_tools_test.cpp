@@ -8,6 +8,7 @@
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/label_set_file.h>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -58,6 +59,30 @@ protected:
 };
 
 } // namespace
+
+TEST_F(EvaluateTool, MapsTheNumbersOfTruthImages)
+{
+  cv::Mat1b truth(4, 11);
+  for (int i = 0; i < 44; ++i)
+    truth.data[i] = std::uint8_t(i % 11 + 1);
+  writeImage(folder_.path("p3"), "000000.png", truth);
+  writeImage(folder_.path("t3"), "000000.png", truth - 1);
+  const std::string command = "evaluate" + pair("3") + label_set + " --ignore none ";
+  EXPECT_TRUE(holds(succeed(command + "--label-mapping zero_based"),
+                    "mean                100.0"));
+  EXPECT_TRUE(
+      holds(succeed(command), "predictions are one more than the ground truth"));
+
+  cv::Mat3b colours(4, 11);
+  const LabelSet classes = readLabelSet(data + "/label_sets/kitti11.yaml");
+  for (int i = 0; i < 44; ++i) {
+    const auto& rgb = classes[Label(truth.data[i])].colour;
+    colours(i / 11, i % 11) = cv::Vec3b(rgb[2], rgb[1], rgb[0]);
+  }
+  writePng(folder_.path("t3/000000.png"), colours);
+  EXPECT_TRUE(
+      holds(succeed(command + "--label-mapping colours"), "mean                100.0"));
+}
 
 TEST_F(EvaluateTool, PoolsAndWrites)
 {
