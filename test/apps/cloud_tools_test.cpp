@@ -431,14 +431,14 @@ TEST_F(Scans, BadInput)
       {"too few poses", 3, "none for frame 3", all + "--poses STREET/poses.txt"},
       {"depth", 2, "are for frames of a camera", all + poses + "--also depth"},
       {"images", 2, "needs scans, too", all + poses + "--also measured"},
-      {"hit ratio", 2, "min_hit_ratio is for images",
+      {"hit ratio", 2, "--min-hit-ratio has no effect with --clouds of no camera",
        all + poses + "--min-hit-ratio 0.2"},
       {"over the clouds", 2, "--output holds the clouds",
        "map --clouds " + folder.path("clouds") + " " + poses + "--output " +
            folder.path("clouds")},
       {"label: no labels", 2, "expected either --labels or --network",
        "label --clouds " + folder.path("clouds") + " --output OUT"},
-      {"label: format", 2, "--format is for a SEQUENCE",
+      {"label: format", 2, "--format has no effect with --clouds",
        "label --clouds " + folder.path("clouds") +
            " --labels STREET/labels --output OUT --format ids"},
       {"label: size", 3, "expected",

@@ -55,6 +55,7 @@ TEST(Help, ItsExamplesRunWhenPasted)
     std::string example = replaceAll(exampleOf(verb), "/tmp/", folder.path() + "/");
     example = replaceAll(example, "pcl_semantic_synthesize ",
                          "pcl_semantic_synthesize --frames 2 --size 208x64 ");
+    example = replaceAll(example, "359,359,303,93", "120,120,102,31"); // of that size
     const ToolResult result = runShell("{ " + begin + example + "; } 2>&1");
     EXPECT_EQ(result.code, 0) << example << result.text;
   }

@@ -88,7 +88,7 @@ TEST(HostileInputs, PipesAndDevicesAreNotWaitedFor)
   const std::string pipe = folder.path("pipe");
   for (const std::string& command : std::vector<std::string>{
            "archive info " + pipe, "archive info /dev/zero", "archive verify " + pipe,
-           "archive merge " + pipe + " " + pipe + out,
+           "archive merge " + pipe + " " + folder.path("other") + out,
            "export " + pipe + " " + folder.path("a.ply"),
            "render " + pipe + " " + folder.path("a.png"), "crf " + pipe + ".pcd" + out,
            "image_crf " + pipe + ".png " + pipe + ".png " + folder.path("b.png"),

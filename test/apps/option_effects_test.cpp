@@ -247,6 +247,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"rgbd", {{"IN/street/rgbd"}}},
     {"right", {{"'IN/own/right/*.png'"}}},
     {"row", {{"street"}}},
+    {"scan-columns", {{"x,y,z,_"}}},
     {"scan-within", {{"1"}, {"1", "--also scans"}}},
     {"seed", {{"9"}}},
     {"sensor", {{"own"}, {"grey"}}},

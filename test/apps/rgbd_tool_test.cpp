@@ -68,7 +68,7 @@ TEST(RgbdMap, BadInput)
 {
   expectAllFail(
       {{"sequence", 2, "exclude each other", run + "STREET"},
-       {"clouds", 2, "exclude each other", run + "--clouds STREET"},
+       {"clouds", 2, "--clouds has no effect with --rgbd", run + "--clouds STREET"},
        {"no camera", 2, "--rgbd needs --calibration",
         "map --rgbd STREET/rgbd --poses STREET/world.txt --output OUT --labels "
         "STREET/labels"},
@@ -79,7 +79,7 @@ TEST(RgbdMap, BadInput)
         "map --rgbd STREET/rgbd --calibration STREET/camera.yaml --poses "
         "STREET/world.txt --output OUT"},
        {"sensor", 2, "--sensor is for --clouds", run + "--sensor own"},
-       {"also", 2, "--also and --rgbd exclude each other", run + "--also depth"},
+       {"also", 2, "--also has no effect with --rgbd", run + "--also depth"},
        {"scale", 2, "--depth-scale is less than 0", run + "--depth-scale -1"},
        {"frames", 3, "has no frame in 7:9", run + "--frames 7:9", makeRgbd},
        {"layout", 3, "no RGB-D sequence", replaceAll(run, "STREET/rgbd", "STREET/gt"),
