@@ -37,6 +37,11 @@ PrintTo(const Mode& mode, std::ostream* stream)
 }
 
 const std::string of_crf = "crf.*|clique.*|smoothness.*|appearance.*|colour.*|super.*";
+// What depends on where frames and labels come from.
+const std::string of_source =
+    "left|right|calibration|extrinsics|times|strict|clouds|rgbd|depth-scale|sensor|"
+    "scan-.*|labels|label-.*|network.*|model|poses|map-only|also|stereo|disparities|"
+    "max-deviation|deviation-scale|min-hit-ratio";
 const std::string small = " --voxel-size 0.25 --max-depth 12";
 const std::string street_map =
     "map IN/street --labels IN/street/labels --output OUT/map" + small;
@@ -51,19 +56,25 @@ const std::vector<Mode> modes = {
     {"--crf none", street_map + " --crf none", of_crf},
     {"--crf pn-potts", street_map + " --crf pn-potts", of_crf},
     {"--crf hierarchical", street_map + " --crf hierarchical", of_crf},
-    {"--network",
-     "map IN/street --network IN/street/net.yaml --output OUT/map" + small},
-    {"--left", "map " + own_camera +
-                   " --labels IN/own/labels --poses IN/own/poses.txt --output OUT/map" +
-                   small},
+    {"--network", "map IN/street --network IN/street/net.yaml --output OUT/map" + small,
+     of_source},
+    {"--left",
+     "map " + own_camera +
+         " --labels IN/own/labels --poses IN/own/poses.txt --output OUT/map" + small,
+     of_source},
     {"--clouds",
-     "map --clouds IN/clouds --poses IN/street/world.txt --output OUT/map" + small},
-    {"--clouds", "map --clouds IN/clouds --calibration IN/street/calib.txt --poses "
-                 "IN/street/poses.txt --output OUT/map" +
-                     small},
-    {"--rgbd", "map --rgbd IN/street/rgbd --calibration IN/street/camera.yaml --poses "
-               "IN/street/world.txt --output OUT/map --labels IN/street/labels" +
-                   small},
+     "map --clouds IN/clouds --poses IN/street/world.txt --output OUT/map" + small,
+     of_source},
+    {"--clouds",
+     "map --clouds IN/clouds --calibration IN/street/calib.txt --poses "
+     "IN/street/poses.txt --output OUT/map" +
+         small,
+     of_source},
+    {"--rgbd",
+     "map --rgbd IN/street/rgbd --calibration IN/street/camera.yaml --poses "
+     "IN/street/world.txt --output OUT/map --labels IN/street/labels" +
+         small,
+     of_source},
     {"info", "archive info IN/one.map"},
     {"verify", "archive verify IN/one.map"},
     {"export", "archive export IN/one.map OUT/map.pcd"},
@@ -73,7 +84,8 @@ const std::vector<Mode> modes = {
                   "'{sequence}/gt' --output OUT/calibrated"},
     {"--clique-config",
      "calibrate IN/street IN/street2 --labels '{sequence}/labels' --truth "
-     "'{sequence}/gt' --output OUT/calibrated --clique-config IN/cliques.yaml"},
+     "'{sequence}/gt' --output OUT/calibrated --clique-config IN/cliques.yaml",
+     "clique.*|label.*|features|ground"},
     {"cubes", "cliques IN/map.pcd OUT/out.pcd --method cubes"},
     {"supervoxel", "cliques IN/map.pcd OUT/out.pcd --method supervoxel"},
     {"superpixel", "cliques IN/map.pcd OUT/out.pcd --method superpixel --frame "
