@@ -567,10 +567,13 @@ protected:
   isRefusal(const Outcome& outcome, const std::string& option)
   {
     const std::string line = outcome.text.substr(0, outcome.text.find(" (see "));
-    if (outcome.code != 2 || line.find(option) == std::string::npos)
+    const bool is_named = line.find(option) != std::string::npos ||
+                          line.find(replaceAll(option, "-", " ")) != std::string::npos;
+    if (outcome.code != 2 || !is_named)
       return false;
     const std::string rest = replaceAll(line, "--" + option, "");
-    for (const char* const word : {"no effect", "archive", "SEQUENCE", " --"})
+    for (const char* const word :
+         {"no effect", "are for", "archive", "SEQUENCE", " --"})
       if (rest.find(word) != std::string::npos)
         return true;
     return rest.find(GetParam().name) != std::string::npos;
