@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/files/trajectory_file.h>
 
+#include "poses_again.h"
+
 #include "core/fail.h"
 
 #include <pcl_semantic/core/sensor_pose.h>
@@ -122,6 +124,35 @@ parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
   return timed;
 }
 
+Trajectory
+readKitti(const std::string& path, Repairs& repairs)
+{
+  Trajectory trajectory;
+  for (const TextLine& line : rowsOf(path))
+    trajectory.push_back(parsePose(line, path, repairs));
+  if (trajectory.empty())
+    badInput(path, ": holds no pose");
+  return trajectory;
+}
+
+TimedTrajectory
+readTum(const std::string& path, Repairs& repairs)
+{
+  TimedTrajectory trajectory;
+  for (const TextLine& line : readLines(path)) {
+    if (line.text.empty() || isComment(line.text))
+      continue;
+    trajectory.push_back(parseTimedPose(line, path, repairs));
+    if (trajectory.size() > 1 &&
+        !(trajectory.back().time > trajectory[trajectory.size() - 2].time))
+      badInput(atLine(path, line.number),
+               ": its time is not after that of the pose before");
+  }
+  if (trajectory.empty())
+    badInput(path, ": holds no pose");
+  return trajectory;
+}
+
 } // namespace
 
 TrajectoryFormat
@@ -144,13 +175,21 @@ trajectoryFormatOf(const std::string& path)
 Trajectory
 readKittiTrajectory(const std::string& path)
 {
-  Trajectory trajectory;
   Repairs repairs;
-  for (const TextLine& line : rowsOf(path))
-    trajectory.push_back(parsePose(line, path, repairs));
-  if (trajectory.empty())
-    badInput(path, ": holds no pose");
+  Trajectory trajectory = readKitti(path, repairs);
   repairs.warn(path, trajectory.size());
+  return trajectory;
+}
+
+Trajectory
+readPosesAgain(const std::string& path)
+{
+  Repairs told_of;
+  if (trajectoryFormatOf(path) == TrajectoryFormat::kitti)
+    return readKitti(path, told_of);
+  Trajectory trajectory;
+  for (const TimedPose& timed : readTum(path, told_of))
+    trajectory.push_back(timed.pose);
   return trajectory;
 }
 
@@ -172,19 +211,8 @@ writeKittiTrajectory(const std::string& path, const Trajectory& trajectory)
 TimedTrajectory
 readTumTrajectory(const std::string& path)
 {
-  TimedTrajectory trajectory;
   Repairs repairs;
-  for (const TextLine& line : readLines(path)) {
-    if (line.text.empty() || isComment(line.text))
-      continue;
-    trajectory.push_back(parseTimedPose(line, path, repairs));
-    if (trajectory.size() > 1 &&
-        !(trajectory.back().time > trajectory[trajectory.size() - 2].time))
-      badInput(atLine(path, line.number),
-               ": its time is not after that of the pose before");
-  }
-  if (trajectory.empty())
-    badInput(path, ": holds no pose");
+  TimedTrajectory trajectory = readTum(path, repairs);
   repairs.warn(path, trajectory.size());
   return trajectory;
 }

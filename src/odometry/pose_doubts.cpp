@@ -2,6 +2,7 @@
 #include <pcl_semantic/odometry/pose_doubts.h>
 
 #include "core/text_stream.h"
+#include "files/poses_again.h"
 
 #include <pcl_semantic/odometry/pose_source.h>
 
@@ -115,7 +116,9 @@ doubtsOfWay(const Trajectory& poses, PoseFrame frame)
   if (highest - lowest > highest_room && climbed > 0.4 * way)
     doubts.push_back("the way climbs as a road does not: expected poses in a world "
                      "with z up, or of camera 0 with y down");
-  if (!steps.empty() && medianOf(steps) > longest_step) {
+  constexpr double around_the_earth = 4e7; // [m]; beyond it maps refuse the pose
+  if (!steps.empty() && medianOf(steps) > longest_step &&
+      medianOf(steps) < around_the_earth) {
     TextStream text;
     text << "half of the poses are more than " << medianOf(steps)
          << " m from the one before: are they in metres?";
@@ -145,13 +148,7 @@ std::vector<std::string>
 doubtsOfPoses(const std::string& path, PoseFrame frame)
 {
   const bool is_tum = trajectoryFormatOf(path) == TrajectoryFormat::tum;
-  Trajectory poses;
-  if (is_tum)
-    for (const TimedPose& timed : readTumTrajectory(path))
-      poses.push_back(timed.pose);
-  else
-    poses = readKittiTrajectory(path);
-  std::vector<std::string> doubts = doubtsOf(poses, frame, is_tum);
+  std::vector<std::string> doubts = doubtsOf(readPosesAgain(path), frame, is_tum);
   for (std::string& doubt : doubts)
     doubt.insert(0, path + ": ");
   return doubts;

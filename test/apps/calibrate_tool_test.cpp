@@ -279,9 +279,10 @@ TEST(CalibrateToolUsage, BadInput)
       {"labels of no maps", 2, "is for maps, with --clique-config",
        all + "--label-calibration STREET/c.yaml"},
       {"pixels for cliques", 3, "c.yaml line 1: is a calibration of 'pixels'",
-       "--labels STREET/labels --clique-calibration STREET/c.yaml",
+       "--labels STREET/labels --crf hierarchical --clique-calibration STREET/c.yaml",
        calibration("of: pixels\nsharpness: 1\nground: []\n")},
-      {"cliques of another model", 2, "is for the model hierarchical, not dense",
+      {"cliques of another model", 2,
+       "--clique-calibration has no effect with --crf dense",
        "--labels STREET/labels --clique-calibration STREET/c.yaml",
        calibration("sharpness: 1\nground: []\nknots: {}\nclasses: {}\n")},
   });

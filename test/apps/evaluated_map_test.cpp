@@ -311,7 +311,7 @@ TEST(EvaluatedMapTool, BadInput)
   expectAllFail(
       {{"a word", 2, "--also: 'laser'", map + "--also measured,laser"},
        {"no scans", 3, "velodyne/000000.bin: is missing", map + "--also scans"},
-       {"too wide", 2, "--scan-within is 3", map + "--scan-within 3"},
+       {"too wide", 2, "--scan-within is 3", map + "--also scans --scan-within 3"},
        {"scans of two cameras", 2, "needs a SEQUENCE",
         "map --left 'STREET/image_2/*.png' --right 'STREET/image_3/*.png' "
         "--calibration STREET/calib.txt --poses STREET/poses.txt "

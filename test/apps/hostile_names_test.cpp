@@ -47,8 +47,9 @@ TEST(HostileNames, ClassNamesAreEscapedInTextAndJson)
     fs::create_directories(folder.path("labels"));
     writePng(folder.path("labels/" + image), cv::Mat(20, 30, CV_8UC1, cv::Scalar(1)));
   }
-  const std::string command = "evaluate " + folder.path("labels") + " " +
-                              folder.path("labels") + " --label-set " + set;
+  const std::string command = "evaluate --prediction " + folder.path("labels") +
+                              " --truth " + folder.path("labels") + " --label-set " +
+                              set;
   const std::string json = succeed(command + " --json"), text = succeed(command);
   for (const std::string& output : {json, text}) {
     EXPECT_FALSE(holds(output, "\xC2\x9B")) << output;

@@ -97,8 +97,7 @@ const std::vector<Mode> modes = {
     {"--crf pn-potts", "crf IN/map.pcd OUT/out.pcd --crf pn-potts --cliques cubes:1"},
     {"--crf hierarchical",
      "crf IN/map.pcd OUT/out.pcd --crf hierarchical --cliques cubes:1"},
-    {"evaluate",
-     "evaluate --prediction IN/one/labels --truth IN/street/gt" + label_set},
+    {"evaluate", "evaluate --prediction IN/one/labels --truth IN/gt" + label_set},
     {".bt", "export IN/one.map OUT/map.bt"},
     {".ply", "export IN/one.map OUT/map.ply"},
     {".pgm", "export IN/one.map OUT/map.pgm"},
@@ -435,6 +434,8 @@ makeInputs(const std::string& in)
               "output: {name: logits, softmax: true}\nmean: [0.5, 0.5, 0.5]\n"
               "deviation: [0.2, 0.2, 0.2]\nchannels: [road, pole, building, '-']\n");
   }
+  fs::copy(street + "/gt", in + "/gt");
+  fs::remove(in + "/gt/000002.png");
   writeScans(in + "/scans");
   Trajectory moved;
   for (Eigen::Isometry3d pose : readKittiTrajectory(street + "/poses.txt")) {

@@ -100,7 +100,7 @@ TEST(VoxelScene, FindsTheGridOfItsPoints)
   const std::vector<VoxelIndex>& indices = scene.voxels.indices;
   EXPECT_EQ(indices[1] - indices[0], VoxelIndex(1, 0, 0));
   EXPECT_EQ(indices[2] - indices[0], VoxelIndex(10, 3, -2));
-  const Eigen::Vector3d centre = centreOf(scene.grid, indices[1]);
+  const Eigen::Vector3d centre = scene.origin + centreOf(scene.grid, indices[1]);
   EXPECT_LT((centre - Eigen::Vector3d(100000.35, -7.15, 0.0)).norm(), 1e-6);
   EXPECT_EQ((*scene.voxels.cloud)[1].g, 255);
 }
