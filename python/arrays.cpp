@@ -23,12 +23,19 @@ const pid_t loaded_by = ::getpid();
 } // namespace
 
 void
-refuseMasked(const py::handle& array)
+requireNumbers(const py::handle& array)
 {
-  if (!py::hasattr(array, "mask") || !py::hasattr(array, "filled"))
-    return;
-  throw py::value_error("got a masked array, whose mask would be lost: give the values "
-                        "that count, or filled() ones");
+  if (py::hasattr(array, "mask") && py::hasattr(array, "filled"))
+    throw py::value_error("got a masked array, whose mask would be lost: give the "
+                          "values that count, or filled() ones");
+  const py::array any = py::array::ensure(array);
+  if (!any)
+    throw py::error_already_set();
+  const char kind = any.dtype().kind();
+  if (kind == 'c')
+    throw py::value_error("got complex numbers, expected real ones");
+  if (kind == 'M' || kind == 'm')
+    throw py::value_error("got dates or times, expected numbers");
 }
 
 bool
@@ -158,7 +165,7 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
 LocalCloud
 localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
 {
-  refuseMasked(points);
+  requireNumbers(points);
   const py::array any = py::array::ensure(points);
   if (!any)
     throw py::error_already_set();

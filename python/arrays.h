@@ -42,9 +42,9 @@ template <typename T> using MaybeArray = std::optional<Array<T>>;
 
 constexpr py::ssize_t kAny = -1; ///< number of rows or columns
 
-/** \brief Of numpy.ma: its values would be taken without their mask.
- * \throws value_error */
-void refuseMasked(const py::handle& array);
+/** \brief Real numbers, of which numpy would drop nothing: the mask of numpy.ma, an
+ * imaginary part, the unit of a time. \throws value_error */
+void requireNumbers(const py::handle& array);
 
 /** \brief Whether fork() has made this process since the module was loaded. */
 bool isForked();
@@ -83,7 +83,7 @@ template <typename T>
 Array<T>
 integersOf(const py::object& values, const char* name)
 {
-  refuseMasked(values);
+  requireNumbers(values);
   const py::array array = py::array::ensure(values);
   if (!array)
     throw py::error_already_set();
@@ -167,15 +167,10 @@ template <typename T> struct pyobject_caster<pcl_semantic::python::Array<T>> {
   bool
   load(handle source, bool)
   {
-    pcl_semantic::python::refuseMasked(source);
     const array any = array::ensure(source);
     if (!any)
       return false;
-    const char kind = any.dtype().kind();
-    if (kind == 'c')
-      throw value_error("got complex numbers, expected real ones");
-    if (kind == 'M' || kind == 'm')
-      throw value_error("got dates or times, expected numbers");
+    pcl_semantic::python::requireNumbers(source);
     value = type(any);
     return true;
   }

@@ -84,7 +84,7 @@ writeCloud(const Path& path, const py::dict& cloud)
   bool is_first = true;
   for (const auto& [key, value] : cloud) {
     const auto name = key.cast<std::string>();
-    refuseMasked(value);
+    requireNumbers(value);
     auto column = py::array::ensure(value, py::array::c_style);
     if (!column)
       throw py::error_already_set();

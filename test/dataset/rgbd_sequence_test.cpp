@@ -21,13 +21,13 @@ class Rgbd : public testing::Test {
 protected:
   Rgbd()
   {
-    for (const char* name : {"rgb", "depth"})
+    for (const char* name : {"rgb", "jpg", "depth"})
       std::filesystem::create_directories(folder.path(name));
     cv::Mat colour(2, 3, CV_8UC3, cv::Scalar(10, 20, 30));
     cv::Mat depth = (cv::Mat_<std::uint16_t>(2, 3) << 0, 1000, 2000, 500, 250, 65535);
     writePng(folder.path("rgb/a.png"), colour);
     writePng(folder.path("depth/a.png"), depth);
-    cv::imwrite(folder.path("rgb/b.jpg"), colour);
+    cv::imwrite(folder.path("jpg/b.jpg"), colour);
     writePng(folder.path("rgb/b.png"), colour);
     writePng(folder.path("depth/b.png"), cv::Mat(2 * depth));
   }
@@ -70,7 +70,7 @@ TEST_F(Rgbd, FoldersHoldFramesOfTheSameNames)
 TEST_F(Rgbd, TumsListsAreMatchedByTime)
 {
   folder.write("rgb.txt",
-               "# times\n100.01 rgb/a.png\n100.05 rgb/b.jpg\n101 rgb/b.png\n");
+               "# times\n100.01 rgb/a.png\n100.05 jpg/b.jpg\n101 rgb/b.png\n");
   folder.write("depth.txt",
                "100.00 depth/b.png\n100.02 depth/a.png\n100.06 depth/b.png\n");
   const RgbdSequence sequence(folder.path(), camera);
@@ -106,7 +106,7 @@ TEST_F(Rgbd, AllImagesHaveOneSize)
   for (const auto& [name, type] :
        {std::pair("rgb/b.png", CV_8UC3), std::pair("depth/b.png", CV_16UC1)})
     writePng(folder.path(name), cv::Mat(4, 6, type, cv::Scalar::all(1)));
-  std::filesystem::remove(folder.path("rgb/b.jpg"));
+  std::filesystem::remove(folder.path("jpg/b.jpg"));
   expectRefusal<BadInputException>(
       "rgb/b.png: has 6 x 4 pixels, expected those of",
       [&] { RgbdSequence(folder.path(), camera).frame(1); });
@@ -143,9 +143,9 @@ TEST_F(Rgbd, AScaleThatIsNotTheImagesIsDoubtful)
 
 TEST_F(Rgbd, AJpegThatIsCutOffIsRefused)
 {
-  std::filesystem::resize_file(folder.path("rgb/b.jpg"), 300);
+  std::filesystem::resize_file(folder.path("jpg/b.jpg"), 300);
   expectRefusal<BadInputException>("is not complete",
-                                   [&] { readImage(folder.path("rgb/b.jpg")); });
+                                   [&] { readImage(folder.path("jpg/b.jpg")); });
 }
 
 TEST_F(Rgbd, IntrinsicsAreThoseOfRosOrKalibr)
