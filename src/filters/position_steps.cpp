@@ -6,8 +6,10 @@
 
 #include <pcl/common/point_tests.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace pcl_semantic {
 
@@ -21,18 +23,19 @@ constexpr float kFine =
 std::string
 doubtOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud, const std::string& name)
 {
-  float farthest = 0.0f;
-  Eigen::Index count = 0;
+  std::vector<float> distances; // the largest coordinate of each point
   for (const pcl::PointXYZRGBL& point : cloud)
-    if (pcl::isXYZFinite(point)) {
-      farthest = std::max(farthest, point.getArray3fMap().abs().maxCoeff());
-      ++count;
-    }
-  const float step =
-      std::nextafter(farthest, std::numeric_limits<float>::max()) - farthest;
-  if (!(step > kFine) || count < 2)
+    if (pcl::isXYZFinite(point))
+      distances.push_back(point.getArray3fMap().abs().maxCoeff());
+  if (distances.size() < 2)
     return "";
-  Eigen::MatrixXf positions(3, count);
+  const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  const float far = *middle;
+  const float step = std::nextafter(far, std::numeric_limits<float>::max()) - far;
+  if (!(step > kFine))
+    return "";
+  Eigen::MatrixXf positions(3, Eigen::Index(distances.size()));
   Eigen::Index column = 0;
   for (const pcl::PointXYZRGBL& point : cloud)
     if (pcl::isXYZFinite(point))
@@ -43,7 +46,7 @@ doubtOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud, const std::string&
   if (step <= 0.1f * spacing)
     return "";
   TextStream text;
-  text << name << ": single precision has steps of " << step << " m at " << farthest
+  text << name << ": single precision has steps of " << step << " m at " << far
        << " m, and its points are ";
   if (spacing > 0.0f)
     text << "about " << spacing << " m apart";

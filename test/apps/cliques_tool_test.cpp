@@ -260,7 +260,7 @@ TEST(CliquesToolBadInput, IsRefused)
       {"jump", 2, "passing distance is -1",
        tool + "--method superpixel --frame x --superpixel-depth-jump -1"},
       {"no frame", 2, "needs --frame", tool + "--method superpixel"},
-      {"needless frame", 2, "for --method superpixel",
+      {"needless frame", 2, "--frame has no effect with --method cubes",
        tool + "--method cubes --frame STREET/in.pcd"},
       {"calibration of no row", 2, "--calibration is for",
        frame + "--pose '0 0 0 0 0 0 1' --calibration STREET/calib.txt", image},

@@ -12,7 +12,7 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief One line on positions that lost what they say: the steps of single precision
- * at the farthest point are coarser than a tenth of the points' spacing. Empty if not.
+ * at most points are coarser than a tenth of the points' spacing. Empty if not.
  * \param[in] cloud as it was read from single precision
  * \param[in] name of the cloud, for the line */
 std::string doubtOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
