@@ -162,6 +162,13 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
   return cloud;
 }
 
+void
+warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+{
+  if (const std::string doubt = doubtOfSteps(cloud, "points"); !doubt.empty())
+    warn(doubt);
+}
+
 LocalCloud
 localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
 {
@@ -172,8 +179,7 @@ localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
   LocalCloud local;
   if (any.dtype().kind() == 'f' && any.itemsize() <= 4) {
     local.cloud = cloudOf(points.cast<Array<float>>(), colours);
-    if (const std::string doubt = doubtOfSteps(*local.cloud, "points"); !doubt.empty())
-      warn(doubt);
+    warnOfSteps(*local.cloud);
     return local;
   }
   const auto wide = points.cast<Array<double>>();

@@ -122,6 +122,10 @@ struct LocalCloud {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
+/** \brief Warns of positions that single precision has spoilt, see doubtOfSteps(): of a
+ * scan, which is in the frame of its sensor, those that are in the world's. */
+void warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud);
+
 /** \brief N x 3 positions of any type [m] and, if there are any, N x 3 colours. Warns
  * of positions that single precision has spoilt. */
 LocalCloud localCloudOf(const py::object& points,

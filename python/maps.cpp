@@ -115,6 +115,7 @@ public:
   {
     const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
     const auto cloud = cloudOf(points, colours);
+    warnOfSteps(*cloud);
     const Eigen::Isometry3d T_world_sensor = poseOf(pose);
     const LabelDistributions distributions =
         distributionsOf(probabilities, points.shape(0));
@@ -241,6 +242,7 @@ public:
   {
     const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
     const auto cloud = cloudOf(points, colours);
+    warnOfSteps(*cloud);
     CloudFrame frame;
     frame.cloud.reset(new pcl::PointCloud<pcl::PointXYZRGB>);
     pcl::copyPointCloud(*cloud, *frame.cloud);

@@ -92,6 +92,8 @@ class Refine(unittest.TestCase):
                                       pcl_semantic.cliques(points + shift, "cubes:0.8"))
         with self.assertWarnsRegex(UserWarning, "steps of 0.5 m"):
             pcl_semantic.refine((points + shift).astype(np.float32), labels=noisy)
+        with self.assertWarnsRegex(UserWarning, "steps of 0.5 m"):  # not its sensor's
+            pcl_semantic.SemanticVoxelMap("kitti11").integrate(points + shift, np.eye(4))
 
     def test_what_does_not_fit_is_refused(self):
         points, _, noisy = two_walls()

@@ -42,7 +42,9 @@ addFolder(const std::string& folder, SemanticVoxelMap& map)
   const Trajectory poses = readKittiTrajectory(folder + "/poses.txt");
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const std::string path = folder + "/" + std::to_string(i) + ".pcd";
-    addCloud(*readLabelledCloud(path).cloud, poses[i], map);
+    LabelledCloud read = readLabelledCloud(path);
+    addOrigin(read); // a scan is relative to its sensor
+    addCloud(*read.cloud, poses[i], map);
   }
 }
 
