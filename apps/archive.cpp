@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/text_stream.h"
 #include "messages.h"
-#include "sequence_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>

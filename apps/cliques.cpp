@@ -235,7 +235,7 @@ group(const Arguments& arguments)
   if (generator->usesColour() && !read.has_colour && !read.cloud->empty())
     fail<BadInputException>(arguments.input, ": this method needs rgb or rgba",
                             textOfDoubts(read.table.doubts, arguments.input));
-  warnOfDoubts(read.table.doubts);
+  warnOf(read.table.doubts);
   warnOfSteps(arguments.input, read);
   warnOfNoReturns(arguments.input, countNoReturns(*read.cloud));
   if (read.cloud->empty())

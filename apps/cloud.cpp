@@ -95,7 +95,7 @@ public:
     LabelledCloud cloud = labelledCloudOf(std::move(table), arguments_.input,
                                           mapping_ ? &*mapping_ : nullptr);
     const pcl::Indices kept = keptPoints(cloud);
-    warnOfDoubts(cloud.table.doubts);
+    warnOf(cloud.table.doubts);
     warnOfSteps(arguments_.input, cloud);
     warnOfNoReturns(arguments_.input, countNoReturns(*cloud.cloud));
     for (pcl::PointXYZRGBL& point : *cloud.cloud)

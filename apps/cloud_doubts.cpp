@@ -31,13 +31,6 @@ anyLabels()
   return mapping;
 }
 
-void
-warnOfDoubts(const std::vector<std::string>& doubts)
-{
-  for (const std::string& doubt : doubts)
-    warn(doubt);
-}
-
 std::string
 textOfDoubts(const std::vector<std::string>& doubts, const std::string& path)
 {

@@ -27,11 +27,8 @@ ScanColumns columnsOf(const std::string& scan_columns, const std::string& path);
 /** \brief For clouds whose labels do not matter: takes any numbers. */
 const LabelMapping& anyLabels();
 
-/** \brief Warns of each of PcdTable::doubts. */
-void warnOfDoubts(const std::vector<std::string>& doubts);
-
-/** \brief The same for the end of an error's line: "; field 'lbl' is not read ...".
- * \param[in] path of the cloud, which the line names */
+/** \brief PcdTable::doubts for the end of an error's line: "; field 'lbl' is not read
+ * ...". \param[in] path of the cloud, which the line names */
 std::string textOfDoubts(const std::vector<std::string>& doubts,
                          const std::string& path);
 

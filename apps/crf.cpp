@@ -303,7 +303,7 @@ refine(const Arguments& arguments)
   const std::size_t no_returns = countNoReturns(*cloud.cloud);
   warnOfSteps(arguments.input, cloud);
   const Results report = filter(arguments, cloud);
-  warnOfDoubts(cloud.table.doubts);
+  warnOf(cloud.table.doubts);
   warnOfNoReturns(arguments.input, no_returns);
   setEntropies(cloud);
   if (cloud.cloud->empty())

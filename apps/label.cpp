@@ -360,7 +360,7 @@ labelCloud(const std::string& path, int number, const Arguments& arguments,
       readLabelledCloud(path, &anyLabels(), columnsOf(arguments.scan_columns, path));
   if (counts.doubts.empty()) {
     counts.doubts = labelled.table.doubts;
-    warnOfDoubts(counts.doubts);
+    warnOf(counts.doubts);
   }
   addOrigin(labelled);
   pcl::PointCloud<pcl::PointXYZRGBL>& cloud = *labelled.cloud;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_input.h"
-#include "cloud_doubts.h"
-#include "sequence_options.h"
+#include "messages.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -90,7 +89,7 @@ readMap(const std::string& path, const MapHints& hints)
 {
   MapInput map;
   map.scene = readScene(path, hints);
-  warnOfDoubts(map.scene.doubts);
+  warnOf(map.scene.doubts);
   map.label_set = labelSetOf(path, hints, map.scene);
   if (!hints.trajectory.empty()) {
     map.T_world_camera = readTrajectory(hints.trajectory);

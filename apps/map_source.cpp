@@ -410,7 +410,7 @@ private:
                                            float(run_.config.label_confidence),
                                            mapping_ ? &*mapping_ : nullptr, &doubts);
     if (!told_of_doubts_)
-      warnOfDoubts(doubts);
+      warnOf(doubts);
     told_of_doubts_ = told_of_doubts_ || !doubts.empty();
     if (frame.distributions.empty() && !frame.cloud->empty() && !told_of_labels_) {
       warn(clouds_.path(position) +

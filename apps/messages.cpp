@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <iostream>
+#include <set>
 
 #include <unistd.h>
 
@@ -74,6 +75,15 @@ void
 warn(const std::string& message)
 {
   printLine(manner().name + ": warning: " + message);
+}
+
+void
+warnOf(const std::vector<std::string>& doubts)
+{
+  static std::set<std::string> told; // a run of submaps opens the same files again
+  for (const std::string& doubt : doubts)
+    if (told.insert(doubt).second)
+      warn(doubt);
 }
 
 void

@@ -41,6 +41,9 @@ void printResults(const Results& results);
  * while a progress bar is there. */
 void warn(const std::string& message);
 
+/** \brief Warns of each doubt that the library gives, a line each, once. */
+void warnOf(const std::vector<std::string>& doubts);
+
 /** \brief With --verbose: "NAME: 12.3 s: MESSAGE", the time since the program began, on
  * standard error. */
 void note(const std::string& message);

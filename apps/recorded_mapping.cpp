@@ -3,6 +3,7 @@
 #include "live_view.h"
 #include "map_judgement.h"
 #include "map_source.h"
+#include "messages.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>

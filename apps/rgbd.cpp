@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "messages.h"
-#include "sequence_options.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/camera_doubts.h>

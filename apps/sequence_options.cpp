@@ -16,7 +16,6 @@
 #include <pcl_semantic/odometry/pose_source.h>
 
 #include <cmath>
-#include <set>
 
 namespace pcl_semantic::tool {
 
@@ -79,15 +78,6 @@ requireSequence(const SequenceOptions& options)
         std::pair("--calibration", &files.calibration)})
     refuseIf(value->empty(), std::string(name) + " is missing; --left, --right and "
                                                  "--calibration belong together");
-}
-
-void
-warnOf(const std::vector<std::string>& doubts)
-{
-  static std::set<std::string> told; // a run of submaps opens the same files again
-  for (const std::string& doubt : doubts)
-    if (told.insert(doubt).second)
-      warn(doubt);
 }
 
 namespace {

@@ -42,9 +42,6 @@ std::vector<Option> withSequence(SequenceOptions& options,
  * \throws InvalidParameterException */
 void requireSequence(const SequenceOptions& options);
 
-/** \brief Warns of each doubt that the library gives, once. */
-void warnOf(const std::vector<std::string>& doubts);
-
 /** \brief Opens it, with warnings. \throws BadInputException */
 std::unique_ptr<FrameSequence> openSequence(const SequenceOptions& options);
 
