@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <tuple>
 #include <vector>
@@ -174,29 +175,45 @@ SupervoxelCliques::cubeEdge() const
   return voxelsACube(parameters_) * parameters_.voxel_resolution;
 }
 
+// Where the grid of cubes begins, in the cloud's coordinates. Positions on a grid then
+// keep off the borders of voxels.
+Eigen::Vector3d
+SupervoxelCliques::cornerOf(const Cloud& cloud) const
+{
+  if (parameters_.fixed_cubes)
+    return -origin_;
+  const PlaceTest has_place(cloud);
+  Eigen::Array3f lowest = Eigen::Array3f::Constant(std::numeric_limits<float>::max());
+  const auto farthest = float(kMaxVoxelIndex * cubeEdge());
+  for (const pcl::PointXYZRGB& point : cloud)
+    if (has_place(point) && (point.getArray3fMap().abs() <= farthest).all())
+      lowest = lowest.min(point.getArray3fMap());
+  return lowest.cast<double>() - 0.5 * parameters_.voxel_resolution;
+}
+
 std::vector<SupervoxelCliques::Members>
 SupervoxelCliques::groupByCube(const Cloud& cloud) const
 {
   const double edge = cubeEdge();
   const double step = parameters_.voxel_resolution / kStepsAVoxel;
   const PlaceTest has_place(cloud);
+  const Eigen::Vector3d corner = cornerOf(cloud);
   std::vector<Members> groups;
   std::unordered_map<VoxelIndex, std::size_t, VoxelIndexHash> numbers;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const pcl::PointXYZRGB& point = cloud[i];
     if (!has_place(point))
       continue;
-    const Eigen::Vector3d absolute = point.getVector3fMap().cast<double>() + origin_;
-    const Eigen::Array3d cells = absolute / edge;
+    const Eigen::Vector3d place = point.getVector3fMap().cast<double>() - corner;
+    const Eigen::Array3d cells = place / edge;
     if (!(cells.abs() <= kMaxVoxelIndex).all())
-      badInput("point ", i, " lies at ", absolute.transpose(),
-               " m, too far from the origin for supervoxels");
+      badInput("point ", i, " lies at ", (place + corner + origin_).transpose(),
+               " m, too far from the others or from the origin for supervoxels");
     const VoxelIndex cube = cells.floor().cast<int>();
     const auto [entry, is_new] = numbers.try_emplace(cube, groups.size());
     if (is_new)
       groups.push_back({cube, {}});
-    const Eigen::Array3d position =
-        absolute.array() - edge * cube.cast<double>().array();
+    const Eigen::Array3d position = place.array() - edge * cube.cast<double>().array();
     const Eigen::Array3f rounded = ((position / step).round() * step).cast<float>();
     groups[entry->second].points.push_back(
         {{rounded.x(), rounded.y(), rounded.z(), point.rgba & 0xFFFFFF},

@@ -39,6 +39,7 @@ MapperConfig::validate()
       Clearing(requireChoice("clearing", clearing, {"none", "full", "careful"}));
   requireChoice("crf", crf, crf_models);
   clique_parameters.supervoxel.voxel_resolution = map.voxel_size;
+  clique_parameters.supervoxel.fixed_cubes = true;
   SlicParameters slic;
   if (parseSlic(cliques, slic)) // is for organized clouds
     badParameter("cliques are '", cliques,

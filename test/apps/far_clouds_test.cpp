@@ -18,8 +18,10 @@ namespace pcl_semantic {
 
 namespace {
 
-// A whole number of all cells that are laid below [m].
+// Whole numbers of all cells that are laid below [m], the second of 0.1 m alone: not of
+// the cubes of supervoxels.
 const Eigen::Vector3d far_away(691200.0, 5334400.0, 384.0);
+const Eigen::Vector3d elsewhere(691000.0, 5336000.0, 300.0);
 
 template <typename T>
 void
@@ -82,6 +84,7 @@ TEST(FarClouds, GiveWhatNearOnesGive)
   writeCloudTable(folder.path("single.pcd"), surfaces<float>(Eigen::Vector3d::Zero()));
   writeCloudTable(folder.path("near.pcd"), surfaces<double>(Eigen::Vector3d::Zero()));
   writeCloudTable(folder.path("far.pcd"), surfaces<double>(far_away));
+  writeCloudTable(folder.path("elsewhere.pcd"), surfaces<double>(elsewhere));
   for (const auto& [command, field] : std::vector<std::pair<std::string, std::string>>{
            {"crf IN OUT", "label"},
            {"crf IN OUT --crf hierarchical --cliques cubes:1 --clique-weight 9",
@@ -92,7 +95,7 @@ TEST(FarClouds, GiveWhatNearOnesGive)
            {"cliques IN OUT --method cubes:0.5", "clique"},
            {"cliques IN OUT --method supervoxel:0.8", "clique"}}) {
     std::vector<PcdTable> results;
-    for (const char* const name : {"single", "near", "far"}) {
+    for (const char* const name : {"single", "near", "far", "elsewhere"}) {
       const std::string output = folder.path("out.pcd");
       std::string words = replaceAll(command, "IN", folder.path(name) + ".pcd");
       succeed(replaceAll(words, "OUT", output));
@@ -100,8 +103,9 @@ TEST(FarClouds, GiveWhatNearOnesGive)
     }
     for (const PcdTable& table : results)
       EXPECT_EQ(table.points, results.back().points) << command;
-    EXPECT_EQ(columnOf(results[0], field), columnOf(results[2], field)) << command;
-    EXPECT_EQ(columnOf(results[1], field), columnOf(results[2], field)) << command;
+    for (const std::size_t other : {0, 1, 3})
+      EXPECT_EQ(columnOf(results[other], field), columnOf(results[2], field))
+          << command << " " << other;
     const std::vector<double> x = columnOf(results[1], "x"),
                               far_x = columnOf(results[2], "x");
     for (std::size_t i = 0; i < x.size(); ++i)

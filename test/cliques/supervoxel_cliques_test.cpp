@@ -184,14 +184,16 @@ TEST(SupervoxelCliques, WhatHasNotChangedIsTakenOver)
 
 TEST(SupervoxelCliques, WorkWhereverTheCloudLies)
 {
-  // Whole cubes away: the same but for the last bits of the places.
-  const double edge = 6.4;
-  const Cliques here = cliquesOf(roomAt({0.0, 0.0, 0.0}));
-  for (const double cubes : {-3.0, 100.0, 300.0}) {
-    const Cloud there = roomAt(Eigen::Vector3d(cubes, -cubes, cubes) * edge);
+  // The same but for the last bits of the places: cubes of a map are 6.4 m wide.
+  SupervoxelParameters in_map;
+  in_map.fixed_cubes = true;
+  const Cliques here = cliquesOf(roomAt({0.0, 0.0, 0.0}), in_map);
+  for (const double shift : {0.0, -19.2, 30.5, 640.0, 1920.0}) {
+    const Cloud there = roomAt(Eigen::Vector3d(shift, -shift, shift));
     const Cliques cliques = cliquesOf(there);
     expectSound(cliques, there);
-    EXPECT_TRUE(cliques == here) << cubes; // the lists are too long to print
+    EXPECT_TRUE(cliques == here) << shift; // the lists are too long to print
+    EXPECT_EQ(cliquesOf(there, in_map) == here, shift != 30.5) << shift;
   }
   for (const double far : {-1e5, 1e6, 1e7}) { // where points coincide
     const Cloud there = roomAt(Eigen::Vector3d(far, far, far));

@@ -15,6 +15,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 struct SupervoxelParameters {
   double seed_resolution = 0.8;  ///< distance from supervoxel to supervoxel [m]
   double voxel_resolution = 0.1; ///< points in a cube of this edge are one voxel [m]
+  bool fixed_cubes = false; ///< the cubes of the clustering begin at the origin, not at
+                            ///< the cloud: for clouds that grow or scroll
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
@@ -25,14 +27,16 @@ struct SupervoxelParameters {
  * alone, of any sensor; points without colour are grouped without.
  *
  * Each finite point is in one clique or in none. The clustering runs by itself in each
- * cube of a grid of about eight seeds' width, which no supervoxel leaves, so that a
- * cloud may lie anywhere; it gets the cube's points in an order of its own, so that
+ * cube of a grid of about eight seeds' width, which no supervoxel leaves. The lowest
+ * coordinates lie in the middle of the grid's first voxel, so that a cloud may lie
+ * anywhere. The clustering gets the cube's points in an order of its own, so that
  * neither their order nor the number of threads matters. Points it leaves out go to the
  * supervoxel of the nearest point that it did not, if that is within seed_resolution
  * and in the cube.
  *
  * A call takes over the cubes that have not changed since the last one, bit by bit: the
- * result is that of a new object, and costs what has changed. */
+ * result is that of a new object, and costs what has changed. Clouds whose lowest
+ * coordinates change need SupervoxelParameters::fixed_cubes for that. */
 class SupervoxelCliques : public CliqueGenerator {
 public:
   SupervoxelCliques() = default;
@@ -48,7 +52,7 @@ public:
 
   /** \brief Groups the points; cliques in the order of their first points.
    * \throws BadInputException that names the point, if one is more than kMaxVoxelIndex
-   * cubes from the origin */
+   * cubes from where the grid begins */
   std::vector<pcl::PointIndices> generate(const Cloud& cloud) override;
 
   /** \brief Cubes of the last generate(), and those of them that had changed. */
@@ -85,6 +89,7 @@ private:
   };
 
   double cubeEdge() const;
+  Eigen::Vector3d cornerOf(const Cloud& cloud) const;
   std::vector<Members> groupByCube(const Cloud& cloud) const;
   Cube cubeOf(Members& members, char& changed) const;
   std::vector<std::uint32_t> cluster(const std::vector<Point>& points) const;
