@@ -2,7 +2,7 @@
 #include "cloud_doubts.h"
 #include "messages.h"
 
-#include <pcl_semantic/filters/position_steps.h>
+#include <pcl_semantic/core/position_steps.h>
 
 #include <boost/algorithm/string/predicate.hpp>
 
@@ -44,9 +44,9 @@ textOfDoubts(const std::vector<std::string>& doubts, const std::string& path)
 void
 warnOfSteps(const std::string& path, const LabelledCloud& labelled)
 {
-  if (!labelled.origin.isZero(0.0))
-    return; // of doubles
-  const std::string doubt = doubtOfSteps(*labelled.cloud, path);
+  if (!labelled.is_single)
+    return;
+  const std::string doubt = doubtOfSteps(*labelled.cloud, path, labelled.origin);
   if (!doubt.empty())
     warn(doubt);
 }

@@ -8,6 +8,7 @@
 #include <pcl_semantic/files/label_set_file.h>
 
 #include <opencv2/core.hpp>
+#include <pcl/console/print.h>
 
 #include <algorithm>
 #include <charconv>
@@ -92,6 +93,7 @@ run(const std::string& name, const std::function<int()>& body)
   // OpenCV and PCL would otherwise print their own lines beside ours.
   cv::redirectError(
       [](int, const char*, const char*, const char*, int, void*) { return 0; });
+  pcl::console::setVerbosityLevel(pcl::console::L_ERROR);
   // What cannot be written is an error with a word, not the end of the process.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

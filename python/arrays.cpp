@@ -3,11 +3,11 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/local_origin.h>
+#include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/core/printable.h>
 #include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/filters/position_steps.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -163,9 +163,10 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
 }
 
 void
-warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
+            const Eigen::Vector3d& origin)
 {
-  if (const std::string doubt = doubtOfSteps(cloud, "points"); !doubt.empty())
+  if (const std::string doubt = doubtOfSteps(cloud, "points", origin); !doubt.empty())
     warn(doubt);
 }
 
@@ -186,10 +187,13 @@ localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
   requireShape(wide, "points", kAny, 3);
   const Eigen::Map<const Eigen::Matrix3Xd> positions(wide.data(), 3, wide.shape(0));
   local.origin = localOrigin(positions);
+  const bool is_single = areSingle(positions);
   Array<float> relative({wide.shape(0), py::ssize_t(3)});
   Eigen::Map<Eigen::Matrix3Xf>(relative.mutable_data(), 3, wide.shape(0)) =
       relativeTo(local.origin, positions);
   local.cloud = cloudOf(relative, colours);
+  if (is_single)
+    warnOfSteps(*local.cloud, local.origin);
   return local;
 }
 

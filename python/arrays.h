@@ -124,7 +124,8 @@ struct LocalCloud {
 
 /** \brief Warns of positions that single precision has spoilt, see doubtOfSteps(): of a
  * scan, which is in the frame of its sensor, those that are in the world's. */
-void warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud);
+void warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
+                 const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 
 /** \brief N x 3 positions of any type [m] and, if there are any, N x 3 colours. Warns
  * of positions that single precision has spoilt. */

@@ -3,6 +3,8 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/position_steps.h>
+
 namespace pcl_semantic {
 
 void
@@ -28,6 +30,13 @@ CliqueGenerator::extract(std::vector<pcl::PointIndices>& cliques)
   }
   for (pcl::PointIndices& clique : cliques)
     clique.header = input_->header;
+}
+
+void
+CliqueGenerator::judgeSteps(const std::string& generator, const Cloud& cloud) const
+{
+  if (judges_steps_)
+    warnOfSteps(generator, doubtOfSteps(cloud, "cloud"));
 }
 
 } // namespace pcl_semantic

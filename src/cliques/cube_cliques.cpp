@@ -83,6 +83,7 @@ CubeCliques::CubeCliques(double edge) : edge_(edge)
 std::vector<pcl::PointIndices>
 CubeCliques::generate(const Cloud& cloud)
 {
+  judgeSteps("CubeCliques", cloud);
   const Grouping groups = groupByCube(cloud, origin_, edge_);
   std::vector<std::size_t> order(groups.cubes.size());
   std::iota(order.begin(), order.end(), std::size_t(0));

@@ -265,6 +265,7 @@ SupervoxelCliques::cubeOf(Members& members, char& changed) const
 std::vector<pcl::PointIndices>
 SupervoxelCliques::generate(const Cloud& cloud)
 {
+  judgeSteps("SupervoxelCliques", cloud);
   std::vector<Members> groups = groupByCube(cloud);
   std::vector<Cube> cubes(groups.size());
   std::vector<char> changed(groups.size(), 0);

@@ -37,4 +37,25 @@ localOrigin(const Eigen::Matrix3Xd& positions)
   return is_far ? origin : Eigen::Vector3d::Zero().eval();
 }
 
+Eigen::Matrix3Xf
+relativeTo(const Eigen::Vector3d& origin, const Eigen::Matrix3Xd& positions)
+{
+  Eigen::Matrix3Xf relative = (positions.colwise() - origin).cast<float>();
+  const auto is_at_zero = (positions.array() == 0.0).colwise().all();
+  if (is_at_zero.count() > 1)
+    for (Eigen::Index i = 0; i < positions.cols(); ++i)
+      if (is_at_zero(i))
+        relative.col(i).setZero();
+  return relative;
+}
+
+bool
+areSingle(const Eigen::Matrix3Xd& positions)
+{
+  return std::all_of(positions.data(), positions.data() + positions.size(),
+                     [](double value) {
+                       return double(float(value)) == value || !std::isfinite(value);
+                     });
+}
+
 } // namespace pcl_semantic

@@ -10,6 +10,7 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/local_origin.h>
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -172,6 +173,7 @@ private:
     for (std::size_t i = 0; i < cloud_.size(); ++i)
       positions.col(Eigen::Index(i)) << x(i), y(i), z(i);
     result_.origin = localOrigin(positions);
+    result_.is_single = areSingle(positions);
     if (result_.origin.isZero(0.0))
       return;
     const Eigen::Matrix3Xf relative = relativeTo(result_.origin, positions);
@@ -380,8 +382,9 @@ addOrigin(LabelledCloud& labelled)
   if (labelled.origin.isZero(0.0))
     return;
   for (pcl::PointXYZRGBL& point : *labelled.cloud)
-    point.getVector3fMap() =
-        (point.getVector3fMap().cast<double>() + labelled.origin).cast<float>();
+    if (!isAtZero(point)) // see relativeTo()
+      point.getVector3fMap() =
+          (point.getVector3fMap().cast<double>() + labelled.origin).cast<float>();
   labelled.origin.setZero();
 }
 

@@ -3,7 +3,9 @@
 
 #include "core/fail.h"
 #include "core/parallel_guard.h"
-#include "point_spacing.h"
+#include "core/point_spacing.h"
+
+#include <pcl_semantic/core/position_steps.h>
 
 #include <algorithm>
 #include <cmath>
@@ -210,6 +212,8 @@ void
 CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
 {
   const std::size_t count = fields.labels.size();
+  if (judges_steps_ && fields.is_single && voxels_.empty())
+    warnOfSteps("SemanticCRF", doubtOfSteps(fields.positions, fields.origin, "cloud"));
   if (!use_colour_)
     fields.colours.resize(3, 0);
   if (!voxels_.empty())

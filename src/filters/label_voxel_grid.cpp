@@ -5,6 +5,7 @@
 #include "label_fields.h"
 
 #include <pcl_semantic/core/no_return.h>
+#include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
@@ -84,6 +85,8 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
   fromPCLPointCloud2(*input_, table);
   const LabelledCloud labelled = labelledCloudOf(std::move(table), "cloud");
   const auto& cloud = *labelled.cloud;
+  if (labelled.is_single)
+    warnOfSteps("LabelVoxelGrid", doubtOfSteps(cloud, "cloud", labelled.origin));
   const PlaceTest has_place(cloud);
   const CloudPositions positions(labelled);
   std::vector<Member> members;

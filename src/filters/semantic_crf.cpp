@@ -62,6 +62,7 @@ SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
   fields.width = input_->width;
   fields.height = input_->height;
   fields.origin = labelled.origin;
+  fields.is_single = labelled.is_single;
   const auto count = Eigen::Index(labelled.cloud->size());
   fields.positions.resize(3, count);
   fields.colours.resize(3, labelled.has_colour ? count : 0);

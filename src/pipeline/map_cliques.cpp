@@ -121,7 +121,9 @@ MapCliques::MapCliques(const MapperConfig& config, const LabelSet& label_set)
       superpixels_(std::dynamic_pointer_cast<SuperpixelCliques>(generator_)),
       left_out_(listedLabels(config.clique_exclude, label_set, "clique_exclude")),
       classes_(label_set.size())
-{}
+{
+  generator_->setOrigin(Eigen::Vector3d::Zero());
+}
 
 void
 MapCliques::setCalibration(LabelCalibration calibration)

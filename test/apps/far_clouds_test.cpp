@@ -113,6 +113,31 @@ TEST(FarClouds, GiveWhatNearOnesGive)
   }
 }
 
+TEST(FarClouds, KeepWhatIsNoReturn)
+{
+  const TemporaryFolder folder;
+  for (const std::string command :
+       {"cloud IN OUT --thin 0.4", "crf IN OUT", "cliques IN OUT --method cubes:0.5"}) {
+    std::vector<std::size_t> points;
+    for (const Eigen::Vector3d& shift : {Eigen::Vector3d::Zero().eval(), far_away}) {
+      PcdTable table = surfaces<double>(shift);
+      for (const char* const name : {"x", "y", "z"}) {
+        std::vector<double> values = columnOf(table, name);
+        std::fill_n(values.begin(), 40, 0.0);
+        setColumn(table, {name, 'F', 8}, values);
+      }
+      writeCloudTable(folder.path("in.pcd"), table);
+      std::string words = replaceAll(command, "IN", folder.path("in.pcd"));
+      words = replaceAll(words, "OUT", folder.path("out.pcd"));
+      const ToolResult result = runTool(words);
+      EXPECT_EQ(result.code, 0) << result.text;
+      EXPECT_TRUE(holds(result.text, "40 ")) << command << result.text;
+      points.push_back(readCloudTable(folder.path("out.pcd")).points);
+    }
+    EXPECT_EQ(points[0], points[1]) << command;
+  }
+}
+
 TEST(FarClouds, AreCroppedWhereTheyAre)
 {
   const TemporaryFolder folder;

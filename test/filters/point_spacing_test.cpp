@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "filters/point_spacing.h"
+#include "core/point_spacing.h"
 #include "support/brute_force_crf.h"
 
 #include <pcl_semantic/filters/crf_parameters.h>

@@ -4,8 +4,8 @@
 
 #pragma once
 
+#include "core/point_spacing.h"
 #include "crf/truncated_kernel.h"
-#include "filters/point_spacing.h"
 #include "support/brute_force_crf.h"
 #include "support/plain_crf.h"
 

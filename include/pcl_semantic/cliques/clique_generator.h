@@ -11,6 +11,7 @@
 #include <pcl/point_types.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -47,12 +48,14 @@ public:
   }
 
   /** \brief What was taken off the positions of the clouds, see localOrigin():
-   * generators that lay cells into space lay them as if it had not been. \param[in]
-   * origin [m]; zero by default */
+   * generators that lay cells into space lay them as if it had not been. Without a
+   * call, these say by PCL_WARN where single precision has spoilt positions, see
+   * doubtOfSteps(). \param[in] origin [m]; zero by default */
   void
   setOrigin(const Eigen::Vector3d& origin)
   {
     origin_ = origin;
+    judges_steps_ = false;
   }
 
   /** \brief Groups the points of a cloud; the same for any number of threads.
@@ -64,7 +67,13 @@ public:
   virtual std::vector<pcl::PointIndices> generate(const Cloud& cloud) = 0;
 
 protected:
+  /** \brief See setOrigin(). \param[in] generator its name */
+  void judgeSteps(const std::string& generator, const Cloud& cloud) const;
+
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< [m]
+
+private:
+  bool judges_steps_ = true;
 };
 
 } // namespace pcl_semantic

@@ -19,11 +19,13 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \return as the positions [m] */
 Eigen::Vector3d localOrigin(const Eigen::Matrix3Xd& positions);
 
-/** \brief Positions relative to an origin, in single precision [m]. */
-inline Eigen::Matrix3Xf
-relativeTo(const Eigen::Vector3d& origin, const Eigen::Matrix3Xd& positions)
-{
-  return (positions.colwise() - origin).cast<float>();
-}
+/** \brief Positions relative to an origin, in single precision [m]. Two or more at
+ * exactly 0 0 0 stay there: nothing was measured at them, see countNoReturns(). */
+Eigen::Matrix3Xf relativeTo(const Eigen::Vector3d& origin,
+                            const Eigen::Matrix3Xd& positions);
+
+/** \brief Whether single precision holds the positions as they are: they are likely to
+ * have been of single precision before. */
+bool areSingle(const Eigen::Matrix3Xd& positions);
 
 } // namespace pcl_semantic

@@ -156,6 +156,7 @@ struct LabelledCloud {
   /// What was taken off the positions, see localOrigin(); zero unless the file has them
   /// in double precision and far away [m].
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  bool is_single = true; ///< the file's positions hold no more than single precision
 };
 
 /** \brief The positions of a cloud's points as its file has them, in double precision.

@@ -38,12 +38,14 @@ public:
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
 
   /** \brief What was taken off the positions of the input clouds, as
-   * LabelledCloud::origin is: clique generators lay their cells by it. \param[in]
-   * origin [m]; zero by default */
+   * LabelledCloud::origin is: clique generators lay their cells by it. Without a call,
+   * PCL_WARN says where single precision has spoilt positions, see doubtOfSteps().
+   * \param[in] origin [m]; zero by default */
   void
   setOrigin(const Eigen::Vector3d& origin)
   {
     origin_ = origin;
+    judges_steps_ = false;
   }
 
   /** \brief Whether kernels look at the colours of the points, if their type has some.
@@ -95,6 +97,7 @@ protected:
   struct Fields {
     Eigen::Matrix3Xf positions;                       ///< relative to `origin` [m]
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< [m]
+    bool is_single = true;    ///< positions hold no more than single precision
     Eigen::Matrix3Xf colours; ///< red, green, blue, 0..255; empty = no colour
     std::vector<std::uint32_t> labels;
     std::uint32_t width = 0;
@@ -124,6 +127,7 @@ protected:
   void refineNothing();
 
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< see setOrigin()
+  bool judges_steps_ = true;                         ///< likewise
 
 private:
   LabelDistributions measurements(const Fields& fields,

@@ -90,6 +90,7 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud)
     const Eigen::Vector3d origin = localOrigin(positions);
     fields.positions = relativeTo(origin, positions);
     fields.origin = origin;
+    fields.is_single = areSingle(positions);
   }
   if constexpr (has_rgba || has_rgb)
     fields.colours.resize(3, count);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/filters/position_steps.h>
+#include <pcl_semantic/core/position_steps.h>
 
-#include "core/text_stream.h"
 #include "point_spacing.h"
+#include "text_stream.h"
 
-#include <pcl/common/point_tests.h>
+#include <pcl/console/print.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,28 +21,30 @@ constexpr float kFine =
 } // namespace
 
 std::string
-doubtOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud, const std::string& name)
+doubtOfSteps(const Eigen::Matrix3Xf& positions, const Eigen::Vector3d& origin,
+             const std::string& name)
 {
-  std::vector<float> distances; // the largest coordinate of each point
-  for (const pcl::PointXYZRGBL& point : cloud)
-    if (pcl::isXYZFinite(point))
-      distances.push_back(point.getArray3fMap().abs().maxCoeff());
-  if (distances.size() < 2)
+  std::vector<Eigen::Index> measured;
+  for (Eigen::Index i = 0; i < positions.cols(); ++i)
+    if (positions.col(i).allFinite())
+      measured.push_back(i);
+  if (measured.size() < 2)
     return "";
+  std::vector<float> distances; // the largest coordinate of each point
+  for (const Eigen::Index i : measured)
+    distances.push_back(
+        float((positions.col(i).cast<double>() + origin).lpNorm<Eigen::Infinity>()));
   const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   const float far = *middle;
   const float step = std::nextafter(far, std::numeric_limits<float>::max()) - far;
   if (!(step > kFine))
     return "";
-  Eigen::MatrixXf positions(3, Eigen::Index(distances.size()));
-  Eigen::Index column = 0;
-  for (const pcl::PointXYZRGBL& point : cloud)
-    if (pcl::isXYZFinite(point))
-      positions.col(column++) = point.getVector3fMap();
-  const Eigen::Vector3f first = positions.col(0);
-  positions.colwise() -= first;
-  const float spacing = pointSpacing(positions);
+  Eigen::MatrixXf beside(3, Eigen::Index(measured.size()));
+  for (Eigen::Index i = 0; i < beside.cols(); ++i)
+    beside.col(i) =
+        positions.col(measured[std::size_t(i)]) - positions.col(measured[0]);
+  const float spacing = pointSpacing(beside);
   if (step <= 0.1f * spacing)
     return "";
   TextStream text;
@@ -54,6 +56,13 @@ doubtOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud, const std::string&
     text << "mostly on one another";
   text << ": positions are lost; store x y z as doubles, or take an origin off first";
   return text.str();
+}
+
+void
+warnOfSteps(const std::string& filter, const std::string& doubt)
+{
+  if (!doubt.empty())
+    PCL_WARN("[pcl_semantic::%s] %s\n", filter.c_str(), doubt.c_str());
 }
 
 } // namespace pcl_semantic
