@@ -3,7 +3,6 @@
 #include "block_encoding.h"
 #include "core/fail.h"
 #include "core/split.h"
-#include "write_ahead_log.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -24,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::int64_t kVersion = 2; // 2: positions of hits
+constexpr std::uint32_t kVersion = 2; // 2: positions of hits
 
 constexpr std::size_t kMaxMeta = 1 << 24;
 constexpr std::size_t kMaxFrame = 1 << 16;
@@ -169,7 +168,7 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path)
     : database_(path, Access::create)
 {
   database_.run("PRAGMA page_size = 4096; BEGIN IMMEDIATE; " +
-                SqliteDatabase::markingAs(SqliteDatabase::whole) +
+                SqliteDatabase::markingAs(FileMark::whole) +
                 "; PRAGMA user_version = " + std::to_string(kVersion));
   for (const std::string& table : tables)
     database_.run(table);
@@ -186,8 +185,8 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path, Access access)
     if (!database_.splitLog())
       fail<OutputException>(path, ": another program is using it; try again when it "
                                   "has finished");
-    database_.run("PRAGMA synchronous = FULL; PRAGMA wal_autocheckpoint = 1000; PRAGMA "
-                  "journal_size_limit = 67108864; BEGIN IMMEDIATE");
+    database_.run("PRAGMA synchronous = FULL; PRAGMA journal_size_limit = 67108864; "
+                  "BEGIN IMMEDIATE");
   }
   statements_.reset(new Statements{database_});
 }
@@ -197,10 +196,10 @@ ArchiveDatabase::~ArchiveDatabase() = default;
 void
 ArchiveDatabase::checkTables()
 {
-  const std::int64_t mark = database_.number("PRAGMA application_id");
-  if (mark != SqliteDatabase::whole && mark != SqliteDatabase::with_log)
+  const FileMark mark = database_.mark();
+  if (!mark.isOurs())
     badInput(path(), ": is no map archive");
-  const std::int64_t version = database_.number("PRAGMA user_version");
+  const std::uint32_t version = mark.format();
   if (version > kVersion || version == 1)
     badInput(path(), ": is an archive of version ", version, ", ",
              (version > kVersion ? "newer" : "older"),
@@ -217,7 +216,7 @@ void
 ArchiveDatabase::commit()
 {
   // The next transaction begins at once: nobody else may write in between.
-  database_.run("COMMIT");
+  database_.commit();
   database_.run("BEGIN IMMEDIATE");
 }
 
@@ -355,12 +354,9 @@ ArchiveDatabase::integrityFaults()
       if (line != "ok" && line.rfind("***", 0) != 0) // a title
         faults.emplace_back(line);
   });
-  const WriteAheadLog log(path() + "-wal");
-  // One is what a disk without power leaves of a commit that never came to its end.
-  if (log.lostCommits() > 1)
-    faults.push_back(path() + "-wal has " + std::to_string(log.lostCommits()) +
-                     " commits behind something damaged, from byte " +
-                     std::to_string(log.end()) + " on");
+  if (const int lost = database_.lostCommits(); lost > 0)
+    faults.push_back(path() + "-wal lacks " + std::to_string(lost) +
+                     (lost == 1 ? " commit" : " commits") + " that it had");
   return faults;
 }
 

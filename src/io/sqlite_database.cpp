@@ -2,8 +2,6 @@
 #include "sqlite_database.h"
 
 #include "core/fail.h"
-#include "files/bytes.h"
-#include "write_ahead_log.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -13,7 +11,6 @@
 #include <new>
 #include <sqlite3.h>
 #include <thread>
-#include <utility>
 
 namespace pcl_semantic {
 
@@ -26,6 +23,9 @@ constexpr int kMaxRow = 1 << 25;
 // refused at once.
 constexpr int kReaderPatience = 5000; // [ms]
 constexpr int kWriterPatience = 100;  // [ms]
+
+// A log longer than this goes into the file.
+constexpr int kMaxLog = 1000; // [pages]
 
 // What keeps a writer from writing, not what is wrong with the file.
 bool
@@ -40,49 +40,11 @@ isOutputFailure(int code)
                   {SQLITE_IOERR_READ, SQLITE_IOERR_SHORT_READ, SQLITE_IOERR_CORRUPTFS});
 }
 
-// Bytes of FILE itself. Read by SQLite's own handle: closing another would drop the
-// locks of this process. \return whether they are there
-bool
-readFile(sqlite3* connection, void* bytes, int size, std::int64_t at)
+// The number of a format, with that of a log; 0 = there is none.
+std::string
+settingVersion(std::uint32_t version, std::uint32_t log)
 {
-  sqlite3_file* file = nullptr;
-  return sqlite3_file_control(connection, "main", SQLITE_FCNTL_FILE_POINTER, &file) ==
-             SQLITE_OK &&
-         file && file->pMethods &&
-         file->pMethods->xRead(file, bytes, size, at) == SQLITE_OK;
-}
-
-// Whether a file is marked as belonging together with FILE-wal, in FILE itself.
-bool
-needsLog(sqlite3* connection)
-{
-  constexpr int at = 68; // application_id in the header of a database, big-endian
-  unsigned char bytes[4] = {};
-  if (!readFile(connection, bytes, sizeof bytes, at))
-    return false;
-  return wholeNumber(bytes, sizeof bytes) == SqliteDatabase::with_log;
-}
-
-// Whether a log holds what FILE has already, or its mark alone, as while somebody
-// begins or ends to write.
-bool
-isInFile(sqlite3* connection, const WriteAheadLog& log)
-{
-  // Of the first page: kind of journal, counter of changes, mark, version.
-  static constexpr std::pair<std::size_t, std::size_t> header[] = {
-      {18, 20}, {24, 28}, {68, 72}, {92, 100}};
-  for (const auto& [number, content] : log.pages()) {
-    std::string page(content.size(), '\0'), logged(content);
-    if (!readFile(connection, page.data(), int(page.size()),
-                  std::int64_t(number - 1) * std::int64_t(page.size())))
-      return false;
-    if (number == 1)
-      for (const auto& [begin, end] : header)
-        logged.replace(begin, end - begin, page, begin, end - begin);
-    if (page != logged)
-      return false;
-  }
-  return true;
+  return "PRAGMA user_version = " + std::to_string(version | (log & 0x7FFFFF) << 8);
 }
 
 // For somebody else to come to an end of what takes no time.
@@ -107,13 +69,14 @@ SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
   try {
     if (code != SQLITE_OK)
       throwError(code);
-    requireLog();
+    file_ = MarkedFile(connection_);
     // FILE-wal goes with the last connection otherwise, and nobody can tell any more
     // whether it was lost.
     sqlite3_db_config(connection_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
     sqlite3_busy_timeout(connection_,
                          access == Access::read ? kReaderPatience : kWriterPatience);
     sqlite3_limit(connection_, SQLITE_LIMIT_LENGTH, kMaxRow);
+    requireOwnLog();
     // SQLite opens what it may not write without a word.
     if (access != Access::read && sqlite3_db_readonly(connection_, "main") == 1)
       throwError(SQLITE_READONLY);
@@ -148,32 +111,68 @@ SqliteDatabase::runUnlessBusy(const std::string& sql)
   return code == SQLITE_OK;
 }
 
-void
-SqliteDatabase::requireLog() const
+FileMark
+SqliteDatabase::mark()
 {
-  const std::string log = path_ + "-wal";
+  return {std::uint32_t(number("PRAGMA user_version")),
+          std::uint32_t(number("PRAGMA application_id"))};
+}
+
+void
+SqliteDatabase::requireOwnLog()
+{
   // Another program may have been beginning or ending to write.
   for (int attempt = 0;; ++attempt) {
-    std::error_code error;
-    const bool has_log = std::filesystem::exists(log, error);
-    const bool needs_log = needsLog(connection_);
-    if (needs_log ? has_log : !has_log || isInFile(connection_, WriteAheadLog(log)))
+    const std::string fault = faultOfLog(path_ + "-wal");
+    if (fault.empty())
       return;
-    if (attempt == 4 && needs_log)
-      badInput(path_, ": lacks ", log,
-               ", which holds what was written last: copy both (if it is lost, "
-               "an empty file of that name lets the rest be read)");
     if (attempt == 4)
-      badInput(path_, ": is whole, but beside it lies ", log,
-               " of another archive, which would change it: remove that");
+      badInput(path_, ": ", fault);
     waitALittle();
   }
 }
 
+// Reads no log itself: SQLite does, and what it finds is compared with what FILE says.
 std::string
-SqliteDatabase::markingAs(FileMark mark)
+SqliteDatabase::faultOfLog(const std::string& log)
+{
+  static const char* const remedy =
+      " (if it is lost, an empty file of that name lets the rest be read)";
+  std::error_code error;
+  const FileMark file = file_.read(); // first: what SQLite sees is as new, or newer
+  const bool has_log = std::filesystem::exists(log, error);
+  // First: SQLite makes a new one.
+  if ((file.isWithLog() || file.isWithOldLog()) && !has_log)
+    return "lacks " + log + ", which holds what was written last: copy both" + remedy;
+  const FileMark seen = mark();
+  if (!file.isOurs() || !has_log)
+    return "";
+  if (file.isWhole() && !seen.isWhole())
+    return "is whole, but beside it lies " + log +
+           " of another archive, which would change it: remove that";
+  if (file.version != seen.version)
+    return "has beside it " + log + " of another archive, and not its own: copy both" +
+           remedy;
+  if (file.isWithLog() && seen.isWithLog() &&
+      std::filesystem::file_size(log, error) > 0)
+    return log + " is damaged: nothing is found in it" + remedy;
+  if (file.isWithLog() && seen.isLogged())
+    lost_commits_ =
+        std::max<int>(0, std::int16_t(std::uint16_t(file.commits() - seen.commits())));
+  return "";
+}
+
+std::string
+SqliteDatabase::markingAs(std::uint32_t mark)
 {
   return "PRAGMA application_id = " + std::to_string(mark);
+}
+
+void
+SqliteDatabase::write(std::uint32_t mark, bool is_flushed)
+{
+  if (const int code = file_.write(mark, is_flushed))
+    throwError(code);
 }
 
 bool
@@ -185,10 +184,56 @@ SqliteDatabase::moveLogToFile()
 bool
 SqliteDatabase::splitLog()
 {
+  const FileMark seen = mark();
+  commits_ = seen.commits();
+  if (seen.isWhole()) {
+    std::uint32_t id = 0;
+    sqlite3_randomness(sizeof id, &id);
+    // Not yet withLog(): there is no log that could be lacking.
+    if (!runUnlessBusy("PRAGMA journal_mode = DELETE") ||
+        !runUnlessBusy(settingVersion(seen.format(), id)) ||
+        !runUnlessBusy(markingAs(FileMark::logged(commits_))))
+      return false;
+  }
   if (!runUnlessBusy("PRAGMA journal_mode = WAL"))
     return false;
-  run(markingAs(with_log));
-  return needsLog(connection_) || moveLogToFile();
+  sqlite3_wal_hook(
+      connection_,
+      [](void* pages, sqlite3*, const char*, int count) {
+        *static_cast<int*>(pages) = count;
+        return SQLITE_OK;
+      },
+      &log_pages_);
+  file_.keep(true);
+  // The log, with its mark, is on the disk before FILE says so.
+  run(markingAs(FileMark::logged(commits_)));
+  write(FileMark::withLog(commits_), true);
+  return true;
+}
+
+void
+SqliteDatabase::commit()
+{
+  run(markingAs(FileMark::logged(std::uint16_t(commits_ + 1))) + "; COMMIT");
+  ++commits_;
+  // Also if another program has brought the log's mark into FILE.
+  write(FileMark::withLog(commits_), false);
+  if (log_pages_ >= kMaxLog)
+    renewLog();
+}
+
+void
+SqliteDatabase::renewLog()
+{
+  int pages = 0, moved = 0;
+  if (sqlite3_wal_checkpoint_v2(connection_, "main", SQLITE_CHECKPOINT_PASSIVE, &pages,
+                                &moved) != SQLITE_OK ||
+      pages != moved)
+    return; // it is tried again after the next commit
+  // SQLite now begins the log anew. Until our mark is in it nothing is lacking in FILE.
+  write(FileMark::logged(commits_), true);
+  run(markingAs(FileMark::logged(commits_)));
+  write(FileMark::withLog(commits_), true);
 }
 
 bool
@@ -197,13 +242,25 @@ SqliteDatabase::joinLog()
   sqlite3_busy_timeout(connection_, 0);
   // A reader is done soon, as a rule.
   for (int attempt = 0; attempt < 40; ++attempt) {
-    // Everything else is in the file before the mark that says so.
-    if (moveLogToFile() && runUnlessBusy(markingAs(whole)) && moveLogToFile() &&
-        runUnlessBusy("PRAGMA journal_mode = DELETE"))
-      return true;
+    if (moveLogToFile()) {
+      write(FileMark::logged(commits_), true);
+      if (runUnlessBusy("PRAGMA journal_mode = DELETE")) {
+        markAsWhole();
+        return true;
+      }
+    }
     waitALittle();
   }
   return false;
+}
+
+// What a reader that has just come may prevent: the file has everything all the same.
+void
+SqliteDatabase::markAsWhole()
+{
+  file_.keep(false);
+  sqlite3_busy_timeout(connection_, kWriterPatience);
+  runUnlessBusy(settingVersion(mark().format(), 0) + "; " + markingAs(FileMark::whole));
 }
 
 std::int64_t

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "file_mark.h"
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -18,12 +20,6 @@ namespace pcl_semantic {
  * the file cannot be used, std::bad_alloc where memory lacks. */
 class SqliteDatabase {
 public:
-  /** \brief What a file of ours is marked with (its application_id). */
-  enum FileMark : std::int64_t {
-    whole = 0x50434C53,   //!< "PCLS": FILE has everything that was committed
-    with_log = 0x50434C57 //!< "PCLW": FILE-wal may have more
-  };
-
   enum class Access { read, write, create };
 
   /** \throws BadInputException, OutputException */
@@ -35,18 +31,32 @@ public:
   /** \brief Runs statements that give nothing. */
   void run(const std::string& sql);
 
-  /** \brief The statement that marks the file. */
-  static std::string markingAs(FileMark mark);
+  /** \brief The mark that SQLite sees, be it the file's or the log's. */
+  FileMark mark();
+
+  /** \brief The statement that changes it. */
+  static std::string markingAs(std::uint32_t mark);
 
   /** \brief From now on commits go to FILE-wal first, so that readers are not in the
-   * way; outside of a transaction. The file says so (FileMark::with_log) before the
-   * first of them, so that FILE alone can be told from a whole file at any moment.
+   * way; outside of a transaction.
    * \return false if another program was in the way */
   bool splitLog();
+
+  /** \brief Ends a transaction after splitLog(); brings a long FILE-wal into the file
+   * as far as readers allow. */
+  void commit();
 
   /** \brief Brings FILE-wal into the file, outside of a transaction.
    * \return false if readers were in the way for two seconds: both then stay */
   bool joinLog();
+
+  /** \brief Commits that FILE-wal had when the file was opened, or before, and that
+   * SQLite does not find in it. */
+  int
+  lostCommits() const
+  {
+    return lost_commits_;
+  }
 
   /** \brief The first number that a statement gives; 0 if it gives none. */
   std::int64_t number(const std::string& sql);
@@ -67,12 +77,21 @@ private:
   bool runUnlessBusy(const std::string& sql);
 
   /** \brief Makes sure that FILE-wal is there if it belongs to FILE, and only then. */
-  void requireLog() const;
+  void requireOwnLog();
+  std::string faultOfLog(const std::string& log);
+
+  void write(std::uint32_t mark, bool is_flushed);
   bool moveLogToFile();
+  void renewLog();
+  void markAsWhole();
 
   std::string path_;
   Access access_;
   sqlite3* connection_ = nullptr;
+  MarkedFile file_{nullptr};
+  std::uint16_t commits_ = 0; // that the log has had, as FileMark counts
+  int lost_commits_ = 0;
+  int log_pages_ = 0; // after the last commit
 };
 
 /** \brief A prepared statement; parameters count from 1, columns from 0. */

@@ -6,27 +6,14 @@
 #include "io/block_encoding.h"
 #include "support/archives.h"
 #include "support/mutate.h"
+#include "support/run_sql.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
-#include <sqlite3.h>
-
 namespace pcl_semantic {
 
 namespace {
-
-// Changes an archive behind its back.
-void
-runSql(const std::string& path, const std::string& sql)
-{
-  sqlite3* connection = nullptr;
-  ASSERT_EQ(sqlite3_open(path.c_str(), &connection), SQLITE_OK);
-  char* error = nullptr;
-  EXPECT_EQ(sqlite3_exec(connection, sql.c_str(), nullptr, nullptr, &error), SQLITE_OK)
-      << error;
-  sqlite3_close(connection);
-}
 
 class DamagedArchive : public testing::Test {
 protected:
@@ -176,7 +163,7 @@ TEST_F(DamagedArchive, RowsThatChangePlaces)
             "its tables"}}) {
     SCOPED_TRACE(bad.sql);
     write(bytes_);
-    runSql(path_, bad.sql);
+    EXPECT_EQ(runSql(path_, bad.sql), "");
     EXPECT_TRUE(holds(messageOfReading(), bad.says));
     EXPECT_TRUE(isFoundByVerify());
   }
@@ -185,10 +172,11 @@ TEST_F(DamagedArchive, RowsThatChangePlaces)
 TEST_F(DamagedArchive, TheMessageNamesTheBlock)
 {
   const VoxelIndex index = blocks_.begin()->first;
-  runSql(path_, "UPDATE blocks SET content = zeroblob(100) WHERE z = " +
-                    std::to_string(index.z()) +
-                    " AND y = " + std::to_string(index.y()) +
-                    " AND x = " + std::to_string(index.x()));
+  EXPECT_EQ(runSql(path_, "UPDATE blocks SET content = zeroblob(100) WHERE z = " +
+                              std::to_string(index.z()) +
+                              " AND y = " + std::to_string(index.y()) +
+                              " AND x = " + std::to_string(index.x())),
+            "");
   const std::string name = nameOfBlock(index);
   EXPECT_TRUE(holds(messageOfReading(), path_ + ": " + name + ": is damaged"));
   const MapArchive archive(path_, ArchiveAccess::read);

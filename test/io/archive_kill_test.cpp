@@ -3,12 +3,12 @@
 // A writer that ends before any one of its system calls.
 
 #include "support/committed_archive.h"
+#include "support/run_sql.h"
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
 #include <omp.h>
-#include <sqlite3.h>
 
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -111,6 +111,25 @@ TEST(ArchiveKill, BeforeAnySystemCallNothingCommittedIsLost)
       ++refused;
     }
     expectCommitted(MapArchive(path, ArchiveAccess::read), commits);
+    // Another program brings the log into the file, or is killed on the way.
+    const std::string other = folder.path("other");
+    for (int calls_of_other = calls_before % 7;; calls_of_other += 7) {
+      for (const auto& [ending, is_there] : {std::pair("", true),
+                                             {"-wal", fs::exists(path + "-wal")},
+                                             {"-shm", false}}) {
+        fs::remove(other + ending);
+        if (is_there)
+          fs::copy_file(path + ending, other + ending);
+      }
+      const bool has_ended = runUntil(calls_of_other, [&] {
+        EXPECT_EQ(runSql(other, "PRAGMA journal_mode = WAL; SELECT * FROM meta"), "");
+      });
+      EXPECT_FALSE(has_ended && fs::exists(other + "-wal"));
+      expectCommitted(MapArchive(other, ArchiveAccess::read), commits);
+      ASSERT_FALSE(HasFailure()) << calls_of_other << " calls of another";
+      if (has_ended)
+        break;
+    }
     {
       MapArchive archive(path, ArchiveAccess::write);
       expectCommitted(archive, commits);
