@@ -59,7 +59,7 @@ struct FileMark {
     return mark >> 16 == 0x504C;
   }
 
-  /** \brief "PCLW": as withLog(), and as logged(), of archives up to version 0.3. */
+  /** \brief "PCLW", of older archives: FILE and the log say the same. */
   bool
   isWithOldLog() const
   {

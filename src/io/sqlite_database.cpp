@@ -24,9 +24,6 @@ constexpr int kMaxRow = 1 << 25;
 constexpr int kReaderPatience = 5000; // [ms]
 constexpr int kWriterPatience = 100;  // [ms]
 
-// A log longer than this goes into the file.
-constexpr int kMaxLog = 1000; // [pages]
-
 // What keeps a writer from writing, not what is wrong with the file.
 bool
 isOutputFailure(int code)
@@ -218,7 +215,7 @@ SqliteDatabase::commit()
   ++commits_;
   // Also if another program has brought the log's mark into FILE.
   write(FileMark::withLog(commits_), false);
-  if (log_pages_ >= kMaxLog)
+  if (log_pages_ >= max_log)
     renewLog();
 }
 
@@ -244,7 +241,10 @@ SqliteDatabase::joinLog()
   for (int attempt = 0; attempt < 40; ++attempt) {
     if (moveLogToFile()) {
       write(FileMark::logged(commits_), true);
-      if (runUnlessBusy("PRAGMA journal_mode = DELETE")) {
+      std::error_code error;
+      // SQLite does not say whether the disk let it remove the log.
+      if (runUnlessBusy("PRAGMA journal_mode = DELETE") &&
+          !std::filesystem::exists(path_ + "-wal", error)) {
         markAsWhole();
         return true;
       }

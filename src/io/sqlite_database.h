@@ -22,6 +22,9 @@ class SqliteDatabase {
 public:
   enum class Access { read, write, create };
 
+  /** \brief A log that is longer goes into the file; less in tests. [pages] */
+  static inline int max_log = 1000;
+
   /** \throws BadInputException, OutputException */
   SqliteDatabase(const std::string& path, Access access);
   ~SqliteDatabase();

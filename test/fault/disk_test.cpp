@@ -4,7 +4,9 @@
 
 #include "faults.h"
 
+#include "io/sqlite_database.h"
 #include "support/committed_archive.h"
+#include "support/run_sql.h"
 #include "support/run_tool.h"
 #include "support/tiny_street.h"
 
@@ -26,6 +28,23 @@ expectSound(const std::string& path, int commits)
 {
   EXPECT_TRUE(verifyArchive(path).empty());
   expectCommitted(MapArchive(path, ArchiveAccess::read), commits);
+}
+
+// Alone it is sound, or refused; and another program may bring the log into the file.
+void
+expectSoundElsewhere(const std::string& path, int commits)
+{
+  const std::string alone = path + "-alone";
+  fs::copy_file(path, alone);
+  try {
+    expectCommitted(MapArchive(alone, ArchiveAccess::read), commits);
+  }
+  catch (const BadInputException& error) {
+    EXPECT_TRUE(holds(error.what(), "lacks " + alone + "-wal"));
+  }
+  EXPECT_EQ(runSql(path, "SELECT * FROM meta"), "");
+  EXPECT_FALSE(fs::exists(path + "-wal"));
+  EXPECT_NO_THROW(expectSound(path, commits));
 }
 
 // The files of an archive as a disk may keep them that was told to write the first
@@ -156,12 +175,14 @@ TEST(Disk, WithoutPowerNothingCommittedIsLost)
   std::vector<std::size_t> ends; // calls before the end of each commit
   {
     const DiskRecorder recorder(folder.path());
+    SqliteDatabase::max_log = 40; // it is begun anew on the way
     MapArchive archive(path, ArchiveAccess::write);
     int commits = 0;
     commitTimes(kCommits, archive, commits,
                 [&] { ends.push_back(recorder.calls().size()); });
     EXPECT_FALSE(fs::exists(path + "-wal"));
     calls = recorder.calls();
+    SqliteDatabase::max_log = 1000;
   }
   EXPECT_GT(calls.size(), 40u);
   std::mt19937 random(1);
@@ -177,6 +198,8 @@ TEST(Disk, WithoutPowerNothingCommittedIsLost)
            disk.after([&] { return int(random() % 4) < kept; }))
         std::ofstream(later.path(fs::path(name).filename()), std::ios::binary) << bytes;
       EXPECT_NO_THROW(expectSound(later.path("map"), commits));
+      if ((count + std::size_t(kept)) % 3 == 0)
+        expectSoundElsewhere(later.path("map"), commits);
       ASSERT_FALSE(HasFailure());
     }
   }

@@ -2,6 +2,7 @@
 
 // A writer that ends before any one of its system calls.
 
+#include "io/sqlite_database.h"
 #include "support/committed_archive.h"
 #include "support/run_sql.h"
 #include "support/thrown_message.h"
@@ -80,10 +81,11 @@ runUntil(int calls_before, const std::function<void()>& write)
 
 constexpr int kCommits = 2;
 
-} // namespace
-
-TEST(ArchiveKill, BeforeAnySystemCallNothingCommittedIsLost)
+// \param[in] max_log after how many pages the log goes into the file and is begun anew
+void
+killAndRead(int max_log)
 {
+  SqliteDatabase::max_log = max_log;
   omp_set_num_threads(1); // a forked process has no other
   auto& commits = *static_cast<int*>(::mmap(
       nullptr, sizeof(int), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
@@ -126,7 +128,7 @@ TEST(ArchiveKill, BeforeAnySystemCallNothingCommittedIsLost)
       });
       EXPECT_FALSE(has_ended && fs::exists(other + "-wal"));
       expectCommitted(MapArchive(other, ArchiveAccess::read), commits);
-      ASSERT_FALSE(HasFailure()) << calls_of_other << " calls of another";
+      ASSERT_FALSE(testing::Test::HasFailure()) << calls_of_other << " calls of another";
       if (has_ended)
         break;
     }
@@ -136,10 +138,23 @@ TEST(ArchiveKill, BeforeAnySystemCallNothingCommittedIsLost)
       EXPECT_TRUE(archive.close());
     }
     EXPECT_FALSE(fs::exists(path + "-wal"));
-    ASSERT_FALSE(HasFailure());
+    ASSERT_FALSE(testing::Test::HasFailure());
   }
   EXPECT_EQ(commits, kCommits);
   EXPECT_GT(refused, 10);
+  SqliteDatabase::max_log = 1000;
+}
+
+} // namespace
+
+TEST(ArchiveKill, BeforeAnySystemCallNothingCommittedIsLost)
+{
+  killAndRead(1000);
+}
+
+TEST(ArchiveKill, NorWhileTheLogIsBegunAnew)
+{
+  killAndRead(5);
 }
 
 } // namespace pcl_semantic

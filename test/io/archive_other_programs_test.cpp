@@ -181,6 +181,33 @@ TEST_F(OtherPrograms, DuringARunTheNextCommitIsNotLost)
   expectWhole(path_);
 }
 
+// FILE and the log said the same, so another program must not have come in between.
+TEST_F(OtherPrograms, AnOlderArchiveGoesOnWithItsLog)
+{
+  const auto marked = [](std::uint32_t mark) {
+    return "PRAGMA application_id = " + std::to_string(mark) + "; ";
+  };
+  const std::uint32_t whole = 0x50434C53, with_log = 0x50434C57;
+  commitTo(*MapArchive::create(path_, makeArchiveHeader()));
+  sqlite3* older = nullptr;
+  ASSERT_EQ(sqlite3_open(path_.c_str(), &older), SQLITE_OK);
+  const auto run = [&](const std::string& sql) {
+    EXPECT_EQ(sqlite3_exec(older, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  };
+  run("PRAGMA journal_mode = WAL; CREATE TEMP TABLE saved AS SELECT * FROM blocks; "
+      "DELETE FROM blocks; " +
+      marked(with_log) + "PRAGMA wal_checkpoint(FULL)");
+  run("INSERT INTO blocks SELECT * FROM saved");
+  for (const std::string& last : {std::string(), marked(whole)}) { // at its end
+    run(last);
+    const std::string killed = killedCopyOf(path_, "killed");
+    EXPECT_TRUE(isRefusedAlone(killed, blocks_));
+    expectHolds(MapArchive(killed, ArchiveAccess::read), blocks_);
+    expectWhole(killed);
+  }
+  sqlite3_close(older);
+}
+
 // Beside a file that has a log of its own, too: it would be read as part of it.
 TEST_F(OtherPrograms, TheLogOfAnotherKilledRunIsRefused)
 {
