@@ -8,7 +8,6 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 
 #include <charconv>
@@ -194,9 +193,10 @@ private:
   {
     PcdTable rows;
     rows.fields = table.fields;
-    rows.points = rows.width = kept.size();
+    rows.width = pcl::uindex_t(kept.size());
     rows.height = 1;
-    const std::size_t size = table.pointSize();
+    rows.point_step = table.point_step;
+    const std::size_t size = table.point_step;
     rows.data.reserve(kept.size() * size);
     for (const pcl::index_t i : kept) {
       const auto row = table.data.begin() + std::ptrdiff_t(std::size_t(i) * size);
@@ -225,36 +225,33 @@ private:
   {
     if (arguments_.thin <= 0.0 || kept.empty())
       return rowsOf(table, kept);
-    pcl::PCLPointCloud2::Ptr blob(new pcl::PCLPointCloud2);
-    toPCLPointCloud2(table, *blob);
     LabelVoxelGrid grid;
     grid.setLeafSize(arguments_.thin);
-    grid.setInputCloud(blob);
+    grid.setInputCloud(pcl::make_shared<PcdTable>(table));
     grid.setIndices(pcl::make_shared<pcl::Indices>(kept));
-    pcl::PCLPointCloud2 result;
-    grid.filter(result);
     PcdTable rest;
-    fromPCLPointCloud2(result, rest);
+    grid.filter(rest);
     return rest;
   }
 
   void
   setColours(PcdTable& table) const
   {
-    std::vector<std::uint8_t> bytes;
-    if (table.points == 0)
-      return table.setColumn({"rgba", 'U'}, bytes);
+    std::vector<std::uint32_t> colours;
+    if (table.points() == 0)
+      return table.setColumn("rgba", colours);
     const PcdColumn labels(table, table.find("label"));
-    for (std::size_t i = 0; i < table.points; ++i) {
+    for (std::size_t i = 0; i < table.points(); ++i) {
       const double label = labels(i);
       if (label > label_set_->size())
         fail<BadInputException>(arguments_.input, ": label ", label, " is beyond the ",
                                 label_set_->size(), " classes of --label-set");
       const auto& colour = (*label_set_)[Label(label)].colour;
-      bytes.insert(bytes.end(), {colour[2], colour[1], colour[0], 255});
+      colours.push_back(0xFF000000u | std::uint32_t(colour[0]) << 16 |
+                        std::uint32_t(colour[1]) << 8 | colour[2]);
     }
     table.removeColumns("rgb");
-    table.setColumn({"rgba", 'U'}, bytes);
+    table.setColumn("rgba", colours);
   }
 
   const Arguments& arguments_;
@@ -274,13 +271,13 @@ prepare(const Arguments& arguments)
   requireOutput(arguments.output, ".pcd");
   Editor editor(arguments);
   PcdTable table = readCloudTable(arguments.input, columnsOf(arguments.scan_columns));
-  const std::size_t before = table.points;
+  const std::size_t before = table.points();
   table = editor.edit(std::move(table));
-  if (table.points == 0)
+  if (table.points() == 0)
     warn("no point is left");
   writeCloudTable(arguments.output, table);
   printResults({{"points_before", before},
-                {"points", table.points},
+                {"points", table.points()},
                 {"cloud", arguments.output}});
   return exit_done;
 }

@@ -15,7 +15,6 @@
 #include <pcl_semantic/pipeline/crf_config.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -144,12 +143,10 @@ setEntropies(LabelledCloud& cloud)
 {
   if (cloud.table.find("entropy") < 0)
     return;
-  std::vector<std::uint8_t> bytes(cloud.cloud->size() * sizeof(float));
-  for (std::size_t i = 0; i < cloud.cloud->size(); ++i) {
-    const float entropy = cloud.distributions.entropy(Eigen::Index(i));
-    std::memcpy(&bytes[i * sizeof(float)], &entropy, sizeof(float));
-  }
-  cloud.table.setColumn({"entropy", 'F', 4, 1}, bytes);
+  std::vector<float> entropies(cloud.cloud->size());
+  for (std::size_t i = 0; i < entropies.size(); ++i)
+    entropies[i] = cloud.distributions.entropy(Eigen::Index(i));
+  cloud.table.setColumn("entropy", entropies);
 }
 
 // A distribution that prefers no class says as little as none.

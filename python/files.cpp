@@ -4,6 +4,8 @@
 
 #include <pcl_semantic/files/cloud_file.h>
 
+#include <pcl/common/io.h>
+
 #include <cstring>
 
 namespace pcl_semantic::python {
@@ -12,10 +14,11 @@ namespace {
 
 // As numpy calls it: 'f4', 'u1'.
 std::string
-kindOf(const PcdField& field)
+kindOf(const pcl::PCLPointField& field)
 {
-  const char kind = field.type == 'F' ? 'f' : field.type == 'I' ? 'i' : 'u';
-  return kind + std::to_string(field.size);
+  const char type = pcl::getFieldType(field.datatype);
+  const char kind = type == 'F' ? 'f' : type == 'I' ? 'i' : 'u';
+  return kind + std::to_string(pcl::getFieldSize(field.datatype));
 }
 
 // Of a text, a number or a list of names; None = as the name of the file says.
@@ -40,36 +43,33 @@ readCloud(const Path& path, const py::object& scan_columns)
   const PcdTable table = released([&] { return readCloudTable(path, columns); });
   for (const std::string& doubt : table.doubts)
     warn(doubt);
-  const std::size_t stride = table.pointSize();
-  const std::uint8_t* from = table.data.data();
+  const auto points = py::ssize_t(table.points());
   py::dict cloud;
-  for (const PcdField& field : table.fields) {
-    std::vector<py::ssize_t> shape{py::ssize_t(table.points)};
+  for (const pcl::PCLPointField& field : table.fields) {
+    std::vector<py::ssize_t> shape{points};
     if (field.count > 1)
       shape.push_back(field.count);
     py::array column(py::dtype(kindOf(field)), shape);
-    const std::size_t bytes = field.bytes();
+    const std::size_t bytes = sizeOfField(field);
     auto* to = static_cast<std::uint8_t*>(column.mutable_data());
-    for (std::size_t i = 0; i < table.points; ++i, to += bytes)
-      std::memcpy(to, from + i * stride, bytes);
+    const std::uint8_t* from = table.data.data() + field.offset;
+    for (py::ssize_t i = 0; i < points; ++i, to += bytes, from += table.point_step)
+      std::memcpy(to, from, bytes);
     cloud[py::str(field.name)] = column;
-    from += bytes;
   }
   return cloud;
 }
 
-PcdField
+pcl::PCLPointField
 fieldOf(const std::string& name, const py::array& column)
 {
   const char kind = column.dtype().kind();
-  const PcdField field{name,
-                       kind == 'f'   ? 'F'
-                       : kind == 'i' ? 'I'
-                                     : 'U',
-                       int(column.itemsize()),
-                       column.ndim() == 2 ? int(column.shape(1)) : 1};
+  const int datatype = pcl::getFieldType(int(column.itemsize()), kind);
+  const pcl::PCLPointField field{
+      name, 0, std::uint8_t(datatype),
+      pcl::uindex_t(column.ndim() == 2 ? column.shape(1) : 1)};
   if (std::strchr("fiu", kind) == nullptr || column.ndim() < 1 || column.ndim() > 2 ||
-      !field.isValid())
+      !isPcdField(field))
     badParameter("'", name,
                  "' cannot be a field: expected N, or N x COUNT, floats of 4 or 8 "
                  "bytes or integers of 1 to 8");
@@ -81,6 +81,7 @@ writeCloud(const Path& path, const py::dict& cloud)
 {
   requirePcdName(path);
   PcdTable table;
+  table.height = 1;
   bool is_first = true;
   for (const auto& [key, value] : cloud) {
     const auto name = key.cast<std::string>();
@@ -90,13 +91,12 @@ writeCloud(const Path& path, const py::dict& cloud)
       throw py::error_already_set();
     if (column.dtype().byteorder() == '>') // as plyfile has them of a big-endian .ply
       column = column.attr("astype")(column.dtype().attr("newbyteorder")("<"));
-    const PcdField field = fieldOf(name, column);
+    const pcl::PCLPointField field = fieldOf(name, column);
     if (is_first)
-      table.points = std::size_t(column.shape(0));
-    requireShape(column, name.c_str(), py::ssize_t(table.points),
+      table.width = pcl::uindex_t(column.shape(0));
+    requireShape(column, name.c_str(), py::ssize_t(table.width),
                  column.ndim() == 2 ? std::optional(column.shape(1)) : std::nullopt);
-    const auto* const bytes = static_cast<const std::uint8_t*>(column.data());
-    table.setColumn(field, {bytes, bytes + table.points * field.bytes()});
+    table.setColumn(field, column.data(), std::size_t(column.nbytes()));
     is_first = false;
   }
   released([&] { writeCloudTable(path, table); });

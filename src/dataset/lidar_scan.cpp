@@ -21,7 +21,7 @@ readVelodyneScan(const std::string& path, const ScanColumns& columns)
       z(table, table.find("z"));
   const int intensity = table.find("intensity");
   pcl::PointCloud<pcl::PointXYZI>::Ptr scan(new pcl::PointCloud<pcl::PointXYZI>);
-  scan->resize(table.points);
+  scan->resize(table.points());
   for (std::size_t i = 0; i < scan->size(); ++i) {
     pcl::PointXYZI& point = (*scan)[i];
     point.x = float(x(i));

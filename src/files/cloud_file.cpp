@@ -4,6 +4,7 @@
 #include "known_fields.h"
 #include "other_formats.h"
 #include "pcd_file.h"
+#include "pcd_table.h"
 #include "ply_reader.h"
 #include "scan_file.h"
 
@@ -19,7 +20,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 
@@ -82,7 +82,7 @@ cliquesOfColumn(const std::string& path, const PcdTable& table, const Cloud& clo
     return {};
   const NamedColumn column = singleColumn(path, table, field);
   std::vector<std::pair<std::uint32_t, pcl::index_t>> members; // clique, point
-  for (std::size_t i = 0; i < table.points; ++i) {
+  for (std::size_t i = 0; i < table.points(); ++i) {
     const std::uint32_t number =
         column.wholeNumber(i, std::numeric_limits<std::uint32_t>::max());
     if (number != 0 && pcl::isXYZFinite(cloud[i]))
@@ -105,16 +105,16 @@ public:
   {
     result_.table = std::move(read);
     addKnownFields(name, result_.table);
-    if (table_.points > std::size_t(std::numeric_limits<pcl::index_t>::max()))
-      badInput(path_, ": has ", table_.points, " points, more than PCL can index");
+    if (table_.points() > std::size_t(std::numeric_limits<pcl::index_t>::max()))
+      badInput(path_, ": has ", table_.points(), " points, more than PCL can index");
   }
 
   LabelledCloud
   read()
   {
-    cloud_.resize(table_.points);
-    cloud_.width = static_cast<std::uint32_t>(table_.width);
-    cloud_.height = static_cast<std::uint32_t>(table_.height);
+    cloud_.resize(table_.points());
+    cloud_.width = table_.width;
+    cloud_.height = table_.height;
     readViewpoint();
     readPositions();
     readColours();
@@ -146,7 +146,7 @@ private:
     const char* const names[] = {"x", "y", "z"};
     for (int axis = 0; axis < 3; ++axis) {
       const int field = table_.find(names[axis]);
-      if (field < 0 && table_.points == 0 && table_.fields.empty())
+      if (field < 0 && table_.points() == 0 && table_.fields.empty())
         continue; // as PCL's filters leave a cloud of which nothing is left
       if (field < 0)
         badInput(path_, ": has no field '", names[axis], "'");
@@ -158,7 +158,7 @@ private:
         cloud_[i].data[axis] = static_cast<float>(value);
         cloud_.is_dense = cloud_.is_dense && std::isfinite(value);
       }
-      has_doubles = has_doubles || column.field().size == 8;
+      has_doubles = has_doubles || sizeOfField(column.field()) == 8;
     }
     if (has_doubles)
       takeOriginOff();
@@ -190,9 +190,9 @@ private:
     if (rgb < 0 && rgba < 0)
       return;
     const NamedColumn column = singleColumn(path_, table_, std::max(rgb, rgba));
-    if (column.field().size != 4)
-      badInput(path_, ": field '", column.field().name, "' has ", column.field().size,
-               " bytes, expected 4");
+    if (sizeOfField(column.field()) != 4)
+      badInput(path_, ": field '", column.field().name, "' has ",
+               sizeOfField(column.field()), " bytes, expected 4");
     for (std::size_t i = 0; i < cloud_.size(); ++i)
       cloud_[i].rgba = column.bits(i);
     result_.has_colour = true;
@@ -205,12 +205,12 @@ private:
     if (field < 0)
       return;
     const NamedColumn column(path_, table_, field);
-    const int classes = column.field().count;
+    const int classes = int(column.field().count);
     if (classes > 255)
       badInput(path_, ": field 'probability' has COUNT ", classes,
                ", expected 1 to 255 classes");
-    LabelDistributions::Matrix values(classes, Eigen::Index(table_.points));
-    for (std::size_t i = 0; i < table_.points; ++i) {
+    LabelDistributions::Matrix values(classes, Eigen::Index(table_.points()));
+    for (std::size_t i = 0; i < table_.points(); ++i) {
       double sum = 0.0;
       for (int k = 0; k < classes; ++k) {
         const double value = column(i, k);
@@ -225,7 +225,7 @@ private:
                  ", expected 1");
     }
     result_.distributions = LabelDistributions(classes, 0);
-    if (table_.points > 0)
+    if (table_.points() > 0)
       result_.distributions = LabelDistributions(std::move(values));
     result_.has_labels = true;
   }
@@ -255,7 +255,7 @@ private:
   bool
   areLabels(const PcdColumn& column, std::uint32_t largest) const
   {
-    for (std::size_t i = 0; i < table_.points; ++i)
+    for (std::size_t i = 0; i < table_.points(); ++i)
       if (!(column(i) >= 0.0 && column(i) <= largest))
         return false;
     return true;
@@ -291,46 +291,13 @@ private:
   Cloud& cloud_ = *result_.cloud;
 };
 
-template <typename T>
-std::vector<std::uint8_t>
-bytesOf(const T* values, std::size_t count)
-{
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(values);
-  return {bytes, bytes + count * sizeof(T)};
-}
-
-// One column of a cloud; `value` takes a point.
-template <typename Value>
-void
-putColumn(PcdTable& table, const PcdField& field, const Cloud& cloud, Value&& value)
-{
-  std::vector<decltype(value(cloud[0]))> values;
-  values.reserve(cloud.size());
-  for (const pcl::PointXYZRGBL& point : cloud)
-    values.push_back(value(point));
-  table.setColumn(field, bytesOf(values.data(), values.size()));
-}
-
 // Of a cloud that was in no file.
 PcdTable
 newTable(const LabelledCloud& labelled)
 {
-  const Cloud& cloud = *labelled.cloud;
-  PcdTable table;
-  table.points = cloud.size();
-  if (cloud.isOrganized()) {
-    table.width = cloud.width;
-    table.height = cloud.height;
-  }
-  const Eigen::Vector4f& origin = cloud.sensor_origin_;
-  const Eigen::Quaternionf& q = cloud.sensor_orientation_;
-  table.viewpoint = {origin[0], origin[1], origin[2], q.w(), q.x(), q.y(), q.z()};
-  putColumn(table, {"x"}, cloud, [](const auto& point) { return point.x; });
-  putColumn(table, {"y"}, cloud, [](const auto& point) { return point.y; });
-  putColumn(table, {"z"}, cloud, [](const auto& point) { return point.z; });
-  if (labelled.has_colour)
-    putColumn(table, {"rgba", 'U'}, cloud,
-              [](const auto& point) { return point.rgba; });
+  PcdTable table = tableOfPoints(*labelled.cloud);
+  if (!labelled.has_colour)
+    table.removeColumns("rgba");
   return table;
 }
 
@@ -339,18 +306,19 @@ void
 setCliqueColumn(const std::string& path, const std::vector<pcl::PointIndices>& cliques,
                 PcdTable& table)
 {
-  std::vector<std::uint32_t> numbers(table.points, 0);
+  std::vector<std::uint32_t> numbers(table.points(), 0);
   for (std::uint32_t c = 0; c < cliques.size(); ++c)
     for (const pcl::index_t index : cliques[c].indices) {
-      if (index < 0 || static_cast<std::size_t>(index) >= table.points)
-        badParameter(path, ": clique ", c, " has point ", index, " of ", table.points);
+      if (index < 0 || static_cast<std::size_t>(index) >= table.points())
+        badParameter(path, ": clique ", c, " has point ", index, " of ",
+                     table.points());
       std::uint32_t& entry = numbers[static_cast<std::size_t>(index)];
       if (entry != 0)
         badParameter(path, ": point ", index, " is in cliques ", entry - 1, " and ", c,
                      ", but a field holds one");
       entry = c + 1;
     }
-  table.setColumn({kCliqueField, 'U'}, bytesOf(numbers.data(), numbers.size()));
+  table.setColumn(kCliqueField, numbers);
 }
 
 // The fields as they are in the file.
@@ -362,9 +330,11 @@ readFields(const std::string& path, const ScanColumns& columns)
   refuseOtherFormats(path);
   if (!columns.empty() && extension != ".bin")
     badParameter(path, ": scan columns are for .bin, which has no header");
-  if (extension == ".ply")
-    return readPly(path);
-  return extension == ".bin" ? readScan(path, columns) : readPcd(path);
+  PcdTable table = extension == ".ply"   ? readPly(path)
+                   : extension == ".bin" ? readScan(path, columns)
+                                         : readPcd(path);
+  table.row_step = table.width * table.point_step;
+  return table;
 }
 
 } // namespace
@@ -434,16 +404,20 @@ tableOf(const LabelledCloud& labelled, const std::string& name)
   const LabelDistributions& distributions = labelled.distributions;
   PcdTable table = labelled.table.fields.empty() ? newTable(labelled) : labelled.table;
   const int classes = distributions.classes();
-  if (table.points != cloud.size() ||
+  if (table.points() != cloud.size() ||
       (classes > 0 && distributions.size() != Eigen::Index(cloud.size())))
     badParameter(name, ": the cloud has ", cloud.size(), " points, its table ",
-                 table.points, ", its distributions ", distributions.size());
-  putColumn(table, {"label", 'U'}, cloud,
-            [](const auto& point) { return point.label; });
+                 table.points(), ", its distributions ", distributions.size());
+  std::vector<std::uint32_t> labels;
+  labels.reserve(cloud.size());
+  for (const pcl::PointXYZRGBL& point : cloud)
+    labels.push_back(point.label);
+  table.setColumn("label", labels);
   if (classes > 0)
-    table.setColumn({"probability", 'F', 4, classes},
-                    bytesOf(distributions.matrix().data(),
-                            std::size_t(distributions.matrix().size())));
+    table.setColumn(
+        {"probability", 0, pcl::PCLPointField::FLOAT32, pcl::uindex_t(classes)},
+        distributions.matrix().data(),
+        sizeof(float) * std::size_t(distributions.matrix().size()));
   const std::vector<pcl::PointIndices> old = cliquesOfColumn(name, table, cloud);
   if (!std::equal(old.begin(), old.end(), labelled.cliques.begin(),
                   labelled.cliques.end(),
@@ -476,9 +450,9 @@ void
 writeCliques(const std::string& path, const LabelledCloud& labelled)
 {
   PcdTable table = labelled.table;
-  if (table.points != labelled.cloud->size())
+  if (table.points() != labelled.cloud->size())
     badParameter(path, ": the cloud has ", labelled.cloud->size(),
-                 " points, its table ", table.points);
+                 " points, its table ", table.points());
   setCliqueColumn(path, labelled.cliques, table);
   writeCloudTable(path, table);
 }

@@ -5,6 +5,7 @@
 #include "core/label_number.h"
 
 #include <boost/algorithm/string/case_conv.hpp>
+#include <pcl/common/io.h>
 
 #include <algorithm>
 #include <array>
@@ -50,15 +51,6 @@ spelled(const std::string& name)
   return result;
 }
 
-Words
-namesOf(const PcdTable& table)
-{
-  Words names;
-  for (const PcdField& field : table.fields)
-    names.push_back(field.name);
-  return names;
-}
-
 // Whether a word of a name, between underscores and the like, is one of these.
 bool
 hasWord(const std::string& name, const Words& words)
@@ -81,29 +73,22 @@ void
 doubtOfLookalike(const std::string& path, const char* what, const Words& words,
                  const std::string& understood, PcdTable& table)
 {
-  for (const PcdField& field : table.fields)
+  for (const pcl::PCLPointField& field : table.fields)
     if (hasWord(field.name, words))
       return addDoubt(table, path + ": field '" + field.name + "' is not read as " +
                                  what + "; understood are " + understood);
 }
 
-template <typename T>
-std::vector<std::uint8_t>
-bytesOf(const std::vector<T>& values)
-{
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(values.data());
-  return {bytes, bytes + values.size() * sizeof(T)};
-}
-
 // The bytes of one column.
 std::vector<std::uint8_t>
-columnBytes(const PcdTable& table, std::size_t field)
+columnBytes(const PcdTable& table, const pcl::PCLPointField& field)
 {
-  const std::size_t size = table.fields[field].bytes(), stride = table.pointSize();
-  std::vector<std::uint8_t> bytes(table.points * size);
-  const std::uint8_t* from = table.data.data() + offsetOf(table, field);
-  for (std::size_t i = 0; i < table.points; ++i, from += stride)
-    std::copy_n(from, size, bytes.data() + i * size);
+  const std::size_t size = sizeOfField(field);
+  std::vector<std::uint8_t> bytes(table.points() * size);
+  const std::uint8_t* from = table.data.data() + field.offset;
+  for (std::uint8_t *to = bytes.data(), *end = to + bytes.size(); to != end;
+       from += table.point_step)
+    to = std::copy_n(from, size, to);
   return bytes;
 }
 
@@ -125,15 +110,15 @@ labelWithoutInstance(T value)
 }
 
 void
-takeInstancesOff(PcdTable& table, std::size_t field)
+takeInstancesOff(PcdTable& table, const pcl::PCLPointField& field)
 {
-  if (table.fields[field].count != 1)
+  if (field.count != 1)
     return;
-  std::uint8_t* const first = table.data.data() + offsetOf(table, field);
-  const std::size_t stride = table.pointSize();
-  withTypeOf(table.fields[field], [&](auto zero) {
+  std::uint8_t* const first = table.data.data() + field.offset;
+  const std::size_t stride = table.point_step, points = table.points();
+  withTypeOf(field, [&](auto zero) {
     using T = decltype(zero);
-    for (std::size_t i = 0; i < table.points; ++i) {
+    for (std::size_t i = 0; i < points; ++i) {
       T value;
       std::memcpy(&value, first + i * stride, sizeof(T));
       const T kept = labelWithoutInstance(value);
@@ -146,7 +131,7 @@ takeInstancesOff(PcdTable& table, std::size_t field)
 void
 addLabels(const std::string& path, PcdTable& table)
 {
-  const int found = findLabelField(namesOf(table));
+  const int found = findLabelField(table);
   if (found < 0) {
     if (table.find("probability") < 0)
       doubtOfLookalike(path, "labels",
@@ -157,24 +142,23 @@ addLabels(const std::string& path, PcdTable& table)
                        table);
     return;
   }
-  auto field = std::size_t(found);
-  const std::string name = table.fields[field].name;
+  const std::string name = table.fields[std::size_t(found)].name;
   if (name != "label") {
     const PcdColumn column(table, found);
     if (column.field().count != 1)
       return addDoubt(table, path + ": field '" + name +
                                  "' is not read as labels: they have COUNT 1");
-    for (std::size_t i = 0; i < table.points; ++i)
+    for (std::size_t i = 0; i < table.points(); ++i)
       if (!(std::abs(column(i)) <= 4294967295.0) || column(i) != std::floor(column(i)))
         return addDoubt(table, path + ": field '" + name +
                                    "' is not read as labels: they are whole numbers");
-    PcdField label = table.fields[field];
+    pcl::PCLPointField label = column.field();
     label.name = "label";
-    table.setColumn(label, columnBytes(table, field));
+    const std::vector<std::uint8_t> bytes = columnBytes(table, column.field());
+    table.setColumn(label, bytes.data(), bytes.size());
     table.label_source = name;
-    field = table.fields.size() - 1;
   }
-  takeInstancesOff(table, field);
+  takeInstancesOff(table, table.fields[std::size_t(table.find("label"))]);
 }
 
 // Whether L x points numbers are distributions, or all zero.
@@ -201,7 +185,8 @@ probabilityFields(const PcdTable& table)
 {
   const auto find = [&](const std::string& name) {
     for (std::size_t f = 0; f < table.fields.size(); ++f)
-      if (spelled(table.fields[f].name) == name && table.fields[f].type == 'F')
+      if (spelled(table.fields[f].name) == name &&
+          pcl::getFieldType(table.fields[f].datatype) == 'F')
         return int(f);
     return -1;
   };
@@ -236,11 +221,11 @@ addProbabilities(const std::string& path, PcdTable& table)
   std::vector<PcdColumn> columns;
   for (const int field : fields)
     columns.emplace_back(table, field);
-  const int elements = columns[0].field().count;
+  const int elements = int(columns[0].field().count);
   const std::size_t classes = columns.size() * std::size_t(elements);
   std::vector<float> values;
-  values.reserve(table.points * classes);
-  for (std::size_t i = 0; i < table.points; ++i)
+  values.reserve(table.points() * classes);
+  for (std::size_t i = 0; i < table.points(); ++i)
     for (const PcdColumn& column : columns)
       for (int k = 0; k < elements; ++k)
         values.push_back(float(column(i, k)));
@@ -248,7 +233,7 @@ addProbabilities(const std::string& path, PcdTable& table)
   if (classes > 255 || !areDistributions(values, classes))
     return addDoubt(table, path + ": field '" + name +
                                "' is not read as probabilities: they sum to 1");
-  table.setColumn({"probability", 'F', 4, int(classes)}, bytesOf(values));
+  table.setColumn("probability", values, classes);
 }
 
 // What the numbers of a channel are to be multiplied by to be 0 to 255; nothing if
@@ -268,7 +253,7 @@ scaleOf(const std::array<PcdColumn, 3>& channels, std::size_t points)
       largest = std::max(largest, value);
       are_whole = are_whole && value == std::floor(value);
     }
-  if (channels[0].field().type == 'F' && largest <= 1.0)
+  if (pcl::getFieldType(channels[0].field().datatype) == 'F' && largest <= 1.0)
     return 255.0;
   if (largest <= 255.0)
     return 1.0;
@@ -311,18 +296,18 @@ addColours(const std::string& path, PcdTable& table)
         path, "colour",
         {"red", "green", "blue", "rgb", "rgba", "color", "colour", "colors", "colours"},
         understood, table);
-  const auto scale = scaleOf(*channels, table.points);
+  const auto scale = scaleOf(*channels, table.points());
   if (!scale)
     return addDoubt(table, path + ": field '" + (*channels)[0].field().name +
                                "' is not read as colour; understood are " + understood);
-  std::vector<std::uint8_t> bytes(4 * table.points, 255);
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t i = 0; i < table.points; ++i) {
-      const double value = (*channels)[c](i);
-      bytes[4 * i + 2 - c] = // little-endian
-          std::isnan(value) ? 0 : std::uint8_t(std::lround(value * *scale));
+  std::vector<std::uint32_t> colours(table.points(), 0xFF);
+  for (const PcdColumn& channel : *channels)
+    for (std::size_t i = 0; i < colours.size(); ++i) {
+      const double value = channel(i);
+      colours[i] = colours[i] << 8 |
+                   (std::isnan(value) ? 0u : std::uint8_t(std::lround(value * *scale)));
     }
-  table.setColumn({"rgba", 'U'}, bytes);
+  table.setColumn("rgba", colours);
 }
 
 } // namespace
@@ -335,16 +320,13 @@ addDoubt(PcdTable& table, const std::string& doubt)
 }
 
 int
-findLabelField(const Words& names)
+findLabelField(const pcl::PCLPointCloud2& cloud)
 {
-  const auto index = [&](auto&& isIt) {
-    const auto found = std::find_if(names.begin(), names.end(), isIt);
-    return found == names.end() ? -1 : int(found - names.begin());
-  };
-  int found = index([](const std::string& name) { return name == "label"; });
+  int found = pcl::getFieldIndex(cloud, "label");
   for (const std::string& wanted : labelNames())
-    if (found < 0)
-      found = index([&](const std::string& name) { return spelled(name) == wanted; });
+    for (std::size_t f = 0; f < cloud.fields.size() && found < 0; ++f)
+      if (spelled(cloud.fields[f].name) == wanted)
+        found = int(f);
   return found;
 }
 

@@ -4,15 +4,13 @@
 #include <pcl_semantic/files/cloud_file.h>
 
 #include <string>
-#include <vector>
 
 namespace pcl_semantic {
 
 /** \brief The field of a cloud that holds labels: `label`, or else another spelling of
  * it (doc/formats.md).
- * \param[in] names of the fields
  * \return its index; -1 if there is none */
-int findLabelField(const std::vector<std::string>& names);
+int findLabelField(const pcl::PCLPointCloud2& cloud);
 
 /** \brief Brings what is known of points into the fields that are read: puts `label`,
  * `probability` and `rgba` behind the others where a table has them under other names

@@ -6,6 +6,8 @@
 
 #include <pcl_semantic/files/input_file.h>
 
+#include <pcl/common/io.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -52,7 +54,8 @@ parseElement(std::string_view word, std::uint8_t* bytes)
 }
 
 struct Element {
-  const PcdField* field;
+  const pcl::PCLPointField* field;
+  std::size_t size;
   Outcome (*parse)(std::string_view, std::uint8_t*);
 };
 
@@ -60,11 +63,10 @@ std::vector<Element>
 elementsOf(const PcdTable& table)
 {
   std::vector<Element> elements;
-  for (const PcdField& field : table.fields)
-    elements.insert(elements.end(), std::size_t(field.count),
-                    {&field, withTypeOf(field, [](auto zero) {
-                       return &parseElement<decltype(zero)>;
-                     })});
+  for (const pcl::PCLPointField& field : table.fields)
+    elements.insert(elements.end(), field.count, withTypeOf(field, [&](auto zero) {
+                      return Element{&field, sizeof zero, parseElement<decltype(zero)>};
+                    }));
   return elements;
 }
 
@@ -74,19 +76,19 @@ parsePoint(std::string_view line, const std::vector<Element>& elements,
 {
   std::string_view rest = line;
   for (std::size_t i = 0; i < elements.size(); ++i) {
-    const PcdField& field = *elements[i].field;
+    const auto& [field, size, parse] = elements[i];
     const std::string_view word = takeWord(rest);
     if (word.empty())
       badInput(atLine(path, number), ": has ", i, " number(s), expected ",
                elements.size());
     std::uint8_t bytes[8];
-    const Outcome outcome = elements[i].parse(word, bytes);
+    const Outcome outcome = parse(word, bytes);
     if (outcome != Outcome::done)
       badInput(atLine(path, number), ": ", inQuotes(word),
                outcome == Outcome::no_number ? " is not" : " is too large for",
-               " a number of field ", inQuotes(field.name), ", type ", field.type,
-               " of ", field.size, " bytes");
-    data.insert(data.end(), bytes, bytes + field.size);
+               " a number of field ", inQuotes(field->name), ", type ",
+               pcl::getFieldType(field->datatype), " of ", size, " bytes");
+    data.insert(data.end(), bytes, bytes + size);
   }
   if (!takeWord(rest).empty())
     badInput(atLine(path, number), ": has more than ", elements.size(), " numbers");
@@ -101,19 +103,19 @@ decodeAscii(const std::string& path, const PcdHeader& header, std::string_view f
   const std::size_t possible =
       (file.size() - header.data_offset + 1) / (2 * elements.size());
   std::vector<std::uint8_t> data;
-  data.reserve(std::min(header.table.points, possible) * header.table.pointSize());
+  data.reserve(std::min(header.table.points(), possible) * header.table.point_step);
   std::size_t offset = header.data_offset, points = 0;
   for (int number = header.data_line + 1; offset < file.size(); ++number) {
     const std::string_view line = takeLine(file, offset);
     if (line.find_first_not_of(" \t") == std::string_view::npos)
       continue;
-    if (points++ == header.table.points)
-      badInput(atLine(path, number), ": is beyond the ", header.table.points,
+    if (points++ == header.table.points())
+      badInput(atLine(path, number), ": is beyond the ", header.table.points(),
                " points of the header");
     parsePoint(line, elements, path, number, data);
   }
-  if (points != header.table.points)
-    badInput(path, ": has ", points, " points, expected ", header.table.points);
+  if (points != header.table.points())
+    badInput(path, ": has ", points, " points, expected ", header.table.points());
   return data;
 }
 
@@ -131,11 +133,11 @@ checkBehindData(const std::string& path, std::string_view rest)
 std::size_t
 dataSize(const std::string& path, const PcdTable& table, std::size_t available)
 {
-  const std::size_t size = table.pointSize();
-  if (table.points > available / size)
-    badInput(path, ": holds ", available, " bytes of data, expected ", table.points,
+  const std::size_t points = table.points(), size = table.point_step;
+  if (points > available / size)
+    badInput(path, ": holds ", available, " bytes of data, expected ", points,
              " points of ", size, " bytes");
-  return table.points * size;
+  return points * size;
 }
 
 std::uint32_t
@@ -184,14 +186,12 @@ unpackLzf(std::string_view packed, std::size_t size, std::vector<std::uint8_t>& 
 std::vector<std::uint8_t>
 toRows(const PcdTable& table, const std::vector<std::uint8_t>& columns)
 {
-  const std::size_t row = table.pointSize();
   std::vector<std::uint8_t> rows(columns.size());
   const std::uint8_t* from = columns.data();
-  std::size_t offset = 0;
-  for (const PcdField& field : table.fields) {
-    for (std::size_t i = 0; i < table.points; ++i, from += field.bytes())
-      std::copy_n(from, field.bytes(), rows.data() + i * row + offset);
-    offset += field.bytes();
+  for (const pcl::PCLPointField& field : table.fields) {
+    const std::size_t size = sizeOfField(field), points = table.points();
+    for (std::size_t i = 0; i < points; ++i, from += size)
+      std::copy_n(from, size, rows.data() + i * table.point_step + field.offset);
   }
   return rows;
 }
@@ -212,7 +212,7 @@ decodeCompressed(const std::string& path, const PcdTable& table, std::string_vie
   const std::size_t expected = dataSize(path, table, packed_size * max_expansion);
   if (unpacked_size != expected)
     badInput(path, ": its compressed data are ", unpacked_size,
-             " bytes long, expected ", expected, " for ", table.points, " points");
+             " bytes long, expected ", expected, " for ", table.points(), " points");
   std::vector<std::uint8_t> columns;
   if (!unpackLzf(data.substr(0, packed_size), expected, columns))
     badInput(path, ": its compressed data are damaged");

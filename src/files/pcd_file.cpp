@@ -14,14 +14,35 @@
 
 namespace pcl_semantic {
 
+namespace {
+
+// The fields in their order, without the gaps between them.
+void
+writeRows(std::ostream& stream, const PcdTable& table)
+{
+  std::vector<std::pair<std::size_t, std::size_t>> runs; // offset and size
+  for (const pcl::PCLPointField& field : table.fields)
+    if (!runs.empty() && runs.back().first + runs.back().second == field.offset)
+      runs.back().second += sizeOfField(field);
+    else
+      runs.emplace_back(field.offset, sizeOfField(field));
+  const auto* const first = reinterpret_cast<const char*>(table.data.data());
+  if (runs.size() == 1 && runs[0].second == table.point_step)
+    stream.write(first, std::streamsize(table.data.size()));
+  else
+    for (std::size_t i = 0; i < table.points(); ++i)
+      for (const auto& [offset, size] : runs)
+        stream.write(first + i * table.point_step + offset, std::streamsize(size));
+}
+
+} // namespace
+
 PcdTable
 decodePcd(const std::string& path, std::string_view file)
 {
   PcdHeader header = parsePcdHeader(path, file);
   header.table.data = decodeData(path, header, file);
   header.table.removeColumns(kPadding);
-  if (header.table.fields.empty())
-    badInput(path, ": has no field but padding");
   return std::move(header.table);
 }
 
@@ -38,8 +59,7 @@ writeCloudTable(const std::string& path, const PcdTable& table)
   checkTable(path, table);
   AtomicFile file(path);
   writePcdHeader(file.stream(), table);
-  file.stream().write(reinterpret_cast<const char*>(table.data.data()),
-                      std::streamsize(table.data.size()));
+  writeRows(file.stream(), table);
   file.commit();
 }
 

@@ -6,6 +6,8 @@
 
 #include <pcl_semantic/files/input_file.h>
 
+#include <pcl/common/io.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -163,25 +165,30 @@ private:
     const Words& types = words("TYPE", names.size());
     const Words counts =
         has("COUNT") ? words("COUNT", names.size()) : Words(names.size(), "1");
+    PcdTable& table = header_.table;
     std::set<std::string_view> seen;
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (names[i] == kPadding && counts[i] == "0")
         continue; // PCL writes padding of no bytes between fields that touch
       if (names[i] != kPadding && !seen.insert(names[i]).second)
         refuse("FIELDS", " names ", inQuotes(names[i]), " for the second time");
-      const PcdField field{std::string(names[i]),
-                           types[i].size() == 1 ? types[i][0] : '?',
-                           int(number("SIZE", sizes[i], 1, 8)),
-                           int(number("COUNT", counts[i], 1, kMaxPcdCount))};
-      if (!field.isValid()) // sizes and counts are checked, and words have no blank
+      const int size = int(number("SIZE", sizes[i], 1, 8));
+      const std::size_t count = number("COUNT", counts[i], 1, kMaxPcdCount);
+      const int datatype = pcl::getFieldType(size, types[i][0]);
+      // Sizes and counts are checked, and words have no blank.
+      if (types[i] != std::string(1, pcl::getFieldType(datatype)) ||
+          !isPcdField({std::string(names[i]), 0, std::uint8_t(datatype), 1}))
         refuse("TYPE", ": field ", inQuotes(names[i]), " is ", inQuotes(types[i]),
-               " of ", field.size,
+               " of ", size,
                " bytes, expected a name, F (4 or 8), I or U (1, 2, 4 or 8) or B (1)");
-      header_.table.fields.push_back(field);
+      if (const auto step = table.point_step + std::size_t(size) * count;
+          step > kMaxPcdPointSize)
+        refuse("FIELDS", " make points of ", step, " bytes, expected at most ",
+               kMaxPcdPointSize);
+      table.addField(std::string(names[i]), std::uint8_t(datatype), count);
     }
-    if (header_.table.pointSize() > kMaxPcdPointSize)
-      refuse("FIELDS", " make points of ", header_.table.pointSize(),
-             " bytes, expected at most ", kMaxPcdPointSize);
+    if (seen.empty())
+      badInput(path_, ": has no field but padding");
   }
 
   void
@@ -189,15 +196,14 @@ private:
   {
     constexpr std::size_t most = UINT32_MAX; // so that the product fits 64 bits
     PcdTable& table = header_.table;
-    table.width = number("WIDTH", words("WIDTH", 1)[0], 0, most);
-    table.height = number("HEIGHT", words("HEIGHT", 1)[0], 0, most);
-    table.points = table.width * table.height;
+    table.width = pcl::uindex_t(number("WIDTH", words("WIDTH", 1)[0], 0, most));
+    table.height = pcl::uindex_t(number("HEIGHT", words("HEIGHT", 1)[0], 0, most));
     if (!has("POINTS"))
       return;
     const std::string_view points = words("POINTS", 1)[0];
-    if (number("POINTS", points, 0, SIZE_MAX) != table.points)
+    if (number("POINTS", points, 0, SIZE_MAX) != table.points())
       refuse("POINTS", " is ", inQuotes(points), ", expected WIDTH x HEIGHT, which is ",
-             table.points);
+             table.points());
   }
 
   void
@@ -227,10 +233,10 @@ parsePcdHeader(const std::string& path, std::string_view file)
 void
 writePcdHeader(std::ostream& stream, const PcdTable& table)
 {
-  const auto line = [&](const char* name, auto member) {
+  const auto line = [&](const char* name, auto valueOf) {
     stream << name;
-    for (const PcdField& field : table.fields)
-      stream << ' ' << field.*member;
+    for (const pcl::PCLPointField& field : table.fields)
+      stream << ' ' << valueOf(field);
     stream << '\n';
   };
   stream << "# .PCD v0.7 - Point Cloud Data file format\n";
@@ -242,17 +248,17 @@ writePcdHeader(std::ostream& stream, const PcdTable& table)
     stream << '\n';
   }
   stream << "VERSION 0.7\n";
-  line("FIELDS", &PcdField::name);
-  line("SIZE", &PcdField::size);
-  line("TYPE", &PcdField::type);
-  line("COUNT", &PcdField::count);
-  const bool is_list = table.width == 0 && table.height == 0;
-  stream << "WIDTH " << (is_list ? table.points : table.width) << "\nHEIGHT "
-         << (is_list ? 1 : table.height) << "\nVIEWPOINT";
+  line("FIELDS", [](const auto& field) { return field.name; });
+  line("SIZE", [](const auto& field) { return pcl::getFieldSize(field.datatype); });
+  line("TYPE", [](const auto& field) { return pcl::getFieldType(field.datatype); });
+  line("COUNT", [](const auto& field) { return field.count; });
+  const bool is_nothing = table.width == 0 && table.height == 0;
+  stream << "WIDTH " << table.width << "\nHEIGHT " << (is_nothing ? 1 : table.height)
+         << "\nVIEWPOINT";
   stream.precision(17);
   for (const double value : table.viewpoint)
     stream << ' ' << value;
-  stream << "\nPOINTS " << table.points << "\nDATA binary\n";
+  stream << "\nPOINTS " << table.points() << "\nDATA binary\n";
 }
 
 std::string_view

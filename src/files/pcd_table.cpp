@@ -2,6 +2,8 @@
 #include "pcd_table.h"
 #include "core/fail.h"
 
+#include <pcl/common/io.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -21,157 +23,173 @@ readAs(const std::uint8_t* bytes)
 }
 
 bool
-hasValidFields(const PcdTable& table)
+isWithin(const pcl::PCLPointField& field, std::size_t point_step)
 {
-  std::set<std::string> names;
-  for (const PcdField& field : table.fields)
-    if (!field.isValid() ||
-        (field.name != kPadding && !names.insert(field.name).second))
-      return false;
-  return !table.fields.empty() && table.pointSize() <= kMaxPcdPointSize;
+  return field.offset + sizeOfField(field) <= point_step;
 }
 
 bool
-isOrganizedRight(const PcdTable& table)
+hasAllData(const PcdTable& table)
 {
-  if (table.width == 0 || table.height == 0)
-    return table.points == 0 || (table.width == 0 && table.height == 0);
-  return table.points % table.height == 0 && table.points / table.height == table.width;
+  return table.data.size() == table.points() * table.point_step;
+}
+
+void
+requireBytes(const pcl::PCLPointCloud2& cloud)
+{
+  if (cloud.width == 0 || cloud.height == 0)
+    return;
+  if (cloud.is_bigendian)
+    badParameter("cloud: its bytes are big-endian");
+  const std::size_t row = std::size_t(cloud.width) * cloud.point_step;
+  if (cloud.height > 1 && cloud.row_step < row)
+    badParameter("cloud: row_step is ", cloud.row_step, ", expected at least ", row,
+                 ": ", cloud.width, " points of ", cloud.point_step, " bytes");
+  if (row == 0 ||
+      cloud.data.size() / cloud.height < std::max<std::size_t>(row, cloud.row_step))
+    badParameter("cloud: has ", cloud.data.size(), " bytes for ", cloud.width, " x ",
+                 cloud.height, " points of ", cloud.point_step);
 }
 
 } // namespace
 
-std::size_t
-offsetOf(const PcdTable& table, std::size_t field)
+bool
+isPcdField(const pcl::PCLPointField& field)
 {
-  std::size_t offset = 0;
-  for (std::size_t i = 0; i < field; ++i)
-    offset += table.fields[i].bytes();
-  return offset;
+  const auto is_printed = [](unsigned char c) { return c > ' ' && c != '\x7F'; };
+  return !field.name.empty() &&
+         std::all_of(field.name.begin(), field.name.end(), is_printed) &&
+         field.count >= 1 && field.count <= kMaxPcdCount &&
+         pcl::getFieldSize(field.datatype) > 0;
+}
+
+std::size_t
+sizeOfField(const pcl::PCLPointField& field)
+{
+  return std::size_t(pcl::getFieldSize(field.datatype)) * field.count;
 }
 
 void
 checkTable(const std::string& path, const PcdTable& table)
 {
-  if (!hasValidFields(table) || table.data.size() != table.points * table.pointSize())
+  std::set<std::string> names;
+  bool fits = !table.fields.empty() && hasAllData(table);
+  for (const pcl::PCLPointField& field : table.fields)
+    fits = fits && isPcdField(field) && names.insert(field.name).second &&
+           isWithin(field, table.point_step);
+  if (!fits)
     badParameter(path, ": ", table.data.size(),
-                 " bytes of data do not fit the fields of ", table.points, " points");
-  if (!isOrganizedRight(table))
-    badParameter(path, ": ", table.width, " x ", table.height, " are not ",
-                 table.points, " points");
+                 " bytes of data do not fit the fields of ", table.points(), " points");
   for (const double value : table.viewpoint)
     if (!std::isfinite(value))
       badParameter(path, ": the viewpoint is not finite");
 }
 
-bool
-PcdField::isValid() const
+PcdTable::PcdTable(const pcl::PCLPointCloud2& cloud)
 {
-  const auto is_printed = [](unsigned char c) { return c > ' ' && c != '\x7F'; };
-  if (name.empty() || !std::all_of(name.begin(), name.end(), is_printed) || count < 1 ||
-      count > kMaxPcdCount)
-    return false;
-  switch (type) {
-  case 'F':
-    return size == 4 || size == 8;
-  case 'I':
-  case 'U':
-    return size == 1 || size == 2 || size == 4 || size == 8;
-  default:
-    return type == 'B' && size == 1;
+  requireBytes(cloud);
+  header = cloud.header;
+  is_dense = cloud.is_dense;
+  width = cloud.width;
+  height = cloud.height;
+  std::vector<std::pair<std::size_t, std::size_t>> columns; // offset and size
+  for (pcl::PCLPointField field : cloud.fields) {
+    if (field.name == kPadding)
+      continue;
+    field.count = std::max<pcl::uindex_t>(field.count, 1);
+    if (!isPcdField(field))
+      badParameter("cloud: field '", field.name, "' has type ", int(field.datatype),
+                   " and count ", field.count);
+    if (find(field.name) >= 0)
+      badParameter("cloud: has two fields '", field.name, "'");
+    // Filters that leave no point leave no point_step either.
+    if (points() > 0 && !isWithin(field, cloud.point_step))
+      badParameter("cloud: field '", field.name, "' ends beyond its point");
+    addField(field.name, field.datatype, field.count);
+    columns.emplace_back(field.offset, sizeOfField(field));
   }
-}
-
-std::size_t
-PcdTable::pointSize() const
-{
-  return offsetOf(*this, fields.size());
+  row_step = width * point_step;
+  data.resize(points() * point_step);
+  std::uint8_t* to = data.data();
+  for (std::size_t row = 0; row < height; ++row)
+    for (std::size_t column = 0; column < width; ++column) {
+      const std::uint8_t* const point =
+          cloud.data.data() + row * cloud.row_step + column * cloud.point_step;
+      for (const auto& [offset, size] : columns)
+        to = std::copy_n(point + offset, size, to);
+    }
 }
 
 int
 PcdTable::find(const std::string& name) const
 {
-  for (std::size_t i = 0; i < fields.size(); ++i)
-    if (fields[i].name == name)
-      return static_cast<int>(i);
-  return -1;
+  return pcl::getFieldIndex(*this, name);
 }
 
 void
-PcdTable::setColumn(const PcdField& field, const std::vector<std::uint8_t>& values)
+PcdTable::addField(const std::string& name, std::uint8_t datatype, std::size_t count)
 {
-  const std::size_t inserted = field.bytes(), old_size = pointSize();
-  if (!field.isValid() || values.size() != points * inserted ||
-      data.size() != points * old_size)
-    badParameter("field '", field.name, "': ", values.size(), " bytes do not fit ",
-                 points, " points");
+  fields.push_back({name, point_step, datatype, pcl::uindex_t(count)});
+  if (!isWithin(fields.back(), kMaxPcdPointSize))
+    badParameter("field '", name, "': points have more than ", kMaxPcdPointSize,
+                 " bytes");
+  point_step += pcl::uindex_t(sizeOfField(fields.back()));
+}
+
+void
+PcdTable::setColumn(pcl::PCLPointField field, const void* values, std::size_t bytes)
+{
+  const std::size_t count = points(), size = sizeOfField(field);
   const int found = find(field.name);
   const std::size_t index = found < 0 ? fields.size() : std::size_t(found);
-  const std::size_t offset = offsetOf(*this, index);
-  const std::size_t end = found < 0 ? offset : offset + fields[index].bytes();
-  std::vector<std::uint8_t> rows(points * (old_size - (end - offset) + inserted));
-  std::uint8_t* to = rows.data();
-  for (std::size_t i = 0; i < points; ++i) {
-    const std::uint8_t* const from = data.data() + i * old_size;
-    to = std::copy_n(from, offset, to);
-    to = std::copy_n(values.data() + i * inserted, inserted, to);
-    to = std::copy_n(from + end, old_size - end, to);
+  const bool needs_room = found < 0 || size > sizeOfField(fields[index]);
+  if (!isPcdField(field) || bytes != count * size || !hasAllData(*this) ||
+      (needs_room && point_step + size > kMaxPcdPointSize))
+    badParameter("field '", field.name, "': ", bytes, " bytes do not fit ", count,
+                 " points");
+  field.offset = needs_room ? point_step : fields[index].offset;
+  if (needs_room) {
+    std::vector<std::uint8_t> rows(count * (point_step + size));
+    for (std::size_t i = 0; i < count; ++i)
+      std::copy_n(data.data() + i * point_step, point_step,
+                  rows.data() + i * (point_step + size));
+    data = std::move(rows);
+    point_step += pcl::uindex_t(size);
+    row_step = width * point_step;
   }
-  data = std::move(rows);
-  if (found < 0)
-    fields.push_back(field);
-  else
-    fields[index] = field;
+  fields.resize(std::max(fields.size(), index + 1));
+  fields[index] = field;
+  const auto* const from = static_cast<const std::uint8_t*>(values);
+  for (std::size_t i = 0; i < count; ++i)
+    std::copy_n(from + i * size, size, data.data() + i * point_step + field.offset);
 }
 
 void
 PcdTable::removeColumns(const std::string& name)
 {
-  // In one pass: a hostile header may name thousands of columns.
-  struct Range {
-    std::size_t offset, size;
-  };
-  std::vector<Range> kept;
-  std::size_t offset = 0, new_size = 0;
-  for (const PcdField& field : fields) {
-    if (field.name != name) {
-      kept.push_back({offset, field.bytes()});
-      new_size += field.bytes();
-    }
-    offset += field.bytes();
-  }
-  if (data.size() != points * offset)
-    badParameter(data.size(), " bytes of data do not fit ", points, " points of ",
-                 offset);
-  std::uint8_t* to = data.data();
-  for (std::size_t i = 0; i < points; ++i)
-    for (const Range& range : kept)
-      to = std::copy_n(data.data() + i * offset + range.offset, range.size, to);
-  data.resize(points * new_size);
-  fields.erase(
-      std::remove_if(fields.begin(), fields.end(),
-                     [&](const PcdField& field) { return field.name == name; }),
-      fields.end());
+  const auto is_it = [&](const pcl::PCLPointField& each) { return each.name == name; };
+  fields.erase(std::remove_if(fields.begin(), fields.end(), is_it), fields.end());
 }
 
 PcdColumn::PcdColumn(const PcdTable& table, int field)
 {
   const auto index = static_cast<std::size_t>(field);
-  if (field < 0 || index >= table.fields.size() || !table.fields[index].isValid() ||
-      table.data.size() != table.points * table.pointSize())
+  if (field < 0 || index >= table.fields.size() || !isPcdField(table.fields[index]) ||
+      !isWithin(table.fields[index], table.point_step) || !hasAllData(table))
     badParameter("field ", field, " of ", table.fields.size(),
                  " is not there, or its data");
   field_ = table.fields[index];
-  first_ = table.points == 0 ? nullptr : table.data.data() + offsetOf(table, index);
-  stride_ = table.pointSize();
+  size_ = std::size_t(pcl::getFieldSize(field_.datatype));
+  first_ = table.points() == 0 ? nullptr : table.data.data() + field_.offset;
+  stride_ = table.point_step;
   read_ = withTypeOf(field_, [](auto zero) { return &readAs<decltype(zero)>; });
 }
 
 std::uint32_t
 PcdColumn::bits(std::size_t point) const
 {
-  if (field_.size != 4)
-    badParameter("field '", field_.name, "' has ", field_.size, " bytes, expected 4");
+  if (size_ != 4)
+    badParameter("field '", field_.name, "' has ", size_, " bytes, expected 4");
   std::uint32_t value = 0;
   std::memcpy(&value, at(point, 0), sizeof(value));
   return value;

@@ -3,7 +3,8 @@
 
 #include <pcl_semantic/files/cloud_file.h>
 
-#include <cstddef>
+#include <pcl/conversions.h>
+
 #include <cstdint>
 #include <string>
 
@@ -11,9 +12,6 @@ namespace pcl_semantic {
 
 /** \brief The name of PCL's padding, of which a table may have any number. */
 constexpr const char* kPadding = "_";
-
-/** \brief Of a field in a row [bytes]. */
-std::size_t offsetOf(const PcdTable& table, std::size_t field);
 
 /** \brief Whether a table can be a file: fields of different names that can be, and as
  * many data as they need.
@@ -24,23 +22,44 @@ void checkTable(const std::string& path, const PcdTable& table);
 /** \brief What \a use gives for a zero of the type that a field holds. */
 template <typename Use>
 auto
-withTypeOf(const PcdField& field, Use&& use)
+withTypeOf(const pcl::PCLPointField& field, Use&& use)
 {
-  const bool is_signed = field.type == 'I', is_float = field.type == 'F';
-  switch (field.size) {
-  case 1:
-    return is_signed ? use(std::int8_t()) : use(std::uint8_t());
-  case 2:
-    return is_signed ? use(std::int16_t()) : use(std::uint16_t());
-  case 4:
-    if (is_float)
-      return use(float());
-    return is_signed ? use(std::int32_t()) : use(std::uint32_t());
-  default:
-    if (is_float)
-      return use(double());
-    return is_signed ? use(std::int64_t()) : use(std::uint64_t());
+  using Field = pcl::PCLPointField;
+  switch (field.datatype) {
+  case Field::INT8:
+    return use(std::int8_t());
+  case Field::INT16:
+    return use(std::int16_t());
+  case Field::UINT16:
+    return use(std::uint16_t());
+  case Field::INT32:
+    return use(std::int32_t());
+  case Field::UINT32:
+    return use(std::uint32_t());
+  case Field::INT64:
+    return use(std::int64_t());
+  case Field::UINT64:
+    return use(std::uint64_t());
+  case Field::FLOAT32:
+    return use(float());
+  case Field::FLOAT64:
+    return use(double());
+  default: // UINT8, BOOL
+    return use(std::uint8_t());
   }
+}
+
+/** \brief A cloud of PCL with its viewpoint. */
+template <typename PointT>
+PcdTable
+tableOfPoints(const pcl::PointCloud<PointT>& cloud)
+{
+  PcdTable table;
+  pcl::toPCLPointCloud2(cloud, table);
+  const Eigen::Vector4f& origin = cloud.sensor_origin_;
+  const Eigen::Quaternionf& q = cloud.sensor_orientation_;
+  table.viewpoint = {origin[0], origin[1], origin[2], q.w(), q.x(), q.y(), q.z()};
+  return table;
 }
 
 } // namespace pcl_semantic

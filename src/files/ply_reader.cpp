@@ -17,15 +17,16 @@ namespace {
 
 struct PlyType {
   const char *name, *other_name;
-  char type;
-  int size;
+  std::uint8_t datatype;
 };
 
+using Field = pcl::PCLPointField;
+
 constexpr PlyType kPlyTypes[] = {
-    {"char", "int8", 'I', 1},     {"uchar", "uint8", 'U', 1},
-    {"short", "int16", 'I', 2},   {"ushort", "uint16", 'U', 2},
-    {"int", "int32", 'I', 4},     {"uint", "uint32", 'U', 4},
-    {"float", "float32", 'F', 4}, {"double", "float64", 'F', 8}};
+    {"char", "int8", Field::INT8},        {"uchar", "uint8", Field::UINT8},
+    {"short", "int16", Field::INT16},     {"ushort", "uint16", Field::UINT16},
+    {"int", "int32", Field::INT32},       {"uint", "uint32", Field::UINT32},
+    {"float", "float32", Field::FLOAT32}, {"double", "float64", Field::FLOAT64}};
 
 class PlyHeaderParser {
 public:
@@ -87,7 +88,8 @@ private:
     if (has_vertices_ || !(count >= 0.0 && count <= double(1u << 31)) ||
         count != double(std::size_t(count)))
       refuse("expected one element vertex and its number");
-    header_.table.points = std::size_t(count);
+    header_.table.width = pcl::uindex_t(count);
+    header_.table.height = 1;
     has_vertices_ = true;
   }
 
@@ -100,9 +102,11 @@ private:
       name = "label";
     for (const PlyType& each : kPlyTypes)
       if (type == each.name || type == each.other_name) {
-        header_.table.fields.push_back({name, each.type, each.size});
-        if (!header_.table.fields.back().isValid() || !names_.insert(name).second)
+        if (!isPcdField({name, 0, each.datatype, 1}) || !names_.insert(name).second)
           refuse("property ", inQuotes(name), " has no name, or one that is taken");
+        if (names_.size() > kMaxPcdPointSize / sizeof(double))
+          refuse("too many properties");
+        header_.table.addField(name, each.datatype);
         return;
       }
     refuse("property of type ", inQuotes(type), ", expected a scalar one of vertices");
@@ -129,37 +133,34 @@ withoutOtherElements(const PcdHeader& header, std::string_view file)
 {
   if (header.encoding == PcdEncoding::ascii) {
     std::size_t end = header.data_offset;
-    for (std::size_t i = 0; i < header.table.points && end < file.size(); ++i)
+    for (std::size_t i = 0; i < header.table.points() && end < file.size(); ++i)
       takeLine(file, end);
     return file.substr(0, end);
   }
   const std::size_t available = file.size() - header.data_offset;
-  const std::size_t size = header.table.pointSize();
-  return header.table.points > available / size
-             ? file
-             : file.substr(0, header.data_offset + header.table.points * size);
+  const std::size_t points = header.table.points(), size = header.table.point_step;
+  return points > available / size ? file
+                                   : file.substr(0, header.data_offset + points * size);
 }
 
 // Red, green and blue of their own into PCL's packed colour.
 void
 packColours(PcdTable& table)
 {
-  std::vector<std::uint8_t> bytes(4 * table.points, 255);
-  std::size_t channel = 0; // little-endian
-  for (const char* const name : {"blue", "green", "red"}) {
+  std::vector<std::uint32_t> colours(table.points(), 0xFF);
+  for (const char* const name : {"red", "green", "blue"}) {
     const int field = table.find(name);
     if (field < 0)
       return;
     const PcdColumn column(table, field);
-    if (column.field().type != 'U' || column.field().size != 1)
+    if (column.field().datatype != Field::UINT8)
       return; // it means something else
-    for (std::size_t i = 0; i < table.points; ++i)
-      bytes[4 * i + channel] = std::uint8_t(column(i));
-    ++channel;
+    for (std::size_t i = 0; i < colours.size(); ++i)
+      colours[i] = colours[i] << 8 | std::uint32_t(column(i));
   }
   for (const char* const name : {"red", "green", "blue", "alpha"})
     table.removeColumns(name);
-  table.setColumn({"rgba", 'U'}, bytes);
+  table.setColumn("rgba", colours);
 }
 
 } // namespace
@@ -173,8 +174,6 @@ readPly(const std::string& path)
   PcdHeader header = PlyHeaderParser(path, file).parse();
   header.table.data = decodeData(path, header, withoutOtherElements(header, file));
   packColours(header.table);
-  header.table.width = header.table.points;
-  header.table.height = 1;
   return std::move(header.table);
 }
 

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 
 namespace pcl_semantic {
 
@@ -122,14 +123,6 @@ checkLayout(const std::string& path, const std::vector<std::uint8_t>& bytes,
              "; other columns are named with --scan-columns");
 }
 
-// Leaves out the columns that are passed over.
-void
-dropUnnamed(PcdTable& table)
-{
-  if (table.find(kPadding) >= 0)
-    table.removeColumns(kPadding);
-}
-
 } // namespace
 
 ScanColumns
@@ -148,7 +141,7 @@ parseScanColumns(const std::string& text)
   for (const std::string_view word : splitAt(',', text))
     columns.emplace_back(word);
   for (const std::string& column : columns)
-    if (!PcdField{column}.isValid() ||
+    if (!isPcdField({column, 0, pcl::PCLPointField::FLOAT32, 1}) ||
         (column != kPadding && std::count(columns.begin(), columns.end(), column) > 1))
       badParameter("scan columns '", text, "': ", inQuotes(column),
                    " is no name, or there twice");
@@ -171,10 +164,13 @@ readScanPoints(const std::string& path, const ScanColumns& columns)
                                                  : kitti_columns;
   checkLayout(path, table.data, used, !columns.empty(), table);
   for (const std::string& column : used)
-    table.fields.push_back({column});
-  table.points = table.width = table.data.size() / table.pointSize();
+    table.addField(column, pcl::PCLPointField::FLOAT32);
+  const std::size_t points = table.data.size() / table.point_step;
+  if (points > std::size_t(std::numeric_limits<pcl::index_t>::max()))
+    badInput(path, ": has ", points, " points, more than PCL can index");
+  table.width = pcl::uindex_t(points);
   table.height = 1;
-  dropUnnamed(table);
+  table.removeColumns(kPadding);
   return table;
 }
 
@@ -186,10 +182,11 @@ readScan(const std::string& path, const ScanColumns& columns)
   if (labels.empty())
     return table;
   const std::vector<std::uint8_t> bytes = readBytes(labels);
-  if (bytes.size() != 4 * table.points)
-    badInput(labels, ": has ", bytes.size(), " bytes, expected ", 4 * table.points,
+  if (bytes.size() != 4 * table.points())
+    badInput(labels, ": has ", bytes.size(), " bytes, expected ", 4 * table.points(),
              ": uint32 for each point of ", path);
-  table.setColumn({"label", 'U'}, bytes);
+  table.setColumn({"label", 0, pcl::PCLPointField::UINT32, 1}, bytes.data(),
+                  bytes.size());
   return table;
 }
 

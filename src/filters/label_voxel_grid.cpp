@@ -8,7 +8,6 @@
 #include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/point_cloud2.h>
 
 #include <algorithm>
 #include <array>
@@ -81,9 +80,7 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
     return;
   }
   const LabelFields label_fields(*input_);
-  PcdTable table;
-  fromPCLPointCloud2(*input_, table);
-  const LabelledCloud labelled = labelledCloudOf(std::move(table), "cloud");
+  const LabelledCloud labelled = labelledCloudOf(PcdTable(*input_), "cloud");
   const auto& cloud = *labelled.cloud;
   if (labelled.is_single)
     warnOfSteps("LabelVoxelGrid", doubtOfSteps(cloud, "cloud", labelled.origin));

@@ -5,7 +5,6 @@
 #include "label_fields.h"
 
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/point_cloud2.h>
 
 #include <functional>
 
@@ -40,9 +39,7 @@ SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
   }
   const LabelFields label_fields(*input_);
   const ThreadScope threads(threads_);
-  PcdTable table;
-  fromPCLPointCloud2(*input_, table);
-  LabelledCloud labelled = labelledCloudOf(std::move(table), "cloud");
+  LabelledCloud labelled = labelledCloudOf(PcdTable(*input_), "cloud");
   const bool reads_measurements = !hasMeasurements();
   const bool reads_cliques = usesCliques() && !hasCliqueSource();
   if (reads_measurements && labelled.distributions.classes() == 0)

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace pcl_semantic {
 
@@ -21,14 +22,20 @@ packColour(const std::array<std::uint8_t, 3>& rgb)
 PcdTable
 makeTable(int classes, std::size_t count, VoxelColour colour)
 {
+  using Field = pcl::PCLPointField;
   PcdTable table;
-  table.fields = {{"x"},          {"y"},
-                  {"z"},          {"rgba", 'U'},
-                  {"label", 'U'}, {"probability", 'F', 4, classes},
-                  {"entropy"},    {"observations", 'U'}};
-  if (colour == VoxelColour::none)
-    table.fields.erase(table.fields.begin() + 3);
-  table.points = count;
+  for (const char* const axis : {"x", "y", "z"})
+    table.addField(axis, Field::FLOAT32);
+  if (colour != VoxelColour::none)
+    table.addField("rgba", Field::UINT32);
+  table.addField("label", Field::UINT32);
+  table.addField("probability", Field::FLOAT32, std::size_t(classes));
+  table.addField("entropy", Field::FLOAT32);
+  table.addField("observations", Field::UINT32);
+  if (count > std::numeric_limits<pcl::uindex_t>::max())
+    badParameter("a cloud cannot have ", count, " points");
+  table.width = pcl::uindex_t(count);
+  table.height = 1;
   return table;
 }
 
@@ -51,7 +58,7 @@ VoxelCloudWriter::VoxelCloudWriter(const std::string& path, const LabelSet& labe
   const Eigen::Vector3d corner = Eigen::Vector3d::Zero() - origin; // not -0
   table.voxel_grid = {voxel_size, corner.x(), corner.y(), corner.z()};
   writePcdHeader(file_.stream(), table);
-  row_.resize(table.pointSize());
+  row_.resize(table.point_step);
 }
 
 void

@@ -31,12 +31,12 @@ finitePoints(const std::string& path, const PcdTable& table,
   const PcdColumn x(table, table.find("x")), y(table, table.find("y")),
       z(table, table.find("z"));
   std::size_t zeros = 0;
-  for (std::size_t i = 0; i < table.points; ++i)
+  for (std::size_t i = 0; i < table.points(); ++i)
     zeros += x(i) == 0.0 && y(i) == 0.0 && z(i) == 0.0;
   FinitePoints points;
-  points.positions.reserve(table.points);
-  points.rows.reserve(table.points);
-  for (std::size_t i = 0; i < table.points; ++i) {
+  points.positions.reserve(table.points());
+  points.rows.reserve(table.points());
+  for (std::size_t i = 0; i < table.points(); ++i) {
     const Eigen::Vector3d position(x(i), y(i), z(i));
     if (!position.allFinite() || (zeros > 1 && position.isZero(0.0)))
       continue; // no measurement

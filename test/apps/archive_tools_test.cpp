@@ -89,11 +89,11 @@ TEST_F(StreetArchive, ExportOfEverythingIsTheMap)
 TEST_F(StreetArchive, ExportOfABoxAndOfClasses)
 {
   const PcdTable map = readPcd(output_ + "/map.pcd");
-  const std::size_t size = map.pointSize();
+  const std::size_t size = std::size_t(map.point_step);
   const PcdColumn x(map, 0), y(map, 1), z(map, 2), label(map, map.find("label"));
   const auto chosen = [&](const auto& is_chosen) {
     std::string data;
-    for (std::size_t i = 0; i < map.points; ++i)
+    for (std::size_t i = 0; i < map.points(); ++i)
       if (is_chosen(i))
         data.append(map.data.begin() + long(i * size),
                     map.data.begin() + long((i + 1) * size));

@@ -176,7 +176,7 @@ TEST(CloudTools, OtherFieldsOfALabelledCloudStay)
     EXPECT_EQ((*out.cloud)[i].label, labels[i]);
     EXPECT_EQ(ring(i), double(7 + i));
   }
-  EXPECT_EQ(out.table.fields[0].size, 8);
+  EXPECT_EQ(sizeOfField(out.table.fields[0]), 8u);
 }
 
 TEST_F(Scans, OfAnySensorBecomeTheMapOfTheLibrary)

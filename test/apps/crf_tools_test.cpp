@@ -99,7 +99,8 @@ probabilitiesIn(const std::string& path)
 {
   const PcdTable table = readPcd(path);
   const PcdColumn column(table, table.find("probability"));
-  Eigen::MatrixXf matrix(column.field().count, Eigen::Index(table.points));
+  Eigen::MatrixXf matrix(Eigen::Index(column.field().count),
+                         Eigen::Index(table.points()));
   for (Eigen::Index i = 0; i < matrix.cols(); ++i)
     for (int k = 0; k < int(matrix.rows()); ++k)
       matrix(k, i) = float(column(std::size_t(i), k));
@@ -297,8 +298,8 @@ TEST(CrfTool, RefinesAMapAndItsEntropy)
   const PcdColumn entropy(table, table.find("entropy"));
   LabelDistributions distributions;
   distributions.matrix() = probabilitiesIn(out);
-  EXPECT_GT(table.points, 500u);
-  for (std::size_t i = 0; i < table.points; ++i)
+  EXPECT_GT(table.points(), 500u);
+  for (std::size_t i = 0; i < table.points(); ++i)
     EXPECT_NEAR(entropy(i), double(distributions.entropy(Eigen::Index(i))), 1e-5);
 }
 

@@ -7,7 +7,6 @@
 
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
@@ -22,14 +21,6 @@ namespace {
 // the cubes of supervoxels.
 const Eigen::Vector3d far_away(691200.0, 5334400.0, 384.0);
 const Eigen::Vector3d elsewhere(691000.0, 5336000.0, 300.0);
-
-template <typename T>
-void
-setColumn(PcdTable& table, const PcdField& field, const std::vector<T>& values)
-{
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(values.data());
-  table.setColumn(field, {bytes, bytes + values.size() * sizeof(T)});
-}
 
 // A floor and a wall of two classes, a quarter of whose labels is wrong.
 template <typename T>
@@ -53,16 +44,13 @@ surfaces(const Eigen::Vector3d& shift)
     colours.push_back(is_floor ? 0x905030 : 0x305090);
   }
   PcdTable table;
-  table.points = table.width = x.size();
+  table.width = pcl::uindex_t(x.size());
   table.height = 1;
-  const char* const names[] = {"x", "y", "z"};
-  for (int axis = 0; axis < 3; ++axis)
-    setColumn(table, {names[axis], 'F', int(sizeof(T))},
-              axis == 0   ? x
-              : axis == 1 ? y
-                          : z);
-  setColumn(table, {"rgba", 'U'}, colours);
-  setColumn(table, {"label", 'U'}, labels);
+  table.setColumn("x", x);
+  table.setColumn("y", y);
+  table.setColumn("z", z);
+  table.setColumn("rgba", colours);
+  table.setColumn("label", labels);
   return table;
 }
 
@@ -71,7 +59,7 @@ columnOf(const PcdTable& table, const std::string& name)
 {
   const PcdColumn column(table, table.find(name));
   std::vector<double> values;
-  for (std::size_t i = 0; i < table.points; ++i)
+  for (std::size_t i = 0; i < table.points(); ++i)
     values.push_back(column(i));
   return values;
 }
@@ -102,7 +90,7 @@ TEST(FarClouds, GiveWhatNearOnesGive)
       results.push_back(readCloudTable(output));
     }
     for (const PcdTable& table : results)
-      EXPECT_EQ(table.points, results.back().points) << command;
+      EXPECT_EQ(table.points(), results.back().points()) << command;
     for (const std::size_t other : {0, 1, 3})
       EXPECT_EQ(columnOf(results[other], field), columnOf(results[2], field))
           << command << " " << other;
@@ -124,7 +112,7 @@ TEST(FarClouds, KeepWhatIsNoReturn)
       for (const char* const name : {"x", "y", "z"}) {
         std::vector<double> values = columnOf(table, name);
         std::fill_n(values.begin(), 40, 0.0);
-        setColumn(table, {name, 'F', 8}, values);
+        table.setColumn(name, values);
       }
       writeCloudTable(folder.path("in.pcd"), table);
       std::string words = replaceAll(command, "IN", folder.path("in.pcd"));
@@ -132,7 +120,7 @@ TEST(FarClouds, KeepWhatIsNoReturn)
       const ToolResult result = runTool(words);
       EXPECT_EQ(result.code, 0) << result.text;
       EXPECT_TRUE(holds(result.text, "40 ")) << command << result.text;
-      points.push_back(readCloudTable(folder.path("out.pcd")).points);
+      points.push_back(readCloudTable(folder.path("out.pcd")).points());
     }
     EXPECT_EQ(points[0], points[1]) << command;
   }
@@ -152,7 +140,7 @@ TEST(FarClouds, AreCroppedWhereTheyAre)
       box << (box.str().empty() ? "" : ",") << corner.x() + shift.x() << ","
           << corner.y() + shift.y() << "," << corner.z() + shift.z();
     succeed("cloud " + input + " " + output + " --crop " + box.str());
-    counts.push_back(readCloudTable(output).points);
+    counts.push_back(readCloudTable(output).points());
   }
   EXPECT_GT(counts[0], 200u);
   EXPECT_EQ(counts[0], counts[1]);
@@ -162,21 +150,17 @@ TEST(FarClouds, FiltersOfBlobsTakeThem)
 {
   std::vector<std::vector<double>> labels, thinned;
   for (const Eigen::Vector3d& shift : {Eigen::Vector3d::Zero().eval(), far_away}) {
-    pcl::PCLPointCloud2::Ptr blob(new pcl::PCLPointCloud2);
-    toPCLPointCloud2(surfaces<double>(shift), *blob);
-    pcl::PCLPointCloud2 output;
+    const auto blob = pcl::make_shared<PcdTable>(surfaces<double>(shift));
     PcdTable table;
     SemanticCRF<pcl::PCLPointCloud2> crf;
     crf.setLabelConfidence(0.8, 4);
     crf.setInputCloud(blob);
-    crf.filter(output);
-    fromPCLPointCloud2(output, table);
+    crf.filter(table);
     labels.push_back(columnOf(table, "label"));
     LabelVoxelGrid grid;
     grid.setLeafSize(0.4);
     grid.setInputCloud(blob);
-    grid.filter(output);
-    fromPCLPointCloud2(output, table);
+    grid.filter(table);
     thinned.push_back(columnOf(table, "label"));
   }
   EXPECT_EQ(labels[0], labels[1]);

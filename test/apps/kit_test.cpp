@@ -144,7 +144,7 @@ TEST(Kit, FiguresAreTheSameAsJson)
   EXPECT_EQ(scores, nlohmann::json::parse(bytesOf(folder.path("scores/metrics.json"))));
   const auto crf =
       json("crf " + folder.path("map/map.pcd ") + folder.path("refined.pcd"));
-  EXPECT_EQ(crf["points"], readPcd(folder.path("map/map.pcd")).points);
+  EXPECT_EQ(crf["points"], readPcd(folder.path("map/map.pcd")).points());
   EXPECT_EQ(runTool(evaluate + " --json --row x").code, 2);
   EXPECT_EQ(runTool(evaluate + " --json --header").code, 2);
 }

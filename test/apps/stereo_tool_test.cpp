@@ -51,7 +51,7 @@ TEST(StereoTool, OnePairIsTheCloudOfTheLibrary)
     ASSERT_EQ(table.width, 208u);
     ASSERT_EQ(table.height, 64u);
     const PcdColumn x(table, table.find("x")), z(table, table.find("z"));
-    for (std::size_t i = 0; i < table.points; ++i) {
+    for (std::size_t i = 0; i < table.points(); ++i) {
       const pcl::PointXYZRGB& point = (*expected)[i];
       EXPECT_TRUE(std::isnan(point.x) ? std::isnan(x(i)) && std::isnan(z(i))
                                       : x(i) == point.x && z(i) == point.z);
@@ -69,7 +69,7 @@ TEST(StereoTool, WhatIsFarOrUnsureHasNoDepth)
     const PcdTable table = readPcd(path);
     const PcdColumn z(table, table.find("z"));
     std::vector<double> found;
-    for (std::size_t i = 0; i < table.points; ++i)
+    for (std::size_t i = 0; i < table.points(); ++i)
       if (std::isfinite(z(i)))
         found.push_back(z(i));
     return found;
@@ -91,7 +91,7 @@ TEST(StereoTool, AFolderAtATime)
               folder.path("clouds") + " --disparity " + folder.path("pictures"));
   EXPECT_TRUE(holds(text, "clouds: 3\nwidth: 208\nheight: 64\n"));
   for (const std::string name : {"000000", "000001", "000002"}) {
-    EXPECT_EQ(readPcd(folder.path("clouds/" + name + ".pcd")).points, 208u * 64u);
+    EXPECT_EQ(readPcd(folder.path("clouds/" + name + ".pcd")).points(), 208u * 64u);
     EXPECT_TRUE(std::filesystem::exists(folder.path("pictures/" + name + ".png")));
   }
 }

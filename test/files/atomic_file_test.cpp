@@ -76,9 +76,9 @@ TEST(AtomicFile, EveryWriterLeavesNothingOnAFullDisk)
   LabelledCloud labelled;
   labelled.cloud->resize(10000);
   PcdTable table;
-  table.fields = {{"x"}};
-  table.points = 10000;
-  table.data.resize(40000);
+  table.width = 10000;
+  table.height = 1;
+  table.setColumn("x", std::vector<float>(10000));
   using Write = std::function<void(const std::string& path)>;
   for (const Write& write : std::vector<Write>{
            [&](auto& path) { writePng(path, picture); },

@@ -267,7 +267,7 @@ TEST(LabelledCloudFile, OtherFieldsSurvive)
 
   const PcdTable table = readPcd(folder.path("b.pcd"));
   std::string names;
-  for (const PcdField& field : table.fields)
+  for (const pcl::PCLPointField& field : table.fields)
     names += field.name + " ";
   EXPECT_EQ(names, "time label x y z histogram clique probability ");
   EXPECT_EQ(table.height, 2u);

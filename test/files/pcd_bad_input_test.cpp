@@ -299,5 +299,16 @@ TEST(BadPcd, AHeaderOfAMillionFieldsEnds)
                             " F\nWIDTH 1\nHEIGHT 1\nDATA binary\n" +
                             std::string(300004, 'a');
   const PcdTable table = readPcd(folder.write("a.pcd", bytes));
-  EXPECT_EQ(table.data, std::vector<std::uint8_t>(4, 'a'));
+  ASSERT_EQ(table.fields.size(), 1u);
+  EXPECT_EQ(PcdColumn(table, 0).bits(0), 0x61616161u);
+}
+
+TEST(BadPcd, NothingButPadding)
+{
+  for (const std::string count : {"0", "4"})
+    for (const std::string data : {"ascii", "binary", "binary_compressed"})
+      EXPECT_TRUE(holds(refusal("FIELDS _\nSIZE 1\nTYPE U\nCOUNT " + count +
+                                "\nWIDTH 1\nHEIGHT 1\nDATA " + data + "\n1 2 3 4\n"),
+                        "has no field but padding"))
+          << count << ' ' << data;
 }

@@ -46,10 +46,11 @@ void
 expectSame(const PcdTable& table, const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
 {
   std::string names;
-  for (const PcdField& field : table.fields)
-    names += field.name + field.type + std::to_string(field.size) + " ";
+  for (const pcl::PCLPointField& field : table.fields)
+    names += field.name + pcl::getFieldType(field.datatype) +
+             std::to_string(pcl::getFieldSize(field.datatype)) + " ";
   ASSERT_EQ(names, "xF4 yF4 zF4 rgbaU4 labelU4 ");
-  ASSERT_EQ(table.points, cloud.size());
+  ASSERT_EQ(table.points(), cloud.size());
   EXPECT_EQ(table.width, cloud.width);
   EXPECT_EQ(table.height, cloud.height);
   const PcdColumn x(table, 0), y(table, 1), z(table, 2), rgba(table, 3),
@@ -104,24 +105,29 @@ readValue(const std::string& type, int size, const std::string& value)
       "a.pcd", "FIELDS v\nSIZE " + std::to_string(size) + "\nTYPE " + type +
                    "\nWIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nDATA ascii\n" +
                    value + "\n"));
-  EXPECT_EQ(table.points, 1u);
+  EXPECT_EQ(table.points(), 1u);
   return PcdColumn(table, 0)(0);
 }
 
 // Fields of every type and any bytes.
 PcdTable
-everyType(std::size_t width, std::size_t height)
+everyType()
 {
+  using Field = pcl::PCLPointField;
   PcdTable table;
-  table.fields = {{"a", 'I', 1, 1}, {"b", 'U', 1, 3}, {"c", 'I', 2, 1},
-                  {"d", 'U', 2, 1}, {"e", 'I', 4, 1}, {"f", 'U', 4, 1},
-                  {"g", 'I', 8, 1}, {"h", 'U', 8, 1}, {"i", 'F', 4, 11},
-                  {"j", 'F', 8, 2}, {"k", 'B', 1, 1}};
-  table.points = 12;
-  table.width = width;
-  table.height = height;
+  const std::uint8_t types[] = {Field::INT8,    Field::UINT8,  Field::INT16,
+                                Field::UINT16,  Field::INT32,  Field::UINT32,
+                                Field::INT64,   Field::UINT64, Field::FLOAT32,
+                                Field::FLOAT64, Field::BOOL};
+  for (const std::uint8_t type : types)
+    table.addField(std::string(1, char('a' + table.fields.size())), type,
+                   type == Field::UINT8     ? 3
+                   : type == Field::FLOAT32 ? 11
+                                            : 1);
+  table.width = 4;
+  table.height = 3;
   table.viewpoint = {0.1, -2e6, 3.0, 0.5, 0.5, 0.5, -0.5};
-  table.data.resize(table.points * table.pointSize());
+  table.data.resize(table.points() * table.point_step);
   for (std::size_t i = 0; i < table.data.size(); ++i)
     table.data[i] = std::uint8_t(31 * i);
   return table;
@@ -148,7 +154,7 @@ TEST(ReadPcd, ReadsPclsEmptyClouds)
   for (const std::string& path :
        writeWithPcl(folder, pcl::PointCloud<pcl::PointXYZRGBL>())) {
     const PcdTable table = readPcd(path);
-    EXPECT_EQ(table.points, 0u) << path;
+    EXPECT_EQ(table.points(), 0u) << path;
     EXPECT_EQ(table.fields.size(), 5u) << path;
   }
 }
@@ -185,22 +191,19 @@ TEST(ReadPcd, ReadsCompressedDataOfAllLengths)
 TEST(ReadPcd, ReadsWhatWasWritten)
 {
   const TemporaryFolder folder;
-  for (const auto& [width, height] : {std::pair(4u, 3u), std::pair(0u, 0u)}) {
-    const PcdTable table = everyType(width, height);
-    writeCloudTable(folder.path("a.pcd"), table);
-    const PcdTable read = readPcd(folder.path("a.pcd"));
-    EXPECT_EQ(read.data, table.data);
-    EXPECT_EQ(read.points, 12u);
-    EXPECT_EQ(read.width, width == 4 ? 4u : 12u);
-    EXPECT_EQ(read.height, width == 4 ? 3u : 1u);
-    EXPECT_EQ(read.viewpoint, table.viewpoint);
-    ASSERT_EQ(read.fields.size(), table.fields.size());
-    for (std::size_t i = 0; i < read.fields.size(); ++i) {
-      EXPECT_EQ(read.fields[i].name, table.fields[i].name);
-      EXPECT_EQ(read.fields[i].type, table.fields[i].type);
-      EXPECT_EQ(read.fields[i].size, table.fields[i].size);
-      EXPECT_EQ(read.fields[i].count, table.fields[i].count);
-    }
+  const PcdTable table = everyType();
+  writeCloudTable(folder.path("a.pcd"), table);
+  const PcdTable read = readPcd(folder.path("a.pcd"));
+  EXPECT_EQ(read.data, table.data);
+  EXPECT_EQ(read.width, 4u);
+  EXPECT_EQ(read.height, 3u);
+  EXPECT_EQ(read.viewpoint, table.viewpoint);
+  ASSERT_EQ(read.fields.size(), table.fields.size());
+  for (std::size_t i = 0; i < read.fields.size(); ++i) {
+    EXPECT_EQ(read.fields[i].name, table.fields[i].name);
+    EXPECT_EQ(read.fields[i].offset, table.fields[i].offset);
+    EXPECT_EQ(read.fields[i].datatype, table.fields[i].datatype);
+    EXPECT_EQ(read.fields[i].count, table.fields[i].count);
   }
 }
 
@@ -211,7 +214,7 @@ TEST(ReadPcd, AcceptsWhatEditorsLeaveBehind)
       folder.write("a.pcd", "\xEF\xBB\xBF# a comment\r\n\r\nVERSION .7\r\nTYPE F I\r\n"
                             "  FIELDS x\tn \r\nSIZE 4 2\r\nWIDTH 2\r\nHEIGHT 1\r\n"
                             "DATA ascii\r\n\r\n 1.5\t-3 \r\n+2e3   4\r\n\r\n"));
-  ASSERT_EQ(table.points, 2u);
+  ASSERT_EQ(table.points(), 2u);
   EXPECT_EQ(PcdColumn(table, 0)(0), 1.5);
   EXPECT_EQ(PcdColumn(table, 0)(1), 2000.0);
   EXPECT_EQ(PcdColumn(table, 1)(0), -3.0);
@@ -261,9 +264,7 @@ TEST(WriteCloudTable, PclReadsThePoints)
   std::vector<float> probabilities;
   for (std::size_t i = 0; i < classes * written.size(); ++i)
     probabilities.push_back(0.01f * float(i));
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(probabilities.data());
-  table.setColumn({"probability", 'F', 4, classes},
-                  {bytes, bytes + 4 * probabilities.size()});
+  table.setColumn("probability", probabilities, classes);
   const std::size_t entries = folder.entries();
   writeCloudTable(folder.path("ours.pcd"), table);
   EXPECT_EQ(folder.entries(), entries + 1);
@@ -287,7 +288,9 @@ TEST(WriteCloudTable, AnEmptyCloudIsValid)
 {
   const TemporaryFolder folder;
   PcdTable table;
-  table.fields = {{"x"}, {"label", 'U'}, {"probability", 'F', 4, 11}};
+  table.addField("x", pcl::PCLPointField::FLOAT32);
+  table.addField("label", pcl::PCLPointField::UINT32);
+  table.addField("probability", pcl::PCLPointField::FLOAT32, 11);
   writeCloudTable(folder.path("a.pcd"), table);
   EXPECT_TRUE(holds(bytesOf(folder.path("a.pcd")), "\nPOINTS 0\nDATA binary\n"));
   pcl::PCLPointCloud2 cloud;
@@ -307,9 +310,11 @@ TEST(WriteCloudTable, AnEmptyCloudIsValid)
 TEST(WriteCloudTable, LeavesNothingBehindWhenItFails)
 {
   const TemporaryFolder folder;
-  PcdTable cut = everyType(4, 3);
+  PcdTable cut = everyType(), wide = everyType(), beyond = everyType();
   cut.data.pop_back();
-  for (const PcdTable& table : {cut, PcdTable(), everyType(5, 3)})
+  wide.width = 5;
+  beyond.fields[2].offset = beyond.point_step - 1;
+  for (const PcdTable& table : {cut, wide, beyond, PcdTable()})
     thrownMessage<InvalidParameterException>(
         [&] { writeCloudTable(folder.path("a.pcd"), table); });
   EXPECT_EQ(folder.entries(), 0u);
@@ -336,23 +341,35 @@ TEST(PcdFile, ReadsPaddingOfNoBytes)
 
 TEST(PcdTable, ColumnsAreReplacedAppendedAndRemoved)
 {
+  using Bytes = std::vector<std::uint8_t>;
+  const TemporaryFolder folder;
   PcdTable table;
-  table.fields = {
-      {"a", 'U', 1, 1}, {"_", 'U', 1, 2}, {"b", 'U', 1, 1}, {"_", 'U', 1, 1}};
-  table.points = 2;
-  table.data = {1, 0, 0, 2, 0, 11, 0, 0, 12, 0};
+  for (const char* const name : {"a", "_", "b"})
+    table.addField(name, pcl::PCLPointField::UINT8);
+  table.width = 2;
+  table.height = 1;
+  table.data = {1, 0, 2, 11, 0, 12};
+  const auto written = [&] {
+    writeCloudTable(folder.path("a.pcd"), table);
+    return readPcd(folder.path("a.pcd")).data;
+  };
   table.removeColumns("_");
-  EXPECT_EQ(table.data, (std::vector<std::uint8_t>{1, 2, 11, 12}));
-  table.setColumn({"c", 'U', 1, 2}, {3, 4, 13, 14});
-  EXPECT_EQ(table.data, (std::vector<std::uint8_t>{1, 2, 3, 4, 11, 12, 13, 14}));
-  table.setColumn({"b", 'I', 2, 1}, {5, 0, 15, 0});
-  EXPECT_EQ(table.data, (std::vector<std::uint8_t>{1, 5, 0, 3, 4, 11, 15, 0, 13, 14}));
-  EXPECT_EQ(PcdColumn(table, table.find("b"))(1), 15.0);
+  EXPECT_EQ(written(), (Bytes{1, 2, 11, 12}));
+  table.setColumn("c", Bytes{3, 4, 13, 14}, 2);
+  EXPECT_EQ(written(), (Bytes{1, 2, 3, 4, 11, 12, 13, 14}));
+  table.setColumn("b", std::vector<std::int16_t>{5, 15});
+  EXPECT_EQ(written(), (Bytes{1, 5, 0, 3, 4, 11, 15, 0, 13, 14}));
+  const std::size_t size = table.data.size();
+  table.setColumn("b", Bytes{6, 16});
+  EXPECT_EQ(written(), (Bytes{1, 6, 3, 4, 11, 16, 13, 14}));
+  EXPECT_EQ(table.data.size(), size);
+  EXPECT_EQ(PcdColumn(table, table.find("b"))(1), 16.0);
   EXPECT_EQ(PcdColumn(table, table.find("c"))(1, 1), 14.0);
   EXPECT_EQ(table.find("_"), -1);
-  thrownMessage<InvalidParameterException>([&] {
-    table.setColumn({"d", 'U', 1, 1}, {1, 2, 3});
-  });
+  for (const std::size_t count : {std::size_t(2), kMaxPcdPointSize})
+    thrownMessage<InvalidParameterException>([&] {
+      table.setColumn("d", Bytes{1, 2, 3}, count);
+    });
   thrownMessage<InvalidParameterException>([&] { PcdColumn column(table, -1); });
   thrownMessage<InvalidParameterException>([&] { PcdColumn(table, 0).bits(0); });
 }

@@ -70,7 +70,7 @@ TEST(ScanFile, ReadsNamedColumns)
        {readCloudTable(path, parseScanColumns("x,y,z,intensity,ring")),
         readCloudTable(path, parseScanColumns("5")),
         readCloudTable(folder.path("b.pcd.bin"))}) {
-    ASSERT_EQ(table.points, 40u);
+    ASSERT_EQ(table.points(), 40u);
     EXPECT_EQ(PcdColumn(table, table.find("ring"))(39), 7.0);
     EXPECT_EQ(PcdColumn(table, table.find("z"))(17), double(-1.8f));
     EXPECT_TRUE(table.doubts.empty());
@@ -107,7 +107,7 @@ TEST(ScanFile, RefusesOtherColumnsThanAssumed)
           [&] { readCloudTable(path); }))
           << each.what << " " << points;
       EXPECT_EQ(
-          readCloudTable(path, parseScanColumns(std::to_string(each.columns))).points,
+          readCloudTable(path, parseScanColumns(std::to_string(each.columns))).points(),
           std::size_t(points));
       EXPECT_EQ(readCloudTable(path, parseScanColumns("4")).doubts.size(), 1u);
     }
@@ -140,8 +140,8 @@ TEST(ScanFile, RefusesNegativeIntensitiesAndText)
                    }));
   EXPECT_TRUE(throws<BadInputException>(
       "holds negative intensities, expected float32 x", [&] { readCloudTable(path); }));
-  EXPECT_EQ(readCloudTable(path, parseScanColumns("3")).points, 400u);
-  EXPECT_EQ(readCloudTable(path, {"x", "y", "z", "doppler"}).points, 300u);
+  EXPECT_EQ(readCloudTable(path, parseScanColumns("3")).points(), 400u);
+  EXPECT_EQ(readCloudTable(path, {"x", "y", "z", "doppler"}).points(), 300u);
   std::string text;
   for (int i = 0; i < 64; ++i)
     text += "1.25 2.50 3.75 4\n";
@@ -210,7 +210,7 @@ TEST(ScanFile, TakesScansOfFourColumnsForWhatTheyAre)
       const TemporaryFolder folder;
       const PcdTable table =
           readCloudTable(folder.write("a.bin", scanOf(points, make)));
-      EXPECT_EQ(table.points, std::size_t(points)) << what;
+      EXPECT_EQ(table.points(), std::size_t(points)) << what;
       EXPECT_TRUE(table.doubts.empty()) << what;
     }
 }
@@ -227,9 +227,9 @@ TEST(ScanFile, RealScansAreReadWithoutADoubt)
     }
   const std::string nuscenes = std::string(data) + "/clouds/nuscenes_lidar_top.pcd.bin";
   const PcdTable table = readCloudTable(nuscenes);
-  EXPECT_EQ(table.points, 34688u);
+  EXPECT_EQ(table.points(), 34688u);
   const PcdColumn ring(table, table.find("ring"));
-  for (std::size_t i = 0; i < table.points; ++i)
+  for (std::size_t i = 0; i < table.points(); ++i)
     ASSERT_TRUE(ring(i) >= 0.0 && ring(i) <= 31.0);
   const TemporaryFolder folder;
   fs::copy_file(nuscenes, folder.path("a.bin"));

@@ -6,6 +6,7 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 #include <pcl_semantic/filters/semantic_crf.h>
@@ -21,39 +22,28 @@ using namespace pcl_semantic;
 using Blob = pcl::PCLPointCloud2;
 using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
 
-template <typename T>
-std::vector<std::uint8_t>
-bytesOf(const std::vector<T>& values)
-{
-  std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
-  std::memcpy(bytes.data(), values.data(), bytes.size());
-  return bytes;
-}
-
 // x y z rgba label of a cloud with further fields; `probability` if there are classes.
 Blob::Ptr
 blobOf(const CrfCloud& cloud, bool with_probability)
 {
   Blob typed;
   pcl::toPCLPointCloud2(*cloud.cloud, typed);
-  PcdTable table;
-  fromPCLPointCloud2(typed, table);
+  PcdTable table(typed);
   std::vector<float> intensity;
   std::vector<std::uint32_t> clique;
-  for (std::size_t i = 0; i < table.points; ++i) {
+  for (std::size_t i = 0; i < table.points(); ++i) {
     intensity.push_back(0.5f * float(i));
     clique.push_back(std::uint32_t(i % 40));
   }
-  table.setColumn({"intensity"}, bytesOf(intensity));
-  table.setColumn({"clique", 'U'}, bytesOf(clique));
+  table.setColumn("intensity", intensity);
+  table.setColumn("clique", clique);
   if (with_probability) {
     const auto& matrix = cloud.distributions.matrix();
-    table.setColumn(
-        {"probability", 'F', 4, 4},
-        bytesOf(std::vector<float>(matrix.data(), matrix.data() + matrix.size())));
+    table.setColumn("probability",
+                    std::vector<float>(matrix.data(), matrix.data() + matrix.size()),
+                    4);
   }
-  Blob::Ptr blob(new Blob);
-  toPCLPointCloud2(table, *blob);
+  Blob::Ptr blob(new Blob(table));
   blob->header.frame_id = "lidar";
   blob->header.stamp = 7;
   return blob;
@@ -62,11 +52,10 @@ blobOf(const CrfCloud& cloud, bool with_probability)
 std::vector<double>
 valuesOf(const Blob& blob, const std::string& name, int element = 0)
 {
-  PcdTable table;
-  fromPCLPointCloud2(blob, table);
+  const PcdTable table(blob);
   const PcdColumn column(table, table.find(name));
   std::vector<double> values;
-  for (std::size_t i = 0; i < table.points; ++i)
+  for (std::size_t i = 0; i < table.points(); ++i)
     values.push_back(column(i, element));
   return values;
 }
@@ -301,15 +290,10 @@ TEST(PointCloud2Filters, GiveNothingOfNothing)
       EXPECT_EQ(crf.getLabelDistributions().size(), is_whole ? 400 : 0);
       EXPECT_EQ(crf.getSkippedPoints(), 0u);
     }
-    PcdTable table;
-    fromPCLPointCloud2(*empty, table);
-    EXPECT_EQ(table.points, 0u);
+    const PcdTable table(*empty);
+    EXPECT_EQ(table.points(), 0u);
     EXPECT_EQ(table.fields.size(), empty->fields.size());
     EXPECT_EQ(labelledCloudOf(table, "cloud").cloud->size(), 0u);
-    Blob back;
-    toPCLPointCloud2(table, back);
-    EXPECT_EQ(back.width * back.height, 0u);
-    EXPECT_EQ(back.fields.size(), empty->fields.size());
   }
   VoxelCloud voxels;
   Blob blob;
@@ -367,16 +351,22 @@ TEST(PointCloud2Filters, RowsNeedTheirSize)
 {
   const Blob::Ptr blob = blobOf(labelledCloud(), false);
   const Blob packed = *blob;
-  PcdTable table, expected;
-  fromPCLPointCloud2(packed, expected);
   blob->row_step = 0; // some drivers set none
-  fromPCLPointCloud2(*blob, table);
-  EXPECT_EQ(table.data, expected.data);
+  EXPECT_EQ(PcdTable(*blob).data, PcdTable(packed).data);
   blob->height = 2;
   blob->width = 200;
-  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
-                        [&] { fromPCLPointCloud2(*blob, table); }),
-                    "row_step is 0, expected at least"));
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { PcdTable table(*blob); }),
+            "row_step is 0, expected at least"));
+  Blob nothing; // of so many points that their bytes are 0 in 64 bits
+  nothing.width = nothing.height = 1u << 31;
+  for (const pcl::uindex_t step : {0u, 1u << 31}) {
+    nothing.point_step = nothing.row_step = step;
+    EXPECT_TRUE(holds(
+        thrownMessage<InvalidParameterException>([&] { PcdTable table(nothing); }),
+        "cloud: "))
+        << step;
+  }
 }
 
 // The upper 16 bits of a label are an instance.

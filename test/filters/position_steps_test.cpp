@@ -4,7 +4,6 @@
 #include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
@@ -41,20 +40,17 @@ pcl::PCLPointCloud2
 widened(const Cloud& cloud)
 {
   PcdTable table;
-  table.points = table.width = cloud.size();
+  table.width = pcl::uindex_t(cloud.size());
   table.height = 1;
   const char* const names[] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const pcl::PointXYZRGBL& point : cloud)
       values.push_back(point.data[axis]);
-    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(values.data());
-    table.setColumn({names[axis], 'F', 8}, {bytes, bytes + values.size() * 8});
+    table.setColumn(names[axis], values);
   }
-  table.setColumn({"label", 'U', 1}, std::vector<std::uint8_t>(cloud.size(), 1));
-  pcl::PCLPointCloud2 blob;
-  toPCLPointCloud2(table, blob);
-  return blob;
+  table.setColumn("label", std::vector<std::uint32_t>(cloud.size(), 1));
+  return table;
 }
 
 std::string

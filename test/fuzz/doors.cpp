@@ -129,13 +129,12 @@ readCloud(const std::string& path)
 {
   const LabelledCloud read = readLabelledCloud(path);
   const PcdTable& table = read.table;
-  require(table.data.size() == table.points * table.pointSize() &&
-              table.points == table.width * table.height &&
-              table.points == read.cloud->size(),
+  require(table.data.size() == table.points() * table.point_step &&
+              table.points() == read.cloud->size(),
           "data and points differ");
   for (const pcl::PointXYZRGBL& point : *read.cloud)
     require(point.label <= 255, "a label is beyond 255");
-  requireIndices(read.cliques, table.points);
+  requireIndices(read.cliques, table.points());
 }
 
 void

@@ -6,6 +6,7 @@
 #include <pcl_semantic/core/label_set.h>
 
 #include <Eigen/Geometry>
+#include <pcl/PCLPointCloud2.h>
 #include <pcl/PointIndices.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
@@ -18,59 +19,71 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A field of a point in a `.pcd` file, in PCL's terms. */
-struct PcdField {
-  std::string name; ///< a word
-  char type = 'F';  ///< F float, I signed, U unsigned, B bool
-  int size = 4;     ///< bytes of an element: 1, 2, 4 or 8; floats have 4 or 8, bools 1
-  int count = 1;    ///< elements, up to kMaxPcdCount
-
-  /** \brief Whether name, type, size and count are as said above. */
-  bool isValid() const;
-
-  /** \brief Bytes of it in one point. */
-  std::size_t
-  bytes() const
-  {
-    return std::size_t(size) * std::size_t(count);
-  }
-};
-
 constexpr int kMaxPcdCount = 65536;               ///< elements of a field
 constexpr std::size_t kMaxPcdPointSize = 1 << 20; ///< bytes of a point
 
-/** \brief The points of a `.pcd` file as rows of bytes. */
-struct PcdTable {
-  std::vector<PcdField> fields;
-  std::size_t points = 0;
-  std::size_t width = 0;  ///< of an organized cloud; 0 x 0: a list of points
-  std::size_t height = 0; ///< of an organized cloud; a list read from a file has 1
+/** \brief Whether a `.pcd` file can have a field: its name is a word, it has 1 to
+ * kMaxPcdCount elements of one of PCL's types. */
+bool isPcdField(const pcl::PCLPointField& field);
+
+/** \brief Bytes of a field in one point. */
+std::size_t sizeOfField(const pcl::PCLPointField& field);
+
+/** \brief PCL's cloud of any fields, with what a `.pcd` file says beside it. Points
+ * follow each other, row by row; between their fields there may be gaps. `is_dense` is
+ * false unless it is known to be true. */
+struct PcdTable : pcl::PCLPointCloud2 {
   std::array<double, 7> viewpoint{0, 0, 0, 1, 0, 0, 0}; ///< x y z [m], quaternion w x y
                                                         ///< z of the sensor
   /// Of a map's cloud: edge of a voxel, x y z of the lower corner of voxel 0 [m], in
   /// the header's comment `# voxel_grid`; edge 0 = not said.
   std::array<double, 4> voxel_grid{};
-  std::vector<std::uint8_t> data; ///< points x the sizes of the fields, packed
   /// The field that `label` was made of, where the file has it under another name.
   std::string label_source;
   /// What its reader found doubtful, a line each that names the file: a field that
   /// looks like one that is understood, and is not.
   std::vector<std::string> doubts;
 
-  /** \brief Bytes of one point. */
-  std::size_t pointSize() const;
+  PcdTable() = default;
+
+  /** \brief Copies a cloud of any driver or filter without its padding (fields called
+   * `_`, gaps between fields and rows).
+   * \throws InvalidParameterException if sizes, fields or names do not fit, or the
+   * bytes are big-endian */
+  explicit PcdTable(const pcl::PCLPointCloud2& cloud);
+
+  /** \brief Number of points. */
+  std::size_t
+  points() const
+  {
+    return std::size_t(width) * height;
+  }
 
   /** \brief Index of a field within `fields`; -1 if there is none of that name. */
   int find(const std::string& name) const;
 
+  /** \brief Puts a field behind the others of points that have no data yet.
+   * \throws InvalidParameterException if points are larger than kMaxPcdPointSize */
+  void addField(const std::string& name, std::uint8_t datatype, std::size_t count = 1);
+
   /** \brief Puts a column in the place of the one of the same name or, if there is
    * none, behind the others.
-   * \param[in] values points x size x count bytes, packed
+   * \param[in] field its offset does not matter
+   * \param[in] values of all points, packed \param[in] bytes of them
    * \throws InvalidParameterException if they are another number */
-  void setColumn(const PcdField& field, const std::vector<std::uint8_t>& values);
+  void setColumn(pcl::PCLPointField field, const void* values, std::size_t bytes);
 
-  /** \brief Drops every field of that name.
-   * \throws InvalidParameterException if the data do not fit the fields */
+  /** \brief The same of numbers, \a count a point. */
+  template <typename T>
+  void
+  setColumn(const std::string& name, const std::vector<T>& values,
+            std::size_t count = 1)
+  {
+    setColumn({name, 0, pcl::traits::asEnum_v<T>, pcl::uindex_t(count)}, values.data(),
+              values.size() * sizeof(T));
+  }
+
+  /** \brief Drops every field of that name; its bytes become a gap. */
   void removeColumns(const std::string& name);
 };
 
@@ -82,7 +95,7 @@ public:
    */
   PcdColumn(const PcdTable& table, int field);
 
-  const PcdField&
+  const pcl::PCLPointField&
   field() const
   {
     return field_;
@@ -102,10 +115,11 @@ private:
   const std::uint8_t*
   at(std::size_t point, int element) const
   {
-    return first_ + point * stride_ + std::size_t(element) * std::size_t(field_.size);
+    return first_ + point * stride_ + std::size_t(element) * size_;
   }
 
-  PcdField field_;
+  pcl::PCLPointField field_;
+  std::size_t size_; // of an element
   const std::uint8_t* first_;
   std::size_t stride_;
   double (*read_)(const std::uint8_t* bytes);
@@ -138,7 +152,7 @@ PcdTable readCloudTable(const std::string& path, const ScanColumns& columns = {}
 
 /** \brief Writes a binary `.pcd` (version 0.7), whole or not at all. PCL's own writer
  * leaves an empty file behind when the disk is full.
- * \throws InvalidParameterException if fields, data, width and height do not fit
+ * \throws InvalidParameterException if fields and data do not fit
  * \throws OutputException if it cannot be written */
 void writeCloudTable(const std::string& path, const PcdTable& table);
 
