@@ -222,16 +222,19 @@ decodeCompressed(const std::string& path, const PcdTable& table, std::string_vie
 } // namespace
 
 std::vector<std::uint8_t>
-decodeData(const std::string& path, const PcdHeader& header, std::string_view file)
+decodeData(const std::string& path, const PcdHeader& header,
+           std::vector<std::uint8_t> file)
 {
   if (header.encoding == PcdEncoding::ascii)
-    return decodeAscii(path, header, file);
-  const std::string_view data = file.substr(header.data_offset);
+    return decodeAscii(path, header, textOf(file));
+  const std::string_view data = textOf(file).substr(header.data_offset);
   if (header.encoding == PcdEncoding::binary_compressed)
     return decodeCompressed(path, header.table, data);
   const std::size_t size = dataSize(path, header.table, data.size());
   checkBehindData(path, data.substr(size));
-  return {data.begin(), data.begin() + static_cast<std::ptrdiff_t>(size)};
+  file.erase(file.begin(), file.begin() + std::ptrdiff_t(header.data_offset));
+  file.resize(size);
+  return file;
 }
 
 } // namespace pcl_semantic

@@ -10,10 +10,17 @@
 
 namespace pcl_semantic {
 
-/** \brief The data behind a header in rows of packed fields, padding included. Memory
- * is taken only for what the file can hold.
+/** \brief The bytes of a file as text. */
+inline std::string_view
+textOf(const std::vector<std::uint8_t>& file)
+{
+  return {reinterpret_cast<const char*>(file.data()), file.size()};
+}
+
+/** \brief The data behind a header in rows of fields, padding included. Memory is taken
+ * only for what the file can hold, and none for binary data but that of \a file.
  * \throws BadInputException as readPcd() */
 std::vector<std::uint8_t> decodeData(const std::string& path, const PcdHeader& header,
-                                     std::string_view file);
+                                     std::vector<std::uint8_t> file);
 
 } // namespace pcl_semantic

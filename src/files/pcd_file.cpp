@@ -38,19 +38,13 @@ writeRows(std::ostream& stream, const PcdTable& table)
 } // namespace
 
 PcdTable
-decodePcd(const std::string& path, std::string_view file)
-{
-  PcdHeader header = parsePcdHeader(path, file);
-  header.table.data = decodeData(path, header, file);
-  header.table.removeColumns(kPadding);
-  return std::move(header.table);
-}
-
-PcdTable
 readPcd(const std::string& path)
 {
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  return decodePcd(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  std::vector<std::uint8_t> bytes = readBytes(path);
+  PcdHeader header = parsePcdHeader(path, textOf(bytes));
+  header.table.data = decodeData(path, header, std::move(bytes));
+  header.table.removeColumns(kPadding);
+  return std::move(header.table);
 }
 
 void

@@ -4,7 +4,6 @@
 #include <pcl_semantic/files/cloud_file.h>
 
 #include <string>
-#include <string_view>
 
 namespace pcl_semantic {
 
@@ -20,8 +19,5 @@ namespace pcl_semantic {
  * \throws BadInputException that names the file, the line where there is one, and what
  * was expected */
 PcdTable readPcd(const std::string& path);
-
-/** \brief readPcd() on the bytes of a file. \param[in] path for messages */
-PcdTable decodePcd(const std::string& path, std::string_view file);
 
 } // namespace pcl_semantic

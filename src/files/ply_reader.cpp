@@ -127,20 +127,17 @@ private:
   bool has_format_ = false, has_vertices_ = false, in_vertex_ = false;
 };
 
-// The file without what follows the vertices: faces, mostly.
-std::string_view
-withoutOtherElements(const PcdHeader& header, std::string_view file)
+// Where what follows the vertices begins: faces, mostly.
+std::size_t
+endOfVertices(const PcdHeader& header, std::string_view file)
 {
-  if (header.encoding == PcdEncoding::ascii) {
-    std::size_t end = header.data_offset;
-    for (std::size_t i = 0; i < header.table.points() && end < file.size(); ++i)
-      takeLine(file, end);
-    return file.substr(0, end);
-  }
-  const std::size_t available = file.size() - header.data_offset;
   const std::size_t points = header.table.points(), size = header.table.point_step;
-  return points > available / size ? file
-                                   : file.substr(0, header.data_offset + points * size);
+  std::size_t end = header.data_offset;
+  if (header.encoding == PcdEncoding::binary)
+    return points > (file.size() - end) / size ? file.size() : end + points * size;
+  for (std::size_t i = 0; i < points && end < file.size(); ++i)
+    takeLine(file, end);
+  return end;
 }
 
 // Red, green and blue of their own into PCL's packed colour.
@@ -168,11 +165,10 @@ packColours(PcdTable& table)
 PcdTable
 readPly(const std::string& path)
 {
-  const std::vector<std::uint8_t> bytes = readBytes(path);
-  const std::string_view file(reinterpret_cast<const char*>(bytes.data()),
-                              bytes.size());
-  PcdHeader header = PlyHeaderParser(path, file).parse();
-  header.table.data = decodeData(path, header, withoutOtherElements(header, file));
+  std::vector<std::uint8_t> bytes = readBytes(path);
+  PcdHeader header = PlyHeaderParser(path, textOf(bytes)).parse();
+  bytes.resize(endOfVertices(header, textOf(bytes)));
+  header.table.data = decodeData(path, header, std::move(bytes));
   packColours(header.table);
   return std::move(header.table);
 }
