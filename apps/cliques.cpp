@@ -178,13 +178,10 @@ setFrame(const CliqueFrame& frame, const std::string& name, const LabelledCloud&
     fail<BadInputException>(frame.path, ": superpixels need an organized cloud");
   const auto cloud = std::make_shared<CliqueGenerator::Cloud>();
   pcl::copyPointCloud(*read.cloud, *cloud);
-  Eigen::Isometry3d T_map_camera;
-  if (frame.pose.empty())
-    T_map_camera = viewpointOf(read.table, frame.path);
-  else {
-    T_map_camera = poseOf(frame.pose, frame.calibration);
-    T_map_camera.pretranslate(-frame.map_origin);
-  }
+  Eigen::Isometry3d T_map_camera = frame.pose.empty()
+                                       ? viewpointOf(read.table, frame.path)
+                                       : poseOf(frame.pose, frame.calibration);
+  T_map_camera.pretranslate(-frame.map_origin);
   std::vector<VoxelIndex> voxels;
   for (const pcl::PointXYZRGBL& point : *map.cloud) {
     const Eigen::Vector3d position = point.getVector3fMap().cast<double>() + map.origin;
@@ -236,7 +233,6 @@ group(const Arguments& arguments)
     fail<BadInputException>(arguments.input, ": this method needs rgb or rgba",
                             textOfDoubts(read.table.doubts, arguments.input));
   warnOf(read.table.doubts);
-  warnOfSteps(arguments.input, read);
   warnOfNoReturns(arguments.input, countNoReturns(*read.cloud));
   if (read.cloud->empty())
     warn(arguments.input + ": no point is left");

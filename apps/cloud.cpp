@@ -95,7 +95,6 @@ public:
                                           mapping_ ? &*mapping_ : nullptr);
     const pcl::Indices kept = keptPoints(cloud);
     warnOf(cloud.table.doubts);
-    warnOfSteps(arguments_.input, cloud);
     warnOfNoReturns(arguments_.input, countNoReturns(*cloud.cloud));
     for (pcl::PointXYZRGBL& point : *cloud.cloud)
       point.label = relabelled_[point.label];

@@ -2,8 +2,6 @@
 #include "cloud_doubts.h"
 #include "messages.h"
 
-#include <pcl_semantic/core/position_steps.h>
-
 #include <boost/algorithm/string/predicate.hpp>
 
 #include <exception>
@@ -39,16 +37,6 @@ textOfDoubts(const std::vector<std::string>& doubts, const std::string& path)
     text += "; " +
             (doubt.rfind(path + ": ", 0) == 0 ? doubt.substr(path.size() + 2) : doubt);
   return text;
-}
-
-void
-warnOfSteps(const std::string& path, const LabelledCloud& labelled)
-{
-  if (!labelled.is_single)
-    return;
-  const std::string doubt = doubtOfSteps(*labelled.cloud, path, labelled.origin);
-  if (!doubt.empty())
-    warn(doubt);
 }
 
 void

@@ -32,10 +32,6 @@ const LabelMapping& anyLabels();
 std::string textOfDoubts(const std::vector<std::string>& doubts,
                          const std::string& path);
 
-/** \brief Warns of positions that single precision has spoilt, see doubtOfSteps().
- * \param[in] path of the cloud, before it is changed */
-void warnOfSteps(const std::string& path, const LabelledCloud& labelled);
-
 /** \brief Warns of points at exactly 0 0 0, which countNoReturns() counts.
  * \param[in] path of the cloud \param[in] count 0 = nothing is said */
 void warnOfNoReturns(const std::string& path, std::size_t count);

@@ -298,7 +298,6 @@ refine(const Arguments& arguments)
       readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr,
                         columnsOf(arguments.scan_columns));
   const std::size_t no_returns = countNoReturns(*cloud.cloud);
-  warnOfSteps(arguments.input, cloud);
   const Results report = filter(arguments, cloud);
   warnOf(cloud.table.doubts);
   warnOfNoReturns(arguments.input, no_returns);

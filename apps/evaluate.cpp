@@ -226,6 +226,17 @@ compareFolders(const Options& options, std::size_t number,
   }
 }
 
+void
+warnIfEmpty(const std::vector<ConfusionMatrix>& confusions)
+{
+  for (const ConfusionMatrix& confusion : confusions)
+    for (int t = 1; t <= confusion.classes(); ++t)
+      for (int p = 0; p <= confusion.classes(); ++p)
+        if (confusion(Label(t), Label(p)) > 0)
+          return;
+  warn("no label of the ground truth is a class: there is nothing to compare with");
+}
+
 // Labels that agree one class apart count from 0 on one side.
 void
 warnOfNumbers(const ConfusionMatrix& confusion)
@@ -304,6 +315,7 @@ evaluate(const Options& options)
                                      ConfusionMatrix(label_set.size()));
   for (std::size_t i = 0; i < options.truths.size(); ++i)
     compareFolders(options, i, ranges, label_set, mapping, total);
+  warnIfEmpty(total);
   for (const ConfusionMatrix& confusion : total)
     warnOfNumbers(confusion);
   if (options.header)

@@ -211,7 +211,6 @@ public:
       const PinholeCamera camera = readPinholeCamera(images.files.calibration);
       warnOf(camera.doubts);
       images_.emplace(images.files.left, camera);
-      warnOf(doubtsOf(images_->camera()));
     }
     else {
       const KittiSequence kitti(images.folder);
@@ -223,6 +222,7 @@ public:
         T_camera_sensor_ =
             kitti.T_camera0_camera().inverse() * kitti.T_camera0_velodyne();
     }
+    warnOf(doubtsOf(images_->camera()));
     if (!sensor_pose.empty())
       T_camera_sensor_ = readSensorPose(sensor_pose);
     const double distance = T_camera_sensor_.translation().norm();

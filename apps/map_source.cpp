@@ -425,8 +425,13 @@ private:
   void
   warnOfViewpoint(const CloudFrame& frame, const std::string& path)
   {
-    if (told_of_viewpoint_ ||
-        frame.viewpoint.matrix() == Eigen::Matrix4d::Identity()) // what most files say
+    const bool is_default = // what most files say
+        frame.viewpoint.matrix() == Eigen::Matrix4d::Identity();
+    default_viewpoints_ += is_default;
+    if (arguments_.poses == "viewpoint" && default_viewpoints_ == 2)
+      warn(path + ": the VIEWPOINT of a second cloud is the default, 0 0 0 1 0 0 0: do "
+                  "the files state poses?");
+    if (told_of_viewpoint_ || is_default || !frame.viewpoint.matrix().allFinite())
       return;
     if (!own_poses_)
       own_poses_ = statedPoses();
@@ -512,6 +517,7 @@ private:
   std::optional<LabelMapping> mapping_;
   CloudSequence clouds_;
   bool told_of_labels_ = false; // a cloud had none
+  int default_viewpoints_ = 0;
   bool told_of_viewpoint_ = false;
   std::unique_ptr<PoseSource> own_poses_; // to compare viewpoints with
   bool told_of_doubts_ = false;           // of the first cloud that had some

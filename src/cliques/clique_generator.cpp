@@ -36,7 +36,7 @@ void
 CliqueGenerator::judgeSteps(const std::string& generator, const Cloud& cloud) const
 {
   if (judges_steps_)
-    warnOfSteps(generator, doubtOfSteps(cloud, "cloud"));
+    warnOfDoubt(generator, doubtOfSteps(cloud, "cloud"));
 }
 
 } // namespace pcl_semantic

@@ -59,7 +59,7 @@ doubtOfSteps(const Eigen::Matrix3Xf& positions, const Eigen::Vector3d& origin,
 }
 
 void
-warnOfSteps(const std::string& filter, const std::string& doubt)
+warnOfDoubt(const std::string& filter, const std::string& doubt)
 {
   if (!doubt.empty())
     PCL_WARN("[pcl_semantic::%s] %s\n", filter.c_str(), doubt.c_str());

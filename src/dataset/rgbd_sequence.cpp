@@ -106,7 +106,7 @@ doubtOfScale(double median, double scale)
 
 RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camera,
                            double depth_scale)
-    : camera_doubts_(camera.doubts), depth_scale_(depth_scale)
+    : doubts_(camera.doubts), depth_scale_(depth_scale)
 {
   camera.validate();
   requireScale(depth_scale);
@@ -153,12 +153,16 @@ RgbdSequence::findFolders(const std::string& folder)
       fail<BadInputException>(depth, ": is missing, the depth image of ", colour);
     frames_.push_back({name, colour, depth, 0.1 * double(frames_.size())});
   }
+  const std::size_t depths = findFiles(folder + "/depth", imageExtensions()).size();
+  if (depths > frames_.size())
+    doubts_.push_back(folder + "/depth: " + std::to_string(depths - frames_.size()) +
+                      " of its images have no colour image in rgb and are left out");
 }
 
 std::vector<std::string>
 RgbdSequence::doubts() const
 {
-  std::vector<std::string> doubts = camera_doubts_;
+  std::vector<std::string> doubts = doubts_;
   for (const Files& files : frames_)
     if (const auto median = medianOf(readPng(files.depth, ImageKind::disparity))) {
       const std::string doubt = doubtOfScale(*median, depth_scale_);

@@ -12,6 +12,7 @@
 
 #include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/no_return.h>
+#include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/input_file.h>
 
@@ -84,7 +85,7 @@ cliquesOfColumn(const std::string& path, const PcdTable& table, const Cloud& clo
   std::vector<std::pair<std::uint32_t, pcl::index_t>> members; // clique, point
   for (std::size_t i = 0; i < table.points(); ++i) {
     const std::uint32_t number =
-        column.wholeNumber(i, std::numeric_limits<std::uint32_t>::max());
+        column.wholeNumber(i, std::numeric_limits<std::uint32_t>::max() - 1); // no -1
     if (number != 0 && pcl::isXYZFinite(cloud[i]))
       members.emplace_back(number, static_cast<pcl::index_t>(i));
   }
@@ -162,6 +163,11 @@ private:
     }
     if (has_doubles)
       takeOriginOff();
+    if (!result_.is_single)
+      return;
+    const std::string doubt = doubtOfSteps(cloud_, path_, result_.origin);
+    if (!doubt.empty())
+      result_.table.doubts.push_back(doubt);
   }
 
   void

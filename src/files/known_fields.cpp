@@ -210,6 +210,22 @@ probabilityFields(const PcdTable& table)
   return {};
 }
 
+// A numbered field behind the last of those that were found; empty if there is none.
+std::string
+fieldBehindGap(const PcdTable& table, const std::vector<int>& fields)
+{
+  const std::string last = table.fields[std::size_t(fields.back())].name;
+  const std::size_t digits = last.find_last_not_of("0123456789") + 1;
+  if (fields.size() < 2)
+    return "";
+  const int largest = std::stoi(last.substr(digits));
+  for (int k = largest + 2; k < largest + 256; ++k)
+    for (const pcl::PCLPointField& field : table.fields)
+      if (field.name == last.substr(0, digits) + std::to_string(k))
+        return field.name;
+  return "";
+}
+
 void
 addProbabilities(const std::string& path, PcdTable& table)
 {
@@ -230,9 +246,15 @@ addProbabilities(const std::string& path, PcdTable& table)
       for (int k = 0; k < elements; ++k)
         values.push_back(float(column(i, k)));
   const std::string name = columns[0].field().name;
+  const std::string behind = fieldBehindGap(table, fields);
+  if (!behind.empty())
+    return addDoubt(table, path + ": field '" + name +
+                               "' and those that follow are not read as "
+                               "probabilities: between them and '" +
+                               behind + "' a number is missing");
   if (classes > 255 || !areDistributions(values, classes))
     return addDoubt(table, path + ": field '" + name +
-                               "' is not read as probabilities: they sum to 1");
+                               "' is not read as probabilities: they do not sum to 1");
   table.setColumn("probability", values, classes);
 }
 
@@ -264,8 +286,8 @@ scaleOf(const std::array<PcdColumn, 3>& channels, std::size_t points)
 std::optional<std::array<PcdColumn, 3>>
 colourChannels(const PcdTable& table)
 {
-  constexpr std::array<std::array<const char*, 3>, 2> words = {
-      {{"red", "green", "blue"}, {"r", "g", "b"}}};
+  constexpr std::array<std::array<const char*, 3>, 3> words = {
+      {{"red", "green", "blue"}, {"r", "g", "b"}, {"rf", "gf", "bf"}}};
   for (const auto& channels : words)
     for (const std::string prefix :
          {"", "diffuse_", "color_", "colour_", "vertex_", "rgb_"}) {
@@ -292,10 +314,10 @@ addColours(const std::string& path, PcdTable& table)
   const std::string understood = "rgb or rgba of four bytes, red green blue or r g b "
                                  "(0 to 255, 0 to 65535, or floats 0 to 1)";
   if (!channels)
-    return doubtOfLookalike(
-        path, "colour",
-        {"red", "green", "blue", "rgb", "rgba", "color", "colour", "colors", "colours"},
-        understood, table);
+    return doubtOfLookalike(path, "colour",
+                            {"red", "green", "blue", "rgb", "rgba", "bgr", "bgra",
+                             "hsv", "color", "colour", "colors", "colours"},
+                            understood, table);
   const auto scale = scaleOf(*channels, table.points());
   if (!scale)
     return addDoubt(table, path + ": field '" + (*channels)[0].field().name +

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ply_reader.h"
+#include "known_fields.h"
 #include "pcd_data.h"
 #include "pcd_header.h"
 
@@ -50,6 +51,8 @@ public:
         parseFormat(line);
       else if (keyword == "element")
         parseElement(line);
+      else if (keyword == "comment")
+        parseComment(line);
       else if (keyword == "property" && in_vertex_)
         parseProperty(line);
     }
@@ -73,6 +76,17 @@ private:
              ", expected ascii or binary_little_endian");
     header_.encoding = format == "ascii" ? PcdEncoding::ascii : PcdEncoding::binary;
     has_format_ = true;
+  }
+
+  // Ours say where their coordinates begin, see writePly().
+  void
+  parseComment(std::string_view line)
+  {
+    if (takeWord(line) == "origin" && line.find_first_of("123456789") < line.size())
+      addDoubt(header_.table, path_ +
+                                  ": its points are relative to an origin (comment "
+                                  "'origin" +
+                                  std::string(line) + "'), which is not added");
   }
 
   void

@@ -213,7 +213,7 @@ CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
 {
   const std::size_t count = fields.labels.size();
   if (judges_steps_ && fields.is_single && voxels_.empty())
-    warnOfSteps("SemanticCRF", doubtOfSteps(fields.positions, fields.origin, "cloud"));
+    warnOfDoubt("SemanticCRF", doubtOfSteps(fields.positions, fields.origin, "cloud"));
   if (!use_colour_)
     fields.colours.resize(3, 0);
   if (!voxels_.empty())

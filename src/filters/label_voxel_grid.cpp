@@ -82,8 +82,8 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
   const LabelFields label_fields(*input_);
   const LabelledCloud labelled = labelledCloudOf(PcdTable(*input_), "cloud");
   const auto& cloud = *labelled.cloud;
-  if (labelled.is_single)
-    warnOfSteps("LabelVoxelGrid", doubtOfSteps(cloud, "cloud", labelled.origin));
+  for (const std::string& doubt : labelled.table.doubts)
+    warnOfDoubt("LabelVoxelGrid", doubt);
   const PlaceTest has_place(cloud);
   const CloudPositions positions(labelled);
   std::vector<Member> members;

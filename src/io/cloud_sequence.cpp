@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <optional>
 
 namespace pcl_semantic {
@@ -114,7 +115,11 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
   if (doubts)
     *doubts = read.table.doubts;
   CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};
-  frame.viewpoint = viewpointOf(read.table, path(i));
+  const Eigen::Map<const Eigen::Vector4d> turn(read.table.viewpoint.data() + 3);
+  if (turn.norm() > 1e-6)
+    frame.viewpoint = viewpointOf(read.table, path(i));
+  else // as some write who have no pose
+    frame.viewpoint.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
   pcl::copyPointCloud(*read.cloud, *frame.cloud);
   frame.distributions = distributionsOf(read, path(i), classes, confidence);

@@ -111,8 +111,8 @@ classColours(const VoxelScene& scene, const LabelSet& label_set)
   std::array<std::size_t, 256> counts{};
   for (const Label label : labelsOf(scene)) {
     if (label > label_set.size())
-      badParameter("label ", int(label), " is beyond the ", label_set.size(),
-                   " classes of the label set");
+      badInput("label ", int(label), " is beyond the ", label_set.size(),
+               " classes of the label set");
     ++counts[label];
     result.colours.push_back(solidColour(label_set, label));
   }

@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "map/block_reader.h"
 
+#include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/map/voxel_set.h>
 
@@ -221,6 +222,8 @@ sceneOf(const SemanticVoxelMap& map, bool with_free)
   scene.origin = map.cloudOrigin();
   // Cube 0 begins at the world's origin, the points are relative to that of the map.
   scene.grid = {scene.voxels.voxel_size, -scene.origin};
+  if (std::string doubt = doubtOfSteps(*scene.voxels.cloud, "the map"); !doubt.empty())
+    scene.doubts.push_back(std::move(doubt));
   scene.voxels.origin = scene.grid.corner;
   if (!with_free)
     return scene;

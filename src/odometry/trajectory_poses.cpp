@@ -127,6 +127,9 @@ ViewpointPoses::pose(const SensorFrame& frame)
   const auto* const cloud = std::get_if<CloudFrame>(&frame);
   if (!cloud)
     badParameter("a pair of images brings no pose, as clouds do");
+  if (!cloud->viewpoint.matrix().allFinite())
+    badInput("frame ", cloud->number,
+             ": VIEWPOINT has the quaternion 0 0 0 0, expected one of length 1");
   return cloud->viewpoint;
 }
 

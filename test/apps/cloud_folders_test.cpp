@@ -101,7 +101,7 @@ TEST_F(CloudFolders, PosesThatAreNoneAreRefused)
   writeCloud(folder_.path("clouds/0.pcd"), "0 0 0 0 0 0 0");
   const ToolResult result = map("viewpoint");
   EXPECT_EQ(result.code, 3);
-  EXPECT_TRUE(holds(result.text, "0.pcd: VIEWPOINT has the quaternion 0 0 0 0"));
+  EXPECT_TRUE(holds(result.text, "frame 0: VIEWPOINT has the quaternion 0 0 0 0"));
   expectFails({"images", 2, "--poses viewpoint is for --clouds",
                "--labels STREET/labels --poses viewpoint"});
   expectFails({"submaps", 2, "--poses viewpoint and --submap-every",

@@ -34,6 +34,6 @@ doubtOfSteps(const pcl::PointCloud<PointT>& cloud, const std::string& name,
 
 /** \brief Prints a doubt as filters of PCL do: PCL_WARN. \param[in] filter its name
  * \param[in] doubt empty = nothing is printed */
-void warnOfSteps(const std::string& filter, const std::string& doubt);
+void warnOfDoubt(const std::string& filter, const std::string& doubt);
 
 } // namespace pcl_semantic

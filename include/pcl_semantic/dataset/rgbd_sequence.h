@@ -83,7 +83,7 @@ private:
   void findFolders(const std::string& folder);
 
   StereoCamera camera_;
-  std::vector<std::string> camera_doubts_;
+  std::vector<std::string> doubts_;
   double depth_scale_;
   std::vector<Files> frames_;
 };
