@@ -164,6 +164,13 @@ TEST_F(CliquesTool, SuperpixelsOfAFrameAtItsPose)
   moved.pretranslate(-origin);
   succeed(tool + " --pose " + path("map/trajectory.txt") + ":1 --map-origin -3,1,0.5");
   EXPECT_TRUE(cliquesIn(path("out.pcd")) == superpixels(moved));
+  const Cliques of_viewpoint = [&] {
+    succeed("cliques " + map() + " " + path("out.pcd") +
+            " --method superpixel:40 --frame " + path("viewed.pcd") +
+            " --map-origin -3,1,0.5");
+    return cliquesIn(path("out.pcd"));
+  }();
+  EXPECT_TRUE(of_viewpoint == superpixels(moved));
 }
 
 TEST_F(CliquesTool, ColoursTellCliquesApart)

@@ -172,6 +172,10 @@ TEST(KnownFields, ReadsColoursOfAnyForm)
             "255 128 0",
             "1 1 1",
             0xFF8000},
+           {{{"Rf", "float"}, {"Gf", "float"}, {"Bf", "float"}}, // CloudCompare
+            "1 0.5019608 0",
+            "0 0 0",
+            0xFF8000},
            {{{"scalar_R", "float"}, {"scalar_G", "float"}, {"scalar_B", "float"}},
             "255 128 0",
             "1 1 1",
@@ -185,13 +189,14 @@ TEST(KnownFields, ReadsColoursOfAnyForm)
                       return cloud.table.find(name) >= 0;
                     };
                     EXPECT_TRUE(each.fields[0].type == "uchar" || has("red") ||
-                                has("scalar_R") || has("scalar_r"))
+                                has("scalar_R") || has("scalar_r") || has("Rf") || has("rf"))
                         << "the fields of the file stay";
                   });
   for (const Case& each :
        std::vector<Case>{{red_green_blue("float"), "-1 0 0", "0 0 0", 0},
                          {red_green_blue("float"), "300.5 0 0", "0 0 0", 0},
                          {{{"red", "uchar"}, {"green", "uchar"}}, "1 2", "1 2", 0},
+                         {{{"bgr", "uint"}}, "1", "1", 0},
                          {{{"colour_of_paint", "uint"}}, "1", "1", 0}})
     inBothFormats(each.fields, each.first, each.second,
                   [&](const LabelledCloud& cloud) {
@@ -217,6 +222,13 @@ TEST(KnownFields, ReadsProbabilitiesOfOneFieldAClass)
         EXPECT_EQ(cloud.distributions.classes(), 0);
         ASSERT_EQ(cloud.table.doubts.size(), 1u);
         EXPECT_TRUE(holds(cloud.table.doubts[0], "is not read as probabilities"));
+      });
+      Fields with_gap = fields;
+      with_gap.push_back({name + std::to_string(first + 3), "float"});
+      inBothFormats(with_gap, "0.25 0.75 0", "1 0 0", [&](const LabelledCloud& cloud) {
+        EXPECT_EQ(cloud.distributions.classes(), 0);
+        ASSERT_EQ(cloud.table.doubts.size(), 1u);
+        EXPECT_TRUE(holds(cloud.table.doubts[0], "a number is missing"));
       });
     }
 }
