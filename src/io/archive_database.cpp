@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint32_t kVersion = 2; // 2: positions of hits
+constexpr std::int64_t kVersion = 2; // 2: positions of hits
 
 constexpr std::size_t kMaxMeta = 1 << 24;
 constexpr std::size_t kMaxFrame = 1 << 16;
@@ -168,7 +168,7 @@ ArchiveDatabase::ArchiveDatabase(const std::string& path)
     : database_(path, Access::create)
 {
   database_.run("PRAGMA page_size = 4096; BEGIN IMMEDIATE; " +
-                SqliteDatabase::markingAs(FileMark::whole) +
+                SqliteDatabase::markingAs({FileMark::whole}) +
                 "; PRAGMA user_version = " + std::to_string(kVersion));
   for (const std::string& table : tables)
     database_.run(table);
@@ -197,9 +197,10 @@ void
 ArchiveDatabase::checkTables()
 {
   const FileMark mark = database_.mark();
-  if (!mark.isOurs())
+  if (!mark.is(FileMark::whole) && !mark.is(FileMark::old_log) &&
+      !mark.is(FileMark::logged) && !mark.is(FileMark::with_log))
     badInput(path(), ": is no map archive");
-  const std::uint32_t version = mark.format();
+  const std::int64_t version = database_.number("PRAGMA user_version");
   if (version > kVersion || version == 1)
     badInput(path(), ": is an archive of version ", version, ", ",
              (version > kVersion ? "newer" : "older"),

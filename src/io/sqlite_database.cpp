@@ -2,11 +2,13 @@
 #include "sqlite_database.h"
 
 #include "core/fail.h"
+#include "files/bytes.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <new>
 #include <sqlite3.h>
@@ -37,11 +39,75 @@ isOutputFailure(int code)
                   {SQLITE_IOERR_READ, SQLITE_IOERR_SHORT_READ, SQLITE_IOERR_CORRUPTFS});
 }
 
-// The number of a format, with that of a log; 0 = there is none.
-std::string
-settingVersion(std::uint32_t version, std::uint32_t log)
+// Where a mark is, big-endian: https://www.sqlite.org/fileformat.html
+constexpr int kMarkAt = 68, kMarkEnd = 72; // [bytes]
+
+sqlite3_file&
+fileOf(sqlite3* connection)
 {
-  return "PRAGMA user_version = " + std::to_string(version | (log & 0x7FFFFF) << 8);
+  sqlite3_file* file = nullptr;
+  sqlite3_file_control(connection, "main", SQLITE_FCNTL_FILE_POINTER, &file);
+  return *file;
+}
+
+// How SQLite reaches a file, but for writing.
+struct KeepingMethods : sqlite3_io_methods {
+  explicit KeepingMethods(const sqlite3_io_methods& usual)
+      : sqlite3_io_methods(usual), usual_write(usual.xWrite)
+  {
+    xWrite = writeAroundMark;
+  }
+
+  static int
+  writeAroundMark(sqlite3_file* file, const void* bytes, int size, sqlite3_int64 at)
+  {
+    const auto& methods = static_cast<const KeepingMethods&>(*file->pMethods);
+    if (at != 0 || size < kMarkEnd)
+      return methods.usual_write(file, bytes, size, at);
+    const int code = methods.usual_write(file, bytes, kMarkAt, 0);
+    return code != SQLITE_OK
+               ? code
+               : methods.usual_write(file, static_cast<const char*>(bytes) + kMarkEnd,
+                                     size - kMarkEnd, kMarkEnd);
+  }
+
+  decltype(xWrite) usual_write;
+};
+
+// The mark in FILE, by SQLite's own handle: closing another would drop the locks of
+// this process. \return 0 if the file is too short
+FileMark
+readMark(sqlite3* connection)
+{
+  std::uint8_t bytes[kMarkEnd - kMarkAt];
+  sqlite3_file& file = fileOf(connection);
+  const int code = file.pMethods->xRead(&file, bytes, sizeof bytes, kMarkAt);
+  return {code == SQLITE_OK ? std::uint32_t(wholeNumber(bytes, sizeof bytes)) : 0};
+}
+
+// \return a result code of SQLite
+int
+writeMark(sqlite3* connection, FileMark mark, bool is_flushed)
+{
+  std::uint8_t bytes[kMarkEnd - kMarkAt];
+  for (int i = 0; i < 4; ++i)
+    bytes[i] = std::uint8_t(mark.value >> (24 - 8 * i));
+  sqlite3_file& file = fileOf(connection);
+  const int code = file.pMethods->xWrite(&file, bytes, sizeof bytes, kMarkAt);
+  return code == SQLITE_OK && is_flushed
+             ? file.pMethods->xSync(&file, SQLITE_SYNC_NORMAL)
+             : code;
+}
+
+// From now on SQLite leaves the mark in FILE alone when it writes page 1.
+// \return what has to last as long as the connection
+std::shared_ptr<const sqlite3_io_methods>
+keepMark(sqlite3* connection)
+{
+  sqlite3_file& file = fileOf(connection);
+  auto keeping = std::make_shared<const KeepingMethods>(*file.pMethods);
+  file.pMethods = keeping.get();
+  return keeping;
 }
 
 // For somebody else to come to an end of what takes no time.
@@ -66,7 +132,6 @@ SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
   try {
     if (code != SQLITE_OK)
       throwError(code);
-    file_ = MarkedFile(connection_);
     // FILE-wal goes with the last connection otherwise, and nobody can tell any more
     // whether it was lost.
     sqlite3_db_config(connection_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
@@ -111,8 +176,7 @@ SqliteDatabase::runUnlessBusy(const std::string& sql)
 FileMark
 SqliteDatabase::mark()
 {
-  return {std::uint32_t(number("PRAGMA user_version")),
-          std::uint32_t(number("PRAGMA application_id"))};
+  return {std::uint32_t(number("PRAGMA application_id"))};
 }
 
 void
@@ -129,70 +193,78 @@ SqliteDatabase::requireOwnLog()
   }
 }
 
-// Reads no log itself: SQLite does, and what it finds is compared with what FILE says.
+// SQLite reads the log; what it finds is compared with what FILE says.
 std::string
 SqliteDatabase::faultOfLog(const std::string& log)
 {
   static const char* const remedy =
       " (if it is lost, an empty file of that name lets the rest be read)";
+  constexpr int most = 1000; // commits of a log; FILE is behind if it was copied first
   std::error_code error;
-  const FileMark file = file_.read(); // first: what SQLite sees is as new, or newer
-  const bool has_log = std::filesystem::exists(log, error);
-  // First: SQLite makes a new one.
-  if ((file.isWithLog() || file.isWithOldLog()) && !has_log)
+  const FileMark file = readMark(connection_); // first: a commit may come in between
+  const bool has_log = std::filesystem::exists(log, error); // first: SQLite makes one
+  if ((file.is(FileMark::with_log) || file.is(FileMark::old_log)) && !has_log)
     return "lacks " + log + ", which holds what was written last: copy both" + remedy;
   const FileMark seen = mark();
-  if (!file.isOurs() || !has_log)
-    return "";
-  if (file.isWhole() && !seen.isWhole())
+  if (file.is(FileMark::whole) && !seen.is(FileMark::whole))
     return "is whole, but beside it lies " + log +
            " of another archive, which would change it: remove that";
-  if (file.version != seen.version)
-    return "has beside it " + log + " of another archive, and not its own: copy both" +
-           remedy;
-  if (file.isWithLog() && seen.isWithLog() &&
+  if (!file.is(FileMark::with_log) && !file.is(FileMark::logged))
+    return "";
+  if (file.is(FileMark::with_log) && seen.is(FileMark::with_log) &&
       std::filesystem::file_size(log, error) > 0)
     return log + " is damaged: nothing is found in it" + remedy;
-  if (file.isWithLog() && seen.isLogged())
-    lost_commits_ =
-        std::max<int>(0, std::int16_t(std::uint16_t(file.commits() - seen.commits())));
+  const int behind = std::int32_t((file.value - seen.value) << 8) >> 8; // in 24 bits
+  if (std::abs(behind) > most || seen.is(FileMark::old_log))
+    return "has beside it " + log + " of another archive, and not its own: copy both" +
+           remedy;
+  lost_commits_ = std::max(0, behind);
   return "";
 }
 
 std::string
-SqliteDatabase::markingAs(std::uint32_t mark)
+SqliteDatabase::markingAs(FileMark mark)
 {
-  return "PRAGMA application_id = " + std::to_string(mark);
+  return "PRAGMA application_id = " + std::to_string(mark.value);
+}
+
+FileMark
+SqliteDatabase::markOf(FileMark::Kind kind) const
+{
+  return {kind | (commits_ & 0xFFFFFF)};
 }
 
 void
-SqliteDatabase::write(std::uint32_t mark, bool is_flushed)
+SqliteDatabase::write(FileMark::Kind kind, bool is_flushed)
 {
-  if (const int code = file_.write(mark, is_flushed))
+  if (const int code = writeMark(connection_, markOf(kind), is_flushed))
     throwError(code);
 }
 
 bool
 SqliteDatabase::moveLogToFile()
 {
-  return number("PRAGMA wal_checkpoint(FULL)") == 0; // 1: a reader was in the way
+  int pages = 0, moved = 0;
+  const int code = sqlite3_wal_checkpoint_v2(connection_, "main",
+                                             SQLITE_CHECKPOINT_PASSIVE, &pages, &moved);
+  if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY)
+    throwError(code);
+  return code == SQLITE_OK && pages == moved;
 }
 
 bool
 SqliteDatabase::splitLog()
 {
   const FileMark seen = mark();
-  commits_ = seen.commits();
-  if (seen.isWhole()) {
-    std::uint32_t id = 0;
-    sqlite3_randomness(sizeof id, &id);
-    // Not yet withLog(): there is no log that could be lacking.
-    if (!runUnlessBusy("PRAGMA journal_mode = DELETE") ||
-        !runUnlessBusy(settingVersion(seen.format(), id)) ||
-        !runUnlessBusy(markingAs(FileMark::logged(commits_))))
-      return false;
-  }
-  if (!runUnlessBusy("PRAGMA journal_mode = WAL"))
+  if (seen.is(FileMark::whole) || seen.is(FileMark::old_log))
+    sqlite3_randomness(sizeof commits_, &commits_); // unlike any other log's
+  else
+    commits_ = seen.value;
+  // Not yet with_log: there is no log that could be lacking.
+  if ((seen.is(FileMark::whole) &&
+       !(runUnlessBusy("PRAGMA journal_mode = DELETE") &&
+         runUnlessBusy(markingAs(markOf(FileMark::logged))))) ||
+      !runUnlessBusy("PRAGMA journal_mode = WAL"))
     return false;
   sqlite3_wal_hook(
       connection_,
@@ -201,66 +273,55 @@ SqliteDatabase::splitLog()
         return SQLITE_OK;
       },
       &log_pages_);
-  file_.keep(true);
-  // The log, with its mark, is on the disk before FILE says so.
-  run(markingAs(FileMark::logged(commits_)));
-  write(FileMark::withLog(commits_), true);
+  keeping_mark_ = keepMark(connection_);
+  beginLog();
   return true;
+}
+
+// The log's mark is on the disk before FILE says that there is a log.
+void
+SqliteDatabase::beginLog()
+{
+  run(markingAs(markOf(FileMark::logged)));
+  write(FileMark::with_log, true);
 }
 
 void
 SqliteDatabase::commit()
 {
-  run(markingAs(FileMark::logged(std::uint16_t(commits_ + 1))) + "; COMMIT");
   ++commits_;
+  run(markingAs(markOf(FileMark::logged)) + "; COMMIT");
   // Also if another program has brought the log's mark into FILE.
-  write(FileMark::withLog(commits_), false);
-  if (log_pages_ >= max_log)
-    renewLog();
-}
-
-void
-SqliteDatabase::renewLog()
-{
-  int pages = 0, moved = 0;
-  if (sqlite3_wal_checkpoint_v2(connection_, "main", SQLITE_CHECKPOINT_PASSIVE, &pages,
-                                &moved) != SQLITE_OK ||
-      pages != moved)
-    return; // it is tried again after the next commit
-  // SQLite now begins the log anew. Until our mark is in it nothing is lacking in FILE.
-  write(FileMark::logged(commits_), true);
-  run(markingAs(FileMark::logged(commits_)));
-  write(FileMark::withLog(commits_), true);
+  write(FileMark::with_log, false);
+  if (log_pages_ < max_log || !moveLogToFile())
+    return;
+  // SQLite begins the log anew: until our mark is in it nothing is lacking in FILE.
+  write(FileMark::logged, true);
+  beginLog();
 }
 
 bool
 SqliteDatabase::joinLog()
 {
   sqlite3_busy_timeout(connection_, 0);
+  std::error_code error;
   // A reader is done soon, as a rule.
-  for (int attempt = 0; attempt < 40; ++attempt) {
-    if (moveLogToFile()) {
-      write(FileMark::logged(commits_), true);
-      std::error_code error;
-      // SQLite does not say whether the disk let it remove the log.
-      if (runUnlessBusy("PRAGMA journal_mode = DELETE") &&
-          !std::filesystem::exists(path_ + "-wal", error)) {
-        markAsWhole();
-        return true;
-      }
-    }
-    waitALittle();
+  for (int attempt = 0; attempt < 40; ++attempt, waitALittle()) {
+    if (!moveLogToFile())
+      continue;
+    write(FileMark::logged, true);
+    // SQLite does not say whether the disk let it remove the log.
+    if (!runUnlessBusy("PRAGMA journal_mode = DELETE") ||
+        std::filesystem::exists(path_ + "-wal", error))
+      continue;
+    // Without the last mark, if a reader has just come, FILE has everything all the
+    // same.
+    if (runUnlessBusy(markingAs({FileMark::whole})))
+      if (const int code = writeMark(connection_, {FileMark::whole}, true))
+        throwError(code);
+    return true;
   }
   return false;
-}
-
-// What a reader that has just come may prevent: the file has everything all the same.
-void
-SqliteDatabase::markAsWhole()
-{
-  file_.keep(false);
-  sqlite3_busy_timeout(connection_, kWriterPatience);
-  runUnlessBusy(settingVersion(mark().format(), 0) + "; " + markingAs(FileMark::whole));
 }
 
 std::int64_t

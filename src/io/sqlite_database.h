@@ -1,17 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "file_mark.h"
-
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 struct sqlite3;
+struct sqlite3_io_methods;
 struct sqlite3_stmt;
 
 namespace pcl_semantic {
+
+/** \brief What page 1 of an archive says of its log, FILE-wal: its application_id.
+ *
+ * Page 1 lies in FILE and, with another mark, in the log, where SQLite reads it. FILE's
+ * we write ourselves; only another SQLite program brings the log's into FILE, with all
+ * that is in the log. So FILE says whether a log that is not there was lost. */
+struct FileMark {
+  enum Kind : std::uint32_t {
+    whole = 0x50434C53,   //!< "PCLS": there is no log
+    old_log = 0x50434C57, //!< "PCLW": said by FILE and by the log of older archives
+    logged = 0x51000000,  //!< said by the log, with a number: that of its last commit
+    with_log = 0x52000000 //!< said by FILE, with that number
+  };
+
+  std::uint32_t value = 0;
+
+  bool
+  is(Kind kind) const
+  {
+    return value == kind || (value & 0xFF000000) == kind;
+  }
+};
 
 /** \brief A connection to an SQLite file; for one thread at a time.
  *
@@ -38,7 +60,7 @@ public:
   FileMark mark();
 
   /** \brief The statement that changes it. */
-  static std::string markingAs(std::uint32_t mark);
+  static std::string markingAs(FileMark mark);
 
   /** \brief From now on commits go to FILE-wal first, so that readers are not in the
    * way; outside of a transaction.
@@ -83,16 +105,16 @@ private:
   void requireOwnLog();
   std::string faultOfLog(const std::string& log);
 
-  void write(std::uint32_t mark, bool is_flushed);
+  void write(FileMark::Kind kind, bool is_flushed);
+  void beginLog();
   bool moveLogToFile();
-  void renewLog();
-  void markAsWhole();
+  FileMark markOf(FileMark::Kind kind) const;
 
   std::string path_;
   Access access_;
   sqlite3* connection_ = nullptr;
-  MarkedFile file_{nullptr};
-  std::uint16_t commits_ = 0; // that the log has had, as FileMark counts
+  std::shared_ptr<const sqlite3_io_methods> keeping_mark_;
+  std::uint32_t commits_ = 0; // the number in marks
   int lost_commits_ = 0;
   int log_pages_ = 0; // after the last commit
 };

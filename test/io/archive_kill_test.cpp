@@ -128,7 +128,8 @@ killAndRead(int max_log)
       });
       EXPECT_FALSE(has_ended && fs::exists(other + "-wal"));
       expectCommitted(MapArchive(other, ArchiveAccess::read), commits);
-      ASSERT_FALSE(testing::Test::HasFailure()) << calls_of_other << " calls of another";
+      ASSERT_FALSE(testing::Test::HasFailure())
+          << calls_of_other << " calls of another";
       if (has_ended)
         break;
     }
