@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
 #include "core/text_stream.h"
+#include "files/is_there.h"
 #include "messages.h"
 #include "tool.h"
 #include "unread_options.h"
@@ -83,8 +84,7 @@ setCliques(const std::string& cliques, const Arguments& arguments,
   if (cliques == "none" || input.cloud->empty())
     return;
   const bool is_file = cliques != "field" && !namesCloudCliques(cliques);
-  if (is_file && cliques.find_first_of("./") == std::string::npos &&
-      !std::filesystem::exists(cliques))
+  if (is_file && cliques.find_first_of("./") == std::string::npos && !isThere(cliques))
     fail<InvalidParameterException>(
         "cliques are '", cliques,
         "', expected none, field, cubes[:SIZE], slic, supervoxel[:DISTANCE] or a file");

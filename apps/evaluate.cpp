@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
+#include "files/is_there.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -156,7 +157,7 @@ std::string
 existing(const std::string& folder, const std::string& name, const std::string& truth)
 {
   const std::string path = folder + "/" + name;
-  if (!fs::exists(path))
+  if (!isThere(path))
     fail<BadInputException>(path, ": is missing, expected as the prediction for ",
                             truth);
   return path;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live_source.h"
+#include "files/is_there.h"
 #include "map_labelling.h"
 #include "messages.h"
 #include "tool.h"
@@ -28,7 +29,7 @@ openCamera(const SequenceOptions& options)
 {
   if (options.hasFiles())
     return openCaptures(options.files);
-  if (!std::filesystem::is_directory(options.folder))
+  if (!isFolder(options.folder))
     fail<BadInputException>(options.folder, ": is no folder, expected one in KITTI's "
                                             "layout that another program fills");
   StatusLine status("live");

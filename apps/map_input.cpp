@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_input.h"
+#include "files/is_there.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -18,13 +19,6 @@ namespace pcl_semantic::tool {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool
-isFolder(const std::string& path)
-{
-  std::error_code error;
-  return fs::is_directory(path, error);
-}
 
 VoxelScene
 readScene(const std::string& path, const MapHints& hints)
@@ -68,7 +62,7 @@ labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& sce
 {
   LabelSet label_set;
   const std::string own = path + "/label_set.yaml"; // of a map folder
-  if (hints.label_set.empty() && isFolder(path) && fs::exists(own))
+  if (hints.label_set.empty() && isFolder(path) && isThere(own))
     label_set = readLabelSet(own);
   else if (hints.label_set.empty() && !isFolder(path) &&
            fs::path(path).extension() != ".pcd")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_source.h"
+#include "files/is_there.h"
 #include "map_labelling.h"
 #include "messages.h"
 #include "tool.h"
@@ -216,7 +217,7 @@ scansOf(const FrameSequence& sequence, const std::vector<std::size_t>& frames,
       kitti->T_camera0_camera().inverse() * kitti->T_camera0_velodyne();
   for (const std::size_t i : frames) {
     const std::string scan = folder + frameFileName(kitti->frameNumber(i), ".bin");
-    if (!std::filesystem::exists(scan))
+    if (!isThere(scan))
       fail<BadInputException>(scan, ": is missing; --also scans needs one a frame");
   }
   return [=](int frame) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "files/is_there.h"
 #include "messages.h"
 #include "sequence_options.h"
 #include "tool.h"
@@ -86,7 +87,7 @@ struct Outputs {
 std::vector<Outputs>
 nameOutputs(const Options& options, const ImagePairSequence& pairs)
 {
-  if (!fs::is_directory(options.left))
+  if (!isFolder(options.left))
     return {{options.output, options.disparity}};
   std::vector<Outputs> outputs;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -108,11 +109,11 @@ nameOutputs(const Options& options, const ImagePairSequence& pairs)
 void
 requireKindsOfFiles(const Options& options)
 {
-  const bool folders = fs::is_directory(options.left);
-  refuseIf(folders != fs::is_directory(options.right),
+  const bool folders = isFolder(options.left);
+  refuseIf(folders != isFolder(options.right),
            "LEFT and RIGHT have to be two images, or two folders");
   for (const std::string& path : {options.left, options.right})
-    if (!fs::exists(path))
+    if (!isThere(path))
       fail<BadInputException>(path, ": is not there");
   if (!folders) {
     requireOutput(options.output, ".pcd");

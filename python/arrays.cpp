@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
 #include "core/fail.h"
+#include "files/is_there.h"
 
 #include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/position_steps.h>
@@ -120,8 +121,7 @@ setParameters(const ConfigParameters& parameters, const py::kwargs& values)
 LabelSet
 labelSetOf(const std::string& path_or_name)
 {
-  if (std::filesystem::exists(path_or_name) ||
-      path_or_name.find_first_of("./") != std::string::npos)
+  if (isThere(path_or_name) || path_or_name.find_first_of("./") != std::string::npos)
     return readLabelSet(path_or_name);
   return readLabelSet(findDataFile("label_sets/" + path_or_name + ".yaml"));
 }

@@ -2,6 +2,7 @@
 #include <pcl_semantic/dataset/kitti_sequence.h>
 
 #include "core/fail.h"
+#include "files/is_there.h"
 #include "stereo_pair_reader.h"
 
 #include <pcl_semantic/files/input_file.h>
@@ -17,11 +18,10 @@ namespace fs = std::filesystem;
 KittiSequence::KittiSequence(const std::string& folder, KittiCameras cameras)
     : folder_(folder)
 {
-  if (!fs::is_directory(folder))
+  if (!isFolder(folder))
     fail<BadInputException>(folder, ": is no folder, expected a KITTI sequence");
   if (cameras == KittiCameras::automatic)
-    cameras = fs::is_directory(folder + "/image_2") ? KittiCameras::colour
-                                                    : KittiCameras::grey;
+    cameras = isThere(folder + "/image_2") ? KittiCameras::colour : KittiCameras::grey;
   const bool grey = cameras == KittiCameras::grey;
   findFrames(folder + (grey ? "/image_0" : "/image_2"),
              folder + (grey ? "/image_1" : "/image_3"));
@@ -61,7 +61,7 @@ void
 KittiSequence::readTimes()
 {
   const std::string path = folder_ + "/times.txt";
-  if (!fs::exists(path)) {
+  if (!isThere(path)) {
     for (Entry& entry : frames_)
       entry.timestamp = 0.1 * entry.number;
     return;
@@ -99,7 +99,7 @@ std::string
 KittiSequence::posesPath() const
 {
   const std::string path = folder_ + "/poses.txt";
-  return fs::exists(path) ? path : std::string();
+  return isThere(path) ? path : std::string();
 }
 
 } // namespace pcl_semantic

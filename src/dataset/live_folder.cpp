@@ -2,6 +2,7 @@
 #include <pcl_semantic/dataset/live_folder.h>
 
 #include "core/fail.h"
+#include "files/is_there.h"
 #include "files/parse_whole.h"
 #include "stereo_pair_reader.h"
 
@@ -31,7 +32,7 @@ struct PairFolders {
 PairFolders
 foldersIn(const std::string& folder)
 {
-  return fs::is_directory(folder + "/image_2")
+  return isFolder(folder + "/image_2")
              ? PairFolders{folder + "/image_2", folder + "/image_3"}
              : PairFolders{folder + "/image_0", folder + "/image_1"};
 }
@@ -192,14 +193,14 @@ holdsPair(const std::string& folder)
 {
   const PairFolders folders = foldersIn(folder);
   StereoPairFiles pair;
-  return fs::is_directory(folders.left) && fs::is_directory(folders.right) &&
-         fs::exists(folder + "/calib.txt") && NewPairs(folders).next(pair) > 0;
+  return isFolder(folders.left) && isFolder(folders.right) &&
+         isThere(folder + "/calib.txt") && NewPairs(folders).next(pair) > 0;
 }
 
 std::unique_ptr<LiveCamera>
 openLiveFolder(const std::string& folder)
 {
-  if (!fs::is_directory(folder))
+  if (!isFolder(folder))
     fail<BadInputException>(folder, ": is no folder, expected one in KITTI's layout "
                                     "that another program fills");
   return std::make_unique<LiveFolder>(folder);

@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "core/split.h"
 #include "files/file_pattern.h"
+#include "files/is_there.h"
 
 #include <pcl_semantic/core/measured_depth.h>
 #include <pcl_semantic/files/image_file.h>
@@ -110,7 +111,7 @@ RgbdSequence::RgbdSequence(const std::string& folder, const PinholeCamera& camer
 {
   camera.validate();
   requireScale(depth_scale);
-  const bool is_tum = fs::exists(folder + "/rgb.txt");
+  const bool is_tum = isThere(folder + "/rgb.txt");
   if (is_tum)
     readTumLists(folder);
   else
@@ -143,13 +144,13 @@ void
 RgbdSequence::findFolders(const std::string& folder)
 {
   for (const char* const name : {"rgb", "depth"})
-    if (!fs::is_directory(folder + "/" + name))
+    if (!isFolder(folder + "/" + name))
       fail<BadInputException>(folder, ": has neither rgb.txt nor a folder '", name,
                               "': no RGB-D sequence");
   for (const std::string& colour : findFiles(folder + "/rgb", imageExtensions())) {
     const std::string name = fs::path(colour).stem().string();
     const std::string depth = folder + "/depth/" + name + ".png";
-    if (!fs::exists(depth))
+    if (!isThere(depth))
       fail<BadInputException>(depth, ": is missing, the depth image of ", colour);
     frames_.push_back({name, colour, depth, 0.1 * double(frames_.size())});
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_file.h"
+#include "is_there.h"
 #include "known_fields.h"
 #include "parse_whole.h"
 #include "pcd_table.h"
@@ -67,7 +68,7 @@ labelsOfScan(const fs::path& scan)
   for (const std::string& name : names)
     for (const fs::path& folder : {scan.parent_path(), folderAbove(scan) / "labels"}) {
       const fs::path file = folder / (name + ".label");
-      if (fs::exists(file))
+      if (isThere(file))
         return file.string();
     }
   return {};

@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "extra_output.h"
 #include "files/folder_lock.h"
+#include "files/is_there.h"
 #include "files/report_text.h"
 #include "run_folder.h"
 
@@ -146,7 +147,7 @@ MappingOutput::requireImages() const
   for (const FrameRecord& frame : frames_)
     for (const char* name : RunFolder::frame_folders) {
       const std::string image = path(name) + "/" + frameFileName(frame.number, ".png");
-      if (!std::filesystem::exists(image))
+      if (!isThere(image))
         badInput(image, ": is missing; a run goes on in the folder that the "
                         "interrupted one wrote to, and with --map-only if that had it");
     }

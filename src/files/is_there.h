@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+namespace pcl_semantic {
+
+/** \brief Whether something lies at a path, which who opens it may still be refused: a
+ * loop of links, for example. Throws nothing, unlike std::filesystem::exists(). */
+inline bool
+isThere(const std::filesystem::path& path)
+{
+  std::error_code error;
+  return std::filesystem::status(path, error).type() !=
+         std::filesystem::file_type::not_found;
+}
+
+/** \brief Whether a path leads to a folder; throws nothing. */
+inline bool
+isFolder(const std::filesystem::path& path)
+{
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
+} // namespace pcl_semantic
