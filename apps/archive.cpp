@@ -9,7 +9,6 @@
 #include <pcl_semantic/io/map_changes.h>
 #include <pcl_semantic/io/map_export.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
-#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/pipeline/run_description.h>
 #include <pcl_semantic/pipeline/submaps.h>
 
@@ -157,18 +156,6 @@ exportCloud(const Arguments& arguments)
   return exit_done;
 }
 
-void
-warnOfPoses(const Submap& submap)
-{
-  if (submap.trajectory.empty())
-    return;
-  const RunSensor sensor =
-      sensorOf(MapReader::open(submap.path)->header().configuration);
-  warnOf(doubtsOfPoses(submap.trajectory, sensor.has_own_poses
-                                              ? PoseFrame::sensor
-                                              : PoseFrame::first_camera));
-}
-
 // The archives with the trajectories that place them.
 std::vector<Submap>
 submapsOf(const Arguments& arguments, const std::vector<std::string>& inputs)
@@ -177,11 +164,15 @@ submapsOf(const Arguments& arguments, const std::vector<std::string>& inputs)
   refuseIf(poses.size() > 1 && poses.size() != inputs.size(),
            "--poses is given once, or as often as there are FILEs");
   std::vector<Submap> submaps;
-  for (const std::string& input : inputs)
-    submaps.push_back({input, poses.empty()       ? ""
-                              : poses.size() == 1 ? poses[0]
-                                                  : poses[submaps.size()]});
-  std::for_each(submaps.begin(), submaps.end(), warnOfPoses);
+  for (const std::string& input : inputs) {
+    Submap submap{input, poses.empty()       ? ""
+                         : poses.size() == 1 ? poses[0]
+                                             : poses[submaps.size()]};
+    std::vector<std::string> doubts;
+    submap.motion = placed(submap, &doubts).motion;
+    warnOf(doubts);
+    submaps.push_back(submap);
+  }
   return submaps;
 }
 

@@ -234,6 +234,7 @@ calibrateSequences(const Arguments& options)
                                           filledIn(options.label_calibration, folder),
                                           parseFrameRange(options.frames)},
                                          label_set.size());
+      warnOf(sequence.doubts());
       refuseIf(std::count(names.begin(), names.end(), sequence.name()),
                "two sequences are called " + sequence.name());
       names.push_back(sequence.name());

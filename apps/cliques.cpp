@@ -129,7 +129,9 @@ poseOfRow(const std::string& text, const std::string& calibration)
   const std::size_t colon = text.rfind(':');
   const std::string path = text.substr(0, colon);
   const double row = parseNumber(text.substr(colon + 1), "--pose '" + text + "'");
-  const Trajectory trajectory = readKittiTrajectory(path);
+  std::vector<std::string> doubts;
+  const Trajectory trajectory = readKittiTrajectory(path, &doubts);
+  warnOf(doubts);
   if (!(row >= 0.0 && row < double(trajectory.size())) || row != std::floor(row))
     fail<BadInputException>(path, ": has no pose ", row, ", but rows 0 to ",
                             double(trajectory.size()) - 1.0);

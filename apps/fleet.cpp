@@ -137,9 +137,11 @@ cut(const FleetPlan& plan)
         requireSame(*first, submaps.whole);
       else
         first = submaps.whole;
+      std::vector<std::string> doubts;
       if (!drive.corrected_poses.empty())
-        correctedPoses(describeRun(submaps.whole), drive.corrected_poses)
+        correctedPoses(describeRun(submaps.whole), drive.corrected_poses, &doubts)
             ->requirePoses(submaps.anchors);
+      warnOf(doubts);
       for (const MapArguments& submap : submaps.each)
         stretches.push_back(std::to_string(d) + " " + submap.frames);
     });

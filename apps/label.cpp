@@ -190,9 +190,11 @@ parse(int argc, char** argv)
 Eigen::Isometry3d
 readSensorPose(const std::string& path)
 {
-  const Trajectory poses = readKittiTrajectory(path);
+  std::vector<std::string> doubts;
+  const Trajectory poses = readKittiTrajectory(path, &doubts);
   if (poses.size() != 1)
     fail<BadInputException>(path, ": holds ", poses.size(), " poses, expected one");
+  warnOf(doubts);
   return poses.front();
 }
 

@@ -131,7 +131,8 @@ mapLive(const MapArguments& arguments)
   setNumberOfThreads(arguments.parameters.threads);
   catchInterruptsOfMap();
   LiveSource source(arguments);
-  std::unique_ptr<PoseSource> owned_poses = source.openPoses();
+  std::vector<std::string> told; // by the source
+  std::unique_ptr<PoseSource> owned_poses = source.openPoses(told);
   const PoseSource& poses = *owned_poses;
   MappingArchive archive(arguments.archive, source.run());
   const auto mapper = source.makeMapper(std::move(owned_poses), archive.store());

@@ -9,7 +9,6 @@
 #include <pcl_semantic/dataset/live_capture.h>
 #include <pcl_semantic/dataset/live_folder.h>
 #include <pcl_semantic/dataset/video_pair_sequence.h>
-#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/late_labels.h>
@@ -63,8 +62,10 @@ LiveSource::LiveSource(const MapArguments& arguments) : MapSource(arguments)
   extras_.images = false;
   extras_.centres = arguments.centres;
   readCalibrations();
-  if (arguments.poses != "auto" && arguments.poses != "odometry")
-    warnOf(doubtsOfPoses(arguments.poses, PoseFrame::first_camera)); // before it waits
+  if (arguments.poses != "auto" && arguments.poses != "odometry") {
+    trajectory_ = readTrajectory(arguments.poses, PoseFrame::first_camera);
+    warnOf(trajectory_->doubts); // before it waits
+  }
   // Last: what comes until the mapper is made is dropped.
   std::unique_ptr<LiveCamera> camera = openCamera(arguments.sequence);
   warnOf(camera->doubts());
@@ -75,11 +76,11 @@ LiveSource::LiveSource(const MapArguments& arguments) : MapSource(arguments)
 }
 
 std::unique_ptr<PoseSource>
-LiveSource::openPoses() const
+LiveSource::openPoses(std::vector<std::string>&) const
 {
-  if (arguments_.poses == "auto" || arguments_.poses == "odometry")
+  if (!trajectory_)
     return std::make_unique<StereoOdometry>(*run_.camera, run_.T_camera0_camera);
-  return readPoses(arguments_.poses, run_.T_camera0_camera);
+  return posesOf(*trajectory_, run_.T_camera0_camera);
 }
 
 std::optional<SensorFrame>

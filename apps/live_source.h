@@ -4,6 +4,7 @@
 #include "map_source.h"
 
 #include <pcl_semantic/dataset/stereo_grabber.h>
+#include <pcl_semantic/odometry/pose_doubts.h>
 
 #include <memory>
 #include <optional>
@@ -23,7 +24,8 @@ public:
    * InvalidParameterException */
   explicit LiveSource(const MapArguments& arguments);
 
-  std::unique_ptr<PoseSource> openPoses() const override;
+  std::unique_ptr<PoseSource>
+  openPoses(std::vector<std::string>& doubts) const override;
 
   std::vector<FrameTime>
   times() const override
@@ -61,6 +63,7 @@ public:
   }
 
 private:
+  std::optional<StoredTrajectory> trajectory_; // none: odometry
   std::unique_ptr<LabelPredictor> labels_;
   std::unique_ptr<StereoGrabber> grabber_;
   std::optional<PairWatch> watch_;

@@ -44,16 +44,11 @@ readScene(const std::string& path, const MapHints& hints)
 }
 
 Trajectory
-readTrajectory(const std::string& path)
+inWorld(const StoredTrajectory& trajectory)
 {
   Trajectory poses;
-  if (trajectoryFormatOf(path) == TrajectoryFormat::kitti)
-    poses = readKittiTrajectory(path);
-  else
-    for (const TimedPose& timed : readTumTrajectory(path))
-      poses.push_back(timed.pose);
-  for (Eigen::Isometry3d& pose : poses)
-    pose = worldFromFirstCamera() * pose;
+  for (const TimedPose& timed : trajectory.poses)
+    poses.push_back(worldFromFirstCamera() * timed.pose);
   return poses;
 }
 
@@ -86,11 +81,14 @@ readMap(const std::string& path, const MapHints& hints)
   warnOf(map.scene.doubts);
   map.label_set = labelSetOf(path, hints, map.scene);
   if (!hints.trajectory.empty()) {
-    map.T_world_camera = readTrajectory(hints.trajectory);
-    warnOf(doubtsOfPoses(hints.trajectory, PoseFrame::first_camera));
+    const StoredTrajectory read =
+        readTrajectory(hints.trajectory, PoseFrame::first_camera);
+    warnOf(read.doubts);
+    map.T_world_camera = inWorld(read);
   }
-  else if (isFolder(path) && fs::exists(path + "/trajectory.txt"))
-    map.T_world_camera = readTrajectory(path + "/trajectory.txt");
+  else if (isFolder(path) && isThere(path + "/trajectory.txt"))
+    map.T_world_camera =
+        inWorld(readTrajectory(path + "/trajectory.txt", PoseFrame::first_camera));
   return map;
 }
 

@@ -17,7 +17,6 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/map/map_doubts.h>
-#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -307,19 +306,12 @@ public:
   }
 
   std::unique_ptr<PoseSource>
-  openPoses() const override
+  openPoses(std::vector<std::string>& doubts) const override
   {
     if (poses_ == "odometry")
       return std::make_unique<StereoOdometry>(sequence_->camera(),
                                               run_.T_camera0_camera);
-    return readPoses(poses_, run_.T_camera0_camera);
-  }
-
-  std::vector<std::string>
-  poseDoubts() const override
-  {
-    return poses_ == "odometry" ? std::vector<std::string>()
-                                : doubtsOfPoses(poses_, PoseFrame::first_camera);
+    return readPoses(poses_, run_.T_camera0_camera, &doubts);
   }
 
 private:
@@ -377,32 +369,16 @@ public:
   }
 
   std::unique_ptr<PoseSource>
-  openPoses() const override
-  {
-    return statedPoses();
-  }
-
-  std::vector<std::string>
-  poseDoubts() const override
-  {
-    if (arguments_.poses == "viewpoint")
-      return {};
-    return doubtsOfPoses(arguments_.poses, arguments_.sensor == "own"
-                                               ? PoseFrame::sensor
-                                               : PoseFrame::first_camera);
-  }
-
-private:
-  std::unique_ptr<PoseSource>
-  statedPoses() const
+  openPoses(std::vector<std::string>& doubts) const override
   {
     if (arguments_.poses == "viewpoint")
       return std::make_unique<ViewpointPoses>();
     return arguments_.sensor == "own"
-               ? readSensorPoses(arguments_.poses)
-               : readPoses(arguments_.poses, run_.T_camera0_camera);
+               ? readSensorPoses(arguments_.poses, PoseFrame::sensor, &doubts)
+               : readPoses(arguments_.poses, run_.T_camera0_camera, &doubts);
   }
 
+private:
   SensorFrame
   read(std::size_t position) override
   {
@@ -434,8 +410,10 @@ private:
                   "the files state poses?");
     if (told_of_viewpoint_ || is_default || !frame.viewpoint.matrix().allFinite())
       return;
-    if (!own_poses_)
-      own_poses_ = statedPoses();
+    if (!own_poses_) {
+      std::vector<std::string> told;
+      own_poses_ = openPoses(told);
+    }
     const Eigen::Isometry3d used = poseAt(*own_poses_, frame);
     if (arguments_.poses == "viewpoint" || frame.viewpoint.isApprox(used, 1e-3))
       return;
@@ -566,15 +544,9 @@ public:
   }
 
   std::unique_ptr<PoseSource>
-  openPoses() const override
+  openPoses(std::vector<std::string>& doubts) const override
   {
-    return readSensorPoses(arguments_.poses);
-  }
-
-  std::vector<std::string>
-  poseDoubts() const override
-  {
-    return doubtsOfPoses(arguments_.poses, PoseFrame::camera);
+    return readSensorPoses(arguments_.poses, PoseFrame::camera, &doubts);
   }
 
 private:

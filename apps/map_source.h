@@ -45,14 +45,9 @@ public:
    * known, of a live camera. */
   virtual std::vector<FrameTime> times() const = 0;
 
-  virtual std::unique_ptr<PoseSource> openPoses() const = 0;
-
-  /** \brief What is doubtful of the file of poses, a line each. */
-  virtual std::vector<std::string>
-  poseDoubts() const
-  {
-    return {};
-  }
+  /** \param[out] doubts of the file of poses, a line each, are added to it */
+  virtual std::unique_ptr<PoseSource>
+  openPoses(std::vector<std::string>& doubts) const = 0;
 
   /** \brief Once. \throws InvalidParameterException if the parameters do not fit */
   std::unique_ptr<SemanticMapper> makeMapper(std::unique_ptr<PoseSource> poses,

@@ -184,10 +184,11 @@ mapRecorded(const MapArguments& arguments)
   setNumberOfThreads(arguments.parameters.threads);
   const std::unique_ptr<MapSource> source = openMapSource(arguments);
   const MappingRun& run = source->run();
-  std::unique_ptr<PoseSource> owned_poses = source->openPoses();
+  std::vector<std::string> doubts;
+  std::unique_ptr<PoseSource> owned_poses = source->openPoses(doubts);
   const PoseSource& poses = *owned_poses;
   poses.requirePoses(source->times());
-  warnOf(source->poseDoubts());
+  warnOf(doubts);
   if (arguments.archive_only && isMade(*source, arguments.archive.path))
     return {};
   if (arguments.view)
@@ -236,8 +237,10 @@ submapsOf(const MapArguments& arguments)
   const SubmapLength length = parseSubmapLength(arguments.submap_every);
   const std::unique_ptr<MapSource> source = openMapSource(all);
   const std::vector<FrameTime> times = source->times();
-  const std::unique_ptr<PoseSource> poses = source->openPoses();
+  std::vector<std::string> doubts;
+  const std::unique_ptr<PoseSource> poses = source->openPoses(doubts);
   poses->requirePoses(times);
+  warnOf(doubts);
   std::vector<Eigen::Vector3d> positions;
   for (const FrameTime& time : times)
     positions.push_back(poseAt(*poses, time).translation());

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/files/trajectory_file.h>
 
-#include "poses_again.h"
-
 #include "core/fail.h"
 
 #include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
-
-#include <pcl/console/print.h>
 
 #include <Eigen/SVD>
 
@@ -26,7 +22,7 @@ constexpr double kTextRounding = 1e-4; // of numbers with few digits
 constexpr double kTolerance = 1e-2;
 constexpr double kNanoseconds = 1e17; // as seconds that would be 3 billion years
 
-// What was made right on the way through a file, said once at its end.
+// What was made right on the way through a file, one doubt for all of it.
 struct Repairs {
   std::size_t count = 0;
   int first_line = 0;
@@ -39,12 +35,14 @@ struct Repairs {
   }
 
   void
-  warn(const std::string& path, std::size_t poses) const
+  addTo(std::vector<std::string>* doubts, const std::string& path,
+        std::size_t poses) const
   {
-    if (count > 0)
-      PCL_WARN("%s: warning: %zu of %zu poses were not quite rigid and made so, the "
-               "first in line %d\n",
-               path.c_str(), count, poses, first_line);
+    if (count > 0 && doubts)
+      doubts->push_back(path + ": " + std::to_string(count) + " of " +
+                        std::to_string(poses) +
+                        " poses were not quite rigid and made so, the first in line " +
+                        std::to_string(first_line));
   }
 };
 
@@ -124,35 +122,6 @@ parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
   return timed;
 }
 
-Trajectory
-readKitti(const std::string& path, Repairs& repairs)
-{
-  Trajectory trajectory;
-  for (const TextLine& line : rowsOf(path))
-    trajectory.push_back(parsePose(line, path, repairs));
-  if (trajectory.empty())
-    badInput(path, ": holds no pose");
-  return trajectory;
-}
-
-TimedTrajectory
-readTum(const std::string& path, Repairs& repairs)
-{
-  TimedTrajectory trajectory;
-  for (const TextLine& line : readLines(path)) {
-    if (line.text.empty() || isComment(line.text))
-      continue;
-    trajectory.push_back(parseTimedPose(line, path, repairs));
-    if (trajectory.size() > 1 &&
-        !(trajectory.back().time > trajectory[trajectory.size() - 2].time))
-      badInput(atLine(path, line.number),
-               ": its time is not after that of the pose before");
-  }
-  if (trajectory.empty())
-    badInput(path, ": holds no pose");
-  return trajectory;
-}
-
 } // namespace
 
 TrajectoryFormat
@@ -173,23 +142,15 @@ trajectoryFormatOf(const std::string& path)
 }
 
 Trajectory
-readKittiTrajectory(const std::string& path)
+readKittiTrajectory(const std::string& path, std::vector<std::string>* doubts)
 {
   Repairs repairs;
-  Trajectory trajectory = readKitti(path, repairs);
-  repairs.warn(path, trajectory.size());
-  return trajectory;
-}
-
-Trajectory
-readPosesAgain(const std::string& path)
-{
-  Repairs told_of;
-  if (trajectoryFormatOf(path) == TrajectoryFormat::kitti)
-    return readKitti(path, told_of);
   Trajectory trajectory;
-  for (const TimedPose& timed : readTum(path, told_of))
-    trajectory.push_back(timed.pose);
+  for (const TextLine& line : rowsOf(path))
+    trajectory.push_back(parsePose(line, path, repairs));
+  if (trajectory.empty())
+    badInput(path, ": holds no pose");
+  repairs.addTo(doubts, path, trajectory.size());
   return trajectory;
 }
 
@@ -209,11 +170,22 @@ writeKittiTrajectory(const std::string& path, const Trajectory& trajectory)
 }
 
 TimedTrajectory
-readTumTrajectory(const std::string& path)
+readTumTrajectory(const std::string& path, std::vector<std::string>* doubts)
 {
   Repairs repairs;
-  TimedTrajectory trajectory = readTum(path, repairs);
-  repairs.warn(path, trajectory.size());
+  TimedTrajectory trajectory;
+  for (const TextLine& line : readLines(path)) {
+    if (line.text.empty() || isComment(line.text))
+      continue;
+    trajectory.push_back(parseTimedPose(line, path, repairs));
+    if (trajectory.size() > 1 &&
+        !(trajectory.back().time > trajectory[trajectory.size() - 2].time))
+      badInput(atLine(path, line.number),
+               ": its time is not after that of the pose before");
+  }
+  if (trajectory.empty())
+    badInput(path, ": holds no pose");
+  repairs.addTo(doubts, path, trajectory.size());
   return trajectory;
 }
 

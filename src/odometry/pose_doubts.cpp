@@ -2,7 +2,6 @@
 #include <pcl_semantic/odometry/pose_doubts.h>
 
 #include "core/text_stream.h"
-#include "files/poses_again.h"
 
 #include <pcl_semantic/odometry/pose_source.h>
 
@@ -144,14 +143,25 @@ doubtsOf(const Trajectory& poses, PoseFrame frame, bool has_quaternions)
   return doubts;
 }
 
-std::vector<std::string>
-doubtsOfPoses(const std::string& path, PoseFrame frame)
+StoredTrajectory
+readTrajectory(const std::string& path, PoseFrame frame)
 {
-  const bool is_tum = trajectoryFormatOf(path) == TrajectoryFormat::tum;
-  std::vector<std::string> doubts = doubtsOf(readPosesAgain(path), frame, is_tum);
-  for (std::string& doubt : doubts)
-    doubt.insert(0, path + ": ");
-  return doubts;
+  StoredTrajectory read{path, frame, trajectoryFormatOf(path), {}, {}};
+  const bool is_tum = read.format == TrajectoryFormat::tum;
+  Trajectory poses;
+  if (is_tum) {
+    read.poses = readTumTrajectory(path, &read.doubts);
+    for (const TimedPose& timed : read.poses)
+      poses.push_back(timed.pose);
+  }
+  else {
+    poses = readKittiTrajectory(path, &read.doubts);
+    for (const Eigen::Isometry3d& pose : poses)
+      read.poses.push_back({0.0, pose});
+  }
+  for (const std::string& doubt : doubtsOf(poses, frame, is_tum))
+    read.doubts.push_back(path + ": " + doubt);
+  return read;
 }
 
 } // namespace pcl_semantic

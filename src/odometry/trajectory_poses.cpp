@@ -87,38 +87,52 @@ TrajectoryPoses::lackOf(const FrameTime& frame) const
          " (row = frame number)";
 }
 
+std::unique_ptr<PoseSource>
+posesOf(const StoredTrajectory& trajectory, const Eigen::Isometry3d& T_camera0_camera)
+{
+  // T_world_camera = worldFromFirstCamera() T_first_file POSE T_camera0_camera
+  Eigen::Isometry3d T_first_file = Eigen::Isometry3d::Identity();
+  if (trajectory.frame != PoseFrame::first_camera)
+    T_first_file = worldFromFirstCamera().inverse();
+  TimedTrajectory timed = trajectory.poses;
+  for (TimedPose& each : timed)
+    each.pose = T_first_file * each.pose;
+  if (trajectory.format == TrajectoryFormat::tum)
+    return std::make_unique<TimedPoses>(std::move(timed), T_camera0_camera,
+                                        trajectory.path);
+  Trajectory poses;
+  for (const TimedPose& each : timed)
+    poses.push_back(each.pose);
+  return std::make_unique<TrajectoryPoses>(std::move(poses), T_camera0_camera,
+                                           trajectory.path);
+}
+
 namespace {
 
-// The poses T_world_camera = worldFromFirstCamera() T_first_file POSE T_camera0_camera.
 std::unique_ptr<PoseSource>
-readTurned(const std::string& path, const Eigen::Isometry3d& T_first_file,
-           const Eigen::Isometry3d& T_camera0_camera)
+readPosesOf(const std::string& path, PoseFrame frame,
+            const Eigen::Isometry3d& T_camera0_camera, std::vector<std::string>* doubts)
 {
-  if (trajectoryFormatOf(path) == TrajectoryFormat::tum) {
-    TimedTrajectory timed = readTumTrajectory(path);
-    for (TimedPose& each : timed)
-      each.pose = T_first_file * each.pose;
-    return std::make_unique<TimedPoses>(std::move(timed), T_camera0_camera, path);
-  }
-  Trajectory poses = readKittiTrajectory(path);
-  for (Eigen::Isometry3d& pose : poses)
-    pose = T_first_file * pose;
-  return std::make_unique<TrajectoryPoses>(std::move(poses), T_camera0_camera, path);
+  const StoredTrajectory read = readTrajectory(path, frame);
+  if (doubts)
+    doubts->insert(doubts->end(), read.doubts.begin(), read.doubts.end());
+  return posesOf(read, T_camera0_camera);
 }
 
 } // namespace
 
 std::unique_ptr<PoseSource>
-readPoses(const std::string& path, const Eigen::Isometry3d& T_camera0_camera)
+readPoses(const std::string& path, const Eigen::Isometry3d& T_camera0_camera,
+          std::vector<std::string>* doubts)
 {
-  return readTurned(path, Eigen::Isometry3d::Identity(), T_camera0_camera);
+  return readPosesOf(path, PoseFrame::first_camera, T_camera0_camera, doubts);
 }
 
 std::unique_ptr<PoseSource>
-readSensorPoses(const std::string& path)
+readSensorPoses(const std::string& path, PoseFrame frame,
+                std::vector<std::string>* doubts)
 {
-  return readTurned(path, worldFromFirstCamera().inverse(),
-                    Eigen::Isometry3d::Identity());
+  return readPosesOf(path, frame, Eigen::Isometry3d::Identity(), doubts);
 }
 
 Eigen::Isometry3d

@@ -45,7 +45,7 @@ CalibrationSequence::CalibrationSequence(const CalibrationFolders& folders, int 
   if (poses.empty())
     badInput(folders.sequence, ": has no poses.txt; write it with "
                                "pcl_semantic_odometry");
-  trajectory_ = readKittiTrajectory(poses);
+  trajectory_ = readTrajectory(poses, PoseFrame::first_camera);
   const std::vector<std::size_t> chosen = selectFrames(sequence_, folders.frames);
   for (const std::size_t i : chosen)
     frames_.push_back(sequence_.frame(i));
@@ -90,8 +90,7 @@ CalibrationSequence::makePredictor(double png_confidence) const
 std::unique_ptr<PoseSource>
 CalibrationSequence::makePoses() const
 {
-  return std::make_unique<TrajectoryPoses>(trajectory_, sequence_.T_camera0_camera(),
-                                           sequence_.posesPath());
+  return posesOf(trajectory_, sequence_.T_camera0_camera());
 }
 
 namespace {

@@ -10,22 +10,23 @@ namespace pcl_semantic {
 namespace {
 
 std::unique_ptr<PoseSource>
-posesOf(const FrameSequence& sequence)
+openPoses(const FrameSequence& sequence, std::vector<std::string>* doubts)
 {
   const std::string path = sequence.posesPath();
   if (path.empty())
     return std::make_unique<StereoOdometry>(sequence.camera(),
                                             sequence.T_camera0_camera());
-  return readPoses(path, sequence.T_camera0_camera());
+  return readPoses(path, sequence.T_camera0_camera(), doubts);
 }
 
 } // namespace
 
 VoxelCloud
 mapSequence(const FrameSequence& sequence, const LabelSet& label_set,
-            std::unique_ptr<LabelPredictor> predictor, const MapperConfig& config)
+            std::unique_ptr<LabelPredictor> predictor, const MapperConfig& config,
+            std::vector<std::string>* doubts)
 {
-  std::unique_ptr<PoseSource> poses = posesOf(sequence);
+  std::unique_ptr<PoseSource> poses = openPoses(sequence, doubts);
   poses->requirePoses(frameTimes(sequence, selectFrames(sequence, FrameRange())));
   SemanticMapper mapper(label_set, config, std::move(poses), sequence.camera(),
                         std::move(predictor));

@@ -145,20 +145,22 @@ submapStarts(const std::vector<Eigen::Vector3d>& positions, const SubmapLength& 
 }
 
 std::unique_ptr<PoseSource>
-correctedPoses(const std::string& description, const std::string& trajectory)
+correctedPoses(const std::string& description, const std::string& trajectory,
+               std::vector<std::string>* doubts)
 {
   const RunSensor sensor = sensorOf(description);
-  return sensor.has_own_poses ? readSensorPoses(trajectory)
-                              : readPoses(trajectory, sensor.T_camera0_camera);
+  return sensor.has_own_poses ? readSensorPoses(trajectory, PoseFrame::sensor, doubts)
+                              : readPoses(trajectory, sensor.T_camera0_camera, doubts);
 }
 
 Eigen::Isometry3d
-submapMotion(const MapArchive& submap, const std::string& trajectory)
+submapMotion(const MapArchive& submap, const std::string& trajectory,
+             std::vector<std::string>* doubts)
 {
   try {
     const FrameRecord anchor = anchorOf(submap);
     const std::unique_ptr<PoseSource> poses =
-        correctedPoses(submap.header().configuration, trajectory);
+        correctedPoses(submap.header().configuration, trajectory, doubts);
     return poseAt(*poses, {anchor.number, anchor.timestamp}) *
            anchor.T_world_camera.inverse();
   }
@@ -168,12 +170,14 @@ submapMotion(const MapArchive& submap, const std::string& trajectory)
 }
 
 PlacedArchive
-placed(const Submap& submap)
+placed(const Submap& submap, std::vector<std::string>* doubts)
 {
   PlacedArchive result{submap.path, Eigen::Isometry3d::Identity()};
-  if (!submap.trajectory.empty())
-    result.motion =
-        submapMotion(MapArchive(submap.path, ArchiveAccess::read), submap.trajectory);
+  if (submap.motion)
+    result.motion = *submap.motion;
+  else if (!submap.trajectory.empty())
+    result.motion = submapMotion(MapArchive(submap.path, ArchiveAccess::read),
+                                 submap.trajectory, doubts);
   return result;
 }
 

@@ -139,6 +139,21 @@ TEST_F(Fleet, GivesTheSameBytesWhoeverDoesTheWork)
             bad.text.rfind("pcl_semantic_fleet: "));
 }
 
+TEST_F(Fleet, SaysWhatIsDoubtfulOfCorrectedPosesOnce)
+{
+  std::string rows;
+  for (int frame = 0; frame < 3; ++frame)
+    rows += "1.001 0 0 0 0 -1 0 0 0 0 -1 0.8\n"; // not quite rigid, and upside down
+  const std::string poses = folder_.write("corrected.txt", rows);
+  const std::string said =
+      succeed("fleet " + writePlan("city", ", corrected_poses: " + poses));
+  for (const char* const doubt :
+       {"corrected.txt: 3 of 3 poses were not quite rigid", "upside down"}) {
+    EXPECT_TRUE(holds(said, doubt));
+    EXPECT_EQ(said.find(doubt), said.rfind(doubt)) << said;
+  }
+}
+
 TEST_F(Fleet, RefusesWhatCannotBe)
 {
   const std::string street = tinyStreet();

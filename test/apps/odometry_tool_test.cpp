@@ -135,9 +135,9 @@ TEST(MapTool, MakesPosesRigidWithOneWarning)
   const std::string said =
       succeed(mapOf(tinyStreet()) + " --crf none --poses " +
               folder.write("a.txt", text) + " --output " + folder.path("out"));
-  EXPECT_EQ(said.rfind(folder.path("a.txt") +
-                           ": warning: 3 of 3 poses were not quite rigid and "
-                           "made so, the first in line 2\nmap: ",
+  EXPECT_EQ(said.rfind("pcl_semantic_map: warning: " + folder.path("a.txt") +
+                           ": 3 of 3 poses were not quite rigid and made so, the "
+                           "first in line 2\nmap: ",
                        0),
             0u)
       << said;

@@ -4,6 +4,7 @@
 
 #include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
 
 #include <gtest/gtest.h>
 
@@ -140,9 +141,12 @@ TEST(PoseDoubts, NamesTheFile)
   for (const Eigen::Isometry3d& pose : misread(windingWay(0.0, 0.5)))
     way.push_back({time += 0.1, pose});
   writeTumTrajectory(folder.path("tum.txt"), way);
-  const auto doubts = doubtsOfPoses(folder.path("tum.txt"), PoseFrame::sensor);
+  const auto doubts = readTrajectory(folder.path("tum.txt"), PoseFrame::sensor).doubts;
   ASSERT_EQ(doubts.size(), 1u);
   EXPECT_TRUE(holds(doubts[0], "tum.txt: most poses are tilted"));
+  std::vector<std::string> of_poses;
+  readSensorPoses(folder.path("tum.txt"), PoseFrame::sensor, &of_poses);
+  EXPECT_EQ(of_poses, doubts);
 }
 
 TEST(PoseDoubts, NoneOfRealData)

@@ -35,11 +35,13 @@ TrajectoryFormat trajectoryFormatOf(const std::string& path);
 
 /** \brief Reads a KITTI trajectory, also as ORB-SLAM's SaveTrajectoryKITTI writes it.
  *
- * Rotations off by rounding are made orthonormal again, with a warning if it is more
+ * Rotations off by rounding are made orthonormal again, with a doubt if it is more
  * than that of text (1e-4); by more than 1e-2 they are refused.
+ * \param[out] doubts if not null: a line is added to it if poses were made rigid
  * \throws BadInputException with the line, at a wrong count, a non-finite number or a
  * matrix that is no rotation */
-Trajectory readKittiTrajectory(const std::string& path);
+Trajectory readKittiTrajectory(const std::string& path,
+                               std::vector<std::string>* doubts = nullptr);
 
 /** \brief Writes a KITTI trajectory, so that reading it gives the same numbers.
  * \throws OutputException */
@@ -48,11 +50,13 @@ void writeKittiTrajectory(const std::string& path, const Trajectory& trajectory)
 /** \brief Reads a TUM trajectory, also as ORB-SLAM's SaveTrajectoryTUM and
  * SaveKeyFrameTrajectoryTUM write it. Times beyond 1e17 are nanoseconds.
  *
- * Quaternions whose length is off by more than 1e-4 are made 1 with a warning, by more
+ * Quaternions whose length is off by more than 1e-4 are made 1 with a doubt, by more
  * than 1e-2 refused.
+ * \param[out] doubts if not null: a line is added to it if poses were made rigid
  * \throws BadInputException with the line, at a wrong count, a non-finite number, a
  * quaternion that is no rotation or times that do not grow */
-TimedTrajectory readTumTrajectory(const std::string& path);
+TimedTrajectory readTumTrajectory(const std::string& path,
+                                  std::vector<std::string>* doubts = nullptr);
 
 /** \brief Writes a TUM trajectory: times to the nanosecond.
  * \throws OutputException */

@@ -26,8 +26,19 @@ enum class PoseFrame {
 std::vector<std::string> doubtsOf(const Trajectory& poses, PoseFrame frame,
                                   bool has_quaternions);
 
-/** \brief The same of a file, whose name is in front of each message.
- * \throws BadInputException as readPoses() */
-std::vector<std::string> doubtsOfPoses(const std::string& path, PoseFrame frame);
+/** \brief The poses of a file, and what is doubtful of them. */
+struct StoredTrajectory {
+  std::string path;
+  PoseFrame frame = PoseFrame::first_camera;
+  TrajectoryFormat format = TrajectoryFormat::kitti;
+  TimedTrajectory poses; ///< as they are there; those of KITTI's format at time 0
+  /** \brief A line each, with the file's name: of doubtsOf(), and those of the readers.
+   */
+  std::vector<std::string> doubts;
+};
+
+/** \brief Reads a trajectory file, KITTI's or TUM's, whichever it is.
+ * \throws BadInputException as readKittiTrajectory() and readTumTrajectory() */
+StoredTrajectory readTrajectory(const std::string& path, PoseFrame frame);
 
 } // namespace pcl_semantic

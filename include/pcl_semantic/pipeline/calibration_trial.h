@@ -5,9 +5,9 @@
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
-#include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 #include <pcl_semantic/labelling/label_predictor.h>
+#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
@@ -64,6 +64,13 @@ public:
 
   std::unique_ptr<PoseSource> makePoses() const;
 
+  /** \brief What is doubtful of its trajectory, a line each. */
+  const std::vector<std::string>&
+  doubts() const
+  {
+    return trajectory_.doubts;
+  }
+
   /** \brief Path of the calibration of its labels; empty = none. */
   const std::string&
   calibration() const
@@ -80,7 +87,7 @@ private:
   std::string name_;
   std::vector<StereoFrame> frames_;
   std::vector<cv::Mat> truths_;
-  Trajectory trajectory_;
+  StoredTrajectory trajectory_;
 };
 
 /** \brief The ground truth pixels of a sequence: what the network says there, and where

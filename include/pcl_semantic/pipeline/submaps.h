@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,24 +33,31 @@ std::vector<std::size_t> submapStarts(const std::vector<Eigen::Vector3d>& positi
 
 /** \brief The poses of a trajectory, for frames of a run.
  * \param[in] description of the run, see describeRun()
+ * \param[out] doubts if not null: those of readTrajectory() are added to it
  * \throws BadInputException */
 std::unique_ptr<PoseSource> correctedPoses(const std::string& description,
-                                           const std::string& trajectory);
+                                           const std::string& trajectory,
+                                           std::vector<std::string>* doubts = nullptr);
 
 /** \brief How corrected poses move a submap: rigidly, as they move its anchor, which is
  * the middle one of its frames.
  * \param[in] trajectory path of the poses, KITTI's or TUM's, of what the poses were of
  * that the submap was made with
+ * \param[out] doubts if not null: those of readTrajectory() are added to it
  * \return T_new_old, from the world frame of the submap to that of the poses
  * \throws BadInputException if the submap does not hold the frames it was made of, or
  * the trajectory has no pose for the anchor */
-Eigen::Isometry3d submapMotion(const MapArchive& submap, const std::string& trajectory);
+Eigen::Isometry3d submapMotion(const MapArchive& submap, const std::string& trajectory,
+                               std::vector<std::string>* doubts = nullptr);
 
 /** \brief A submap, and what places it. */
 struct Submap {
   std::string path;         ///< of its archive
   std::string trajectory{}; ///< see submapMotion(); empty: it lies where it was made
   std::uint64_t digest = 0; ///< archiveDigest() of it; 0: not computed yet
+  /** \brief Of placed(), if it was computed already; the trajectory is not read then.
+   */
+  std::optional<Eigen::Isometry3d> motion{};
 
   bool
   operator<(const Submap& other) const
@@ -58,8 +66,9 @@ struct Submap {
   }
 };
 
-/** \brief A submap where it belongs. \throws as submapMotion() */
-PlacedArchive placed(const Submap& submap);
+/** \brief A submap where it belongs. \param[out] doubts as of submapMotion()
+ * \throws as submapMotion() */
+PlacedArchive placed(const Submap& submap, std::vector<std::string>* doubts = nullptr);
 
 /** \brief Joins submaps of one drive or of several, see mergeArchives(). Where more
  * than one has hit a voxel, and around it, the CRF says anew what it is: the dense
