@@ -93,6 +93,8 @@ public:
     const std::array<double, 7> viewpoint = table.viewpoint;
     LabelledCloud cloud = labelledCloudOf(std::move(table), arguments_.input,
                                           mapping_ ? &*mapping_ : nullptr);
+    if (mapping_ && cloud.has_labels && cloud.table.find("label") < 0)
+      refuseForProbabilities(arguments_.input, {"--label-mapping"});
     const pcl::Indices kept = keptPoints(cloud);
     warnOf(cloud.table.doubts);
     warnOfNoReturns(arguments_.input, countNoReturns(*cloud.cloud));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
+#include "command_line.h"
 #include "messages.h"
 
 #include <boost/algorithm/string/predicate.hpp>
@@ -45,6 +46,13 @@ warnOfNoReturns(const std::string& path, std::size_t count)
   if (count > 0)
     warn(path + ": " + std::to_string(count) +
          " points at exactly 0 0 0 are taken for no return and passed over");
+}
+
+void
+refuseForProbabilities(const std::string& path, const std::vector<std::string>& options)
+{
+  for (const std::string& option : options)
+    refuseIf(true, option + " has no effect on the field 'probability' of " + path);
 }
 
 MappingWatch::MappingWatch(std::string name, const PixelMapping& mapping,

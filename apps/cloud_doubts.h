@@ -36,6 +36,13 @@ std::string textOfDoubts(const std::vector<std::string>& doubts,
  * \param[in] path of the cloud \param[in] count 0 = nothing is said */
 void warnOfNoReturns(const std::string& path, std::size_t count);
 
+/** \brief Refuses options about labels that a cloud does not use, since it has
+ * probabilities. \param[in] path of the cloud
+ * \param[in] options that were given, with their dashes
+ * \throws InvalidParameterException that names the option and the cloud */
+void refuseForProbabilities(const std::string& path,
+                            const std::vector<std::string>& options);
+
 /** \brief Warns at its end, in one line, of the numbers that a label mapping lacked. */
 class MappingWatch {
 public:

@@ -128,9 +128,13 @@ setMeasurements(const Arguments& arguments, const LabelledCloud& input, Filter& 
   if (found > 0 && found != classes)
     fail<BadInputException>(arguments.input, ": has probabilities of ", found,
                             " classes, expected ", classes);
-  refuseIf(found > 0 && arguments.states_confidence,
-           "--label-confidence has no effect on the field 'probability' of " +
-               arguments.input);
+  std::vector<std::string> of_labels;
+  if (arguments.states_confidence)
+    of_labels.emplace_back("--label-confidence");
+  if (!arguments.label_mapping.empty())
+    of_labels.emplace_back("--label-mapping");
+  if (found > 0)
+    refuseForProbabilities(arguments.input, of_labels);
   if (found > 0)
     crf.setLabelDistributions(input.distributions);
   else

@@ -272,6 +272,7 @@ parseMapArguments(int argc, char** argv)
   arguments.parameters.validate();
   if (!arguments.clouds.empty() && arguments.sensor.empty())
     arguments.sensor = arguments.sequence.files.calibration.empty() ? "own" : "camera";
+  arguments.states_confidence = values.count("label-confidence") > 0;
   if (!arguments.print_config)
     refuseUnread(values, unreadOptions(arguments));
   return arguments;

@@ -18,7 +18,8 @@ struct MapArguments {
   double depth_scale = 0.0;  ///< of its depth images; 0 = as their layout has it
   std::string sensor;        ///< of the clouds, see CloudSource
   std::string label_mapping; ///< of their labels; empty = they are labels
-  std::string scan_columns;  ///< of `.bin` scans; empty = see readCloudTable()
+  bool states_confidence = false; ///< --label-confidence is given
+  std::string scan_columns;       ///< of `.bin` scans; empty = see readCloudTable()
   std::string output, labels, label_set, network, model, engine, config;
   std::string poses = "auto";
   std::string label_calibration, clique_calibration;

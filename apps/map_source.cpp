@@ -357,6 +357,7 @@ public:
     positions_ = chooseClouds(arguments.clouds, clouds_, arguments.frames);
     for (const std::size_t i : positions_)
       run_.frames.push_back(clouds_.frameNumber(i));
+    refuseOptionsOfLabels();
     setSensor();
     setInputs({{"clouds", arguments.clouds},
                {"label_mapping", arguments.label_mapping},
@@ -454,6 +455,28 @@ private:
       const std::string& path = paths.at(frame);
       return readPositions(path, columnsOf(columns, path));
     };
+  }
+
+  // The first cloud that has labels says what the others have; of those that differ
+  // the reader warns.
+  void
+  refuseOptionsOfLabels() const
+  {
+    std::vector<std::string> given;
+    if (arguments_.states_confidence)
+      given.emplace_back("--label-confidence");
+    if (mapping_)
+      given.emplace_back("--label-mapping");
+    for (std::size_t i = 0; i < positions_.size() && !given.empty(); ++i) {
+      const std::string& path = clouds_.path(positions_[i]);
+      const LabelledCloud cloud = readLabelledCloud(
+          path, &anyLabels(), columnsOf(arguments_.scan_columns, path));
+      if (!cloud.has_labels || cloud.cloud->empty())
+        continue;
+      if (cloud.distributions.classes() > 0)
+        refuseForProbabilities(path, given);
+      return;
+    }
   }
 
   // Where the sensor is in camera 0, and its camera.

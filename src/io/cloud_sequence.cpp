@@ -112,8 +112,12 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
   LabelledCloud read = readLabelledCloud(
       path(i), mapping, isHeaderless(path(i)) ? columns_ : ScanColumns());
   addOrigin(read);
+  requireFrameOfSensor(*read.cloud, path(i));
   if (doubts)
     *doubts = read.table.doubts;
+  if (doubts && mapping && read.distributions.classes() > 0)
+    doubts->push_back(path(i) + ": a label mapping does not change its probabilities, "
+                                "which are used");
   CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};
   const Eigen::Map<const Eigen::Vector4d> turn(read.table.viewpoint.data() + 3);
   if (turn.norm() > 1e-6)
