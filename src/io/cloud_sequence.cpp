@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "files/file_pattern.h"
 
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 
@@ -47,6 +48,24 @@ bool
 isHeaderless(const std::string& path)
 {
   return boost::algorithm::iends_with(path, ".bin");
+}
+
+// The pose of a frame would move what is in the world already.
+void
+requireFrameOfSensor(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
+                     const std::string& path)
+{
+  constexpr float farthest = 1e4f; // that a scanner sees [m]
+  std::size_t seen = 0, far = 0;
+  for (const pcl::PointXYZRGBL& point : cloud)
+    if (isReturn(point)) {
+      ++seen;
+      far += point.getVector3fMap().norm() > farthest;
+    }
+  if (2 * far > seen)
+    badInput(path, ": ", far, " of ", seen, " points are more than ", farthest,
+             " m from its zero, as in the world's frame: expected the sensor's, from "
+             "where the poses move them");
 }
 
 LabelDistributions

@@ -96,6 +96,57 @@ TEST_F(CloudFolders, PosesOfTheirOwnAreUsedOrNamed)
     EXPECT_NEAR(x[i], 5.03 + 10.0 * double(i), 1e-3);
 }
 
+TEST_F(CloudFolders, OptionsOfLabelsAreRefusedWhereProbabilitiesAreUsed)
+{
+  const std::string poses = folder_.path("poses.txt");
+  writeCloud(folder_.path("clouds/1.pcd"), identity);
+  LabelledCloud cloud = readLabelledCloud(folder_.path("clouds/1.pcd"));
+  cloud.distributions = LabelDistributions(11, 1);
+  cloud.distributions.setLabel(0, 3, 0.7f);
+  writeLabelledCloud(folder_.path("clouds/2.pcd"), cloud);
+  // The first cloud with labels has no probabilities, the other warns.
+  EXPECT_EQ(map(poses + " --label-confidence 0.6").code, 0);
+  const ToolResult mixed = map(poses + " --label-mapping zero_based");
+  EXPECT_EQ(mixed.code, 0);
+  EXPECT_TRUE(holds(mixed.text, "2.pcd: a label mapping does not change its "
+                                "probabilities, which are used"));
+  std::filesystem::remove(folder_.path("clouds/1.pcd"));
+  EXPECT_EQ(map(poses).code, 0);
+  for (const char* const option : {"--label-confidence", "--label-mapping"}) {
+    const ToolResult refused =
+        map(poses + " " + option +
+            (std::string(option) == "--label-mapping" ? " zero_based" : " 0.6"));
+    EXPECT_EQ(refused.code, 2) << option;
+    EXPECT_TRUE(holds(refused.text, option + std::string(" has no effect on the field "
+                                                         "'probability' of ")));
+  }
+  const std::string label_set =
+      " --label-set " PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml";
+  expectFails("crf " + folder_.path("clouds/2.pcd") + " " + folder_.path("out.pcd") +
+                  " --label-mapping zero_based" + label_set,
+              2, "--label-mapping has no effect on the field 'probability' of ");
+  LabelledCloud unnamed = readLabelledCloud(folder_.path("clouds/2.pcd"));
+  unnamed.table.removeColumns("label");
+  writeCloudTable(folder_.path("unnamed.pcd"), unnamed.table);
+  expectFails("cloud " + folder_.path("unnamed.pcd") + " " + folder_.path("out.pcd") +
+                  " --label-mapping zero_based" + label_set,
+              2, "--label-mapping has no effect on the field 'probability' of ");
+}
+
+TEST_F(CloudFolders, CloudsInTheWorldsFrameAreRefused)
+{
+  folder_.write("clouds/0.pcd",
+                "VERSION 0.7\nFIELDS x y z label\nSIZE 8 8 8 4\nTYPE F F F U\n"
+                "COUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n"
+                "456005.03 5428000.5 112.5 1\n456006.03 5428001.5 112.5 1\n");
+  folder_.write("utm.txt", "1 0 0 456000 0 1 0 5428000 0 0 1 110\n");
+  const ToolResult result = map(folder_.path("utm.txt"));
+  EXPECT_EQ(result.code, 3);
+  EXPECT_TRUE(holds(result.text, "0.pcd: 2 of 2 points are more than 10000 m from its "
+                                 "zero, as in the world's frame: expected the "
+                                 "sensor's"));
+}
+
 TEST_F(CloudFolders, PosesThatAreNoneAreRefused)
 {
   writeCloud(folder_.path("clouds/0.pcd"), "0 0 0 0 0 0 0");
