@@ -110,10 +110,11 @@ public:
   void
   skip(const std::vector<FrameRecord>& mapped) override
   {
-    if (!mapped.empty()) {
-      requireSame(0, mapped.front());
-      requireSame(mapped.size() - 1, mapped.back());
-    }
+    const std::string change = changeSince(mapped);
+    if (!change.empty())
+      fail<BadInputException>(arguments_.archive.path, ": holds ", change,
+                              " as it was, which is another one now: put the old data "
+                              "back, or begin with another archive");
     next_ = mapped.size();
   }
 
@@ -124,7 +125,7 @@ public:
     for (std::size_t i = 0; i < mapped.size() && change.empty(); ++i)
       change = i < positions_.size() && mapped[i].number == run_.frames[i]
                    ? changeOf(i, mapped[i])
-                   : "frame " + std::to_string(mapped[i].number) + " is gone";
+                   : "frame " + std::to_string(mapped[i].number);
     next_ = 0;
     return change;
   }
@@ -150,23 +151,15 @@ protected:
     return (next_ - 1) % std::size_t(run_.config.network_every) == 0;
   }
 
-  void
-  requireSame(std::size_t i, const FrameRecord& mapped)
-  {
-    const std::string change = changeOf(i, mapped);
-    if (!change.empty())
-      fail<BadInputException>(arguments_.archive.path, ": holds ", change,
-                              " as it was, which is another one now: put the old data "
-                              "back, or begin with another archive");
-  }
-
   // What of a frame is another one now. The labels of a network are not looked at: its
   // images and the network itself are.
   std::string
   changeOf(std::size_t i, const FrameRecord& mapped)
   {
     next_ = i;
+    is_compared_ = true;
     const SensorFrame frame = *next();
+    is_compared_ = false;
     FrameDigest now;
     if (const auto* const pair = std::get_if<StereoFrame>(&frame))
       now = digestOf(*pair, isLabelled() && !arguments_.labels.empty()
@@ -189,6 +182,14 @@ protected:
     return mapped.timestamp < time || mapped.timestamp > time ? "time of " + name : "";
   }
 
+  /** \brief Whether the frame that is being read was mapped already, and is looked at
+   * once more. */
+  bool
+  isCompared() const
+  {
+    return is_compared_;
+  }
+
   /** \brief Reads the frame at a position in the source. */
   virtual SensorFrame read(std::size_t position) = 0;
 
@@ -198,6 +199,7 @@ protected:
 
 private:
   std::size_t next_ = 0; // of positions_
+  bool is_compared_ = false;
 };
 
 using ScanReader = decltype(ExtraOptions::scan);
@@ -319,7 +321,8 @@ private:
   read(std::size_t position) override
   {
     const StereoFrame pair = sequence_->frame(position);
-    watch_.look(pair);
+    if (!isCompared())
+      watch_.look(pair);
     return pair;
   }
 
@@ -578,8 +581,9 @@ private:
   {
     std::size_t unmeasured = 0;
     CloudFrame frame = sequence_.frame(position, 0.0, &unmeasured);
-    pixels_without_depth_ += unmeasured;
-    if (!isLabelled())
+    if (!isCompared())
+      pixels_without_depth_ += unmeasured;
+    if (!isLabelled() || (isCompared() && !arguments_.network.empty()))
       return frame;
     StereoFrame image;
     static_cast<FrameTime&>(image) = frame;

@@ -58,8 +58,7 @@ public:
   virtual std::optional<SensorFrame> next() = 0;
 
   /** \brief Leaves out the first frames, which are mapped already; before makeMapper().
-   * \param[in] mapped their records, the first and the last of which are compared with
-   * what is there now
+   * \param[in] mapped their records, which are compared with what is there now
    * \throws BadInputException if a frame is not what it was */
   virtual void skip(const std::vector<FrameRecord>& mapped) = 0;
 
