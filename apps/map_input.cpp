@@ -26,6 +26,8 @@ readScene(const std::string& path, const MapHints& hints)
   const double voxel_size = hints.voxel_size;
   if (isFolder(path)) {
     const MapSummary summary = readMapSummary(path);
+    if (!summary.is_whole)
+      warn(path + ": its run broke off: it is a map of the frames until then");
     // Cube 0 begins at the world's origin, the points are relative to that of the map.
     const double size = voxel_size > 0.0 ? voxel_size : summary.voxel_size;
     VoxelScene scene = readVoxelScene(path + "/map.pcd", {size, -summary.origin});

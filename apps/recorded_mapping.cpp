@@ -65,7 +65,8 @@ noteTimes(const MappedFrame& mapped)
 }
 
 // Maps what the run has and the archive does not hold yet.
-void
+// \return whether that is all of it now
+bool
 mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
           MappingOutput* output, bool is_watched)
 {
@@ -74,10 +75,12 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
   ProgressBar progress("mapping", source.run().frames.size() - mapped_before);
   bool is_empty = mapped_before == 0;
   PoseWatch watch(source.run().config.map.max_range);
+  std::size_t mapped_now = mapped_before;
   while (!interrupted()) {
     const std::optional<SensorFrame> frame = source.next();
     if (!frame)
       break;
+    ++mapped_now;
     MappedFrame mapped = mapper.process(*frame);
     mapped.times.measure("output", [&] {
       if (output)
@@ -93,6 +96,7 @@ mapFrames(MapSource& source, SemanticMapper& mapper, MappingArchive& archive,
   }
   if (is_empty)
     warnOfEmptyMap();
+  return mapped_now == source.run().frames.size();
 }
 
 // "50m" or "100", frames.
@@ -201,11 +205,12 @@ mapRecorded(const MapArguments& arguments)
     output.emplace(arguments.output, describedRun(arguments, *source),
                    archive.records(), source->extras());
   archive.resume(*mapper);
-  mapFrames(*source, *mapper, archive, output ? &*output : nullptr, arguments.view);
+  const bool is_whole =
+      mapFrames(*source, *mapper, archive, output ? &*output : nullptr, arguments.view);
   judgeTracking(arguments.sequence.name(), poses.lostFrames(), int(run.frames.size()));
   archive.finish(*mapper);
   if (output) {
-    output->finish(mapper->map());
+    output->finish(mapper->map(), is_whole);
     judgeCalibration(arguments.label_calibration, output->domainShift());
   }
   if (!archive.close())

@@ -33,7 +33,7 @@ class Map:
         path = Path(path)
         if path.is_dir():
             summary = json.loads((path / "summary.json").read_text())
-            if not summary["finished"]:
+            if not summary["finished"] and "voxel_size" not in summary:
                 raise ValueError(f"{path}/summary.json: the map is not finished")
             numbers, self.sensor = summary["frame_numbers"], summary["inputs"].get("sensor")
             given = trajectory.read_kitti(path / "trajectory.txt")

@@ -17,7 +17,8 @@ readMapSummary(const std::string& folder)
   MapSummary summary;
   try {
     const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
-    if (!json.at("finished").get<bool>())
+    summary.is_whole = json.at("finished").get<bool>();
+    if (!summary.is_whole && !json.contains("voxel_size"))
       badInput(path, ": the map is not finished");
     summary.voxel_size = json.at("voxel_size").get<double>();
     for (int axis = 0; axis < 3; ++axis)

@@ -77,6 +77,7 @@ protected:
     for (const auto& [file, bytes] : expected)
       EXPECT_TRUE(content.count(file) > 0 && content.at(file) == bytes) << file;
     const nlohmann::json summary = readJson(output + "/summary.json");
+    EXPECT_EQ(summary["finished"], true);
     EXPECT_EQ(summary["frames"], frames);
     EXPECT_EQ(summary["points"], readJson(whole_ + "/summary.json")["points"]);
     EXPECT_TRUE(verifyArchive(archive).empty());
@@ -164,7 +165,9 @@ TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
     {
       const MapArchive interrupted(archive, ArchiveAccess::read);
       EXPECT_FALSE(interrupted.state().finished);
-      const int written = readJson(output + "/summary.json")["frames"];
+      const nlohmann::json summary = readJson(output + "/summary.json");
+      EXPECT_EQ(summary["finished"], false);
+      const int written = summary["frames"];
       EXPECT_EQ(interrupted.state().frames, std::uint64_t(written))
           << "an interrupt commits the frames since the last commit";
       EXPECT_GT(written, frame);
@@ -174,6 +177,8 @@ TEST_F(ArchivedRun, InterruptedItCommitsAndGoesOn)
         names.push_back(frameFileName(i, ""));
       EXPECT_EQ(filesIn(output), filesOfMap(names));
     }
+    EXPECT_TRUE(holds(succeed("export " + output + " " + folder_.path(name + ".ply")),
+                      "its run broke off: it is a map of the frames until then"));
     EXPECT_FALSE(fs::exists(archive + "-wal"));
     EXPECT_NE(runTool("archive info " + archive).text.find("interrupted"),
               std::string::npos);
@@ -275,6 +280,8 @@ TEST_F(ArchivedRun, OtherDataBehindTheSamePathsIsRefused)
   };
   isRefused("/image_3/000000.png", "/image_3/000001.png",
             "run.map: holds frame 0 as it was, which is another one now");
+  isRefused("/image_2/000005.png", "/image_2/000001.png",
+            "run.map: holds frame 5 as it was, which is another one now");
   isRefused("/labels/000010.bin", "/labels/000003.bin",
             "run.map: holds labels of frame 10 as it was");
   succeed(mapCommand(output, archive, "--resume", street));

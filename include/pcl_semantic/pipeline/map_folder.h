@@ -18,10 +18,13 @@ struct MapSummary {
   /// Numbers of the frames that are in the map; `live`, which is being made, names
   /// none.
   std::optional<std::vector<int>> frames;
+  /// Whether its run came to its end: one that was interrupted leaves the map of the
+  /// frames that it had.
+  bool is_whole = true;
 };
 
 /** \brief Reads summary.json of a folder.
- * \throws BadInputException if it is missing or damaged, or the map is not finished */
+ * \throws BadInputException if it is missing or damaged, or there is no map yet */
 MapSummary readMapSummary(const std::string& folder);
 
 } // namespace pcl_semantic
