@@ -8,8 +8,11 @@
 #include "support/onnx_writer.h"
 #include "support/own_camera.h"
 #include "support/rgbd_street.h"
+#include "support/served_program.h"
 
 #include <pcl_semantic/files/cloud_file.h>
+
+#include <opencv2/videoio.hpp>
 
 #include <algorithm>
 #include <iterator>
@@ -23,7 +26,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A way to run a program. IN holds what inputs() makes, OUT is an empty folder.
+// A way to run a program. IN holds what inputs() makes, OUT is an empty folder. The
+// command "fleet SEQUENCE --options" is a plan of one drive with the options of `map`.
 struct Mode {
   std::string name; // what a refusal calls it, or an option of the command
   std::string command;
@@ -75,6 +79,13 @@ const std::vector<Mode> modes = {
      "IN/street/world.txt --output OUT/map --labels IN/street/labels" +
          small,
      of_source},
+    // One pair: which of several would be dropped is up to the moment.
+    {"--live", "map --left IN/left.avi --right IN/right.avi --calibration "
+               "IN/own/stereo.yaml --labels IN/own/labels --poses IN/own/poses.txt "
+               "--output OUT/map" +
+                   small + " --live"},
+    {"drive 'a'",
+     "fleet IN/street --labels IN/street/labels --frames 0:2 --submap-every 2" + small},
     {"info", "archive info IN/one.map"},
     {"verify", "archive verify IN/one.map"},
     {"export", "archive export IN/one.map OUT/map.pcd"},
@@ -275,6 +286,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
     {"stereo", {{"elas"}}},
     {"strict",
      {{""},
+      {"", "--right IN/twin.avi"},
       {"", "IN/halved"},
       {"", "--left 'IN/halved/image_2/*.png' --right 'IN/halved/image_3/*.png' "
            "--calibration IN/halved/calib.txt"},
@@ -282,7 +294,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
            "--calibration IN/halved/calib.txt --labels IN/street/labels --poses "
            "IN/street/poses.txt"},
       {"", "IN/street/image_2 IN/street/image_3 IN/halved/calib.txt"}}},
-    {"submap-every", {{"2"}}},
+    {"submap-every", {{"2"}, {"1"}}},
     {"superpixel-depth-jump",
      {{"0"},
       {"0", "--cliques superpixel:20"},
@@ -303,11 +315,15 @@ const std::map<std::string, std::vector<Trial>> trials = {
 
 // Options that change no result here. `threads` gives the same bytes for any number,
 // `engine` the same labels; `help` and its like are tested elsewhere, the others need a
-// window, never end, or more frames than there are. Of clouds `crf-every` costs time
-// alone.
+// window, never end, or more frames than there are. Of clouds and of a fleet, which has
+// no images of frames, `crf-every` costs time alone.
 const std::set<std::string> unseen = {
-    "help", "version", "man",    "quiet", "verbose",         "json",
-    "live", "threads", "engine", "view",  "odometry window", "--clouds crf-every"};
+    "help", "version", "man", "quiet", "verbose", "json", "live", "threads", "engine",
+    "view", "odometry window", "--clouds crf-every",
+    // One frame contradicts no other, and has nothing thin that is outvoted.
+    "--live crf-every", "--live clearing", "--live hit-probability",
+    "--live miss-probability", "--live deviation-scale", "--live crf-keep-thin",
+    "drive 'a' crf-every"};
 
 // Those that are given by their place are in the commands.
 const std::set<std::string> positional = {"sequence", "sequences",    "input", "output",
@@ -359,6 +375,18 @@ run(const std::string& folder, std::string command)
   succeed(command);
 }
 
+// Of one image.
+void
+writeVideo(const std::string& path, const std::string& image)
+{
+  const cv::Mat frame = readPng(image, ImageKind::grey_or_colour);
+  cv::VideoWriter writer(path, cv::CAP_FFMPEG,
+                         cv::VideoWriter::fourcc('F', 'F', 'V', '1'), 5.0,
+                         frame.size());
+  ASSERT_TRUE(writer.isOpened());
+  writer << frame;
+}
+
 void
 dropProbabilities(const std::string& from, const std::string& to)
 {
@@ -400,6 +428,9 @@ makeInputs(const std::string& in)
   copyStreet(in + "/street2");
   makeRgbd(street);
   writeOwnCamera(in + "/own");
+  for (const auto& [name, side] :
+       {std::pair("left", "left"), {"right", "right"}, {"twin", "left"}})
+    writeVideo(in + "/" + name + ".avi", in + "/own/" + side + "/shot9.png");
   copyStreet(in + "/halved"); // the calibration of images of half the size
   for (std::size_t row = 1; row <= 4; ++row)
     for (const int word : {2, 4, 7, 8}) {
@@ -534,7 +565,34 @@ struct Outcome {
 bool
 isRecord(const fs::path& path)
 {
-  return path.filename() == "summary.json" || path.extension() == ".map";
+  static const std::set<fs::path> names = {"summary.json", "log.csv", "plan.yaml"};
+  return names.count(path.filename()) > 0 || path.extension() == ".map" ||
+         path.extension() == ".made";
+}
+
+// The plan of a drive that the words of a command describe.
+std::string
+planOf(const std::vector<std::string>& words)
+{
+  std::string plan = "output: city\ndrives:\n  - name: a\n    sequence: " + words[1];
+  for (std::size_t i = 2; i < words.size(); ++i) {
+    const bool has_value = i + 1 < words.size() && words[i + 1].rfind("--", 0) != 0;
+    plan += "\n    " + words[i].substr(2) + ": '";
+    plan += (has_value ? words[++i] : "true") + "'";
+  }
+  return plan + "\n";
+}
+
+// Tiles tell how they were made, too: their voxels are the result.
+ToolResult
+runFleet(const std::string& folder, const std::string& command)
+{
+  const std::string plan = folder + "/plan.yaml";
+  std::ofstream(plan) << planOf(shellWords(command));
+  const ToolResult result = runServed("fleet " + plan);
+  if (result.code == 0)
+    runServed("archive export " + folder + "/city/map.tiles " + folder + "/city.pcd");
+  return result;
 }
 
 Outcome
@@ -543,10 +601,13 @@ outcomeOf(std::string command)
   const TemporaryFolder folder;
   command = replaceAll(command, "IN/", inputs() + "/");
   command = replaceAll(command, "OUT/", folder.path() + "/");
-  const ToolResult result = runTool(command);
+  const ToolResult result = command.rfind("fleet ", 0) == 0
+                                ? runFleet(folder.path(), command)
+                                : runServed(command);
   Outcome outcome;
   outcome.code = result.code;
-  static const std::regex seconds("[0-9.]+ (s|ms|Hz|frames/s)\\b");
+  static const std::regex seconds(
+      "[0-9.]+ (s|ms|Hz|frames/s)\\b|latency_[a-z0-9]+: [0-9.e-]+");
   outcome.text =
       std::regex_replace(replaceAll(result.text, folder.path(), "OUT"), seconds, "T");
   for (const fs::directory_entry& entry :
@@ -615,7 +676,7 @@ TEST_P(OptionEffects, OrARefusal)
   const std::string program = command.substr(0, command.find(' '));
   ASSERT_EQ(plain("").code, 0) << plain("").text;
 
-  for (const Option& option : optionsOf(program)) {
+  for (const Option& option : optionsOf(program == "fleet" ? "map" : program)) {
     if (unseen.count(program + " " + option.name) > 0 ||
         unseen.count(GetParam().name + " " + option.name) > 0 ||
         (unseen.count(option.name) > 0 && !(program != "map" && option.name == "view")))
