@@ -7,6 +7,8 @@
 
 #include <pcl_semantic/core/position_steps.h>
 
+#include <pcl_semantic/core/no_return.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,16 +22,6 @@ hasPosition(const Eigen::Vector3f& position)
 {
   // Written so that NaN has none.
   return (position.array().abs() <= CloudRefiner::max_coordinate).all();
-}
-
-// Whether points at exactly 0 0 0 are no returns: there are several.
-bool
-isZeroNone(const Eigen::Matrix3Xf& positions)
-{
-  int zeros = 0;
-  for (Eigen::Index i = 0; i < positions.cols() && zeros < 2; ++i)
-    zeros += positions.col(i).isZero(0.0f);
-  return zeros > 1;
 }
 
 // The indices of points at a position, each once, in rising order.
@@ -219,7 +211,10 @@ CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
   if (!voxels_.empty())
     requireSize("voxel indices", voxels_.size(), count);
   // Voxels are where their indices say.
-  const bool zero_is_none = voxels_.empty() && isZeroNone(fields.positions);
+  const auto isZero = [&](std::size_t i) {
+    return fields.positions.col(Eigen::Index(i)).isZero(0.0f);
+  };
+  const bool zero_is_none = voxels_.empty() && countNoReturns(count, isZero) > 0;
   const pcl::Indices valid =
       validPoints(fields.positions, zero_is_none, indices, skipped_points_);
   refined_ = measurements(fields, indices);

@@ -4,6 +4,7 @@
 #include "core/fail.h"
 #include "map/block_reader.h"
 
+#include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/map/voxel_set.h>
@@ -26,20 +27,21 @@ struct FinitePoints {
 };
 
 FinitePoints
-finitePoints(const std::string& path, const PcdTable& table,
-             const Eigen::Vector3d& origin)
+finitePoints(const PcdTable& table, const Eigen::Vector3d& origin)
 {
+  if (table.points() == 0) // it may have no fields
+    return {};
   const PcdColumn x(table, table.find("x")), y(table, table.find("y")),
       z(table, table.find("z"));
-  std::size_t zeros = 0;
-  for (std::size_t i = 0; i < table.points(); ++i)
-    zeros += x(i) == 0.0 && y(i) == 0.0 && z(i) == 0.0;
+  const bool zero_is_none = countNoReturns(table.points(), [&](std::size_t i) {
+                              return x(i) == 0.0 && y(i) == 0.0 && z(i) == 0.0;
+                            }) > 0;
   FinitePoints points;
   points.positions.reserve(table.points());
   points.rows.reserve(table.points());
   for (std::size_t i = 0; i < table.points(); ++i) {
     const Eigen::Vector3d position(x(i), y(i), z(i));
-    if (!position.allFinite() || (zeros > 1 && position.isZero(0.0)))
+    if (!position.allFinite() || (zero_is_none && position.isZero(0.0)))
       continue; // no measurement
     points.positions.emplace_back(position - origin);
     points.rows.push_back(i);

@@ -34,15 +34,25 @@ isReturn(const PointT& point)
 }
 
 /** \brief The points of any cloud, which may be a scan, that are at exactly 0 0 0
- * without being measured there: none if there is one alone, which may be real. */
+ * without being measured there: none if there is one alone, which may be real.
+ * \param[in] count of the points \param[in] isZero tells of each by its index */
+template <typename IsZero>
+std::size_t
+countNoReturns(std::size_t count, IsZero&& isZero)
+{
+  std::size_t zeros = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    zeros += isZero(i) ? 1 : 0;
+  return zeros > 1 ? zeros : 0;
+}
+
+/** \brief The same of a cloud of PCL's. */
 template <typename PointT>
 std::size_t
 countNoReturns(const pcl::PointCloud<PointT>& cloud)
 {
-  std::size_t zeros = 0;
-  for (const PointT& point : cloud)
-    zeros += isAtZero(point);
-  return zeros > 1 ? zeros : 0;
+  return countNoReturns(cloud.size(),
+                        [&](std::size_t i) { return isAtZero(cloud[i]); });
 }
 
 /** \brief Tells which points of any cloud are somewhere: at finite positions, without
@@ -58,8 +68,7 @@ public:
   bool
   operator()(const PointT& point) const
   {
-    return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z) &&
-           !(zero_is_none_ && isAtZero(point));
+    return isReturn(point) || (!zero_is_none_ && isAtZero(point));
   }
 
 private:
