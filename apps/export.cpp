@@ -120,7 +120,7 @@ parse(int argc, char** argv)
 void
 requireLabels(const MapInput& map)
 {
-  if (!map.scene.has_labels)
+  if (!map.scene.has_labels && map.scene.voxels.size() > 0)
     fail<BadInputException>("has no labels, expected a field label or probability");
 }
 
@@ -205,11 +205,27 @@ write(const Arguments& arguments, const MapInput& map)
   return {};
 }
 
+// A map of no voxels is a file of none, but an image has at least a pixel.
+void
+requireSize(const Arguments& arguments, const VoxelScene& scene)
+{
+  if (scene.voxels.size() > 0)
+    return;
+  if (arguments.format == Format::grid)
+    fail<BadInputException>(arguments.map,
+                            ": has no point: an image of no pixel cannot be written");
+  if (arguments.format == Format::octree && !(scene.grid.size > 0.0))
+    fail<BadInputException>(arguments.map, ": has no point that shows the size of its "
+                                           "voxels; say it with --voxel-size");
+  warn(arguments.map + ": no point is left");
+}
+
 int
 exportMap(const Arguments& arguments)
 {
   const MapInput map = readMap(arguments.map, arguments.hints);
   note(std::to_string(map.scene.voxels.size()) + " voxels are read");
+  requireSize(arguments, map.scene);
   Results results = {{"file", arguments.output}, {"voxels", map.scene.voxels.size()}};
   try {
     for (const auto& result : write(arguments, map))

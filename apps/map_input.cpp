@@ -39,10 +39,7 @@ readScene(const std::string& path, const MapHints& hints)
   if (voxel_size > 0.0)
     fail<InvalidParameterException>(
         "--voxel-size is for clouds: an archive has its own");
-  VoxelScene scene = sceneOf(*loadMap(path), hints.free_space);
-  if (scene.voxels.size() == 0)
-    fail<BadInputException>(path, ": has no voxel that is occupied");
-  return scene;
+  return sceneOf(*loadMap(path), hints.free_space);
 }
 
 Trajectory
@@ -92,6 +89,13 @@ readMap(const std::string& path, const MapHints& hints)
     map.T_world_camera =
         inWorld(readTrajectory(path + "/trajectory.txt", PoseFrame::first_camera));
   return map;
+}
+
+void
+requireVoxels(const std::string& path, const MapInput& map)
+{
+  if (map.scene.voxels.size() == 0)
+    fail<BadInputException>(path, ": has no point: there is nothing to draw");
 }
 
 VoxelScene

@@ -30,7 +30,12 @@ struct MapHints {
  * \throws BadInputException */
 MapInput readMap(const std::string& path, const MapHints& hints);
 
-/** \brief The voxels of another map alone, in the same grid if both files say it. */
+/** \brief A picture needs something. \param[in] path of the map
+ * \throws BadInputException if it has no voxel that is occupied */
+void requireVoxels(const std::string& path, const MapInput& map);
+
+/** \brief The voxels of another map alone: in its own grid, or that of \a like if its
+ * file says none. */
 VoxelScene readOtherMap(const std::string& path, const MapHints& hints,
                         const VoxelScene& like);
 

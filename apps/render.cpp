@@ -92,6 +92,7 @@ render(const Arguments& arguments)
 {
   setNumberOfThreads(arguments.threads);
   const tool::MapInput map = tool::readMap(arguments.map, arguments.picture.hints);
+  tool::requireVoxels(arguments.map, map);
   const Trajectory poses = tool::posesInScene(map);
   const VoxelColours colours = coloursOf(arguments, map);
   const SceneView view = tool::viewOf(arguments.picture, map.scene, poses);

@@ -183,6 +183,7 @@ OpenedMap
 openMap(const Arguments& arguments)
 {
   const tool::MapInput input = tool::readMap(arguments.map, arguments.picture.hints);
+  tool::requireVoxels(arguments.map, input);
   OpenedMap opened;
   opened.views = viewsOf(arguments.picture, input.scene, tool::posesInScene(input));
   opened.map = tool::viewedMap(input.scene, input.label_set, arguments.map);

@@ -101,7 +101,9 @@ checkLayout(const std::string& path, const std::vector<std::uint8_t>& bytes,
 {
   const std::size_t count = columns.size(), size = count * sizeof(float);
   const ScanLayout layout(bytes);
-  const bool fits = bytes.size() % size == 0 && !bytes.empty();
+  if (bytes.empty())
+    return addDoubt(table, path + ": is empty: a scan of no points");
+  const bool fits = bytes.size() % size == 0;
   const std::size_t others =
       bytes.size() % sizeof(float) == 0 ? layout.columnsInsteadOf(count) : 0;
   if (!fits)
@@ -142,8 +144,13 @@ parseScanColumns(const std::string& text)
   for (const std::string_view word : splitAt(',', text))
     columns.emplace_back(word);
   for (const std::string& column : columns)
-    if (!isPcdField({column, 0, pcl::PCLPointField::FLOAT32, 1}) ||
-        (column != kPadding && std::count(columns.begin(), columns.end(), column) > 1))
+    if (column.find(':') != std::string::npos)
+      badParameter("scan columns '", text, "': ", inQuotes(column),
+                   " states a type, but all columns of a .bin are float32; write "
+                   "others as .pcd");
+    else if (!isPcdField({column, 0, pcl::PCLPointField::FLOAT32, 1}) ||
+             (column != kPadding &&
+              std::count(columns.begin(), columns.end(), column) > 1))
       badParameter("scan columns '", text, "': ", inQuotes(column),
                    " is no name, or there twice");
   for (const char* const axis : {"x", "y", "z"})

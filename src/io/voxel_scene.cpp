@@ -46,8 +46,6 @@ finitePoints(const PcdTable& table, const Eigen::Vector3d& origin)
     points.positions.emplace_back(position - origin);
     points.rows.push_back(i);
   }
-  if (points.rows.empty())
-    badInput(path, ": has no point");
   return points;
 }
 
@@ -97,6 +95,8 @@ findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions,
          const Eigen::Vector3d& origin)
 {
   VoxelGrid grid;
+  if (positions.empty())
+    return grid;
   const double step = smallestStep(positions);
   if (step > 0.0)
     grid.size = refinedStep(positions, step);
@@ -177,7 +177,7 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid)
 {
   const LabelledCloud labelled = readLabelledCloud(path);
   // Points, and so the grid, are relative to what was taken off them.
-  const FinitePoints points = finitePoints(path, labelled.table, labelled.origin);
+  const FinitePoints points = finitePoints(labelled.table, labelled.origin);
   VoxelScene scene;
   scene.origin = labelled.origin;
   scene.doubts = labelled.table.doubts;

@@ -163,6 +163,10 @@ TEST(BadUsage, ExportTool)
        in + "OUT.pgm --ground sidewalk", road},
       {"beyond the set", 3, "label 12 is beyond the 11 classes", in + "OUT.ply",
        cloud(" label", "0 0 0 1\n0.1 0 0 12\n", 2)},
+      {"no pixel", 3, "a.pcd: has no point: an image of no pixel", in + "OUT.pgm",
+       cloud(" label", "", 0)},
+      {"no size", 3, "a.pcd: has no point that shows the size of its voxels",
+       in + "OUT.bt", cloud(" label", "", 0)},
       {"too far for an octree", 3, "a.pcd: the map reaches 40000 voxels",
        in + "OUT.bt --voxel-size 0.1", cloud(" label", "0 0 0 1\n0 4000.05 0 1\n", 2)},
       {"too large for a plan", 3, "a.pcd: the map is 100001 x 100001 columns",
@@ -176,6 +180,19 @@ TEST(BadUsage, ExportTool)
        }},
       {"label set", 3, "none.yaml", in + "OUT.ply --label-set none.yaml", road},
   });
+}
+
+TEST(ExportTool, OfNoPointsAFileOfNone)
+{
+  const TemporaryFolder folder;
+  cloud(" label", "", 0)(folder.path());
+  for (const std::string name : {"a.ply", "a.bt --voxel-size 0.1"}) {
+    const std::string said =
+        succeed("export " + folder.path("a.pcd") + " " + folder.path(name));
+    EXPECT_TRUE(holds(said, "a.pcd: no point is left"));
+    EXPECT_TRUE(holds(said, "voxels: 0"));
+  }
+  EXPECT_TRUE(holds(bytesOf(folder.path("a.ply")), "element vertex 0"));
 }
 
 TEST(BadOutput, FullDiskOfExports)

@@ -129,6 +129,24 @@ TEST(ScanFile, RefusesOtherColumnsThanAssumed)
   }));
 }
 
+TEST(ScanFile, AnEmptyOneHasNoPoints)
+{
+  const TemporaryFolder folder;
+  const PcdTable table = readCloudTable(folder.write("a.bin", ""));
+  EXPECT_EQ(table.points, 0u);
+  EXPECT_GE(table.find("x"), 0);
+  ASSERT_EQ(table.doubts.size(), 1u);
+  EXPECT_TRUE(holds(table.doubts[0], "a.bin: is empty: a scan of no points"));
+  EXPECT_TRUE(readLabelledCloud(folder.path("a.bin")).cloud->empty());
+}
+
+TEST(ScanFile, ColumnsOfAnotherTypeAreRefused)
+{
+  EXPECT_TRUE(throws<InvalidParameterException>(
+      "'x:f8' states a type, but all columns of a .bin are float32",
+      [] { parseScanColumns("x:f8,y:f8,z:f8"); }));
+}
+
 // Columns that are alike say nothing of their number, but no intensity is negative.
 TEST(ScanFile, RefusesNegativeIntensitiesAndText)
 {
