@@ -102,7 +102,7 @@ VoxelScene
 readOtherMap(const std::string& path, const MapHints& hints, const VoxelScene& like)
 {
   if (fs::path(path).extension() == ".pcd" && hints.voxel_size <= 0.0)
-    return readVoxelScene(path, like.grid);
+    return readVoxelScene(path, {}, {like.grid.size, like.grid.corner + like.origin});
   return readScene(path, hints);
 }
 

@@ -173,7 +173,8 @@ distributionsOf(const LabelDistributions& all, const std::vector<std::size_t>& r
 } // namespace
 
 VoxelScene
-readVoxelScene(const std::string& path, const VoxelGrid& grid)
+readVoxelScene(const std::string& path, const VoxelGrid& grid,
+               const VoxelGrid& otherwise)
 {
   const LabelledCloud labelled = readLabelledCloud(path);
   // Points, and so the grid, are relative to what was taken off them.
@@ -186,8 +187,13 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid)
   const auto& [size, x, y, z] = labelled.table.voxel_grid;
   if (grid.size > 0.0)
     scene.grid = {grid.size, grid.corner - scene.origin};
-  else if (size > 0.0)
-    scene.grid = {size, Eigen::Vector3d(x, y, z) - scene.origin};
+  else if (size > 0.0) {
+    // Voxel 0 of a map begins at the world's zero: that is where the file's points are.
+    scene.grid = {size, Eigen::Vector3d(x, y, z) - labelled.origin};
+    scene.origin = labelled.origin - Eigen::Vector3d(x, y, z);
+  }
+  else if (otherwise.size > 0.0)
+    scene.grid = {otherwise.size, otherwise.corner - scene.origin};
   else
     scene.grid = findGrid(path, points.positions, scene.origin);
   scene.voxels.voxel_size = scene.grid.size;
@@ -243,7 +249,8 @@ std::vector<Label>
 labelsAtVoxels(const VoxelScene& scene, const VoxelScene& other)
 {
   const Eigen::Array3d shift =
-      (other.grid.corner - scene.grid.corner).array() / scene.grid.size;
+      (other.grid.corner + other.origin - scene.grid.corner - scene.origin).array() /
+      scene.grid.size;
   if (std::abs(other.grid.size - scene.grid.size) > 1e-6 * scene.grid.size ||
       !((shift - shift.round()).abs() < 0.01).all())
     badParameter("the maps have different voxels, of ", scene.grid.size, " m and ",

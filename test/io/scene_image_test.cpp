@@ -144,6 +144,37 @@ TEST(VoxelScene, FindsTheSameVoxelsInAnotherMap)
   EXPECT_THROW(labelsAtVoxels(scene, other), InvalidParameterException);
 }
 
+TEST(VoxelScene, IsTheSameWorldWhereverItsOriginIs)
+{
+  const TemporaryFolder folder;
+  // The same voxels at the coordinates of a survey, each cloud with an origin of its
+  // own, and once relative to one that the grid in its header tells.
+  const std::string first = folder.write(
+      "a.pcd", pcd({"456000.5 5428000.5 100.5 1 0", "456001.5 5428000.5 100.5 2 0",
+                    "456002.5 5428000.5 100.5 3 0"}));
+  const std::string second = folder.write(
+      "b.pcd", pcd({"456002.5 5428000.5 100.5 3 0", "456003.5 5428000.5 100.5 2 0",
+                    "456001.5 5428000.5 100.5 1 0", "459001.5 5428000.5 100.5 1 0"}));
+  std::string relative = pcd({"0.5 0.5 0.5 3 0", "1.5 0.5 0.5 2 0"});
+  relative.insert(0, "# voxel_grid 1 -456002 -5428000 -100\n");
+  const std::string third = folder.write("c.pcd", relative);
+  const VoxelScene scene = readVoxelScene(first);
+  EXPECT_FALSE(scene.origin.isZero());
+  const VoxelGrid grid{scene.grid.size, scene.grid.corner + scene.origin};
+  EXPECT_EQ(labelsAtVoxels(scene, readVoxelScene(second, {}, grid)),
+            (std::vector<Label>{0, 1, 3}));
+  EXPECT_EQ(labelsAtVoxels(scene, readVoxelScene(third, {}, grid)),
+            (std::vector<Label>{0, 0, 3}));
+}
+
+TEST(VoxelScene, OfNoPointsIsEmpty)
+{
+  const TemporaryFolder folder;
+  const VoxelScene scene = readVoxelScene(folder.write("a.pcd", pcd({})));
+  EXPECT_EQ(scene.voxels.size(), 0u);
+  EXPECT_EQ(scene.grid.size, 0.0);
+}
+
 TEST(SceneView, ShowsThePathAndMostOfTheMap)
 {
   const VoxelScene scene = street();

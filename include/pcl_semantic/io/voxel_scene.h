@@ -45,9 +45,12 @@ centreOf(const VoxelGrid& grid, const VoxelIndex& voxel)
  * Several points of a voxel become one: the most frequent label (the lowest of equals),
  * the mean colour, and the distribution of the first point of that label.
  * \param[in] grid size 0: the file says it, as that of a written map does, or it is
- * found from the points, which have to lie at the centres of the cubes then
- * \throws BadInputException as readLabelledCloud(), if there is no point, or no grid */
-VoxelScene readVoxelScene(const std::string& path, const VoxelGrid& grid = {});
+ * found from the points, which have to lie at the centres of the cubes then; of no
+ * points it stays 0
+ * \param[in] otherwise the grid if the file says none; size 0: it is found
+ * \throws BadInputException as readLabelledCloud(), or if there is no grid */
+VoxelScene readVoxelScene(const std::string& path, const VoxelGrid& grid = {},
+                          const VoxelGrid& otherwise = {});
 
 /** \brief All occupied voxels of a map in memory, of an archive for example; their
  * indices are those of the map.
@@ -55,7 +58,7 @@ VoxelScene readVoxelScene(const std::string& path, const VoxelGrid& grid = {});
 VoxelScene sceneOf(const SemanticVoxelMap& map, bool with_free = false);
 
 /** \brief The labels of \a other at the voxels of \a scene; 0 where it has none.
- * \param[in] other of the same grid
+ * \param[in] other of the same grid in the world; its origin may be another
  * \throws InvalidParameterException if it is of another */
 std::vector<Label> labelsAtVoxels(const VoxelScene& scene, const VoxelScene& other);
 
