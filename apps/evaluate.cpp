@@ -107,11 +107,14 @@ asImage(const std::vector<Label>& labels)
       .clone();
 }
 
+// A small file may unpack to gigabytes: sizes are compared before anything is decoded.
+// \param[in] like what an image has to be as large as
 cv::Mat
-readLabelFile(const std::string& path, int classes)
+readLabelFile(const std::string& path, int classes, const std::string& like)
 {
-  return fs::path(path).extension() == ".label" ? asImage(readScanLabels(path, classes))
-                                                : readPng(path, ImageKind::labels);
+  return fs::path(path).extension() == ".label"
+             ? asImage(readScanLabels(path, classes))
+             : readPng(path, ImageKind::labels, statedImageSize(like), " as " + like);
 }
 
 cv::Mat
@@ -119,9 +122,9 @@ readTruth(const std::string& path, const cv::Mat& prediction, int classes,
           const PixelMapping& mapping)
 {
   if (fs::path(path).extension() != ".label")
-    return readLabelImage(path, mapping);
+    return readLabelImage(path, mapping, prediction.size());
   if (std::holds_alternative<std::monostate>(mapping))
-    return readLabelFile(path, classes);
+    return asImage(readScanLabels(path, classes));
   if (const auto* const numbers = std::get_if<LabelMapping>(&mapping))
     return asImage(readSemanticKittiLabels(path, *numbers, prediction.total()));
   fail<BadInputException>(path, ": has numbers, but --label-mapping maps colours");
@@ -136,6 +139,11 @@ readTruthDepth(const std::string& folder, const std::string& truth_path,
       (fs::path(folder) / name)
           .replace_extension(name.extension() == ".label" ? ".bin" : ".png")
           .string();
+  const cv::Size stated = statedImageSize(path);
+  if (!stated.empty() && stated != truth.size())
+    fail<BadInputException>(path, ": has ", stated.width, " x ", stated.height,
+                            " depths, the ground truth ", truth.cols, " x ",
+                            truth.rows);
   cv::Mat depth = readDepths(path);
   if (depth.size() != truth.size())
     fail<BadInputException>(path, ": has ", depth.cols, " x ", depth.rows,
@@ -205,11 +213,11 @@ compareFolders(const Options& options, std::size_t number,
   for (const FrameFile& file : files) {
     const std::string name = fs::path(file.path).filename().string();
     const std::string path = existing(options.predictions[number], name, file.path);
-    const cv::Mat prediction = readLabelFile(path, label_set.size());
+    const cv::Mat prediction = readLabelFile(path, label_set.size(), file.path);
     const cv::Mat truth = readTruth(file.path, prediction, label_set.size(), mapping);
     cv::Mat covered, depth;
     if (!options.covered_by.empty())
-      covered = readLabelFile(options.covered_by[number] + "/" + name, 255);
+      covered = readLabelFile(options.covered_by[number] + "/" + name, 255, file.path);
     if (!ranges.empty()) {
       depth = readTruthDepth(options.truth_depths[number], file.path, truth);
       note(file.path + ": " +

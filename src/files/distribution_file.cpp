@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/files/distribution_file.h>
 
+#include "image_size.h"
+
 #include "core/fail.h"
 
 #include <pcl_semantic/files/atomic_file.h>
@@ -12,6 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 namespace pcl_semantic {
@@ -91,6 +94,16 @@ rowsOf(const LabelDistributions& distributions, int width)
 }
 
 } // namespace
+
+cv::Size
+statedImageSize(const std::string& path)
+{
+  const StatedSize size = statedSize(readBytes(path));
+  const auto whole = [](std::uint64_t pixels) {
+    return int(std::min<std::uint64_t>(pixels, std::numeric_limits<int>::max()));
+  };
+  return {whole(size.columns), whole(size.rows)};
+}
 
 cv::Mat
 readLabelImage(const std::string& path, const PixelMapping& mapping, cv::Size size)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/bad_case.h"
+#include "support/huge_png.h"
 #include "support/onnx_writer.h"
 #include "support/tiny_street.h"
 
@@ -109,6 +110,91 @@ TEST(BadInput, StoredLabels)
        }},
       {"no label set", 3, "none.yaml: cannot be read",
        options + " --label-set TEMP/none.yaml"},
+  });
+}
+
+// Sizes are compared before anything is decoded.
+TEST(BadInput, ImagesThatUnpackToGigabytes)
+{
+  const std::string calibrate =
+      "calibrate STREET --output OUT --labels '{sequence}/labels' --truth "
+      "'{sequence}/gt'";
+  const std::string evaluate =
+      "evaluate --label-set " PCL_SEMANTIC_SOURCE_DIR
+      "/data/label_sets/kitti11.yaml --prediction STREET/gt --truth STREET/";
+  const auto huge = [](const std::string& name) {
+    return [=](const std::string& street) { writeHugePng(street + "/" + name); };
+  };
+  const std::string says = "has 30000 x 30000 pixels, expected 208 x 64";
+  expectAllFail({
+      {"image", 3, "000001.png: " + says, "--labels STREET/labels",
+       huge("image_2/000001.png")},
+      {"labels", 3, "000001.png: " + says, "--labels STREET/gt", huge("gt/000001.png")},
+      {"calibrate", 3, "000001.png: " + says, calibrate, huge("gt/000001.png")},
+      {"prediction", 3, "000001.png: " + says, evaluate + "other",
+       [&](const std::string& street) {
+         fs::copy(street + "/gt", street + "/other");
+         huge("gt/000001.png")(street);
+       }},
+      {"truth", 3, "gt/000001.png: has 208 x 64 pixels, expected 30000 x 30000",
+       evaluate + "other",
+       [&](const std::string& street) {
+         fs::copy(street + "/gt", street + "/other");
+         huge("other/000001.png")(street);
+       }},
+      {"cover", 3, "000001.png: " + says, evaluate + "gt --covered-by STREET/other",
+       [&](const std::string& street) {
+         fs::copy(street + "/gt", street + "/other");
+         huge("other/000001.png")(street);
+       }},
+      {"depth", 3, "000001.png: has 30000 x 30000 depths, the ground truth 208 x 64",
+       evaluate + "gt --range 0:9 --truth-depth STREET/disparity",
+       huge("disparity/000001.png")},
+  });
+}
+
+// A link to itself is there, but cannot be opened: errors name the path, no function.
+TEST(BadInput, LoopsOfLinks)
+{
+  const auto loop = [](const std::string& name) {
+    return [=](const std::string& street) {
+      fs::remove_all(street + "/" + name);
+      fs::create_symlink(street + "/" + name, street + "/" + name);
+    };
+  };
+  const std::string labels = "--labels STREET/labels";
+  expectAllFail({
+      {"poses", 3, "poses.txt: ", labels, loop("poses.txt")},
+      {"times", 3, "times.txt: ", labels, loop("times.txt")},
+      {"images", 3, "image_2", labels, loop("image_2")},
+      {"labels", 3, "labels: is no folder", labels, loop("labels")},
+      {"prediction", 3, "000001.png: ",
+       "evaluate --label-set " PCL_SEMANTIC_SOURCE_DIR
+       "/data/label_sets/kitti11.yaml --prediction STREET/labels --truth STREET/gt",
+       [&](const std::string& street) {
+         fs::copy(street + "/gt/000000.png", street + "/labels/000000.png");
+         loop("labels/000001.png")(street);
+       }},
+      {"pairs", 2, "LEFT and RIGHT have to be two images, or two folders",
+       "stereo STREET/image_2 STREET/image_3 STREET/calib.txt OUT", loop("image_2")},
+      {"scan", 3, "velodyne/000000.bin: ", labels + " --also scans --frames 0:1",
+       [&](const std::string& street) {
+         addScan(street);
+         loop("velodyne/000000.bin")(street);
+       }},
+      {"rgbd", 3, "street/rgb",
+       "map --rgbd STREET --calibration STREET/calib.txt --poses STREET/poses.txt "
+       "--output OUT " +
+           labels,
+       loop("rgb")},
+      {"cliques", 3, "cliques.txt: ",
+       "crf STREET/a.pcd TEMP/o.pcd --crf pn-potts --cliques STREET/cliques.txt",
+       [&](const std::string& street) {
+         std::ofstream(street + "/a.pcd")
+             << "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\n"
+                "COUNT 1 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n0 0 1 1\n";
+         loop("cliques.txt")(street);
+       }},
   });
 }
 

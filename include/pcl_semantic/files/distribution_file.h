@@ -7,6 +7,7 @@
 #include <pcl_semantic/files/npy_file.h>
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 #include <string>
 
@@ -18,6 +19,10 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \throws BadInputException as readPng(), or at a colour that no class has */
 cv::Mat readLabelImage(const std::string& path, const PixelMapping& mapping,
                        cv::Size size = {});
+
+/** \brief The size that an image file (PNG, JPEG, TIFF) states [px], without decoding
+ * it; empty if it is none. \throws BadInputException if it cannot be read */
+cv::Size statedImageSize(const std::string& path);
 
 /** \brief Reads the label distributions of an image.
  *
