@@ -23,20 +23,30 @@ const pid_t loaded_by = ::getpid();
 
 } // namespace
 
-void
-requireNumbers(const py::handle& array)
+py::array
+asNumbers(const py::handle& array)
 {
   if (py::hasattr(array, "mask") && py::hasattr(array, "filled"))
     throw py::value_error("got a masked array, whose mask would be lost: give the "
                           "values that count, or filled() ones");
-  const py::array any = py::array::ensure(array);
+  py::array any = py::array::ensure(array);
   if (!any)
-    throw py::error_already_set();
+    return any;
   const char kind = any.dtype().kind();
   if (kind == 'c')
     throw py::value_error("got complex numbers, expected real ones");
   if (kind == 'M' || kind == 'm')
     throw py::value_error("got dates or times, expected numbers");
+  return any;
+}
+
+py::array
+numbersOf(const py::handle& array)
+{
+  const py::array any = asNumbers(array);
+  if (!any)
+    throw py::type_error("expected an array of numbers");
+  return any;
 }
 
 bool
@@ -173,17 +183,14 @@ warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
 LocalCloud
 localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
 {
-  requireNumbers(points);
-  const py::array any = py::array::ensure(points);
-  if (!any)
-    throw py::error_already_set();
+  const py::array any = numbersOf(points);
   LocalCloud local;
   if (any.dtype().kind() == 'f' && any.itemsize() <= 4) {
-    local.cloud = cloudOf(points.cast<Array<float>>(), colours);
+    local.cloud = cloudOf(Array<float>(any), colours);
     warnOfSteps(*local.cloud);
     return local;
   }
-  const auto wide = points.cast<Array<double>>();
+  const Array<double> wide(any);
   requireShape(wide, "points", kAny, 3);
   const Eigen::Map<const Eigen::Matrix3Xd> positions(wide.data(), 3, wide.shape(0));
   local.origin = localOrigin(positions);

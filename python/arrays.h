@@ -42,9 +42,13 @@ template <typename T> using MaybeArray = std::optional<Array<T>>;
 
 constexpr py::ssize_t kAny = -1; ///< number of rows or columns
 
-/** \brief Real numbers, of which numpy would drop nothing: the mask of numpy.ma, an
- * imaginary part, the unit of a time. \throws value_error */
-void requireNumbers(const py::handle& array);
+/** \brief An array of real numbers, of which numpy would drop nothing: the mask of
+ * numpy.ma, an imaginary part, the unit of a time. \return null if it is no array
+ * \throws value_error */
+py::array asNumbers(const py::handle& array);
+
+/** \brief The same. \throws type_error if it is no array */
+py::array numbersOf(const py::handle& array);
 
 /** \brief Whether fork() has made this process since the module was loaded. */
 bool isForked();
@@ -83,10 +87,7 @@ template <typename T>
 Array<T>
 integersOf(const py::object& values, const char* name)
 {
-  requireNumbers(values);
-  const py::array array = py::array::ensure(values);
-  if (!array)
-    throw py::error_already_set();
+  const py::array array = numbersOf(values);
   requireIntegers(array, name);
   const Array<std::int64_t> wide(array);
   if constexpr (sizeof(T) < sizeof(std::int64_t))
@@ -172,10 +173,9 @@ template <typename T> struct pyobject_caster<pcl_semantic::python::Array<T>> {
   bool
   load(handle source, bool)
   {
-    const array any = array::ensure(source);
+    const array any = pcl_semantic::python::asNumbers(source);
     if (!any)
       return false;
-    pcl_semantic::python::requireNumbers(source);
     value = type(any);
     return true;
   }

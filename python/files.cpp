@@ -85,8 +85,7 @@ writeCloud(const Path& path, const py::dict& cloud)
   bool is_first = true;
   for (const auto& [key, value] : cloud) {
     const auto name = key.cast<std::string>();
-    requireNumbers(value);
-    auto column = py::array::ensure(value, py::array::c_style);
+    auto column = py::array::ensure(numbersOf(value), py::array::c_style);
     if (!column)
       throw py::error_already_set();
     if (column.dtype().byteorder() == '>') // as plyfile has them of a big-endian .ply
