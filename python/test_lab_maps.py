@@ -128,6 +128,19 @@ class Trajectories(unittest.TestCase):
         self.assertLess(found["aligned"]["rms"], found["from the start"]["rms"])
         self.assertAlmostEqual(found["length"], 29)
 
+    def test_quaternions_with_w_first_give_a_warning(self):
+        turns = Rotation.from_euler("y", np.linspace(0, 2, 40))  # camera 0, y down
+        scanner = Rotation.from_euler("z", np.linspace(0, 2, 40))
+        for rotations in (turns, scanner):
+            numbers = rotations.as_quat()
+            self.assertFalse(trajectory.doubt_of_order(numbers))
+            self.assertTrue(trajectory.doubt_of_order(np.roll(numbers, 1, axis=1)))
+        with tempfile.TemporaryDirectory() as folder:
+            rows = np.roll(turns.as_quat(), 1, axis=1)
+            np.savetxt(f"{folder}/w.txt", [[i, i, 0, 0, *row] for i, row in enumerate(rows)])
+            with self.assertWarnsRegex(UserWarning, "w.txt: .*w first: expected x y z w"):
+                trajectory.read(f"{folder}/w.txt")
+
     def test_times_match_if_each_is_the_others_nearest(self):
         first, second = trajectory.match([0.0, 0.1, 0.2, 0.3], [0.101, 0.195, 0.204, 0.5])
         self.assertEqual((first.tolist(), second.tolist()), ([1, 2], [0, 2]))

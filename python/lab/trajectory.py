@@ -15,6 +15,17 @@ LENGTHS = (100, 200, 300, 400, 500, 600, 700, 800)  # of KITTI's pieces [m]
 WORLD_FROM_CAMERA = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
 
 
+def doubt_of_order(quaternions):
+    """Whether x y z w (N x 4) are tilted in every frame that poses have, but upright as w x y z."""
+    def uprights(numbers):  # of camera 0, of a camera and of a scanner in a world with z up
+        turns = Rotation.from_quat(numbers).as_matrix()
+        return np.stack([turns[:, 1, 1], -turns[:, 2, 1], turns[:, 2, 2]])
+    read, other = uprights(quaternions), uprights(np.roll(quaternions, -1, axis=1))
+    upright = (other > 0.5).mean(1) >= 0.9
+    return bool(upright.any() and
+                read.mean(1).max() < other.mean(1)[upright].max() - 0.1)
+
+
 def read(path):
     """Times (None of KITTI's format) and poses, N x 4 x 4."""
     with warnings.catch_warnings():
@@ -30,6 +41,9 @@ def read(path):
         raise ValueError(f"{path}: has {rows.shape[1]} numbers a row, expected 12 (KITTI) or 8 (TUM)")
     poses[:, :3, 3] = rows[:, 1:4]
     poses[:, :3, :3] = Rotation.from_quat(rows[:, 4:]).as_matrix()
+    if doubt_of_order(rows[:, 4:]):
+        warnings.warn(f"{path}: most poses are tilted or upside down, but upright if the "
+                      "quaternions have w first: expected x y z w", stacklevel=2)
     return rows[:, 0], poses
 
 
