@@ -31,8 +31,8 @@ const Usage usage{
     "pcl_semantic_cloud", "IN OUT.pcd [options]",
     R"(Prepares a labelled cloud for other programs: maps its labels, crops it, keeps
 or drops classes, renames labels, thins it, colours it by class, in this order.
-IN is a .pcd, a .ply, or a scan of KITTI (.bin with .label). All other fields
-are kept.)",
+IN is a .pcd, a .ply, or a scan without a header (.bin as KITTI and nuScenes have
+them, with .label). All other fields are kept.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && \
   pcl_semantic_cloud /tmp/map/map.pcd /tmp/thin.pcd --thin 0.3 --drop car \

@@ -40,10 +40,10 @@ struct Arguments {
 
 const Usage usage{
     "pcl_semantic_crf", "IN OUT.pcd [options]",
-    R"(Makes the labels of a cloud consistent with a CRF. IN (.pcd, .ply, or a scan of
-KITTI, .bin with .label) has the fields x y z,
-probability (one a class) or label (0 = unlabelled), and, for kernels of colour,
-rgb or rgba. OUT.pcd is the same with label and probability rewritten.)",
+    R"(Makes the labels of a cloud consistent with a CRF. IN (.pcd, .ply, or a scan
+without a header, .bin as KITTI and nuScenes have them, with .label) has the fields
+x y z, probability (one a class) or label (0 = unlabelled), and, for kernels of
+colour, rgb or rgba. OUT.pcd is the same with label and probability rewritten.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \
     --output /tmp/raw_map && \
