@@ -133,7 +133,7 @@ TEST(ScanFile, AnEmptyOneHasNoPoints)
 {
   const TemporaryFolder folder;
   const PcdTable table = readCloudTable(folder.write("a.bin", ""));
-  EXPECT_EQ(table.points, 0u);
+  EXPECT_EQ(table.points(), 0u);
   EXPECT_GE(table.find("x"), 0);
   ASSERT_EQ(table.doubts.size(), 1u);
   EXPECT_TRUE(holds(table.doubts[0], "a.bin: is empty: a scan of no points"));
