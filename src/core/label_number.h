@@ -20,4 +20,8 @@ withoutInstance(std::int64_t number)
   return has_one ? std::int64_t(classOf(std::uint32_t(number))) : number;
 }
 
+/** \brief The first whole number that single precision need not hold exactly: of labels
+ * with instances from 256 on, the class is lost. */
+constexpr double kFirstInexactFloat = 16777216.0;
+
 } // namespace pcl_semantic

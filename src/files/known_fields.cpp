@@ -2,6 +2,7 @@
 #include "known_fields.h"
 #include "pcd_table.h"
 
+#include "core/fail.h"
 #include "core/label_number.h"
 
 #include <boost/algorithm/string/case_conv.hpp>
@@ -128,6 +129,25 @@ takeInstancesOff(PcdTable& table, const pcl::PCLPointField& field)
   });
 }
 
+// What a number of a field of single precision says of the others; empty if all are
+// held exactly, or are no labels anyway.
+std::string
+textOfLostClass(const PcdColumn& column, std::size_t points)
+{
+  if (column.field().datatype != pcl::PCLPointField::FLOAT32 ||
+      column.field().count != 1)
+    return "";
+  for (std::size_t i = 0; i < points; ++i) {
+    const double number = std::abs(column(i));
+    if (number >= kFirstInexactFloat && number <= 4294967295.0)
+      return "point " + std::to_string(i) + " has " +
+             std::to_string(std::int64_t(column(i))) +
+             ", where single precision does not hold the class beside the instance; "
+             "store whole numbers, or doubles";
+  }
+  return "";
+}
+
 void
 addLabels(const std::string& path, PcdTable& table)
 {
@@ -143,6 +163,7 @@ addLabels(const std::string& path, PcdTable& table)
     return;
   }
   const std::string name = table.fields[std::size_t(found)].name;
+  const std::string lost = textOfLostClass(PcdColumn(table, found), table.points());
   if (name != "label") {
     const PcdColumn column(table, found);
     if (column.field().count != 1)
@@ -152,12 +173,17 @@ addLabels(const std::string& path, PcdTable& table)
       if (!(std::abs(column(i)) <= 4294967295.0) || column(i) != std::floor(column(i)))
         return addDoubt(table, path + ": field '" + name +
                                    "' is not read as labels: they are whole numbers");
+    if (!lost.empty())
+      return addDoubt(table,
+                      path + ": field '" + name + "' is not read as labels: " + lost);
     pcl::PCLPointField label = column.field();
     label.name = "label";
     const std::vector<std::uint8_t> bytes = columnBytes(table, column.field());
     table.setColumn(label, bytes.data(), bytes.size());
     table.label_source = name;
   }
+  else if (!lost.empty())
+    badInput(path, ": field 'label': ", lost);
   takeInstancesOff(table, table.fields[std::size_t(table.find("label"))]);
 }
 
@@ -265,6 +291,7 @@ scaleOf(const std::array<PcdColumn, 3>& channels, std::size_t points)
 {
   double largest = 0.0;
   bool are_whole = true;
+  std::size_t to_one = 0, beyond_one = 0;
   for (const PcdColumn& channel : channels)
     for (std::size_t i = 0; i < points; ++i) {
       const double value = channel(i);
@@ -274,9 +301,13 @@ scaleOf(const std::array<PcdColumn, 3>& channels, std::size_t points)
         return std::nullopt;
       largest = std::max(largest, value);
       are_whole = are_whole && value == std::floor(value);
+      to_one += value > 0.0 && value <= 1.0;
+      beyond_one += value > 1.0;
     }
   if (pcl::getFieldType(channels[0].field().datatype) == 'F' && largest <= 1.0)
     return 255.0;
+  if (!are_whole && (largest <= 2.0 || to_one > beyond_one))
+    return 255.0; // some are brighter than white
   if (largest <= 255.0)
     return 1.0;
   return are_whole ? std::optional(255.0 / 65535.0) : std::nullopt;
@@ -323,12 +354,19 @@ addColours(const std::string& path, PcdTable& table)
     return addDoubt(table, path + ": field '" + (*channels)[0].field().name +
                                "' is not read as colour; understood are " + understood);
   std::vector<std::uint32_t> colours(table.points(), 0xFF);
+  std::size_t too_bright = 0;
   for (const PcdColumn& channel : *channels)
     for (std::size_t i = 0; i < colours.size(); ++i) {
-      const double value = channel(i);
-      colours[i] = colours[i] << 8 |
-                   (std::isnan(value) ? 0u : std::uint8_t(std::lround(value * *scale)));
+      const double value = channel(i) * *scale;
+      too_bright += value > 255.0;
+      colours[i] =
+          colours[i] << 8 |
+          (std::isnan(value) ? 0u : std::uint8_t(std::lround(std::min(value, 255.0))));
     }
+  if (too_bright > 0)
+    addDoubt(table, path + ": field '" + (*channels)[0].field().name +
+                        "': " + std::to_string(too_bright) +
+                        " of its colours from 0 to 1 are above 1 and taken for 1");
   table.setColumn("rgba", colours);
 }
 
@@ -350,6 +388,13 @@ findLabelField(const pcl::PCLPointCloud2& cloud)
       if (spelled(cloud.fields[f].name) == wanted)
         found = int(f);
   return found;
+}
+
+std::vector<int>
+findProbabilityFields(const PcdTable& table)
+{
+  const int whole = table.find("probability");
+  return whole >= 0 ? std::vector<int>{whole} : probabilityFields(table);
 }
 
 void

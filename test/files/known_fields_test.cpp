@@ -149,6 +149,54 @@ TEST(KnownFields, TakesInstancesOffLabels)
   EXPECT_EQ(mapping.lacking(), (std::map<std::uint32_t, std::size_t>{{41, 2}}));
 }
 
+// Above 2^24 a float does not hold a class beside its instance: 300 << 16 | 1 is
+// 300 << 16.
+TEST(KnownFields, NamesFloatsThatLostTheClass)
+{
+  LabelMapping mapping;
+  mapping.set(1, 1);
+  for (const LabelMapping* const each :
+       {(const LabelMapping*)nullptr, (const LabelMapping*)&mapping}) {
+    const TemporaryFolder folder;
+    for (const std::string& path :
+         {folder.write("a.pcd", pcdOf({{"label", "float"}}, "1", "19660801")),
+          folder.write("a.ply", plyOf({{"label", "float"}}, "1", "19660801"))})
+      EXPECT_TRUE(holds(
+          thrownMessage<BadInputException>([&] { readLabelledCloud(path, each); }),
+          path + ": field 'label': point 1 has 19660800, where single precision"));
+    const LabelledCloud without = readLabelledCloud(
+        folder.write("b.pcd", pcdOf({{"scalar_Label", "float"}}, "1", "19660801")),
+        each);
+    EXPECT_FALSE(without.has_labels);
+    ASSERT_EQ(without.table.doubts.size(), 1u);
+    EXPECT_TRUE(holds(without.table.doubts[0],
+                      "field 'scalar_Label' is not read as labels: point 1 has"));
+    for (const char* const type : {"double", "uint", "int"})
+      inBothFormats(
+          {{"label", type}}, "1", "19660801",
+          [&](const LabelledCloud& cloud) { EXPECT_EQ((*cloud.cloud)[1].label, 1u); },
+          each);
+  }
+}
+
+// High dynamic range, or a rounding error.
+TEST(KnownFields, CutsOffColoursAboveWhite)
+{
+  for (const char* const bright : {"1.0001", "1.2", "37.5"})
+    inBothFormats(red_green_blue("float"), std::string("1 0.5019608 ") + bright,
+                  "0.25 0.25 0", [&](const LabelledCloud& cloud) {
+                    ASSERT_TRUE(cloud.has_colour);
+                    EXPECT_EQ((*cloud.cloud)[0].rgba & 0xFFFFFFu, 0xFF80FFu);
+                    ASSERT_EQ(cloud.table.doubts.size(), 1u);
+                    EXPECT_TRUE(holds(cloud.table.doubts[0],
+                                      "field 'red': 1 of its colours from 0 to 1"));
+                  });
+  inBothFormats(red_green_blue("float"), "200.5 100.25 0.5", "1 1 90",
+                [&](const LabelledCloud& cloud) {
+                  EXPECT_EQ((*cloud.cloud)[1].rgba & 0xFFFFFFu, 0x01015Au);
+                });
+}
+
 TEST(KnownFields, ReadsColoursOfAnyForm)
 {
   struct Case {
