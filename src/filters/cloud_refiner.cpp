@@ -2,6 +2,7 @@
 #include <pcl_semantic/filters/cloud_refiner.h>
 
 #include "core/fail.h"
+#include "core/label_number.h"
 #include "core/parallel_guard.h"
 #include "core/point_spacing.h"
 
@@ -113,11 +114,45 @@ CloudRefiner::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_siz
   voxel_size_ = voxel_size;
 }
 
+void
+CloudRefiner::setOrigin(const Eigen::Vector3d& origin)
+{
+  if (!origin.allFinite())
+    badParameter("the origin of the clouds is not finite");
+  origin_ = origin;
+  judges_steps_ = false;
+}
+
+std::vector<std::uint32_t>
+CloudRefiner::labelsOf(const std::vector<double>& numbers, bool is_single) const
+{
+  std::vector<std::uint32_t> labels(numbers.size(), kUnlabelled);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const double number = numbers[i];
+    const bool is_exact =
+        number == std::floor(number) &&
+        std::abs(number) < (is_single ? kFirstInexactFloat : 4294967296.0);
+    const std::int64_t label = is_exact ? withoutInstance(std::int64_t(number)) : -1;
+    if (label >= 0)
+      labels[i] = std::uint32_t(label);
+    else if (label_classes_ > 0)
+      badInput("point ", i, " has the label ", number,
+               ", expected a whole number from 0 to ", label_classes_,
+               is_single && std::abs(number) >= kFirstInexactFloat
+                   ? "; single precision does not hold a class beside such an instance"
+                   : "");
+  }
+  return labels;
+}
+
 LabelDistributions
 CloudRefiner::measurements(const Fields& fields, const pcl::Indices& indices) const
 {
   const std::size_t count = fields.labels.size();
   if (label_classes_ == 0) {
+    if (measured_.classes() == 0)
+      badParameter("SemanticCRF needs measurements: setLabelDistributions() or "
+                   "setLabelConfidence()");
     requireSize("label distributions", std::size_t(measured_.size()), count);
     return measured_;
   }
@@ -170,6 +205,10 @@ CloudRefiner::makeCliques(const Fields& fields)
   const bool has_colours = fields.colours.size() > 0;
   if (generator_->usesColour() && !has_colours)
     badParameter("these cliques need points with colour");
+  if (std::size_t(fields.width) * fields.height != fields.labels.size())
+    badParameter("the cloud has a width of ", fields.width, " and a height of ",
+                 fields.height, ", but ", fields.labels.size(),
+                 " points: set both for a generator of cliques");
   CliqueGenerator::Cloud cloud(fields.width, fields.height);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f position = fields.positions.col(Eigen::Index(i));

@@ -6,6 +6,7 @@
 
 #include <pcl/common/io.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace pcl_semantic {
@@ -13,6 +14,16 @@ namespace pcl_semantic {
 namespace {
 
 using Field = pcl::PCLPointField;
+
+// Returns what lies behind it.
+template <typename T>
+std::uint8_t*
+put(float number, std::uint8_t* to)
+{
+  const auto value = T(number);
+  std::memcpy(to, &value, sizeof(value));
+  return to + sizeof(value);
+}
 
 template <typename T>
 void
@@ -24,10 +35,9 @@ writeAs(std::uint8_t* bytes, std::uint32_t label)
 
 } // namespace
 
-LabelFields::LabelFields(const pcl::PCLPointCloud2& cloud)
+LabelFields::LabelFields(const pcl::PCLPointCloud2& cloud, const PcdTable& table)
 {
   const int label = findLabelField(cloud);
-  const int probability = pcl::getFieldIndex(cloud, "probability");
   if (label < 0)
     badParameter("cloud: has no field 'label' to write the result to");
   label_ = cloud.fields[std::size_t(label)];
@@ -35,9 +45,46 @@ LabelFields::LabelFields(const pcl::PCLPointCloud2& cloud)
       label_.datatype == Field::BOOL)
     badParameter("cloud: the field 'label' has a type that cannot hold 255");
   write_label_ = withTypeOf(label_, [](auto zero) { return &writeAs<decltype(zero)>; });
-  if (probability >= 0 &&
-      cloud.fields[std::size_t(probability)].datatype == Field::FLOAT32)
-    probability_ = cloud.fields[std::size_t(probability)];
+  for (const int index : findProbabilityFields(table))
+    for (const pcl::PCLPointField& field : cloud.fields)
+      if (field.name == table.fields[std::size_t(index)].name)
+        probabilities_.push_back(field);
+}
+
+void
+LabelFields::requireRead(const LabelledCloud& read)
+{
+  if (label_.name != "label" && read.table.label_source != label_.name) {
+    for (const std::string& doubt : read.table.doubts)
+      if (doubt.find("'" + label_.name + "' is not read as labels") != doubt.npos)
+        badInput(doubt);
+    badInput("cloud: field '", label_.name, "' is not read as labels");
+  }
+  if (read.distributions.classes() == 0)
+    probabilities_.clear();
+  for (const pcl::PCLPointField& field : probabilities_)
+    if (field.datatype != Field::FLOAT32 && field.datatype != Field::FLOAT64)
+      badParameter("cloud: the field '", field.name,
+                   "' has a type that cannot hold probabilities");
+}
+
+void
+LabelFields::requireClasses(int classes) const
+{
+  std::size_t room = 0;
+  for (const pcl::PCLPointField& field : probabilities_)
+    room += std::max<std::size_t>(field.count, 1);
+  if (!probabilities_.empty() && room != std::size_t(classes))
+    badParameter("cloud: the field '", probabilities_[0].name, "' holds ", room,
+                 " classes, and the result has ", classes);
+}
+
+void
+passOver(const std::vector<std::string>& names, PcdTable& table)
+{
+  for (auto& field : table.fields)
+    if (std::count(names.begin(), names.end(), field.name))
+      field.name = "_"; // as PCL's padding
 }
 
 void
@@ -45,9 +92,13 @@ LabelFields::write(std::uint8_t* point, std::uint32_t label,
                    const LabelDistributions& distributions, Eigen::Index column) const
 {
   write_label_(point + label_.offset, label);
-  if (probability_ && int(probability_->count) == distributions.classes())
-    std::memcpy(point + probability_->offset, distributions.column(column),
-                sizeof(float) * probability_->count);
+  const float* values = distributions.column(column);
+  for (const pcl::PCLPointField& field : probabilities_) {
+    std::uint8_t* to = point + field.offset;
+    for (std::size_t k = 0; k < std::max<std::size_t>(field.count, 1); ++k, ++values)
+      to = field.datatype == pcl::PCLPointField::FLOAT64 ? put<double>(*values, to)
+                                                         : put<float>(*values, to);
+  }
 }
 
 } // namespace pcl_semantic

@@ -8,6 +8,7 @@
 #include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/filters/cloud_refiner.h>
 
 #include <algorithm>
 #include <array>
@@ -28,6 +29,13 @@ isBefore(const Member& a, const Member& b)
   if (a.voxel != b.voxel)
     return VoxelIndexLess()(a.voxel, b.voxel);
   return a.point < b.point;
+}
+
+// As SemanticCRF passes over them.
+bool
+isOutOfReach(const pcl::PointXYZRGBL& point)
+{
+  return point.getArray3fMap().abs().maxCoeff() > CloudRefiner::max_coordinate;
 }
 
 using Range = std::pair<const Member*, const Member*>; // of one voxel
@@ -79,8 +87,11 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
     output = *input_;
     return;
   }
-  const LabelFields label_fields(*input_);
-  const LabelledCloud labelled = labelledCloudOf(PcdTable(*input_), "cloud");
+  PcdTable table(*input_);
+  LabelFields label_fields(*input_, table);
+  passOver({"rgb", "rgba", "clique"}, table);
+  const LabelledCloud labelled = labelledCloudOf(std::move(table), "cloud");
+  label_fields.requireRead(labelled);
   const auto& cloud = *labelled.cloud;
   for (const std::string& doubt : labelled.table.doubts)
     warnOfDoubt("LabelVoxelGrid", doubt);
@@ -88,7 +99,11 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
   const CloudPositions positions(labelled);
   std::vector<Member> members;
   for (const pcl::index_t i : *indices_) {
-    if (!has_place(cloud.at(std::size_t(i))))
+    if (i < 0 || std::size_t(i) >= cloud.size())
+      badParameter("the index ", i, " is beyond the cloud of ", cloud.size(),
+                   " points");
+    const pcl::PointXYZRGBL& point = cloud[std::size_t(i)];
+    if (!has_place(point) || isOutOfReach(point))
       continue;
     const Eigen::Array3d voxel = (positions(std::size_t(i)).array() / edge_).floor();
     if (!(voxel.abs() < double(kMaxVoxelIndex)).all())
@@ -97,6 +112,10 @@ LabelVoxelGrid::applyFilter(pcl::PCLPointCloud2& output)
     members.push_back({voxel.cast<int>(), i});
   }
   std::sort(members.begin(), members.end(), isBefore);
+  const auto isSame = [](const Member& a, const Member& b) {
+    return a.point == b.point;
+  };
+  members.erase(std::unique(members.begin(), members.end(), isSame), members.end());
   pcl::PCLPointCloud2 result;
   result.header = input_->header;
   result.fields = input_->fields;

@@ -37,11 +37,18 @@ SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
     output = *input_;
     return;
   }
-  const LabelFields label_fields(*input_);
   const ThreadScope threads(threads_);
-  LabelledCloud labelled = labelledCloudOf(PcdTable(*input_), "cloud");
+  PcdTable table(*input_);
+  LabelFields label_fields(*input_, table);
   const bool reads_measurements = !hasMeasurements();
-  const bool reads_cliques = usesCliques() && !hasCliqueSource();
+  const bool reads_cliques =
+      usesCliques() && !hasCliqueSource() && table.find("clique") >= 0;
+  if (!reads_cliques)
+    passOver({"clique"}, table);
+  if (!usesColour())
+    passOver({"rgb", "rgba"}, table);
+  LabelledCloud labelled = labelledCloudOf(std::move(table), "cloud");
+  label_fields.requireRead(labelled);
   if (reads_measurements && labelled.distributions.classes() == 0)
     badParameter("cloud: has no field 'probability'; call setLabelConfidence() "
                  "to start from its labels");
@@ -58,7 +65,7 @@ SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
   Fields fields;
   fields.width = input_->width;
   fields.height = input_->height;
-  fields.origin = labelled.origin;
+  fields.origin = labelled.origin + origin_;
   fields.is_single = labelled.is_single;
   const auto count = Eigen::Index(labelled.cloud->size());
   fields.positions.resize(3, count);
@@ -71,6 +78,7 @@ SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
       fields.colours.col(i) << float(point.r), float(point.g), float(point.b);
   }
   refineCloud(fields, *indices_);
+  label_fields.requireClasses(getLabelDistributions().classes());
   output = *input_;
   for (const pcl::index_t i : *indices_)
     label_fields.write(output.data.data() + offsetOfPoint(output, std::size_t(i)),

@@ -497,7 +497,7 @@ TEST(CRFInput, WhatDoesNotFitIsRefused)
                     "39 points for a cloud of 40"));
   EXPECT_TRUE(holds(
       complaint([](Filter& crf) { crf.setLabelDistributions(LabelDistributions()); }),
-      "0 points for a cloud of 40"));
+      "needs measurements"));
   EXPECT_TRUE(
       holds(complaint([](Filter& crf) { crf.setVoxels({VoxelIndex(0, 0, 0)}, 0.1); }),
             "voxel indices of 1 points"));

@@ -38,15 +38,12 @@ public:
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
 
   /** \brief What was taken off the positions of the input clouds, as
-   * LabelledCloud::origin is: clique generators lay their cells by it. Without a call,
-   * PCL_WARN says where single precision has spoilt positions, see doubtOfSteps().
-   * \param[in] origin [m]; zero by default */
-  void
-  setOrigin(const Eigen::Vector3d& origin)
-  {
-    origin_ = origin;
-    judges_steps_ = false;
-  }
+   * LabelledCloud::origin is, beside what they take off doubles themselves: clique
+   * generators lay their cells by it. Without a call, PCL_WARN says where single
+   * precision has spoilt positions, see doubtOfSteps().
+   * \param[in] origin [m]; zero by default
+   * \throws InvalidParameterException unless finite */
+  void setOrigin(const Eigen::Vector3d& origin);
 
   /** \brief Whether kernels look at the colours of the points, if their type has some.
    */
@@ -64,8 +61,9 @@ public:
     generator_.reset();
   }
 
-  /** \brief Makes the cliques of each run from its input cloud: all of its points, but
-   * for those that are passed over. Replaces setCliques(); null = no cliques. */
+  /** \brief Makes the cliques of each run from its input cloud, whose width and height
+   * have to be set: all of its points, but for those that are passed over. Replaces
+   * setCliques(); null = no cliques. */
   void
   setCliqueGenerator(const CliqueGenerator::Ptr& generator)
   {
@@ -117,6 +115,19 @@ protected:
   {
     return has_cliques_ || generator_;
   }
+
+  bool
+  usesColour() const
+  {
+    return use_colour_;
+  }
+
+  /** \brief The labels that a field of any type holds, without instances; 0 for numbers
+   * that are none, where labels are no measurements.
+   * \param[in] is_single they were floats, which hold whole numbers up to 2^24
+   * \throws BadInputException where they are measurements, naming the point */
+  std::vector<std::uint32_t> labelsOf(const std::vector<double>& numbers,
+                                      bool is_single) const;
 
   /** \brief Refines the points of some indices.
    * \param[in,out] fields the labels of these points are rewritten

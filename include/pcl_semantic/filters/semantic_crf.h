@@ -40,7 +40,7 @@ protected:
   void applyFilter(PointCloud& output) override;
 
 private:
-  static Fields readFields(const PointCloud& cloud);
+  Fields readFields(const PointCloud& cloud) const;
 };
 
 /** \brief The same for clouds whose fields are known by name: x y z, label and, if they
@@ -50,7 +50,8 @@ private:
  * Unless setLabelDistributions() or setLabelConfidence() was called, the measurements
  * are the field `probability`; unless cliques or a generator were set, the cliques are
  * the field `clique`. The output is the input with `label` and, if it is there,
- * `probability` rewritten. */
+ * `probability` rewritten, in their own types. Both may be spelled as doc/formats.md
+ * says. */
 template <>
 class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PCLPointCloud2>
     : public CheckedFilter<pcl::PCLPointCloud2>, public CloudRefiner {
@@ -62,8 +63,11 @@ public:
 
 protected:
   /** \throws InvalidParameterException if the cloud has no `label`, neither
-   * `probability` nor measurements that were set, or something does not fit it
-   * \throws BadInputException at a value of a field that cannot be */
+   * `probability` nor measurements that were set, `probability` of another number of
+   * classes than these, no cliques for a model that needs some, or something does not
+   * fit it
+   * \throws BadInputException at a value of a field that cannot be, or labels of
+   * another name that are not understood */
   void applyFilter(pcl::PCLPointCloud2& output) override;
 };
 

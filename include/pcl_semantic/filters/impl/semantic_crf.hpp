@@ -9,6 +9,7 @@
 
 #include <cstring>
 #include <type_traits>
+#include <vector>
 
 // PCL instantiates its base classes for its own point types only.
 #include <pcl/filters/impl/filter.hpp>
@@ -66,7 +67,7 @@ getColour(const PointT& point)
 
 template <typename PointT>
 CloudRefiner::Fields
-SemanticCRF<PointT>::readFields(const PointCloud& cloud)
+SemanticCRF<PointT>::readFields(const PointCloud& cloud) const
 {
   using namespace pcl::fields;
   constexpr bool has_rgba = pcl::traits::has_field<PointT, rgba>::value;
@@ -76,7 +77,12 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud)
   fields.width = cloud.width;
   fields.height = cloud.height;
   fields.positions.resize(3, count);
-  fields.labels.resize(cloud.size());
+  using Number = typename pcl::traits::datatype<PointT, label>::type;
+  std::vector<double> numbers; // of labels that may be none
+  if constexpr (std::is_same<Number, std::uint32_t>::value)
+    fields.labels.resize(cloud.size());
+  else
+    numbers.resize(cloud.size());
   constexpr bool has_doubles = detail::isDouble<PointT, x>() ||
                                detail::isDouble<PointT, y>() ||
                                detail::isDouble<PointT, z>();
@@ -102,13 +108,17 @@ SemanticCRF<PointT>::readFields(const PointCloud& cloud)
     if constexpr (!has_doubles)
       fields.positions.col(i) << float(detail::getField<x>(point)),
           float(detail::getField<y>(point)), float(detail::getField<z>(point));
-    fields.labels[std::size_t(i)] =
-        classOf(static_cast<std::uint32_t>(detail::getField<label>(point)));
+    if constexpr (std::is_same<Number, std::uint32_t>::value)
+      fields.labels[std::size_t(i)] = classOf(detail::getField<label>(point));
+    else
+      numbers[std::size_t(i)] = double(detail::getField<label>(point));
     if constexpr (has_rgba)
       fields.colours.col(i) = detail::getColour<rgba>(point);
     else if constexpr (has_rgb)
       fields.colours.col(i) = detail::getColour<rgb>(point);
   }
+  if constexpr (!std::is_same<Number, std::uint32_t>::value)
+    fields.labels = this->labelsOf(numbers, std::is_same<Number, float>::value);
   return fields;
 }
 
