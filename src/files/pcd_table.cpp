@@ -42,11 +42,16 @@ requireBytes(const pcl::PCLPointCloud2& cloud)
   if (cloud.is_bigendian)
     badParameter("cloud: its bytes are big-endian");
   const std::size_t row = std::size_t(cloud.width) * cloud.point_step;
+  if (std::size_t(cloud.height) * cloud.row_step > cloud.data.size() &&
+      std::size_t(cloud.height) * row <= cloud.data.size())
+    badParameter("cloud: row_step is ", cloud.row_step, ", too large for ",
+                 cloud.data.size(), " bytes of ", cloud.height, " rows; expected ", row,
+                 ": ", cloud.width, " points of ", cloud.point_step, " bytes");
   if (cloud.height > 1 && cloud.row_step < row)
     badParameter("cloud: row_step is ", cloud.row_step, ", expected at least ", row,
                  ": ", cloud.width, " points of ", cloud.point_step, " bytes");
-  if (row == 0 ||
-      cloud.data.size() / cloud.height < std::max<std::size_t>(row, cloud.row_step))
+  if (cloud.data.size() <
+      std::size_t(cloud.height) * std::max<std::size_t>(row, cloud.row_step))
     badParameter("cloud: has ", cloud.data.size(), " bytes for ", cloud.width, " x ",
                  cloud.height, " points of ", cloud.point_step);
 }

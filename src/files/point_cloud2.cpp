@@ -5,6 +5,8 @@
 #include "pcd_table.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace pcl_semantic {
 
@@ -38,9 +40,48 @@ distributionsOf(const PcdTable& table, const std::string& name)
   const int classes = int(column.field().count);
   LabelDistributions distributions(classes, Eigen::Index(table.points()));
   for (std::size_t i = 0; i < table.points(); ++i)
-    for (int k = 0; k < classes; ++k)
-      distributions.matrix()(k, Eigen::Index(i)) = float(column(i, k));
+    for (int k = 0; k < classes; ++k) {
+      const double value = column(i, k);
+      if (!(value >= 0.0 && value <= 1.001))
+        badInput("cloud: field '", name, "' of voxel ", i, " is ", value,
+                 ", expected 0 to 1");
+      distributions.matrix()(k, Eigen::Index(i)) = float(value);
+    }
   return distributions;
+}
+
+// A value that has to be a whole number.
+double
+wholeNumber(const PcdColumn& column, std::size_t i, double smallest, double largest,
+            int element = 0)
+{
+  const double value = column(i, element);
+  if (!(value >= smallest && value <= largest) || value != std::floor(value))
+    badInput("cloud: field '", column.field().name, "' of voxel ", i, " is ", value,
+             ", expected a whole number from ", smallest, " to ", largest);
+  return value;
+}
+
+// Clouds of two maps, or of one before and after it moved, have indices of two grids.
+void
+requireOneGrid(const PcdColumn& size, const PcdColumn& origin, std::size_t voxels)
+{
+  for (std::size_t i = 0; i < voxels; ++i) {
+    if (!(size(i) > 0.0 && std::isfinite(size(i))))
+      badInput("cloud: field 'voxel_size' of voxel ", i, " is ", size(i),
+               ", expected more than 0");
+    for (int axis = 0; axis < 3; ++axis)
+      if (!std::isfinite(origin(i, axis)))
+        badInput("cloud: field 'origin' of voxel ", i, " is not finite");
+    if (size(i) != size(0))
+      badInput("cloud: voxel ", i, " has the size ", size(i), " m, voxel 0 ", size(0),
+               " m: they are of two maps");
+    for (int axis = 0; axis < 3; ++axis)
+      if (origin(i, axis) != origin(0, axis))
+        badInput("cloud: voxel ", i, " has the origin ", origin(i, 0), " ",
+                 origin(i, 1), " ", origin(i, 2), ", voxel 0 ", origin(0, 0), " ",
+                 origin(0, 1), " ", origin(0, 2), ": their clouds are of two maps");
+  }
 }
 
 } // namespace
@@ -83,14 +124,20 @@ fromPCLPointCloud2(const pcl::PCLPointCloud2& cloud, VoxelCloud& voxels)
                   observations = columnOf(table, "observations"),
                   size = columnOf(table, "voxel_size"),
                   origin = columnOf(table, "origin", 3);
+  requireOneGrid(size, origin, table.points());
+  const double classes = voxels.refined.classes();
+  constexpr double any = std::numeric_limits<std::uint32_t>::max();
   for (std::size_t i = 0; i < table.points(); ++i) {
     pcl::PointXYZRGBL point;
     point.getVector3fMap() << float(x(i)), float(y(i)), float(z(i));
     point.rgba = colour.bits(i);
-    point.label = std::uint32_t(label(i));
+    point.label = std::uint32_t(wholeNumber(label, i, 0, classes));
     voxels.cloud->push_back(point);
-    voxels.indices.emplace_back(int(index(i, 0)), int(index(i, 1)), int(index(i, 2)));
-    voxels.observations.push_back(std::uint32_t(observations(i)));
+    VoxelIndex voxel;
+    for (int axis = 0; axis < 3; ++axis)
+      voxel[axis] = int(wholeNumber(index, i, -kMaxVoxelIndex, kMaxVoxelIndex, axis));
+    voxels.indices.push_back(voxel);
+    voxels.observations.push_back(std::uint32_t(wholeNumber(observations, i, 0, any)));
   }
   if (table.points() > 0) {
     voxels.voxel_size = size(0);

@@ -7,6 +7,7 @@
 
 #include <pcl_semantic/cliques/cube_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
@@ -409,6 +410,72 @@ TEST(UnfitFields, AGeneratorNeedsTheSizeOfTheCloud)
   cloud->width = edge;
   crf.filter(output);
   EXPECT_EQ(crf.getReport().cliques, 16u);
+}
+
+// Two clouds of one fleet, joined as messages.
+TEST(UnfitFields, VoxelsAreOfOneMap)
+{
+  const auto voxelsAt = [](double x, double size) {
+    VoxelCloud voxels;
+    voxels.voxel_size = size;
+    voxels.origin.x() = x;
+    for (int i = 0; i < 5; ++i) {
+      voxels.indices.emplace_back(i, 0, 0);
+      voxels.observations.push_back(3);
+      voxels.cloud->emplace_back();
+      voxels.cloud->back().label = 1;
+    }
+    voxels.refined = LabelDistributions(classes, 5);
+    voxels.refined.matrix().row(0).setOnes();
+    voxels.measured = voxels.refined;
+    Blob blob;
+    toPCLPointCloud2(voxels, blob);
+    return blob;
+  };
+  const auto complaint = [](const Blob& blob) {
+    VoxelCloud voxels;
+    return thrownMessage<BadInputException>([&] { fromPCLPointCloud2(blob, voxels); });
+  };
+  const auto joined = [&](double x, double size) {
+    Blob blob = voxelsAt(0, 0.1);
+    const Blob other = voxelsAt(x, size);
+    blob.data.insert(blob.data.end(), other.data.begin(), other.data.end());
+    blob.width += other.width;
+    blob.row_step += other.row_step;
+    return blob;
+  };
+  VoxelCloud voxels;
+  fromPCLPointCloud2(joined(0, 0.1), voxels);
+  EXPECT_EQ(voxels.size(), 10u);
+  EXPECT_TRUE(holds(complaint(joined(7e5, 0.1)), "voxel 5 has the origin 700000 0 0"));
+  EXPECT_TRUE(holds(complaint(joined(0, 0.2)), "voxel 5 has the size 0.2 m"));
+  struct Case {
+    std::string field;
+    double value;
+    int type;
+  };
+  for (const Case& each : std::vector<Case>{{"voxel_size", -1, Type::FLOAT64},
+                                            {"voxel_size", kNaN, Type::FLOAT64},
+                                            {"origin", kNaN, Type::FLOAT64},
+                                            {"label", 300, Type::UINT32},
+                                            {"label", 4, Type::UINT32},
+                                            {"probability", kNaN, Type::FLOAT32},
+                                            {"measured", -0.5, Type::FLOAT32}}) {
+    Blob blob = voxelsAt(0, 0.1);
+    const auto field = std::size_t(pcl::getFieldIndex(blob, each.field));
+    put(each.value, each.type, &blob.data[blob.fields[field].offset]);
+    EXPECT_TRUE(holds(complaint(blob), "field '" + each.field + "' of voxel 0"));
+  }
+}
+
+TEST(UnfitFields, ARowBeyondTheDataIsNamed)
+{
+  const Blob::Ptr blob = withOneLabel({"label", Type::UINT32}, 1);
+  blob->row_step = 1 << 20;
+  Blob output;
+  EXPECT_TRUE(
+      holds(thrownMessage<InvalidParameterException>([&] { runGrid(blob, output); }),
+            "row_step is 1048576, too large"));
 }
 
 TEST(LabelVoxelGrid, PassesOverAPointFarOffAndCountsEachOnce)

@@ -16,7 +16,9 @@ void toPCLPointCloud2(const VoxelCloud& voxels, pcl::PCLPointCloud2& cloud);
 
 /** \brief Likewise back, also of a part of the voxels, as filters leave them. Without
  * voxels nothing says their size: it is then 0.
- * \throws InvalidParameterException if a field is missing */
+ * \throws InvalidParameterException if a field is missing
+ * \throws BadInputException if the voxels are of two maps (voxel_size and origin
+ * differ), or a value cannot be */
 void fromPCLPointCloud2(const pcl::PCLPointCloud2& cloud, VoxelCloud& voxels);
 
 } // namespace pcl_semantic
