@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/plain_map.h"
 #include "support/random_scan.h"
+#include "support/thrown_message.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
@@ -8,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -423,6 +426,38 @@ TEST(SemanticVoxelMap, PixelsWithoutALabelVoidNothing)
   scan.distributions.matrix().setZero();
   map.integrate(scan.cloud, poseAt(0, 0, 0), scan.distributions);
   EXPECT_TRUE(map.occupied().refined.matrix() == refined.matrix());
+}
+
+// Log-probabilities would give another class than the most probable one.
+TEST(SemanticVoxelMap, TakesProbabilitiesAlone)
+{
+  const LabelSet label_set({{"road", {}}, {"wall", {}}, {"car", {}}});
+  const Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  LabelDistributions good(3, 50);
+  for (int i = 0; i < 50; ++i) {
+    cloud.push_back({5.05f, 0.1f * float(i) + 0.05f, 0.55f});
+    good.setLabel(i, 2, 0.8f);
+  }
+  const Eigen::Vector3d place(5.05, 0.05, 0.55);
+  SemanticVoxelMap map(label_set, {});
+  map.integrate(cloud, pose, good);
+  for (const float bad : {-0.1f, std::nanf(""), std::numeric_limits<float>::infinity(),
+                          -std::numeric_limits<float>::infinity()}) {
+    LabelDistributions distributions = good;
+    distributions.matrix()(2, 17) = bad;
+    for (const auto& take : std::vector<std::function<void()>>{
+             [&] { map.integrate(cloud, pose, distributions); },
+             [&] { map.addLabels(cloud, pose, distributions); }})
+      EXPECT_TRUE(holds(thrownMessage<BadInputException>(take),
+                        "of point 17 has a negative or non-finite probability"));
+  }
+  LabelDistributions zeros = good;
+  zeros.matrix().col(3).setConstant(-0.0f); // unlabelled
+  map.integrate(cloud, pose, zeros);
+  EXPECT_EQ(map.labels({place})[0], 2);
+  EXPECT_THROW(map.integrate(cloud, pose, LabelDistributions(3, 0)),
+               InvalidParameterException);
 }
 
 TEST(SemanticVoxelMap, RefusesWhatDoesNotFit)

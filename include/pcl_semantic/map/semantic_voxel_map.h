@@ -48,12 +48,13 @@ public:
    * hit wins over a miss.
    * \param[in] cloud sensor frame [m], organized or not, any point type with xyz
    * \param[in] T_world_sensor pose of the sensor; sensorPose() gives that of the cloud
-   * \param[in] distributions L x cloud.size(), or empty for a scan without labels
-   * \param[in] deviations of the distance to each point [m], or empty if they are
-   * exact: nothing is cleared within two deviations of an end, and its hit weighs less;
-   * a point whose deviation is NaN or negative is skipped
-   * \throws InvalidParameterException if the sizes do not fit the cloud
-   * \throws BadInputException if the pose is no rigid motion, or too far away */
+   * \param[in] distributions L x cloud.size(), or LabelDistributions() for a scan
+   * without labels \param[in] deviations of the distance to each point [m], or empty if
+   * they are exact: nothing is cleared within two deviations of an end, and its hit
+   * weighs less; a point whose deviation is NaN or negative is skipped \throws
+   * InvalidParameterException if the sizes do not fit the cloud \throws
+   * BadInputException if the pose is no rigid motion, or too far away, or a probability
+   * is negative or not finite */
   template <typename PointT>
   ScanCounts integrate(const pcl::PointCloud<PointT>& cloud,
                        const Eigen::Isometry3d& T_world_sensor,
