@@ -299,9 +299,18 @@ private:
 
 // Of a cloud that was in no file.
 PcdTable
-newTable(const LabelledCloud& labelled)
+newTable(const LabelledCloud& labelled, const std::string& name)
 {
+  if (!labelled.origin.allFinite())
+    badParameter(name, ": the origin of its cloud is not finite");
   PcdTable table = tableOfPoints(*labelled.cloud);
+  const char* const names[] = {"x", "y", "z"};
+  for (int axis = 0; axis < 3 && !labelled.origin.isZero(0.0); ++axis) {
+    std::vector<double> values;
+    for (const pcl::PointXYZRGBL& point : *labelled.cloud)
+      values.push_back(double(point.data[axis]) + labelled.origin[axis]);
+    table.setColumn(names[axis], values);
+  }
   if (!labelled.has_colour)
     table.removeColumns("rgba");
   return table;
@@ -408,7 +417,8 @@ tableOf(const LabelledCloud& labelled, const std::string& name)
 {
   const Cloud& cloud = *labelled.cloud;
   const LabelDistributions& distributions = labelled.distributions;
-  PcdTable table = labelled.table.fields.empty() ? newTable(labelled) : labelled.table;
+  PcdTable table =
+      labelled.table.fields.empty() ? newTable(labelled, name) : labelled.table;
   const int classes = distributions.classes();
   if (table.points() != cloud.size() ||
       (classes > 0 && distributions.size() != Eigen::Index(cloud.size())))

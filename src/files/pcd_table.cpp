@@ -50,8 +50,8 @@ requireBytes(const pcl::PCLPointCloud2& cloud)
   if (cloud.height > 1 && cloud.row_step < row)
     badParameter("cloud: row_step is ", cloud.row_step, ", expected at least ", row,
                  ": ", cloud.width, " points of ", cloud.point_step, " bytes");
-  if (cloud.data.size() <
-      std::size_t(cloud.height) * std::max<std::size_t>(row, cloud.row_step))
+  if (row == 0 ||
+      cloud.data.size() / cloud.height < std::max<std::size_t>(row, cloud.row_step))
     badParameter("cloud: has ", cloud.data.size(), " bytes for ", cloud.width, " x ",
                  cloud.height, " points of ", cloud.point_step);
 }

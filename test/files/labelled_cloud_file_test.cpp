@@ -281,6 +281,32 @@ TEST(LabelledCloudFile, OtherFieldsSurvive)
   EXPECT_EQ(PcdColumn(table, 7)(1, 0), 0.75);
 }
 
+// As a program makes one: its positions are doubles only with the origin.
+TEST(LabelledCloudFile, ACloudWithoutTableKeepsItsOrigin)
+{
+  const TemporaryFolder folder;
+  const Eigen::Vector3d origin(691000.0, 5335000.0, 512.0);
+  LabelledCloud cloud;
+  for (int i = 0; i < 100; ++i) {
+    pcl::PointXYZRGBL point;
+    point.getVector3fMap() << 12.4f + 0.1f * float(i), 65.2f, 0.5f;
+    point.label = 1;
+    cloud.cloud->push_back(point);
+  }
+  cloud.origin = origin;
+  writeLabelledCloud(folder.path("a.pcd"), cloud);
+  const LabelledCloud read = readLabelledCloud(folder.path("a.pcd"));
+  const CloudPositions positions(read);
+  for (std::size_t i = 0; i < 100; ++i)
+    EXPECT_LT(
+        (positions(i) - origin - (*cloud.cloud)[i].getVector3fMap().cast<double>())
+            .norm(),
+        1e-6);
+  cloud.origin.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(writeLabelledCloud(folder.path("b.pcd"), cloud),
+               InvalidParameterException);
+}
+
 TEST(LabelledCloudFile, NewCliquesTakeThePlaceOfOldOnes)
 {
   const TemporaryFolder folder;

@@ -234,10 +234,10 @@ PcdTable tableOf(const LabelledCloud& labelled, const std::string& name);
  * The table is written as it is, so fields this module does not know, and coordinates
  * in double precision, survive; only `label`, `probability` (if there are
  * distributions) and `clique` (if the cliques are no longer the table's) are put in the
- * place of the old ones or behind the others. A cloud without table gets x y z and, if
- * it has colour, rgba.
+ * place of the old ones or behind the others. A cloud without table gets x y z (doubles
+ * with the origin added, if it has one) and, if it has colour, rgba.
  * \throws InvalidParameterException if the sizes of cloud, table and distributions
- * differ, or cliques overlap, see readCliques()
+ * differ, cliques overlap, see readCliques(), or its origin is not finite
  * \throws OutputException */
 void writeLabelledCloud(const std::string& path, const LabelledCloud& labelled);
 
