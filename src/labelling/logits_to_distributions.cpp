@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace pcl_semantic {
 
@@ -122,6 +124,8 @@ checkArguments(const cv::Mat& logits, const cv::Size& size,
   if (logits.dims != 3 || logits.type() != CV_32FC1 || logits.empty())
     fail<InvalidParameterException>(
         "logits: expected 32-bit floats, channels x height x width");
+  if (!logits.isContinuous())
+    fail<InvalidParameterException>("logits: a part of an array; clone() it");
   if (std::size_t(logits.size[0]) != channels.labels.size())
     fail<InvalidParameterException>("logits have ", logits.size[0],
                                     " channels, expected ", channels.labels.size());
@@ -133,6 +137,30 @@ checkArguments(const cv::Mat& logits, const cv::Size& size,
                                       ", expected up to ", channels.classes);
 }
 
+// Of probabilities none is negative; of logits none is infinite.
+void
+checkValues(const cv::Mat& logits, bool are_logits)
+{
+  const auto* const values = logits.ptr<float>();
+  const auto count = std::int64_t(logits.total());
+  const float lowest = are_logits ? -std::numeric_limits<float>::max() : 0.0f;
+  const float highest = std::numeric_limits<float>::max();
+  const auto isGood = [&](float value) { return value >= lowest && value <= highest; };
+  std::int64_t bad = 0;
+#pragma omp parallel for schedule(static) reduction(+ : bad)
+  for (std::int64_t i = 0; i < count; ++i)
+    bad += !isGood(values[i]);
+  if (bad == 0)
+    return;
+  const std::int64_t first = std::find_if_not(values, values + count, isGood) - values;
+  const std::int64_t pixels = std::int64_t(logits.size[1]) * logits.size[2];
+  fail<BadInputException>("holds ", values[first], ", expected ",
+                          are_logits ? "finite numbers" : "probabilities", ": channel ",
+                          first / pixels, ", row ", first % pixels / logits.size[2],
+                          ", column ", first % logits.size[2],
+                          are_logits ? "" : "; are these logits?");
+}
+
 } // namespace
 
 LabelDistributions
@@ -140,6 +168,7 @@ distributionsFromLogits(const cv::Mat& logits, const cv::Size& size,
                         const ChannelClasses& channels)
 {
   checkArguments(logits, size, channels);
+  checkValues(logits, channels.softmax);
   const RowConverter converter(logits, size, channels);
   LabelDistributions distributions(channels.classes,
                                    Eigen::Index(size.width) * size.height);

@@ -249,12 +249,6 @@ checkOutput(const cv::Mat& output, const NetworkDescription& description, int fr
   if (output.size[1] != channels)
     fail<BadModelException>(who, "has ", output.size[1],
                             " channels, its description names ", channels);
-  const float lowest = description.softmax ? -std::numeric_limits<float>::max() : 0.0f;
-  const float* const values = output.ptr<float>();
-  for (std::size_t i = 0; i < output.total(); ++i)
-    if (!(values[i] >= lowest) || !std::isfinite(values[i]))
-      fail<BadModelException>(who, "holds ", values[i], ", expected ",
-                              description.softmax ? "finite numbers" : "probabilities");
   const int shape[] = {channels, output.size[2], output.size[3]};
   return output.reshape(1, 3, shape);
 }
@@ -328,7 +322,14 @@ NetworkPredictor::predict(const StereoFrame& frame)
                             network_->other_size);
   }
   const cv::Mat logits = checkOutput(output, description_, frame.number);
-  return distributionsFromLogits(logits, frame.left.size(), channels_);
+  try {
+    return distributionsFromLogits(logits, frame.left.size(), channels_);
+  }
+  catch (const BadInputException& error) {
+    fail<BadModelException>("frame ", frame.number, ": output '",
+                            description_.output_name, "' of the network ",
+                            error.what());
+  }
 }
 
 } // namespace pcl_semantic

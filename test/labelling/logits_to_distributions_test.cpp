@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/thrown_message.h"
+
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/labelling/logits_to_distributions.h>
@@ -7,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <cmath>
+#include <limits>
 
 namespace pcl_semantic {
 namespace {
@@ -100,6 +103,27 @@ TEST(LogitsToDistributions, ProbabilitiesAreTakenAsTheyAre)
   const LabelDistributions result =
       distributionsFromLogits(values, cv::Size(11, 9), channels);
   EXPECT_LT(largestDifference(result, plain(values, cv::Size(11, 9), channels)), 2e-6);
+}
+
+TEST(LogitsToDistributions, WhatIsNoProbabilityIsRefused)
+{
+  const ChannelClasses logits{{1, 2, 3}, 3, true}, probabilities{{1, 2, 3}, 3, false};
+  for (const float bad :
+       {-0.5f, std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    const int shape[] = {3, 4, 5};
+    cv::Mat values(3, shape, CV_32FC1, cv::Scalar(0.25));
+    values.at<float>(1, 2, 3) = bad;
+    for (const ChannelClasses& channels : {logits, probabilities}) {
+      const auto convert = [&] {
+        distributionsFromLogits(values, cv::Size(5, 4), channels);
+      };
+      if (channels.softmax && bad == -0.5f)
+        convert();
+      else
+        EXPECT_TRUE(holds(thrownMessage<BadInputException>(convert),
+                          "channel 1, row 2, column 3"));
+    }
+  }
 }
 
 TEST(LogitsToDistributions, LargeLogitsDoNotOverflow)

@@ -27,7 +27,8 @@ struct ChannelClasses {
  * CV_32F, channels x height x width, finite \param[in] size of the image [px]
  * \param[in] channels one entry a channel
  * \return L x (width * height), pixels row by row
- * \throws InvalidParameterException if the sizes do not fit each other */
+ * \throws InvalidParameterException if the sizes do not fit each other
+ * \throws BadInputException if a value is not finite, or a probability negative */
 LabelDistributions distributionsFromLogits(const cv::Mat& logits, const cv::Size& size,
                                            const ChannelClasses& channels);
 
