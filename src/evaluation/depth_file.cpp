@@ -41,6 +41,13 @@ readPointDepths(const std::string& path)
 void
 writeDepthImage(const std::string& path, const cv::Mat& depth)
 {
+  if (depth.type() != CV_32FC1 && depth.type() != CV_64FC1)
+    badParameter(path, ": depths are floats of one channel [m], not an image of type ",
+                 cv::typeToString(depth.type()));
+  double nearest = 0.0;
+  cv::minMaxIdx(cv::max(-depth, 0.0), nullptr, &nearest); // NaN counts as none
+  if (nearest > 0.0)
+    badParameter(path, ": a depth is ", -nearest, " m, expected 0 or more");
   cv::Mat image;
   depth.convertTo(image, CV_16U, steps_per_metre); // rounds and saturates
   for (std::uint16_t& value : cv::Mat1w(image))

@@ -56,6 +56,20 @@ TEST(DepthFile, NoMeasurementIsZero)
   EXPECT_EQ(points(0, 3), 2.0f);
 }
 
+TEST(DepthFile, OtherDepthsAreRefused)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.png");
+  for (const cv::Mat& depths : {cv::Mat(4, 4, CV_16UC1, cv::Scalar(3000)),
+                                cv::Mat(4, 4, CV_32FC3, cv::Scalar::all(3)),
+                                cv::Mat(4, 4, CV_32FC1, cv::Scalar(-3)), cv::Mat()})
+    EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
+                          [&] { writeDepthImage(path, depths); }),
+                      path));
+  writeDepthImage(path, cv::Mat(4, 4, CV_64FC1, cv::Scalar(3)));
+  EXPECT_EQ(readDepths(path).at<float>(1, 1), 3.0f);
+}
+
 TEST(DepthFile, PointsAreFloats)
 {
   const TemporaryFolder folder;
