@@ -5,6 +5,8 @@
 #include "map/cube_renderer.h"
 #include "map/ray_traversal.h"
 
+#include <pcl_semantic/core/sensor_pose.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -156,6 +158,7 @@ labelsAtDepth(const SemanticVoxelMap& map,
               const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
               const Eigen::Isometry3d& T_world_camera, double max_depth)
 {
+  requireRigid(T_world_camera, "the pose of the camera");
   if (!cloud.isOrganized())
     badParameter("looking labels up at depth needs an organized cloud");
   const int width = static_cast<int>(cloud.width);
@@ -178,6 +181,7 @@ RenderedLabels
 renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
              const Eigen::Isometry3d& T_world_camera, double max_depth)
 {
+  requireRigid(T_world_camera, "the pose of the camera");
   if (!voxels.cloud || voxels.cloud->size() != voxels.size())
     badParameter("the voxels have ", voxels.size(), " indices, their cloud ",
                  (voxels.cloud ? voxels.cloud->size() : 0), " points");

@@ -6,9 +6,22 @@
 
 #include <gtest/gtest.h>
 
+#include <pcl/point_types.h>
+
+#include <cmath>
 #include <limits>
 
 namespace pcl_semantic {
+
+TEST(SensorPose, NeedsAQuaternion)
+{
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  EXPECT_TRUE(sensorPose(cloud).isApprox(Eigen::Isometry3d::Identity()));
+  for (const float w : {0.0f, std::nanf("")}) {
+    cloud.sensor_orientation_ = Eigen::Quaternionf(w, 0, 0, 0);
+    EXPECT_THROW(sensorPose(cloud), BadInputException);
+  }
+}
 
 TEST(RequireRigid, TakesRotationsAndTranslationsAlone)
 {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 
 #include <gtest/gtest.h>
@@ -211,6 +212,21 @@ TEST(RenderLabels, DepthLimitsAndFarFromTheOrigin)
   const int near = seen({30, 1, 2}, 40.0);
   pose.translation() << 1e5, -1e5, 100.0;
   EXPECT_EQ(seen({1000030, -999999, 1002}, 40.0), near);
+}
+
+TEST(RenderLabels, PosesAreRigid)
+{
+  const SemanticVoxelMap map(LabelSet({{"road", {}}}), {});
+  const pcl::PointCloud<pcl::PointXYZRGB> cloud(2, 2);
+  Eigen::Isometry3d scaled = Eigen::Isometry3d::Identity(), transposed = scaled;
+  scaled.linear() *= 2.0;
+  transposed.matrix()(3, 0) = 5.0;
+  for (const Eigen::Isometry3d& pose : {scaled, transposed}) {
+    EXPECT_THROW(renderLabels(VoxelCloud(), smallCamera(), pose, 40.0),
+                 BadInputException);
+    EXPECT_THROW(labelsAtDepth(map, cloud, pose, 40.0), BadInputException);
+    EXPECT_THROW(pointsInCamera(cloud, pose), BadInputException);
+  }
 }
 
 TEST(RenderLabels, EmptyAndInvalid)

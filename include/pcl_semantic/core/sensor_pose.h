@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/export.h>
 
 #include <Eigen/Geometry>
@@ -12,11 +13,15 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The pose that a cloud carries, as PCL reads it from VIEWPOINT: T_world_sensor
- * for SemanticVoxelMap::integrate() if its points are in the sensor's frame. */
+ * for SemanticVoxelMap::integrate() if its points are in the sensor's frame.
+ * \throws BadInputException if its quaternion has no direction (0 0 0 0) */
 template <typename PointT>
 Eigen::Isometry3d
 sensorPose(const pcl::PointCloud<PointT>& cloud)
 {
+  if (!(cloud.sensor_orientation_.norm() > 1e-6f))
+    throw BadInputException("the cloud has the quaternion 0 0 0 0 in its "
+                            "sensor_orientation_, expected w x y z of length 1");
   return Eigen::Translation3d(
              cloud.sensor_origin_.template head<3>().template cast<double>()) *
          cloud.sensor_orientation_.template cast<double>().normalized();

@@ -4,6 +4,7 @@
 #include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/no_return.h>
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/core/stereo_camera.h>
 
 #include <Eigen/Geometry>
@@ -35,12 +36,14 @@ std::optional<Eigen::Vector2i> pixelOf(const Eigen::Vector3d& point,
 
 /** \brief The points of a scan in the camera's frame [m]; NaN where there was no return
  * (isReturn()).
- * \param[in] T_camera_sensor pose of what took the cloud in the camera */
+ * \param[in] T_camera_sensor pose of what took the cloud in the camera
+ * \throws BadInputException as requireRigid() */
 template <typename PointT>
 std::vector<Eigen::Vector3d>
 pointsInCamera(const pcl::PointCloud<PointT>& cloud,
                const Eigen::Isometry3d& T_camera_sensor)
 {
+  requireRigid(T_camera_sensor, "the pose of the sensor in the camera");
   std::vector<Eigen::Vector3d> points;
   points.reserve(cloud.size());
   for (const PointT& point : cloud)

@@ -78,7 +78,8 @@ cv::Mat labelsAt(const cv::Mat& indices, const std::vector<Label>& labels);
  * \param[in] T_world_camera pose of the frame
  * \param[in] max_depth points with a larger z are not looked up [m]
  * \return CV_8UC1 of the cloud's size; 0 = no depth, or no occupied voxel there
- * \throws InvalidParameterException if the cloud is not organized */
+ * \throws InvalidParameterException if the cloud is not organized
+ * \throws BadInputException as requireRigid() */
 cv::Mat labelsAtDepth(const SemanticVoxelMap& map,
                       const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                       const Eigen::Isometry3d& T_world_camera, double max_depth);
@@ -108,7 +109,8 @@ struct RenderedLabels {
  * infinite
  * \return images of height x width
  * \throws InvalidParameterException unless cloud and indices have the same length and
- * voxel size, image size and \a max_depth are positive */
+ * voxel size, image size and \a max_depth are positive
+ * \throws BadInputException as requireRigid() */
 RenderedLabels renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
                             const Eigen::Isometry3d& T_world_camera, double max_depth);
 
