@@ -339,10 +339,17 @@ slicSuperpixels(const cv::Mat& image, const SlicParameters& parameters)
 std::vector<pcl::PointIndices>
 cliquesOfSegments(const cv::Mat& segments)
 {
+  if (segments.type() != CV_32SC1)
+    badParameter("segments are 32-bit numbers of one channel");
   std::vector<pcl::PointIndices> cliques;
   for (int v = 0; v < segments.rows; ++v)
     for (int u = 0; u < segments.cols; ++u) {
-      const auto segment = static_cast<std::size_t>(segments.at<int>(v, u));
+      const int number = segments.at<int>(v, u);
+      // There are no more segments than pixels.
+      if (number < 0 || std::size_t(number) >= segments.total())
+        badParameter("pixel (", u, ", ", v, ") has the segment ", number,
+                     ", expected 0 to ", segments.total() - 1);
+      const auto segment = std::size_t(number);
       if (segment >= cliques.size())
         cliques.resize(segment + 1);
       cliques[segment].indices.push_back(v * segments.cols + u);

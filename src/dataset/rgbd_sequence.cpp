@@ -177,7 +177,11 @@ RgbdSequence::doubts() const
 CloudFrame
 RgbdSequence::frame(std::size_t i, double max_depth, std::size_t* unmeasured) const
 {
-  const Files& files = frames_.at(i);
+  if (i >= frames_.size())
+    badParameter("frame ", i, " is beyond the ", frames_.size(), " of the sequence");
+  if (!(max_depth >= 0.0))
+    badParameter("max_depth is ", max_depth, " m, expected 0 (unlimited) or more");
+  const Files& files = frames_[i];
   const cv::Mat image = readImage(files.colour);
   if (image.size() != cv::Size(camera_.width, camera_.height))
     badInput(files.colour, ": has ", image.cols, " x ", image.rows,

@@ -29,6 +29,8 @@ ImageCRF::setSegments(const cv::Mat& segments)
   const int type = segments.type();
   if (type != CV_8UC1 && type != CV_16UC1 && type != CV_32SC1)
     badParameter("an image of segments needs one channel of whole numbers");
+  if (segments.empty())
+    badParameter("the image of segments is empty");
   cv::Mat1i numbers;
   segments.convertTo(numbers, CV_32S);
   std::map<int, pcl::Indices> members;

@@ -128,6 +128,8 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
                      const LabelMapping* mapping,
                      std::vector<std::string>* doubts) const
 {
+  if (i >= size())
+    badParameter("frame ", i, " is beyond the ", size(), " of the sequence");
   LabelledCloud read = readLabelledCloud(
       path(i), mapping, isHeaderless(path(i)) ? columns_ : ScanColumns());
   addOrigin(read);

@@ -57,6 +57,8 @@ SemanticMapper::SemanticMapper(const LabelSet& label_set, MapperConfig config,
       map_(label_set, config_.map, std::move(store)),
       cliques_(std::make_unique<MapCliques>(config_, label_set))
 {
+  if (!poses_)
+    badParameter("a mapper needs a source of poses");
   if (camera_)
     camera_->validate();
   if (!predictor_)
@@ -155,6 +157,8 @@ SemanticMapper::readPair(const StereoFrame& frame, MappedFrame& mapped)
 void
 SemanticMapper::readCloud(const CloudFrame& frame, MappedFrame& mapped) const
 {
+  if (!frame.cloud)
+    badParameter("frame ", frame.number, ": has no cloud");
   const pcl::PointCloud<pcl::PointXYZRGB>& cloud = *frame.cloud;
   if (camera_ && cloud.empty()) { // a frame without depth
     mapped.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(

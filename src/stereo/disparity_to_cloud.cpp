@@ -81,6 +81,8 @@ distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
       disparity_deviation.rows != int(cloud.height))
     badInput("the deviations of the disparities are no 32-bit image of ", cloud.width,
              " x ", cloud.height, " pixels");
+  if (!(scale >= 0.0 && std::isfinite(scale)))
+    badParameter("the scale of deviations is ", scale, ", expected 0 or more");
   const float fraction = float(scale / (camera.fx * camera.baseline));
   std::vector<float> deviations(cloud.size(), 0.0f);
   for (std::size_t i = 0; i < cloud.size(); ++i)

@@ -287,6 +287,18 @@ TEST(SlicCliques, RefusesAnUnorganizedCloudAndTakesAnEmptyOne)
   EXPECT_TRUE(SlicCliques().generate(CliqueGenerator::Cloud()).empty());
 }
 
+TEST(CliquesOfSegments, OtherNumbersAreRefused)
+{
+  for (const int number : {-1, 12, 1 << 30}) {
+    cv::Mat1i segments(3, 4, 0);
+    segments(1, 2) = number;
+    EXPECT_TRUE(holds(
+        thrownMessage<InvalidParameterException>([&] { cliquesOfSegments(segments); }),
+        "pixel (2, 1) has the segment " + std::to_string(number)));
+  }
+  EXPECT_THROW(cliquesOfSegments(cv::Mat1b(3, 4)), InvalidParameterException);
+}
+
 TEST(CliquesOfSegments, ListEveryPixelOnce)
 {
   const cv::Mat segments = (cv::Mat_<int>(2, 3) << 0, 0, 1, 2, 0, 1);

@@ -121,6 +121,16 @@ TEST_F(Rgbd, NoMeasurementIsNoPoint)
     EXPECT_TRUE(std::isnan(cloud->at(u, v).z));
 }
 
+TEST_F(Rgbd, ADepthAndAFrameThatCannotBeAreRefused)
+{
+  const RgbdSequence sequence(folder.path(), camera);
+  for (const double depth : {-1.0, std::nan("")})
+    expectRefusal<InvalidParameterException>("max_depth is ",
+                                             [&] { sequence.frame(0, depth); });
+  expectRefusal<InvalidParameterException>("frame 7 is beyond the 2 of the sequence",
+                                           [&] { sequence.frame(7); });
+}
+
 TEST_F(Rgbd, AScaleThatIsNotTheImagesIsDoubtful)
 {
   const auto doubts = [&](double scale) {

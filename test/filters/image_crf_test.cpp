@@ -190,6 +190,7 @@ TEST(ImageCRF, RefusesWhatDoesNotFit)
                     "whole numbers"));
   EXPECT_TRUE(holds(complaint([&] { crf.setSegments(cv::Mat1i(height, width, -1)); }),
                     "pixel (0, 0) has the segment -1"));
+  EXPECT_TRUE(holds(complaint([&] { crf.setSegments(cv::Mat()); }), "is empty"));
   crf.setModel(CRFModelType::hierarchical);
   EXPECT_TRUE(holds(complaint([&] { crf.refine(makeImage(3), makeDistributions()); }),
                     "needs cliques"));

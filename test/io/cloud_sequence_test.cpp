@@ -104,6 +104,8 @@ TEST(CloudSequence, WhatDoesNotFitIsRefused)
   EXPECT_EQ(thrownMessage<BadInputException>([&] { clouds.frame(0, 1, 0.8f); }),
             folder.path("1.pcd") +
                 ": point 0 has label 2, expected 0 to 1, or a label mapping");
+  EXPECT_EQ(thrownMessage<InvalidParameterException>([&] { clouds.frame(5, 7, 0.8f); }),
+            "frame 5 is beyond the 1 of the sequence");
   folder.write("01.pcd", two_points);
   EXPECT_THROW(CloudSequence(folder.path()), BadInputException);
 }

@@ -138,6 +138,18 @@ TEST_F(CloudFrames, ColoursThatMeanNothingAreNotFused)
     ASSERT_EQ((*voxels.cloud)[i].rgba, (*others.cloud)[i].rgba);
 }
 
+TEST_F(CloudFrames, ACloudAndASourceOfPosesAreNeeded)
+{
+  const auto mapper = makeMapper(std::nullopt);
+  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>([&] {
+                      mapper->process(CloudFrame{{7, 0.7}, nullptr, {}, true});
+                    }),
+                    "frame 7: has no cloud"));
+  EXPECT_TRUE(holds(thrownMessage<InvalidParameterException>(
+                        [&] { SemanticMapper(label_set_, config_, nullptr); }),
+                    "poses"));
+}
+
 TEST_F(CloudFrames, WhatNeedsACameraIsRefused)
 {
   const auto mapper = makeMapper(std::nullopt);

@@ -106,6 +106,10 @@ TEST(DisparityToCloud, DeviationsOfAnotherImageAreRefused)
                                    cv::Mat(height, width, CV_64FC1), cv::Mat()})
     EXPECT_THROW(distanceDeviations(*cloud, makeCamera(), deviation),
                  BadInputException);
+  const cv::Mat1f deviation(height, width, 1.0f);
+  for (const double scale : {-1.0, std::nan("")})
+    EXPECT_THROW(distanceDeviations(*cloud, makeCamera(), deviation, scale),
+                 InvalidParameterException);
 }
 
 TEST(DisparityToCloud, GreyImage)

@@ -37,7 +37,9 @@ struct SlicParameters {
 cv::Mat slicSuperpixels(const cv::Mat& image, const SlicParameters& parameters);
 
 /** \brief The pixels of every segment of an image, all of them; index = row * width +
- * column. \param[in] segments CV_32SC1 with numbers 0, 1, ... that each occur */
+ * column. \param[in] segments CV_32SC1 with numbers 0, 1, ... that each occur
+ * \throws InvalidParameterException if they are of another type, negative or larger
+ * than an image of so many pixels can have */
 std::vector<pcl::PointIndices> cliquesOfSegments(const cv::Mat& segments);
 
 } // namespace pcl_semantic

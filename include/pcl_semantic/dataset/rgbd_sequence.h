@@ -68,7 +68,9 @@ public:
    * right, y down, z forward) [m], NaN where there is no depth, without labels.
    * \param[in] max_depth [m]; 0 = unlimited
    * \param[out] unmeasured if not null: the number of pixels without a measurement
-   * \throws BadInputException if an image cannot be read, or is of another size */
+   * \throws InvalidParameterException if there is no such frame, or max_depth is
+   * negative \throws BadInputException if an image cannot be read, or is of another
+   * size */
   CloudFrame frame(std::size_t i, double max_depth = 0.0,
                    std::size_t* unmeasured = nullptr) const;
 

@@ -36,6 +36,7 @@ cv::Mat imageOfCloud(const pcl::PointCloud<pcl::PointXYZRGB>& cloud);
  * \param[in] disparity_deviation sigma of each disparity [px], CV_32FC1
  * \param[in] scale the deviations count so many times
  * \return one a point; 0 without depth
+ * \throws InvalidParameterException if the scale is negative or not finite
  * \throws BadInputException if the sizes or the type do not fit */
 std::vector<float> distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                                       const StereoCamera& camera,
