@@ -303,14 +303,7 @@ newTable(const LabelledCloud& labelled, const std::string& name)
 {
   if (!labelled.origin.allFinite())
     badParameter(name, ": the origin of its cloud is not finite");
-  PcdTable table = tableOfPoints(*labelled.cloud);
-  const char* const names[] = {"x", "y", "z"};
-  for (int axis = 0; axis < 3 && !labelled.origin.isZero(0.0); ++axis) {
-    std::vector<double> values;
-    for (const pcl::PointXYZRGBL& point : *labelled.cloud)
-      values.push_back(double(point.data[axis]) + labelled.origin[axis]);
-    table.setColumn(names[axis], values);
-  }
+  PcdTable table = tableOfPoints(*labelled.cloud, labelled.origin);
   if (!labelled.has_colour)
     table.removeColumns("rgba");
   return table;

@@ -49,13 +49,22 @@ withTypeOf(const pcl::PCLPointField& field, Use&& use)
   }
 }
 
-/** \brief A cloud of PCL with its viewpoint. */
+/** \brief A cloud of PCL with its viewpoint.
+ * \param[in] offset where its positions begin [m]: unless it is zero, they are written
+ * as doubles */
 template <typename PointT>
 PcdTable
-tableOfPoints(const pcl::PointCloud<PointT>& cloud)
+tableOfPoints(const pcl::PointCloud<PointT>& cloud, const Eigen::Vector3d& offset)
 {
   PcdTable table;
   pcl::toPCLPointCloud2(cloud, table);
+  const char* const names[] = {"x", "y", "z"};
+  for (int axis = 0; axis < 3 && !offset.isZero(0.0); ++axis) {
+    std::vector<double> values;
+    for (const PointT& point : cloud)
+      values.push_back(double(point.data[axis]) + offset[axis]);
+    table.setColumn(names[axis], values);
+  }
   const Eigen::Vector4f& origin = cloud.sensor_origin_;
   const Eigen::Quaternionf& q = cloud.sensor_orientation_;
   table.viewpoint = {origin[0], origin[1], origin[2], q.w(), q.x(), q.y(), q.z()};

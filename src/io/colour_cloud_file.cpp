@@ -10,15 +10,7 @@ writeColourCloud(const std::string& path,
                  const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                  const Eigen::Vector3d& origin)
 {
-  PcdTable table = tableOfPoints(cloud);
-  const char* const names[] = {"x", "y", "z"};
-  for (int axis = 0; axis < 3 && !origin.isZero(0.0); ++axis) {
-    std::vector<double> values;
-    for (const pcl::PointXYZRGB& point : cloud)
-      values.push_back(double(point.data[axis]) + origin[axis]);
-    table.setColumn(names[axis], values);
-  }
-  writeCloudTable(path, table);
+  writeCloudTable(path, tableOfPoints(cloud, origin));
 }
 
 } // namespace pcl_semantic
