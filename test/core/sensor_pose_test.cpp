@@ -30,6 +30,8 @@ TEST(RequireRigid, TakesRotationsAndTranslationsAlone)
   EXPECT_NO_THROW(requireRigid(pose, "p"));
   pose(0, 0) += 2e-4; // a text of few digits
   EXPECT_NO_THROW(requireRigid(pose, "p"));
+  pose.matrix().row(3) += Eigen::RowVector4d(1e-16, -1e-9, 0, 1e-9); // of an inverse
+  EXPECT_NO_THROW(requireRigid(pose, "p"));
 
   const auto refuses = [&](const std::string& says, const Eigen::Matrix4d& matrix) {
     return throws<BadInputException>(
@@ -38,8 +40,10 @@ TEST(RequireRigid, TakesRotationsAndTranslationsAlone)
   EXPECT_TRUE(
       refuses("the pose of frame 3 has the last row", pose.matrix().transpose()));
   Eigen::Matrix4d matrix = pose.matrix();
-  matrix(3, 3) = 2.0;
-  EXPECT_TRUE(refuses("expected 0 0 0 1", matrix));
+  for (const double last : {2.0, 1.00001}) {
+    matrix(3, 3) = last;
+    EXPECT_TRUE(refuses("expected 0 0 0 1", matrix));
+  }
   matrix = pose.matrix();
   matrix.topLeftCorner<3, 3>() *= 1.1;
   EXPECT_TRUE(refuses("is no rotation and translation", matrix));

@@ -27,9 +27,9 @@ sensorPose(const pcl::PointCloud<PointT>& cloud)
          cloud.sensor_orientation_.template cast<double>().normalized();
 }
 
-/** \brief Accepts rotations and translations alone: their last row is 0 0 0 1, which a
- * transposed matrix (of OpenGL, ARCore) or one of 12 numbers does not have. Rotations
- * may be off by 1e-3, as texts of few digits are.
+/** \brief Accepts rotations and translations alone: their last row is 0 0 0 1 to 1e-6,
+ * which a transposed matrix (of OpenGL, ARCore) or one of 12 numbers does not have.
+ * Rotations may be off by 1e-3, as texts of few digits are.
  * \param[in] name of the pose, for the message: "the pose of the sensor"
  * \throws BadInputException */
 void requireRigid(const Eigen::Isometry3d& pose, const std::string& name);
