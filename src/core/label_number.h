@@ -10,13 +10,14 @@ namespace pcl_semantic {
 /** \brief A number as it is read for a label, without the instance in its upper bits:
  * classOf() of one that has an instance, whether its 32 bits were read with a sign or
  * not. Others stay: small ones, and those beyond 32 bits, which are no labels. Negative
- * ones to -65535 are what other programs write for unlabelled. */
+ * ones to -65280 are what other programs write for unlabelled: of a class to 255 their
+ * bits are those of the largest instance from there on. */
 constexpr std::int64_t
 withoutInstance(std::int64_t number)
 {
   constexpr std::int64_t instance = 1 << 16;
   const bool has_one = (number >= instance && number <= std::int64_t(UINT32_MAX)) ||
-                       (number <= -instance && number >= std::int64_t(INT32_MIN));
+                       (number <= 255 - instance && number >= std::int64_t(INT32_MIN));
   return has_one ? std::int64_t(classOf(std::uint32_t(number))) : number;
 }
 

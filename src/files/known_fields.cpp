@@ -123,8 +123,11 @@ takeInstancesOff(PcdTable& table, const pcl::PCLPointField& field)
       T value;
       std::memcpy(&value, first + i * stride, sizeof(T));
       const T kept = labelWithoutInstance(value);
-      if (kept != value && value == value)
+      if (kept != value && value == value) {
         std::memcpy(first + i * stride, &kept, sizeof(T));
+        table.instances.resize(table.points);
+        table.instances[i] = std::uint16_t(std::uint32_t(std::int64_t(value)) >> 16);
+      }
     }
   });
 }

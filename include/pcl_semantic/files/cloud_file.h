@@ -40,6 +40,9 @@ struct PcdTable : pcl::PCLPointCloud2 {
   std::array<double, 4> voxel_grid{};
   /// The field that `label` was made of, where the file has it under another name.
   std::string label_source;
+  /// The instances that were taken off `label`, one a point, 0 = none; empty if no
+  /// label had one.
+  std::vector<std::uint16_t> instances;
   /// What its reader found doubtful, a line each that names the file: a field that
   /// looks like one that is understood, and is not.
   std::vector<std::string> doubts;
