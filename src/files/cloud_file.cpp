@@ -9,6 +9,7 @@
 #include "scan_file.h"
 
 #include "core/fail.h"
+#include "core/probability_sums.h"
 
 #include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/no_return.h>
@@ -225,8 +226,7 @@ private:
         values(k, Eigen::Index(i)) = static_cast<float>(value);
         sum += value;
       }
-      constexpr double tolerance = 0.1; // as in files of distributions
-      if (sum != 0.0 && std::abs(sum - 1.0) > tolerance)
+      if (!isSumOfProbabilities(sum))
         badInput(path_, ": field 'probability' of point ", i, " sums to ", sum,
                  ", expected 1");
     }

@@ -4,6 +4,7 @@
 #include "image_size.h"
 
 #include "core/fail.h"
+#include "core/probability_sums.h"
 
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/image_file.h>
@@ -65,7 +66,6 @@ readIds(const std::string& path, int width, int height, int classes, float confi
 void
 checkSums(const LabelDistributions::Matrix& values, const std::string& path, int width)
 {
-  constexpr float tolerance = 0.1f;
   const auto isValid = [&](Eigen::Index j) {
     return (values.col(j).array() >= 0.0f).all() && std::isfinite(values.col(j).sum());
   };
@@ -73,7 +73,7 @@ checkSums(const LabelDistributions::Matrix& values, const std::string& path, int
 #pragma omp parallel for schedule(static) reduction(min : bad)
   for (Eigen::Index j = 0; j < values.cols(); ++j) {
     const float sum = values.col(j).sum();
-    if (!isValid(j) || (sum != 0.0f && std::abs(sum - 1.0f) > tolerance))
+    if (!isValid(j) || !isSumOfProbabilities(double(sum)))
       bad = std::min(bad, j);
   }
   if (bad == values.cols())

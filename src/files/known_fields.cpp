@@ -4,6 +4,7 @@
 
 #include "core/fail.h"
 #include "core/label_number.h"
+#include "core/probability_sums.h"
 
 #include <boost/algorithm/string/case_conv.hpp>
 #include <pcl/common/io.h>
@@ -201,7 +202,7 @@ areDistributions(const std::vector<float>& values, std::size_t classes)
         return false;
       sum += double(values[k]);
     }
-    if (sum != 0.0 && std::abs(sum - 1.0) > 0.1)
+    if (!isSumOfProbabilities(sum))
       return false;
   }
   return true;
