@@ -556,7 +556,6 @@ public:
                {"engine", labelling_.engine}});
     labelling_.predictor->requireFrames(labelledFrames());
     warnOf(sequence_.doubts());
-    warnOf(doubtsOf(sequence_.camera()));
     run_.camera = sequence_.camera();
     run_.label_set = labelling_.label_set;
     extras_ = makeExtras(arguments, [] { return ScanReader(); }); // it has no scans

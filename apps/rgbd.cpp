@@ -2,7 +2,6 @@
 #include "messages.h"
 #include "tool.h"
 
-#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
@@ -77,7 +76,6 @@ convert(const Options& options)
 {
   const RgbdSequence sequence(options.sequence, cameraOf(options), options.depth_scale);
   warnOf(sequence.doubts());
-  warnOf(doubtsOf(sequence.camera()));
   makeOutputFolder(options.output);
   std::vector<std::string> clouds;
   for (std::size_t i = 0; i < sequence.size(); ++i)

@@ -6,6 +6,7 @@
 #include "files/file_pattern.h"
 #include "files/is_there.h"
 
+#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/measured_depth.h>
 #include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
@@ -164,6 +165,8 @@ std::vector<std::string>
 RgbdSequence::doubts() const
 {
   std::vector<std::string> doubts = doubts_;
+  for (std::string& doubt : doubtsOf(camera_))
+    doubts.push_back(std::move(doubt));
   for (const Files& files : frames_)
     if (const auto median = medianOf(readPng(files.depth, ImageKind::disparity))) {
       const std::string doubt = doubtOfScale(*median, depth_scale_);

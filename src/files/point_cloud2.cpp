@@ -98,7 +98,7 @@ toPCLPointCloud2(const VoxelCloud& voxels, pcl::PCLPointCloud2& cloud)
     indices.col(Eigen::Index(i)) = voxels.indices[i].matrix();
   const Eigen::Matrix3Xd origins = voxels.origin.replicate(1, size);
   const std::vector<double> sizes(voxels.size(), voxels.voxel_size);
-  PcdTable table = tableOfPoints(*voxels.cloud);
+  PcdTable table = tableOfPoints(*voxels.cloud, Eigen::Vector3d::Zero());
   put(table, "probability", voxels.refined.matrix().data(), voxels.refined.classes());
   put(table, "measured", voxels.measured.matrix().data(), voxels.measured.classes());
   put(table, "observations", voxels.observations.data());

@@ -150,6 +150,15 @@ TEST_F(Rgbd, AScaleThatIsNotTheImagesIsDoubtful)
       [&] { doubts(0.001); });
 }
 
+TEST_F(Rgbd, ACameraOfOtherImagesIsDoubtful)
+{
+  const auto doubts =
+      RgbdSequence(folder.path(), PinholeCamera{2.0, 4.0, 2.5, 0.5}).doubts();
+  ASSERT_EQ(doubts.size(), 1u);
+  EXPECT_TRUE(
+      holds(doubts[0], "the principal point (2.5, 0.5) is far from the middle"));
+}
+
 TEST_F(Rgbd, AJpegThatIsCutOffIsRefused)
 {
   std::filesystem::resize_file(folder.path("jpg/b.jpg"), 300);
