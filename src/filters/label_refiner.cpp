@@ -66,6 +66,14 @@ gather(const Eigen::MatrixXf& matrix, const std::vector<Index>& columns)
   return result;
 }
 
+void
+requireLabels(const std::vector<Label>& labels, int classes)
+{
+  for (const Label label : labels)
+    if (label == kUnlabelled || int(label) > classes)
+      badParameter("thin labels: ", int(label), ", expected 1 to ", classes);
+}
+
 // The parameters with the deviations that suit the elements.
 SemanticCRFParameters
 resolved(SemanticCRFParameters parameters, double spacing)
@@ -427,6 +435,7 @@ LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
   report_.unlabelled = checkMeasurements(distributions, elements.indices);
   if (elements.indices.empty())
     return;
+  requireLabels(thin_labels_, distributions.classes());
   if (model_ == CRFModelType::unary)
     return normalize(elements.indices, distributions);
   Builder builder(*this, elements, distributions);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/plain_cloud_crf.h"
 #include "support/plain_mean_field.h"
+#include "support/thrown_message.h"
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
 #include <gtest/gtest.h>
@@ -117,6 +119,19 @@ TEST(SemanticCRF, ThinThingsStayWhatTheyWereMeasuredAsUnlessMuchOutvoted)
   }
   EXPECT_GT(kept_others, 5);
   EXPECT_GT(outvoted, 5);
+}
+
+TEST(SemanticCRF, ThinLabelsAreClassesThatThereAre)
+{
+  const CrfCloud input = makeCrfCloud(40, 1);
+  const int classes = input.distributions.classes();
+  for (const int label : {0, classes + 1, 200})
+    EXPECT_TRUE(throws<InvalidParameterException>(
+        "thin labels: " + std::to_string(label) + ", expected 1 to " +
+            std::to_string(classes),
+        [&] {
+          refinedBy(SemanticCRFParameters(), input, {1, Label(label)});
+        }));
 }
 
 TEST(SemanticCRF, AnUnlabelledPointTakesTheLabelOfItsNeighbours)

@@ -51,7 +51,8 @@ public:
   void setCliqueCosts(const Eigen::MatrixXf& costs);
 
   /** \brief Classes of things that are thinner than the kernels are wide; see
-   * SemanticCRFParameters::keep_thin. None unless it is set. */
+   * SemanticCRFParameters::keep_thin. None unless it is set. One that there is not is
+   * found in the run. */
   void
   setThinLabels(const std::vector<Label>& labels)
   {
