@@ -29,9 +29,9 @@ MapParameters::validate() const
     badParameter("window is ", window.transpose(),
                  " m, expected at least a voxel and at most 1e5");
   if (!(max_range > 0.0 && max_range <= 1e4))
-    badParameter("max_range is ", max_range, " m, expected more than 0, at most 1e4");
+    badParameter("max_depth is ", max_range, " m, expected more than 0, at most 1e4");
   if (max_range > kMaxRayVoxels * voxel_size)
-    badParameter("max_range is ", max_range, " m, with voxels of ", voxel_size,
+    badParameter("max_depth is ", max_range, " m, with voxels of ", voxel_size,
                  " m expected at most ", kMaxRayVoxels * voxel_size);
   fusion.validate();
 }

@@ -45,8 +45,6 @@ MapperConfig::validate()
     badParameter("cliques are '", cliques,
                  "', expected cubes:SIZE, superpixel or supervoxel");
   makeCliqueGenerator(cliques, clique_parameters);
-  if (!(map.max_range > 0.0))
-    badParameter("max_depth is ", map.max_range, " m, expected more than 0");
   map.validate();
   crf_parameters.validate();
   makeDisparityEstimator(stereo, disparities); // checks both
