@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unread_options.h"
+#include "pipeline/unread_parameters.h"
 
 #include <pcl_semantic/files/input_file.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 namespace pcl_semantic::tool {
 
@@ -19,24 +22,14 @@ refuseUnread(const po::variables_map& values, const std::vector<UnreadOptions>& 
 std::vector<UnreadOptions>
 unreadOptionsOfCRF(const std::string& model, const std::string& cliques)
 {
-  const bool is_off = model == "none" || model == "unary";
-  const bool has_cliques = model == "pn-potts" || model == "hierarchical";
-  const std::string with = "with --crf " + model;
-  return {{is_off,
-           with,
-           {"crf-iterations", "crf-temperature", "crf-keep-thin", "crf-normalization",
-            "crf-every", "smoothness-weight", "smoothness-deviation",
-            "appearance-weight", "appearance-deviation", "colour-deviation"}},
-          {!has_cliques,
-           with,
-           {"cliques", "clique-exclude", "superpixel-depth-jump", "clique-weight"}},
-          {model != "hierarchical",
-           with,
-           {"clique-free-label", "clique-truncation", "clique-update-from-members",
-            "clique-appearance-weight", "clique-calibration"}},
-          {cliques.rfind("superpixel", 0) != 0,
-           "with --cliques " + cliques,
-           {"superpixel-depth-jump"}}};
+  std::vector<UnreadOptions> rules;
+  for (UnreadParameters& rule : unreadParametersOfCRF(model, cliques)) {
+    for (std::string& name : rule.names)
+      std::replace(name.begin(), name.end(), '_', '-');
+    rules.push_back({rule.holds, "with --" + rule.because + " " + rule.value,
+                     std::move(rule.names)});
+  }
+  return rules;
 }
 
 UnreadOptions

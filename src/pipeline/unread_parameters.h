@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace pcl_semantic {
+
+/** \brief Parameters that have no effect where another one has a value. */
+struct UnreadParameters {
+  bool holds;
+  std::string because; ///< the other one: "crf"
+  std::string value;   ///< that it has
+  std::vector<std::string> names;
+};
+
+/** \brief Those of a CRF, by their names in YAML files.
+ * \param[in] model "none" or "unary", "dense", "pn-potts" or "hierarchical"
+ * \param[in] cliques as the parameter `cliques` has them */
+inline std::vector<UnreadParameters>
+unreadParametersOfCRF(const std::string& model, const std::string& cliques)
+{
+  const bool is_off = model == "none" || model == "unary";
+  const bool has_cliques = model == "pn-potts" || model == "hierarchical";
+  return {{is_off,
+           "crf",
+           model,
+           {"crf_iterations", "crf_temperature", "crf_keep_thin", "crf_normalization",
+            "crf_every", "smoothness_weight", "smoothness_deviation",
+            "appearance_weight", "appearance_deviation", "colour_deviation"}},
+          {!has_cliques,
+           "crf",
+           model,
+           {"cliques", "clique_exclude", "superpixel_depth_jump", "clique_weight"}},
+          {model != "hierarchical",
+           "crf",
+           model,
+           {"clique_free_label", "clique_truncation", "clique_update_from_members",
+            "clique_appearance_weight", "clique_calibration"}},
+          {cliques.rfind("superpixel", 0) != 0,
+           "cliques",
+           cliques,
+           {"superpixel_depth_jump"}}};
+}
+
+} // namespace pcl_semantic
