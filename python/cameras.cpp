@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cameras.h"
 
+#include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/dataset/pinhole_camera.h>
 
 namespace pcl_semantic::python {
@@ -9,8 +10,7 @@ void
 warnOf(const std::vector<std::string>& doubts)
 {
   for (const std::string& doubt : doubts)
-    if (PyErr_WarnEx(PyExc_UserWarning, doubt.c_str(), 1) != 0)
-      throw py::error_already_set(); // a filter made it an error
+    warn(doubt);
 }
 
 void
@@ -21,6 +21,10 @@ bindCameras(py::module_& module)
       [](const Path& path) {
         const PinholeCamera camera = released([&] { return readPinholeCamera(path); });
         warnOf(camera.doubts);
+        for (const std::string& doubt :
+             doubtsOf(StereoCamera{camera.fx, camera.fy, camera.cx, camera.cy, 1.0,
+                                   camera.width, camera.height}))
+          warn(path.text + ": " + doubt);
         py::dict read;
         read["fx"] = camera.fx;
         read["fy"] = camera.fy;

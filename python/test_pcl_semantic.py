@@ -283,6 +283,8 @@ class Cameras(unittest.TestCase):
             self.read(self.K + "P: [400, 0, 320, -40, 0, 401, 240, 0, 0, 0, 1, 0]\n")
 
     def test_a_camera_of_other_images_is_doubtful(self):
+        with self.assertWarnsRegex(UserWarning, "c.yaml: the principal point .*320 x 240"):
+            self.read("width: 320\nheight: 240\n" + self.K)
         with self.assertWarnsRegex(UserWarning, "images of another size"):
             pcl_semantic.SemanticMapper(LABEL_SET, camera=[50, 50, 10, 8, 0.5, 60, 40])
 
