@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
 #include "core/fail.h"
+#include "core/label_number.h"
+#include "core/probability_sums.h"
+#include "core/text_stream.h"
 #include "files/is_there.h"
+#include "pipeline/unread_parameters.h"
 
 #include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/position_steps.h>
@@ -11,6 +15,7 @@
 #include <pcl_semantic/files/label_set_file.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <unistd.h>
@@ -37,6 +42,10 @@ asNumbers(const py::handle& array)
     throw py::value_error("got complex numbers, expected real ones");
   if (kind == 'M' || kind == 'm')
     throw py::value_error("got dates or times, expected numbers");
+  if (kind == 'O') // numpy would make them NaN
+    for (const py::handle each : any.attr("ravel")())
+      if (each.is_none())
+        throw py::value_error("got None, expected numbers");
   return any;
 }
 
@@ -62,6 +71,15 @@ warn(const std::string& message)
     throw py::error_already_set();
 }
 
+std::string
+shapeOf(const py::array& array)
+{
+  std::string text;
+  for (py::ssize_t i = 0; i < array.ndim(); ++i)
+    text += (text.empty() ? "" : " x ") + std::to_string(array.shape(i));
+  return text.empty() ? "one number" : text;
+}
+
 void
 requireShape(const py::array& array, const char* name, py::ssize_t rows,
              std::optional<py::ssize_t> columns)
@@ -72,14 +90,13 @@ requireShape(const py::array& array, const char* name, py::ssize_t rows,
   if (array.ndim() == (columns ? 2 : 1) && fits(0, rows) &&
       (!columns || fits(1, *columns)))
     return;
+  if (array.ndim() == 1 && array.size() == 0 && rows <= 0)
+    return;
   const auto number = [](py::ssize_t n, const char* any) {
     return n == kAny ? std::string(any) : std::to_string(n);
   };
-  std::string found;
-  for (py::ssize_t i = 0; i < array.ndim(); ++i)
-    found += (i ? " x " : "") + std::to_string(array.shape(i));
-  badParameter(name, " are ", found.empty() ? "one number" : found, ", expected ",
-               number(rows, "N"), columns ? " x " + number(*columns, "L") : "");
+  badParameter(name, " are ", shapeOf(array), ", expected ", number(rows, "N"),
+               columns ? " x " + number(*columns, "L") : "");
 }
 
 void
@@ -91,11 +108,16 @@ requireIntegers(const py::array& array, const char* name)
                  ", expected integers");
 }
 
-void
-requireWithin(std::int64_t value, std::int64_t largest, const char* name)
+Label
+labelOf(std::int64_t number, const char* name, std::size_t point)
 {
-  if (value < 0 || value > largest)
-    badParameter(name, " hold ", value, ", expected 0 to ", largest);
+  const std::int64_t label = withoutInstance(number);
+  if (label == number && (label < 0 || label > 255))
+    badInput(name, ": ", number, " of point ", point, ", expected 0 to 255");
+  if (label < 0 || label > 255)
+    badInput(name, ": ", number, " of point ", point, " is class ", label,
+             " of an instance, expected 0 to 255");
+  return Label(label);
 }
 
 void
@@ -104,6 +126,28 @@ requirePcdName(const std::string& path)
   if (std::filesystem::path(path).extension() != ".pcd")
     badParameter(path, ": expected a name that ends in .pcd");
 }
+
+namespace {
+
+// As a file of parameters has it.
+std::string
+textOf(const py::handle& value)
+{
+  const bool is_list = py::isinstance<py::sequence>(value) &&
+                       !py::isinstance<py::str>(value) &&
+                       !(py::isinstance<py::array>(value) &&
+                         py::reinterpret_borrow<py::array>(value).ndim() == 0);
+  if (!is_list) {
+    const auto text = py::str(value).cast<std::string>();
+    return text == "True" ? "true" : text == "False" ? "false" : text;
+  }
+  std::string text;
+  for (const py::handle each : value)
+    text += (text.empty() ? "" : ",") + py::str(each).cast<std::string>();
+  return text;
+}
+
+} // namespace
 
 void
 setParameters(const ConfigParameters& parameters, const py::kwargs& values)
@@ -116,16 +160,26 @@ setParameters(const ConfigParameters& parameters, const py::kwargs& values)
     if (found == parameters.end())
       throw py::type_error(whyRemoved(name).empty() ? "unknown parameter '" + name + "'"
                                                     : name + ": " + whyRemoved(name));
-    std::string text;
-    if (py::isinstance<py::bool_>(value))
-      text = value.cast<bool>() ? "true" : "false";
-    else if (py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value))
-      for (const py::handle each : value)
-        text += (text.empty() ? "" : ",") + py::str(each).cast<std::string>();
-    else
-      text = py::str(value).cast<std::string>();
-    ConfigParameter(*found).set(text, name);
+    ConfigParameter(*found).set(textOf(value), name);
   }
+}
+
+void
+refuseUnread(const py::kwargs& given, const std::vector<std::string>& unread,
+             const std::string& condition)
+{
+  for (const std::string& name : unread)
+    if (given.contains(name))
+      badParameter(name, " has no effect ", condition);
+}
+
+void
+refuseUnreadOfCRF(const py::kwargs& given, const std::string& model,
+                  const std::string& cliques)
+{
+  for (const UnreadParameters& rule : unreadParametersOfCRF(model, cliques))
+    if (rule.holds)
+      refuseUnread(given, rule.names, "with " + rule.because + "='" + rule.value + "'");
 }
 
 LabelSet
@@ -136,15 +190,88 @@ labelSetOf(const std::string& path_or_name)
   return readLabelSet(findDataFile("label_sets/" + path_or_name + ".yaml"));
 }
 
-Eigen::Isometry3d
-poseOf(const Array<double>& pose)
+namespace {
+
+// A type of floating-point numbers by what it rounds off.
+struct FloatType {
+  const char* name;
+  int digits; // binary ones behind the first
+
+  double
+  stepAt(double distance) const
+  {
+    return std::ldexp(1.0, std::ilogb(distance) - digits);
+  }
+};
+
+FloatType
+floatTypeOf(const py::array& array)
 {
-  requireShape(pose, "numbers of the pose", 4, 4);
-  const Eigen::Isometry3d T_world_sensor(Eigen::Matrix4d(
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(pose.data())));
+  if (array.dtype().kind() == 'f' && array.itemsize() == 2)
+    return {"half precision", 10};
+  if (array.dtype().kind() == 'f' && array.itemsize() == 4)
+    return {"single precision", 23};
+  return {"double precision", 52};
+}
+
+// Half of the positions are farther away, by their largest coordinate; 0 if there is
+// none. Columns that are not finite are passed over.
+template <typename Positions>
+double
+middleDistance(const Positions& positions)
+{
+  std::vector<double> distances;
+  for (Eigen::Index i = 0; i < positions.cols(); ++i)
+    if (positions.col(i).allFinite())
+      distances.push_back(double(positions.col(i).cwiseAbs().maxCoeff()));
+  if (distances.empty())
+    return 0.0;
+  const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+void
+warnOfSteps(const char* name, const FloatType& type, double distance,
+            const std::string& size)
+{
+  TextStream text;
+  text << name << ": " << type.name << " has steps of " << type.stepAt(distance)
+       << " m at " << distance << " m, coarser than a tenth of " << size
+       << ": positions are lost; give doubles (float64)";
+  warn(text.str());
+}
+
+} // namespace
+
+void
+warnOfSteps(const py::array& given, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+            double voxel_size, const char* name)
+{
+  const FloatType type = floatTypeOf(given);
+  const double distance = middleDistance(positions);
+  if (distance > 0.0 && type.digits < 52 && type.stepAt(distance) > 0.1 * voxel_size) {
+    TextStream size;
+    size << "a voxel, " << voxel_size << " m";
+    warnOfSteps(name, type, distance, size.str());
+  }
+}
+
+Eigen::Isometry3d
+poseOf(const py::object& pose, double voxel_size)
+{
+  const py::array any = numbersOf(pose);
+  const Array<double> numbers(any);
+  requireShape(numbers, "numbers of the pose", 4, 4);
+  Eigen::Isometry3d T_world_sensor(Eigen::Matrix4d(
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data())));
   requireRigid(T_world_sensor, "the pose");
+  T_world_sensor.makeAffine(); // without what its last row was off
+  warnOfSteps(any, T_world_sensor.translation(), voxel_size, "the pose");
   return T_world_sensor;
 }
+
+namespace {
 
 pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
 cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
@@ -172,12 +299,43 @@ cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours)
   return cloud;
 }
 
+// Of half precision: as doubtOfSteps() tells of the cloud moved so far away that single
+// precision has the same steps there.
 void
-warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
-            const Eigen::Vector3d& origin)
+warnOfHalfSteps(pcl::PointCloud<pcl::PointXYZRGBL> cloud, const FloatType& type)
 {
-  if (const std::string doubt = doubtOfSteps(cloud, "points", origin); !doubt.empty())
-    warn(doubt);
+  const double distance = middleDistance(cloud.getMatrixXfMap(3, 8, 0));
+  const auto shift = float(8191.0 * distance);
+  for (pcl::PointXYZRGBL& point : cloud)
+    point.getArray3fMap() += shift;
+  if (!doubtOfSteps(cloud, "points").empty())
+    warnOfSteps("points", type, distance, "the points' distances");
+}
+
+// What doubtOfSteps() finds, with what to do about a scan: its numbers may be doubles.
+void
+warnOfScanSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
+{
+  const std::string doubt = doubtOfSteps(cloud, "points");
+  if (!doubt.empty())
+    warn(doubt.substr(0, doubt.rfind("; ")) +
+         "; scans are computed in single precision: give points in the frame of the "
+         "sensor, and its pose");
+}
+
+} // namespace
+
+pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
+scanOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
+{
+  const py::array any = numbersOf(points);
+  const auto cloud = cloudOf(Array<float>(any), colours);
+  const FloatType type = floatTypeOf(any);
+  if (type.digits < 23)
+    warnOfHalfSteps(*cloud, type);
+  else
+    warnOfScanSteps(*cloud);
+  return cloud;
 }
 
 LocalCloud
@@ -187,7 +345,11 @@ localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
   LocalCloud local;
   if (any.dtype().kind() == 'f' && any.itemsize() <= 4) {
     local.cloud = cloudOf(Array<float>(any), colours);
-    warnOfSteps(*local.cloud);
+    if (const FloatType type = floatTypeOf(any); type.digits < 23)
+      warnOfHalfSteps(*local.cloud, type);
+    else if (const std::string doubt = doubtOfSteps(*local.cloud, "points");
+             !doubt.empty())
+      warn(doubt);
     return local;
   }
   const Array<double> wide(any);
@@ -199,20 +361,53 @@ localCloudOf(const py::object& points, const MaybeArray<std::uint8_t>& colours)
   Eigen::Map<Eigen::Matrix3Xf>(relative.mutable_data(), 3, wide.shape(0)) =
       relativeTo(local.origin, positions);
   local.cloud = cloudOf(relative, colours);
-  if (is_single)
-    warnOfSteps(*local.cloud, local.origin);
+  if (const std::string doubt = doubtOfSteps(*local.cloud, "points", local.origin);
+      is_single && !doubt.empty())
+    warn(doubt);
   return local;
 }
 
+namespace {
+
+// N x L in rows is L x N in columns.
+template <typename T>
 LabelDistributions
-distributionsOf(const MaybeArray<float>& rows, py::ssize_t points)
+distributionsOfRows(const Array<T>& rows)
 {
-  if (!rows)
+  const py::ssize_t points = rows.shape(0), classes = rows.shape(1);
+  LabelDistributions::Matrix columns(classes, points);
+  const T* value = rows.data();
+  float* column = columns.data();
+  for (py::ssize_t i = 0; i < points; ++i) {
+    double sum = 0.0;
+    for (py::ssize_t k = 0; k < classes; ++k, ++value) {
+      if (!(*value >= T(0)))
+        badInput("probabilities of point ", i, " hold ", *value,
+                 ", expected 0 to 1 (of logits, give their softmax)");
+      sum += double(*value);
+      *column++ = float(*value);
+    }
+    if (!isSumOfProbabilities(sum))
+      badInput("probabilities of point ", i, " sum to ", sum,
+               ", expected 1 (of logits, give their softmax), or 0 = unlabelled");
+  }
+  return LabelDistributions(std::move(columns));
+}
+
+} // namespace
+
+LabelDistributions
+distributionsOf(const py::object& probabilities, py::ssize_t points)
+{
+  if (probabilities.is_none())
     return {};
-  requireShape(*rows, "probabilities", points, kAny);
-  return LabelDistributions(
-      LabelDistributions::Matrix(Eigen::Map<const LabelDistributions::Matrix>(
-          rows->data(), rows->shape(1), points)));
+  const py::array any = numbersOf(probabilities);
+  requireShape(any, "probabilities", points, kAny);
+  if (any.ndim() == 1 || (points == 0 && any.shape(1) == 0))
+    return {};
+  return any.dtype().kind() == 'f' && any.itemsize() <= 4
+             ? distributionsOfRows(Array<float>(any))
+             : distributionsOfRows(Array<double>(any));
 }
 
 py::array_t<float>

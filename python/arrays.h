@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/fail.h"
+
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/pipeline/config_parameter.h>
@@ -17,6 +19,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace pcl_semantic::python {
@@ -43,7 +46,7 @@ template <typename T> using MaybeArray = std::optional<Array<T>>;
 constexpr py::ssize_t kAny = -1; ///< number of rows or columns
 
 /** \brief An array of real numbers, of which numpy would drop nothing: the mask of
- * numpy.ma, an imaginary part, the unit of a time. \return null if it is no array
+ * numpy.ma, an imaginary part, the unit of a time, None. \return null if it is no array
  * \throws value_error */
 py::array asNumbers(const py::handle& array);
 
@@ -69,7 +72,11 @@ released(Work&& work)
 /** \brief Warns as Python does. \throws py::error_already_set if warnings are errors */
 void warn(const std::string& message);
 
-/** \brief Shape of an array: \a rows, or \a rows x \a columns.
+/** \brief "480 x 640 x 3"; "one number" of an array without axes. */
+std::string shapeOf(const py::array& array);
+
+/** \brief Shape of an array: \a rows, or \a rows x \a columns. An empty list, which
+ * numpy gives one axis, is no rows of any columns.
  * \throws InvalidParameterException that names it */
 void requireShape(const py::array& array, const char* name, py::ssize_t rows,
                   std::optional<py::ssize_t> columns = std::nullopt);
@@ -77,8 +84,28 @@ void requireShape(const py::array& array, const char* name, py::ssize_t rows,
 /** \throws InvalidParameterException unless the array holds integers (or nothing) */
 void requireIntegers(const py::array& array, const char* name);
 
-/** \throws InvalidParameterException unless 0 <= value <= largest */
-void requireWithin(std::int64_t value, std::int64_t largest, const char* name);
+/** \brief Whether an integer of 64 bits is within the range of another type. */
+template <typename To, typename From>
+bool
+fitsInto(From value)
+{
+  if constexpr (std::is_signed_v<From>)
+    if (value < 0)
+      return std::is_signed_v<To> && value >= From(std::numeric_limits<To>::min());
+  return std::uint64_t(value) <= std::uint64_t(std::numeric_limits<To>::max());
+}
+
+/** \throws InvalidParameterException that names an integer out of the range of T */
+template <typename T, typename Wide>
+void
+requireRange(const Array<Wide>& values, const char* name)
+{
+  for (py::ssize_t i = 0; i < values.size(); ++i)
+    if (!fitsInto<T>(values.data()[i]))
+      badParameter(name, " hold ", values.data()[i], ", expected ",
+                   std::is_signed_v<T> ? "at most " : "0 to ",
+                   std::uint64_t(std::numeric_limits<T>::max()));
+}
 
 /** \brief Whole numbers of any kind as another kind of them.
  * \throws InvalidParameterException that names them, if they are no integers, or one is
@@ -89,11 +116,11 @@ integersOf(const py::object& values, const char* name)
 {
   const py::array array = numbersOf(values);
   requireIntegers(array, name);
-  const Array<std::int64_t> wide(array);
-  if constexpr (sizeof(T) < sizeof(std::int64_t))
-    for (py::ssize_t i = 0; i < wide.size(); ++i)
-      requireWithin(wide.data()[i], std::numeric_limits<T>::max(), name);
-  return Array<T>(wide);
+  if (array.dtype().kind() == 'u')
+    requireRange<T>(Array<std::uint64_t>(array), name);
+  else
+    requireRange<T>(Array<std::int64_t>(array), name);
+  return Array<T>(array);
 }
 
 /** \brief The same of what may be None. */
@@ -104,6 +131,11 @@ maybeIntegersOf(const py::object& values, const char* name)
   return values.is_none() ? std::nullopt : MaybeArray<T>(integersOf<T>(values, name));
 }
 
+/** \brief The label that a number stands for: an instance is taken off.
+ * \param[in] name of the numbers \param[in] point that has it, for the message
+ * \throws BadInputException unless it is 0 to 255 */
+Label labelOf(std::int64_t number, const char* name, std::size_t point);
+
 /** \throws InvalidParameterException unless a name to write ends in .pcd */
 void requirePcdName(const std::string& path);
 
@@ -111,11 +143,30 @@ void requirePcdName(const std::string& path);
  * \throws TypeError at a name that there is not */
 void setParameters(const ConfigParameters& parameters, const py::kwargs& values);
 
+/** \brief Refuses parameters that are given and have no effect.
+ * \param[in] condition as the message ends: "without camera="
+ * \throws InvalidParameterException that names the parameter and the condition */
+void refuseUnread(const py::kwargs& given, const std::vector<std::string>& unread,
+                  const std::string& condition);
+
+/** \brief The same of the parameters of a CRF, see unreadParametersOfCRF(). */
+void refuseUnreadOfCRF(const py::kwargs& given, const std::string& model,
+                       const std::string& cliques);
+
 /** \brief A label set by its file, or by the name of one that comes along. */
 LabelSet labelSetOf(const std::string& path_or_name);
 
-/** \brief T_world_sensor of 4 x 4 numbers. */
-Eigen::Isometry3d poseOf(const Array<double>& pose);
+/** \brief Warns of positions whose type has steps coarser than a tenth of a voxel:
+ * those of single or half precision, far away. \param[in] given the array as it came,
+ * for its type \param[in] positions 3 x N, the same [m] \param[in] name of them, for
+ * the message */
+void warnOfSteps(const py::array& given,
+                 const Eigen::Ref<const Eigen::Matrix3Xd>& positions, double voxel_size,
+                 const char* name);
+
+/** \brief T_world_sensor of 4 x 4 numbers. Warns of a position that single precision
+ * has spoilt. \param[in] voxel_size of the map [m] */
+Eigen::Isometry3d poseOf(const py::object& pose, double voxel_size);
 
 /** \brief A cloud whose positions are relative to an origin, see localOrigin() [m]. */
 struct LocalCloud {
@@ -123,22 +174,21 @@ struct LocalCloud {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
-/** \brief Warns of positions that single precision has spoilt, see doubtOfSteps(): of a
- * scan, which is in the frame of its sensor, those that are in the world's. */
-void warnOfSteps(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud,
-                 const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
-
 /** \brief N x 3 positions of any type [m] and, if there are any, N x 3 colours. Warns
  * of positions that single precision has spoilt. */
 LocalCloud localCloudOf(const py::object& points,
                         const MaybeArray<std::uint8_t>& colours);
 
-/** \brief N x 3 positions [m] and, if there are any, N x 3 colours. */
-pcl::PointCloud<pcl::PointXYZRGBL>::Ptr
-cloudOf(const Array<float>& points, const MaybeArray<std::uint8_t>& colours);
+/** \brief A scan: N x 3 positions in the sensor's frame [m] and, if there are any, N x
+ * 3 colours. Warns of positions that single precision has spoilt: those in the world's
+ * frame. */
+pcl::PointCloud<pcl::PointXYZRGBL>::Ptr scanOf(const py::object& points,
+                                               const MaybeArray<std::uint8_t>& colours);
 
-/** \brief N x L in rows is L x N in columns: the bytes are the same. Nothing = none. */
-LabelDistributions distributionsOf(const MaybeArray<float>& rows, py::ssize_t points);
+/** \brief N x L probabilities, None = none. As in files, a row sums to 1 within a
+ * tenth, or is all zero: unlabelled. \throws BadInputException that names another one
+ */
+LabelDistributions distributionsOf(const py::object& probabilities, py::ssize_t points);
 
 /** \brief The same back, without a copy. */
 py::array_t<float> arrayOf(LabelDistributions distributions);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
 #include "core/fail.h"
-#include "core/label_number.h"
 
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/filters/semantic_crf.h>
@@ -56,44 +55,90 @@ setLabels(const Array<std::int64_t>& labels, int classes,
           pcl::PointCloud<pcl::PointXYZRGBL>& cloud)
 {
   requireShape(labels, "labels", py::ssize_t(cloud.size()));
-  std::int64_t largest = 1;
+  int largest = 1;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::int64_t label = withoutInstance(labels.data()[i]);
-    if (label < 0 || label > 255)
-      badInput("label ", label, " of point ", i, ", expected 0 to 255");
-    cloud[i].label = std::uint32_t(label);
-    largest = std::max(largest, label);
+    cloud[i].label = labelOf(labels.data()[i], "labels", i);
+    largest = std::max(largest, int(cloud[i].label));
   }
   if (largest == 255 && classes == 0)
     warn("labels hold 255, which is taken for a class: where it means none, give 0");
-  return int(largest);
+  return largest;
+}
+
+std::vector<Label>
+thinLabelsOf(const py::object& numbers)
+{
+  const auto labels = integersOf<std::int64_t>(numbers, "thin labels");
+  requireShape(labels, "thin labels", kAny);
+  std::vector<Label> thin;
+  for (py::ssize_t i = 0; i < labels.size(); ++i) {
+    if (labels.data()[i] < 1 || labels.data()[i] > 255)
+      badParameter("thin labels hold ", labels.data()[i], ", expected 1 to 255");
+    thin.push_back(Label(labels.data()[i]));
+  }
+  return thin;
+}
+
+// What is given and has no effect, or is lacking.
+void
+requireFitting(CRFConfig& config, const py::kwargs& given, bool has_probabilities,
+               bool has_cliques, bool has_thin)
+{
+  const ConfigParameters parameters = parametersOf(config);
+  const std::string model = parameters.front().text(); // "crf"
+  const std::string with = "with crf='" + model + "'";
+  const bool needs_cliques = config.model == CRFModelType::pn_potts ||
+                             config.model == CRFModelType::hierarchical;
+  if (needs_cliques && !has_cliques)
+    badParameter("crf='", model, "' needs cliques: N numbers, or 'cubes:1'");
+  if (has_cliques && !needs_cliques)
+    badParameter("cliques has no effect ", with);
+  if (has_thin && config.model == CRFModelType::unary)
+    badParameter("thin has no effect ", with);
+  refuseUnreadOfCRF(given, model, has_cliques ? "given" : "none");
+  if (!has_thin)
+    refuseUnread(given, {"crf_keep_thin"}, "without thin=");
+  if (has_probabilities)
+    refuseUnread(given, {"label_confidence"}, "beside probabilities");
 }
 
 py::tuple
-refine(const py::object& points, const MaybeArray<float>& probabilities,
+refine(const py::object& points, const py::object& probabilities,
        const py::object& given_labels, const py::object& given_colours,
-       const py::object& cliques, int classes, const std::vector<int>& thin,
+       const py::object& cliques, int classes, const py::object& given_thin,
        const py::kwargs& parameters)
 {
+  const bool has_probabilities = !probabilities.is_none();
+  if (has_probabilities && classes != 0)
+    badParameter(
+        "classes has no effect beside probabilities, which have a column each");
+  if (classes < 0 || classes > 255)
+    badParameter("classes is ", classes,
+                 ", expected 1 to 255, or 0 = the largest label");
+  const std::vector<Label> thin = thinLabelsOf(given_thin);
   const auto labels = maybeIntegersOf<std::int64_t>(given_labels, "labels");
   const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
-  if (probabilities.has_value() == labels.has_value())
+  if (has_probabilities == labels.has_value())
     badParameter("expected probabilities or labels, one of them");
   const auto [cloud, origin] = localCloudOf(points, colours);
   const auto count = py::ssize_t(cloud->size());
   CRFConfig config;
   setParameters(parametersOf(config), parameters);
-  config.cliques = cliques.is_none() ? "none" : "given";
   config.validate();
-  config.requireFittingCliques();
+  requireFitting(config, parameters, has_probabilities, !cliques.is_none(),
+                 !thin.empty());
   SemanticCRF<pcl::PointXYZRGBL> crf;
   crf.setModel(config.model);
   crf.setParameters(config.parameters);
-  crf.setThinLabels({thin.begin(), thin.end()});
+  crf.setThinLabels(thin);
   crf.setUseColour(colours.has_value());
   crf.setNumberOfThreads(config.threads);
-  if (probabilities)
-    crf.setLabelDistributions(distributionsOf(probabilities, count));
+  if (has_probabilities) {
+    LabelDistributions distributions = distributionsOf(probabilities, count);
+    if (distributions.classes() == 0) // of no points
+      return py::make_tuple(labelsOf(*cloud), arrayOf(std::move(distributions)));
+    crf.setLabelDistributions(distributions);
+  }
   else {
     const int largest = setLabels(*labels, classes, *cloud);
     crf.setLabelConfidence(config.label_confidence, classes > 0 ? classes : largest);
@@ -140,9 +185,10 @@ bindClouds(py::module_& module)
       "refine", &refine, py::arg("points"), py::kw_only(),
       py::arg("probabilities") = py::none(), py::arg("labels") = py::none(),
       py::arg("colours") = py::none(), py::arg("cliques") = py::none(),
-      py::arg("classes") = 0, py::arg("thin") = std::vector<int>(),
+      py::arg("classes") = 0, py::arg("thin") = py::tuple(),
       "Makes the labels of a cloud consistent, as pcl_semantic_crf does.\n\n"
-      "points: N x 3 [m]. probabilities: N x L, column k is class k + 1, or\n"
+      "points: N x 3 [m]. probabilities: N x L, column k is class k + 1; a row sums\n"
+      "to 1 (within 0.1), or to 0 = unlabelled. Or\n"
       "labels: N, 0 = unlabelled, of which classes there are (0: the largest); an\n"
       "instance in the upper 16 bits is taken off.\n"
       "colours: N x 3, red green blue. cliques: N numbers, 0 = none, or the\n"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
 #include "core/fail.h"
-#include "core/label_number.h"
 
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 
@@ -12,16 +11,12 @@ namespace pcl_semantic::python {
 namespace {
 
 std::vector<Label>
-labelsOf(const py::object& numbers, const char* name)
+labelsOf(const Array<std::int64_t>& numbers, const char* name)
 {
-  const auto array = integersOf<std::int64_t>(numbers, name);
   std::vector<Label> labels;
-  labels.reserve(std::size_t(array.size()));
-  for (py::ssize_t i = 0; i < array.size(); ++i) {
-    const std::int64_t label = withoutInstance(array.data()[i]);
-    requireWithin(label, 255, name);
-    labels.push_back(Label(label));
-  }
+  labels.reserve(std::size_t(numbers.size()));
+  for (py::ssize_t i = 0; i < numbers.size(); ++i)
+    labels.push_back(labelOf(numbers.data()[i], name, std::size_t(i)));
   return labels;
 }
 
@@ -29,11 +24,14 @@ py::array_t<std::uint64_t>
 confusionMatrix(const py::object& given_truth, const py::object& given_prediction,
                 int classes)
 {
-  const auto truth = labelsOf(given_truth, "ground truth labels");
-  const auto prediction = labelsOf(given_prediction, "predicted labels");
-  if (truth.size() != prediction.size())
-    badParameter("ground truth of ", truth.size(), " labels, prediction of ",
-                 prediction.size());
+  const auto truths = integersOf<std::int64_t>(given_truth, "ground truth labels");
+  const auto predictions =
+      integersOf<std::int64_t>(given_prediction, "predicted labels");
+  if (shapeOf(truths) != shapeOf(predictions))
+    badParameter("ground truth labels are ", shapeOf(truths), ", predicted ones ",
+                 shapeOf(predictions), ", expected the same");
+  const auto truth = labelsOf(truths, "ground truth labels");
+  const auto prediction = labelsOf(predictions, "predicted labels");
   ConfusionMatrix matrix(classes);
   for (std::size_t i = 0; i < truth.size(); ++i)
     matrix.add(truth[i], prediction[i], 1);
@@ -53,9 +51,14 @@ scores(const py::object& confusion)
     badParameter("expected the matrix that confusion_matrix() gives");
   requireShape(counts, "counts", size, size);
   ConfusionMatrix matrix(int(size - 1));
+  std::uint64_t sum = 0;
   for (py::ssize_t t = 0; t < size; ++t)
-    for (py::ssize_t p = 0; p < size; ++p)
+    for (py::ssize_t p = 0; p < size; ++p) {
+      sum += counts.at(t, p);
+      if (sum < counts.at(t, p))
+        badParameter("counts sum to more than 64 bits hold");
       matrix.add(Label(t), Label(p), counts.at(t, p));
+    }
   std::vector<Label> evaluated(std::size_t(size - 1));
   std::iota(evaluated.begin(), evaluated.end(), Label(1));
   const Scores found = computeScores(matrix, evaluated);

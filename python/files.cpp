@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
 #include "core/fail.h"
+#include "core/text_stream.h"
 
 #include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/core/position_steps.h>
 
 #include <pcl/common/io.h>
 
@@ -36,6 +38,47 @@ columnsOf(const py::object& columns)
   return parseScanColumns(text);
 }
 
+// Positions of a map are relative to its origin, which a comment in the header says:
+// numpy has them in the world, in double precision.
+void
+addOriginOfMap(const PcdTable& table, py::dict& cloud)
+{
+  const auto& [size, x, y, z] = table.voxel_grid;
+  if (!(size > 0.0) || (x == 0.0 && y == 0.0 && z == 0.0))
+    return;
+  const std::pair<const char*, double> corner[] = {{"x", x}, {"y", y}, {"z", z}};
+  for (const auto& [name, offset] : corner)
+    if (cloud.contains(name))
+      cloud[name] = cloud[name].attr("astype")("f8") - py::float_(offset);
+}
+
+// What is not in the arrays, or no longer right in them.
+void
+warnOfPositions(const std::string& path, const PcdTable& table)
+{
+  if (table.viewpoint != PcdTable().viewpoint) {
+    TextStream text;
+    text << path << ": its VIEWPOINT,";
+    for (const double value : table.viewpoint)
+      text << " " << value;
+    text << ", is not read: positions stay in the frame of the file";
+    warn(text.str());
+  }
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
+  cloud.resize(table.points());
+  for (int axis = 0; axis < 3; ++axis) {
+    const int field = table.find(std::string(1, char('x' + axis)));
+    if (field < 0 ||
+        table.fields[std::size_t(field)].datatype != pcl::PCLPointField::FLOAT32)
+      return;
+    const PcdColumn column(table, field);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      cloud[i].data[axis] = float(column(i));
+  }
+  if (const std::string doubt = doubtOfSteps(cloud, path); !doubt.empty())
+    warn(doubt);
+}
+
 py::dict
 readCloud(const Path& path, const py::object& scan_columns)
 {
@@ -43,6 +86,7 @@ readCloud(const Path& path, const py::object& scan_columns)
   const PcdTable table = released([&] { return readCloudTable(path, columns); });
   for (const std::string& doubt : table.doubts)
     warn(doubt);
+  warnOfPositions(path, table);
   const auto points = py::ssize_t(table.points());
   py::dict cloud;
   for (const pcl::PCLPointField& field : table.fields) {
@@ -57,12 +101,20 @@ readCloud(const Path& path, const py::object& scan_columns)
       std::memcpy(to, from, bytes);
     cloud[py::str(field.name)] = column;
   }
+  if (!table.instances.empty() && !cloud.contains("instance"))
+    cloud["instance"] = py::array_t<std::uint16_t>(py::ssize_t(table.instances.size()),
+                                                   table.instances.data());
+  addOriginOfMap(table, cloud);
   return cloud;
 }
 
 pcl::PCLPointField
 fieldOf(const std::string& name, const py::array& column)
 {
+  if (name.empty() || name == "_" || name.find_first_of(" \t\r\n") != name.npos)
+    badParameter("'", name,
+                 "' cannot be the name of a field: expected a word, not _, which is "
+                 "padding");
   const char kind = column.dtype().kind();
   const int datatype = pcl::getFieldType(int(column.itemsize()), kind);
   const pcl::PCLPointField field{
@@ -84,6 +136,9 @@ writeCloud(const Path& path, const py::dict& cloud)
   table.height = 1;
   bool is_first = true;
   for (const auto& [key, value] : cloud) {
+    if (!py::isinstance<py::str>(key))
+      throw py::type_error("the name of a field is " +
+                           py::repr(key).cast<std::string>() + ", expected a str");
     const auto name = key.cast<std::string>();
     auto column = py::array::ensure(numbersOf(value), py::array::c_style);
     if (!column)
@@ -111,7 +166,11 @@ bindFiles(py::module_& module)
       py::arg("scan_columns") = py::none(),
       "The fields of a .pcd, .ply or .bin file: arrays of N, or N x COUNT, by name.\n"
       "Labels, colours and probabilities under other names are there as label, rgba\n"
-      "and probability, too; instances are taken off label. scan_columns: of a .bin,\n"
+      "and probability, too; instances are taken off label, and are there as "
+      "instance.\n"
+      "Positions of a map are in the world, doubles if it is far away. scan_columns: "
+      "of a "
+      ".bin,\n"
       "'x,y,z,intensity,ring' or their number. Warns of fields that look like these\n"
       "and are not read.");
   module.def("write_cloud", &writeCloud, py::arg("path"), py::arg("cloud"),

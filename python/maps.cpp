@@ -8,11 +8,16 @@
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/map_doubts.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
+#include <pcl_semantic/stereo/pair_check.h>
 
 #include <pcl/common/io.h>
 
+#include <cmath>
 #include <cstring>
 #include <mutex>
+#include <set>
+#include <type_traits>
+#include <variant>
 
 namespace pcl_semantic::python {
 
@@ -41,9 +46,14 @@ voxels(const Bound& bound)
 
 template <typename Bound>
 py::array_t<std::uint8_t>
-labels(const Bound& bound, const Array<double>& points)
+labels(const Bound& bound, const py::object& given_points)
 {
+  const py::array any = numbersOf(given_points);
+  const Array<double> points(any);
   requireShape(points, "points", kAny, 3);
+  warnOfSteps(any,
+              Eigen::Map<const Eigen::Matrix3Xd>(points.data(), 3, points.shape(0)),
+              bound.map().parameters().voxel_size, "points");
   std::vector<Eigen::Vector3d> places;
   places.reserve(std::size_t(points.shape(0)));
   for (py::ssize_t i = 0; i < points.shape(0); ++i)
@@ -87,6 +97,32 @@ bindReading(py::class_<Bound>& bound)
            "Writes the whole map into a new archive.");
 }
 
+// Parameters of the pipeline that a map alone has no use for.
+std::vector<std::string>
+unreadByMap(MapperConfig& config)
+{
+  const auto isOfMap = [&](const auto* value) {
+    const auto* const place = reinterpret_cast<const char*>(value);
+    const auto* const first = reinterpret_cast<const char*>(&config.map);
+    return (place >= first && place < first + sizeof config.map) ||
+           place == reinterpret_cast<const char*>(&config.pixel_fusion) ||
+           place == reinterpret_cast<const char*>(&config.clearing) ||
+           place == reinterpret_cast<const char*>(&config.threads);
+  };
+  std::vector<std::string> unread;
+  for (const ConfigParameter& parameter : parametersOf(config))
+    if (!std::visit(
+            [&](const auto& value) {
+              if constexpr (std::is_pointer_v<std::decay_t<decltype(value)>>)
+                return isOfMap(value);
+              else
+                return false;
+            },
+            parameter.value))
+      unread.push_back(parameter.name);
+  return unread;
+}
+
 // One thread may write a map; Python's, that run while the lock of the interpreter is
 // released, wait here.
 class Map {
@@ -97,6 +133,8 @@ public:
   {
     MapperConfig config;
     setParameters(parametersOf(config), values);
+    refuseUnread(values, unreadByMap(config),
+                 "in a SemanticVoxelMap: it is for SemanticMapper");
     config.validate();
     warnOf(doubtsOf(config.map));
     map_ = std::make_unique<SemanticVoxelMap>(labelSetOf(label_set), config.map);
@@ -110,15 +148,15 @@ public:
   }
 
   py::dict
-  integrate(const Array<float>& points, const Array<double>& pose,
-            const MaybeArray<float>& probabilities, const py::object& given_colours)
+  integrate(const py::object& points, const py::object& pose,
+            const py::object& probabilities, const py::object& given_colours)
   {
     const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
-    const auto cloud = cloudOf(points, colours);
-    warnOfSteps(*cloud);
-    const Eigen::Isometry3d T_world_sensor = poseOf(pose);
+    const auto cloud = scanOf(points, colours);
+    const Eigen::Isometry3d T_world_sensor =
+        poseOf(pose, map_->parameters().voxel_size);
     const LabelDistributions distributions =
-        distributionsOf(probabilities, points.shape(0));
+        distributionsOf(probabilities, py::ssize_t(cloud->size()));
     return dictOf(released([&] {
       const std::lock_guard<std::mutex> lock(writing_);
       if (colours)
@@ -174,28 +212,20 @@ cameraOf(const std::vector<double>& numbers)
                  " numbers, expected seven: fx, fy, cx, cy [px], baseline [m], width, "
                  "height [px]");
   for (const std::size_t i : {5, 6})
-    if (!(numbers[i] >= 2.0 && numbers[i] <= 65536.0))
+    if (!(numbers[i] >= 2.0 && numbers[i] <= 65536.0) ||
+        numbers[i] != std::floor(numbers[i]))
       badParameter("the camera's image size is ", numbers[5], " x ", numbers[6],
-                   ", expected 2 to 65536");
+                   ", expected whole numbers from 2 to 65536");
   return {numbers[0], numbers[1],      numbers[2],     numbers[3],
           numbers[4], int(numbers[5]), int(numbers[6])};
-}
-
-// "480 x 640 x 3"
-std::string
-shapeOf(const py::array& array)
-{
-  std::string text;
-  for (py::ssize_t i = 0; i < array.ndim(); ++i)
-    text += (text.empty() ? "" : " x ") + std::to_string(array.shape(i));
-  return text;
 }
 
 // H x W or H x W x 3, red green blue.
 cv::Mat
 imageOf(const py::object& values, const StereoCamera& camera, const char* name)
 {
-  const auto array = integersOf<std::uint8_t>(values, name);
+  const auto array =
+      integersOf<std::uint8_t>(values, ("pixels of " + std::string(name)).c_str());
   const bool is_grey = array.ndim() == 2;
   if ((!is_grey && (array.ndim() != 3 || array.shape(2) != 3)) ||
       array.shape(0) != camera.height || array.shape(1) != camera.width)
@@ -216,6 +246,14 @@ public:
   {
     MapperConfig config;
     setParameters(parametersOf(config), values);
+    config.validate();
+    refuseUnreadOfCRF(values, config.crf, config.cliques);
+    refuseUnread(values, {"label_confidence"}, "beside probabilities");
+    if (!camera)
+      refuseUnread(values,
+                   {"stereo", "disparities", "max_deviation", "deviation_scale",
+                    "min_hit_ratio", "network_every"},
+                   "without camera=");
     warnOf(doubtsOf(config.map));
     auto poses = std::make_unique<GivenPose>();
     pose_ = poses.get();
@@ -237,12 +275,11 @@ public:
   }
 
   py::dict
-  process(const Array<float>& points, const Array<double>& pose,
-          const MaybeArray<float>& probabilities, const py::object& given_colours)
+  process(const py::object& points, const py::object& pose,
+          const py::object& probabilities, const py::object& given_colours)
   {
     const auto colours = maybeIntegersOf<std::uint8_t>(given_colours, "colours");
-    const auto cloud = cloudOf(points, colours);
-    warnOfSteps(*cloud);
+    const auto cloud = scanOf(points, colours);
     CloudFrame frame;
     frame.cloud.reset(new pcl::PointCloud<pcl::PointXYZRGB>);
     pcl::copyPointCloud(*cloud, *frame.cloud);
@@ -250,14 +287,14 @@ public:
       frame.cloud->width = std::uint32_t(camera_->width);
       frame.cloud->height = std::uint32_t(camera_->height);
     }
-    frame.distributions = distributionsOf(probabilities, points.shape(0));
+    frame.distributions = distributionsOf(probabilities, py::ssize_t(cloud->size()));
     frame.has_colour = colours.has_value();
     return processFrame(frame, pose);
   }
 
   py::dict
-  processPair(const py::object& left, const py::object& right,
-              const Array<double>& pose, const Array<float>& probabilities)
+  processPair(const py::object& left, const py::object& right, const py::object& pose,
+              const py::object& probabilities)
   {
     if (!camera_)
       badParameter("stereo pairs need the camera: SemanticMapper(camera=...)");
@@ -267,9 +304,14 @@ public:
     StereoFrame frame;
     frame.left = imageOf(left, *camera_, "the left image");
     frame.right = imageOf(right, *camera_, "the right image");
+    if (probabilities.is_none())
+      badParameter(
+          "probabilities are None, expected those of the left image: process() "
+          "takes clouds without");
     const LabelDistributions distributions =
         distributionsOf(probabilities, py::ssize_t(camera_->width) * camera_->height);
     const std::lock_guard<std::mutex> lock(setting_);
+    warnOfFault(checkPair(frame.left, frame.right));
     labels_->distributions = distributions;
     return processFrame(frame, pose);
   }
@@ -284,11 +326,20 @@ public:
   }
 
 private:
+  // Of each fault once, as programs do.
+  void
+  warnOfFault(const PairReport& report)
+  {
+    if (report.fault != PairFault::none && faults_.insert(report.fault).second)
+      warn("frame " + std::to_string(frames_) + ": " + report.reason);
+  }
+
   template <typename Frame>
   py::dict
-  processFrame(Frame frame, const Array<double>& pose)
+  processFrame(Frame frame, const py::object& pose)
   {
-    const Eigen::Isometry3d T_world_sensor = poseOf(pose);
+    const Eigen::Isometry3d T_world_sensor =
+        poseOf(pose, map().parameters().voxel_size);
     MappedFrame mapped = released([&] {
       const std::lock_guard<std::mutex> lock(writing_);
       frame.number = frames_;
@@ -307,10 +358,41 @@ private:
   GivenLabels* labels_ = nullptr; // null = no camera
   std::unique_ptr<SemanticMapper> mapper_;
   int frames_ = 0;
+  std::set<PairFault> faults_; // that were told
   std::mutex setting_, writing_;
 };
 
 } // namespace
+
+} // namespace pcl_semantic::python
+
+namespace pybind11::detail {
+
+// An object whose __init__() has not run has memory that nothing was made in.
+template <typename Bound> struct made_caster : type_caster_base<Bound> {
+  bool
+  load(handle source, bool convert)
+  {
+    if (isinstance_generic(source, typeid(Bound)) &&
+        !reinterpret_cast<instance*>(source.ptr())
+             ->get_value_and_holder()
+             .holder_constructed())
+      throw type_error("__init__() of the object was not called");
+    return type_caster_base<Bound>::load(source, convert);
+  }
+};
+
+template <>
+struct type_caster<pcl_semantic::python::Map> : made_caster<pcl_semantic::python::Map> {
+};
+
+template <>
+struct type_caster<pcl_semantic::python::Mapper>
+    : made_caster<pcl_semantic::python::Mapper> {};
+
+} // namespace pybind11::detail
+
+namespace pcl_semantic::python {
 
 void
 bindMaps(py::module_& module)

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import unittest
+import warnings
 
 import numpy as np
 
@@ -100,6 +101,8 @@ class Refine(unittest.TestCase):
         for message, arguments in [
                 ("labels are 3, expected 4000", {"labels": noisy[:3]}),
                 ("points are 3, expected N x 3", {"points": points[0], "labels": noisy}),
+                ("got None", {"points": np.where(points < 1, points, None),
+                              "labels": noisy}),
                 ("probabilities or labels", {}),
                 ("labels are float64, expected integers", {"labels": noisy + 0.5}),
                 ("colours are float32, expected integers",
@@ -152,7 +155,9 @@ class Map(unittest.TestCase):
         voxels = pcl_semantic.SemanticVoxelMap("kitti11", voxel_size=0.1)
         with self.assertRaisesRegex(ValueError, "expected 0 0 0 1 .is the matrix tr"):
             voxels.integrate(np.array([[5.0, 0, 0]]), pose.T)
-        voxels.integrate(np.array([[5.0, 0, 0]]), pose)
+        rounded = pose.copy()
+        rounded[3] += [1e-16, -1e-9, 0, 1e-9]  # of an inverse
+        voxels.integrate(np.array([[5.0, 0, 0]]), rounded)
         np.testing.assert_allclose(voxels.voxels()["points"], [[15, 20, 1]], atol=0.1)
 
     def test_what_it_cannot_take_is_refused(self):
@@ -242,10 +247,36 @@ class Mapper(unittest.TestCase):
             pcl_semantic.SemanticMapper(LABEL_SET, camera=[1, 2])
         with self.assertRaisesRegex(ValueError, "image size is 6.5 x 1e"):
             pcl_semantic.SemanticMapper(LABEL_SET, camera=[1, 2, 3, 4, 5, 6.5, 1e300])
+        with self.assertRaisesRegex(ValueError, "size is 64.5 x 48, expected whole"):
+            pcl_semantic.SemanticMapper(LABEL_SET, camera=[50, 50, 30, 20, 0.5, 64.5, 48])
         mapper = pcl_semantic.SemanticMapper(LABEL_SET, disparities=64,
                                              camera=[50, 50, 30, 20, 0.5, 60, 40])
+        with self.assertRaisesRegex(ValueError, "probabilities are None, expected those of"):
+            mapper.process_pair(image, image, np.eye(4), None)
         with self.assertRaisesRegex(ValueError, "the left image is 39 x 60, expected 40 x 60"):
             mapper.process_pair(image[1:], image, np.eye(4), np.ones((2400, 11)))
+
+    def test_pairs_of_no_depth_are_told_of(self):
+        random = np.random.default_rng(1)
+        wide = np.kron(random.integers(0, 256, (60, 164), np.uint8),
+                       np.ones((8, 4), np.uint8))
+        left, right = wide[:, :640], wide[:, 16:]
+        probabilities = np.full((480 * 640, 11), 1 / 11, np.float32)
+        for pair, message in (((right, left), "swapped"), ((left, left), "the same image"),
+                              ((left * 0, left * 0), "blank")):
+            mapper = pcl_semantic.SemanticMapper(
+                LABEL_SET, crf="none", camera=[400, 400, 320, 240, 0.5, 640, 480])
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always")
+                for _ in range(2):
+                    mapper.process_pair(*pair, np.eye(4), probabilities)
+            self.assertEqual(len(told), 1)
+            self.assertRegex(str(told[0].message), "frame 0: .*" + message)
+
+    def test_an_object_without_init_is_refused(self):
+        for kind in (pcl_semantic.SemanticMapper, pcl_semantic.SemanticVoxelMap):
+            with self.assertRaisesRegex(TypeError, "__init__"):
+                kind.__new__(kind).voxels()
 
     def test_a_pair_becomes_voxels(self):
         random = np.random.default_rng(1)
@@ -313,6 +344,12 @@ class Files(unittest.TestCase):
                            {"x": np.zeros(2), "y": np.zeros(3)}, {"a b": np.zeros(2)}):
                 with self.assertRaises(ValueError):
                     pcl_semantic.write_cloud(os.path.join(folder, "no.pcd"), broken)
+            for name in ("a b", "_", "", "a\nb"):
+                with self.assertRaisesRegex(ValueError, "cannot be the name of a field"):
+                    pcl_semantic.write_cloud(os.path.join(folder, "no.pcd"),
+                                             {name: np.zeros(2)})
+            with self.assertRaisesRegex(TypeError, "the name of a field is 3, expected a str"):
+                pcl_semantic.write_cloud(os.path.join(folder, "no.pcd"), {3: np.zeros(2)})
             with self.assertRaisesRegex(ValueError, "ends in .pcd"):
                 pcl_semantic.write_cloud(os.path.join(folder, "no.ply"), cloud)
             self.assertEqual(os.listdir(folder), ["cloud.pcd"])
@@ -343,10 +380,185 @@ class Evaluation(unittest.TestCase):
         scores = pcl_semantic.scores(matrix)
         np.testing.assert_allclose(scores["iou"], [0.5, 0.5])
         self.assertAlmostEqual(scores["global_accuracy"], 2 / 3)
-        with self.assertRaisesRegex(ValueError, "4 labels, prediction of 1"):
-            pcl_semantic.confusion_matrix([0, 1, 1, 2], [1], 2)
+        for prediction, shape in (([1], "1"), ([[1, 1], [2, 2]], "2 x 2")):
+            with self.assertRaisesRegex(ValueError, f"are 4, predicted ones {shape}, expected"):
+                pcl_semantic.confusion_matrix([0, 1, 1, 2], prediction, 2)
+        for counts, message in ((np.array([[0, 0], [0, -5]]), "counts hold -5, expected 0 to"),
+                                (np.full((2, 2), 2**63, "u8"), "more than 64 bits")):
+            with self.assertRaisesRegex(ValueError, message):
+                pcl_semantic.scores(counts)
         with self.assertRaisesRegex(ValueError, "confusion_matrix"):
             pcl_semantic.scores([1, 2])
+
+
+class Probabilities(unittest.TestCase):
+    def test_sum_to_one_as_in_files(self):
+        points, _, noisy = two_walls()
+        softmax = np.full((4000, 2), 0.2)
+        softmax[np.arange(4000), noisy - 1] = 0.8
+        expected, _ = pcl_semantic.refine(points, probabilities=softmax)
+        for same in (softmax * 1.05, softmax.astype(np.float16), softmax.astype(">f4"),
+                     np.asfortranarray(softmax), softmax.tolist()):
+            refined, _ = pcl_semantic.refine(points, probabilities=same)
+            np.testing.assert_array_equal(refined, expected)
+        unlabelled = softmax.copy()
+        unlabelled[:7] = 0
+        pcl_semantic.refine(points, probabilities=unlabelled)
+        grid = pcl_semantic.SemanticVoxelMap("kitti11")
+        logits = np.log(softmax)
+        for message, wrong in [
+                ("point 0 sum to (1e-50|9.99+e-51), expected 1", softmax * 1e-50),
+                ("point 0 sum to 1.2, expected 1", softmax * 1.2),
+                ("point 0 sum to .*softmax", logits + 3),
+                ("point 0 hold -.*softmax", logits),
+                ("point 0 hold nan", softmax * np.nan),
+                ("point . sum to 2, expected 1", noisy[:, None]),
+                ("point 0 sum to 255", np.where(softmax > 0.5, 255, 0).astype(np.uint8))]:
+            with self.assertRaisesRegex(ValueError, message):
+                pcl_semantic.refine(points, probabilities=wrong)
+            with self.assertRaisesRegex(ValueError, message):
+                grid.integrate(points, np.eye(4), probabilities=wrong)
+
+
+class Precision(unittest.TestCase):
+    """Positions of few digits are told of, once, wherever they come in."""
+
+    UTM = np.array([691012.4, 5334765.2, 512.0])
+
+    def warnings_of(self, call):
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            call()
+        return [str(each.message) for each in told]
+
+    def test_of_maps(self):
+        pose = np.eye(4)
+        pose[:3, 3] = self.UTM
+        points = two_walls()[0] + np.float32(1)
+        grid = pcl_semantic.SemanticVoxelMap("kitti11", voxel_size=0.2)
+        mapper = pcl_semantic.SemanticMapper("kitti11", voxel_size=0.2, crf="none")
+        world = points + self.UTM
+        self.assertEqual(self.warnings_of(lambda: grid.integrate(points, pose)), [])
+        self.assertEqual(self.warnings_of(lambda: mapper.process(points, pose)), [])
+        self.assertEqual(self.warnings_of(lambda: grid.labels(world)), [])
+        for call, name in [(lambda: grid.integrate(points, pose.astype("f4")), "the pose"),
+                           (lambda: mapper.process(points, pose.astype("f4")), "the pose"),
+                           (lambda: grid.labels(world.astype("f4")), "points")]:
+            told = self.warnings_of(call)
+            self.assertEqual(len(told), 1, told)
+            self.assertIn(f"{name}: single precision has steps of 0.5 m", told[0])
+            self.assertIn("a tenth of a voxel, 0.2 m", told[0])
+        told = self.warnings_of(lambda: grid.integrate(world, np.eye(4)))
+        self.assertEqual(len(told), 1, told)  # doubles are no way out
+        self.assertRegex(told[0], "steps of 0.5 m.*in the frame of the sensor, and its pose$")
+
+    def test_of_half_precision(self):
+        points = two_walls()[0]
+        labels = np.ones(4000, int)
+        grid = pcl_semantic.SemanticVoxelMap("kitti11")
+        for shift, is_told in ((0, False), (200, True)):
+            half = (points + shift).astype(np.float16)
+            for call in (lambda: pcl_semantic.refine(half, labels=labels),
+                         lambda: pcl_semantic.cliques(half),
+                         lambda: grid.integrate(half, np.eye(4))):
+                told = self.warnings_of(call)
+                self.assertEqual(len(told), int(is_told), told)
+                if is_told:
+                    self.assertIn("half precision has steps of 0.125 m at 20", told[0])
+
+    def test_of_files(self):
+        points = two_walls()[0]
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.pcd")
+            for shift, kind, count in ((0, "f4", 0), (self.UTM, "f4", 1), (self.UTM, "f8", 0)):
+                pcl_semantic.write_cloud(
+                    path, dict(zip("xyz", (points + shift).astype(kind).T)))
+                told = self.warnings_of(lambda: pcl_semantic.read_cloud(path))
+                self.assertEqual(len(told), count, told)
+                if count:
+                    self.assertIn("a.pcd: single precision has steps of 0.5 m", told[0])
+            with open(path, "rb") as file:
+                text = file.read().replace(b"VIEWPOINT 0 0 0", b"VIEWPOINT 7 0 0")
+            with open(path, "wb") as file:
+                file.write(text)
+            with self.assertWarnsRegex(UserWarning, "VIEWPOINT, 7 0 0 1 0 0 0, is not read"):
+                pcl_semantic.read_cloud(path)
+
+    def test_a_map_far_away_comes_back_where_it_was(self):
+        pose = np.eye(4)
+        pose[:3, 3] = self.UTM
+        grid = pcl_semantic.SemanticVoxelMap("kitti11", voxel_size=0.2)
+        grid.integrate(two_walls()[0] + np.float32(1), pose)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.pcd")
+            grid.write(path)
+            cloud = pcl_semantic.read_cloud(path)
+            pcl_semantic.write_cloud(path, cloud)
+            again = pcl_semantic.read_cloud(path)
+        for found in (cloud, again):
+            np.testing.assert_array_equal(
+                np.column_stack([found[axis] for axis in "xyz"]), grid.voxels()["points"])
+
+
+class Unread(unittest.TestCase):
+    def test_parameters_without_effect_are_refused(self):
+        points, _, noisy = two_walls()
+        softmax = np.full((4000, 2), 0.5)
+        refine = lambda **given: pcl_semantic.refine(points, **given)
+        grid = lambda **given: pcl_semantic.SemanticVoxelMap("kitti11", **given)
+        mapper = lambda **given: pcl_semantic.SemanticMapper("kitti11", **given)
+        camera = (50, 50, 31.5, 23.5, 0.1, 64, 48)
+        for call, given, message in [
+                (refine, {"probabilities": softmax, "classes": 2},
+                 "classes has no effect beside probabilities"),
+                (refine, {"probabilities": softmax, "label_confidence": 0.9},
+                 "label_confidence has no effect beside probabilities"),
+                (refine, {"labels": noisy, "clique_weight": 9},
+                 "clique_weight has no effect with crf='dense'"),
+                (refine, {"labels": noisy, "crf": "unary", "smoothness_weight": 1},
+                 "smoothness_weight has no effect with crf='unary'"),
+                (refine, {"labels": noisy, "crf": "unary", "thin": [1]},
+                 "thin has no effect with crf='unary'"),
+                (refine, {"labels": noisy, "crf_keep_thin": True},
+                 "crf_keep_thin has no effect without thin="),
+                (refine, {"labels": noisy, "cliques": noisy},
+                 "cliques has no effect with crf='dense'"),
+                (refine, {"labels": noisy, "crf": "hierarchical"},
+                 "crf='hierarchical' needs cliques"),
+                (grid, {"crf": "dense"}, "crf has no effect in a SemanticVoxelMap"),
+                (grid, {"stereo": "sgm"}, "stereo has no effect in a SemanticVoxelMap"),
+                (grid, {"crf_iterations": 3}, "crf_iterations has no effect in a Sem"),
+                (mapper, {"stereo": "sgm"}, "stereo has no effect without camera="),
+                (mapper, {"network_every": 2}, "network_every has no effect without camera="),
+                (mapper, {"label_confidence": 0.9}, "label_confidence has no effect beside"),
+                (mapper, {"clique_weight": 9}, "clique_weight has no effect with crf='dense'"),
+                (mapper, {"crf": "hierarchical", "superpixel_depth_jump": 1},
+                 "superpixel_depth_jump has no effect with cliques='cubes:1'"),
+                (mapper, {"crf": "none", "crf_every": 2}, "crf_every has no effect with crf='none")]:
+            with self.assertRaisesRegex(ValueError, message):
+                call(**given)
+        grid(window=(20, 20, 8), clearing="full", pixel_fusion="product", threads=1,
+             max_depth=30, hit_probability=0.7)
+        mapper(camera=camera, stereo="sgm", network_every=2)
+
+    def test_values_out_of_range_are_refused(self):
+        points, _, noisy = two_walls()
+        for message, given in [
+                ("thin labels hold 259, expected 1 to 255", {"thin": [259]}),
+                ("thin labels hold -253", {"thin": [-253]}),
+                ("thin labels hold 0", {"thin": [0]}),
+                ("thin labels: 3, expected 1 to 2", {"thin": [3]}),
+                ("classes is -5, expected 1 to 255, or 0", {"classes": -5}),
+                ("labels: 4294967295 of point 0 is class 65535 of an instance",
+                 {"labels": np.full(4000, 2**32 - 1, "u4")}),
+                ("labels: -1 of point 0, expected", {"labels": np.full(4000, -1)}),
+                ("labels hold 9223372036854775809", {"labels": np.full(4000, 2**63 + 1, "u8")})]:
+            with self.assertRaisesRegex(ValueError, message):
+                pcl_semantic.refine(points, **{"labels": noisy, **given})
+        with self.assertRaisesRegex(ValueError, "max_depth is 1e.09 m, expected .* at most 1e4"):
+            pcl_semantic.SemanticVoxelMap("kitti11", max_depth=1e9)
+        pcl_semantic.SemanticVoxelMap("kitti11", voxel_size=np.array(0.3),
+                                      per_ray_counting=np.bool_(True))
 
 
 class Threads(unittest.TestCase):
@@ -371,7 +583,8 @@ class Doubts(unittest.TestCase):
         points, _, noisy = two_walls()
         expected = pcl_semantic.refine(points, labels=noisy)[0]
         for number in (noisy + (7 << 16), (noisy + (40000 << 16)).astype(np.uint32),
-                       (noisy + (40000 << 16)).astype(np.uint32).view(np.int32)):
+                       (noisy + (40000 << 16)).astype(np.uint32).view(np.int32),
+                       (noisy + (65535 << 16)).astype(np.uint32).view(np.int32)):
             np.testing.assert_array_equal(
                 pcl_semantic.refine(points, labels=number)[0], expected)
         counts = pcl_semantic.confusion_matrix([1, 2 + (9 << 16)], [1, 2], 2)
@@ -381,7 +594,10 @@ class Doubts(unittest.TestCase):
             x, y, z = points.T
             pcl_semantic.write_cloud(path, {"x": x, "y": y, "z": z,
                                             "label": (noisy + (7 << 16)).astype("u4")})
-            np.testing.assert_array_equal(pcl_semantic.read_cloud(path)["label"], noisy)
+            cloud = pcl_semantic.read_cloud(path)
+            np.testing.assert_array_equal(cloud["label"], noisy)
+            pcl_semantic.write_cloud(path, cloud)
+            self.assertEqual(set(pcl_semantic.read_cloud(path)["instance"]), {7})
 
     def test_nothing_gives_nothing(self):
         points, none = np.zeros((0, 3)), np.zeros(0, int)
@@ -402,6 +618,12 @@ class Doubts(unittest.TestCase):
             path = os.path.join(folder, "a.pcd")
             pcl_semantic.write_cloud(path, dict(zip("xyz", points.T)))
             self.assertEqual(pcl_semantic.read_cloud(path)["x"].shape, (0,))
+        labels, probabilities = pcl_semantic.refine([], probabilities=np.zeros((0, 0)))
+        self.assertEqual((labels.shape, probabilities.shape), ((0,), (0, 0)))
+        self.assertEqual(pcl_semantic.refine([], labels=[], colours=[])[0].shape, (0,))
+        self.assertEqual(pcl_semantic.cliques([]).shape, (0,))
+        self.assertEqual(grid.integrate([], np.eye(4), probabilities=[])["points"], 0)
+        self.assertEqual(grid.labels([]).shape, (0,))
 
     def test_no_returns_are_passed_over_and_told(self):
         points, _, noisy = two_walls()

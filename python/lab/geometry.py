@@ -37,8 +37,7 @@ class Map:
                 raise ValueError(f"{path}/summary.json: the map is not finished")
             numbers, self.sensor = summary["frame_numbers"], summary["inputs"].get("sensor")
             given = trajectory.read_kitti(path / "trajectory.txt")
-            cloud, origin = path / "map.pcd", summary["map_origin"]
-            self._take(cloud, origin, summary["voxel_size"])
+            self._take(path / "map.pcd", summary["voxel_size"])
         else:
             given = trajectory.read_kitti(poses or Path(sequence) / "poses.txt")
             info = json.loads(run_archive("info", path, "--json"))
@@ -51,13 +50,12 @@ class Map:
                 box = np.concatenate([places.min(0) - reach, places.max(0) + reach])
                 run_archive("export", path, f"{folder}/map.pcd", "--quiet",
                             "--box=" + ",".join(map(str, box)))
-                self._take(f"{folder}/map.pcd", list(map(float, info["origin"].split())),
-                           float(info["voxel_size"]))
+                self._take(f"{folder}/map.pcd", float(info["voxel_size"]))
         self.poses = {n: given[n] for n in numbers if frames is None or n in frames}
 
-    def _take(self, cloud, origin, voxel_size):
+    def _take(self, cloud, voxel_size):
         self.size = voxel_size
-        self.points = positions(cloud) + np.asarray(origin, float)
+        self.points = positions(cloud)
         self.indices = np.floor(self.points / self.size).astype(np.int64)
 
 

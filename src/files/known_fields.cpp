@@ -85,6 +85,8 @@ doubtOfLookalike(const std::string& path, const char* what, const Words& words,
 std::vector<std::uint8_t>
 columnBytes(const PcdTable& table, const pcl::PCLPointField& field)
 {
+  if (table.points() == 0)
+    return {};
   const std::size_t size = sizeOfField(field);
   std::vector<std::uint8_t> bytes(table.points() * size);
   const std::uint8_t* from = table.data.data() + field.offset;
@@ -114,7 +116,7 @@ labelWithoutInstance(T value)
 void
 takeInstancesOff(PcdTable& table, const pcl::PCLPointField& field)
 {
-  if (field.count != 1)
+  if (field.count != 1 || table.points() == 0)
     return;
   std::uint8_t* const first = table.data.data() + field.offset;
   const std::size_t stride = table.point_step, points = table.points();
@@ -126,7 +128,7 @@ takeInstancesOff(PcdTable& table, const pcl::PCLPointField& field)
       const T kept = labelWithoutInstance(value);
       if (kept != value && value == value) {
         std::memcpy(first + i * stride, &kept, sizeof(T));
-        table.instances.resize(table.points);
+        table.instances.resize(points);
         table.instances[i] = std::uint16_t(std::uint32_t(std::int64_t(value)) >> 16);
       }
     }
