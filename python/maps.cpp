@@ -12,6 +12,7 @@
 
 #include <pcl/common/io.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <mutex>
@@ -289,7 +290,7 @@ public:
     }
     frame.distributions = distributionsOf(probabilities, py::ssize_t(cloud->size()));
     frame.has_colour = colours.has_value();
-    return processFrame(frame, pose);
+    return processFrame(frame, pose, [] {});
   }
 
   py::dict
@@ -310,10 +311,8 @@ public:
           "takes clouds without");
     const LabelDistributions distributions =
         distributionsOf(probabilities, py::ssize_t(camera_->width) * camera_->height);
-    const std::lock_guard<std::mutex> lock(setting_);
     warnOfFault(checkPair(frame.left, frame.right));
-    labels_->distributions = distributions;
-    return processFrame(frame, pose);
+    return processFrame(frame, pose, [&] { labels_->distributions = distributions; });
   }
 
   void
@@ -331,17 +330,20 @@ private:
   warnOfFault(const PairReport& report)
   {
     if (report.fault != PairFault::none && faults_.insert(report.fault).second)
-      warn("frame " + std::to_string(frames_) + ": " + report.reason);
+      warn("frame " + std::to_string(frames_.load()) + ": " + report.reason);
   }
 
-  template <typename Frame>
+  // A thread that waits for another one holds no lock of the interpreter, which that
+  // one needs to end. \param[in] prepare is called when the map is this frame's
+  template <typename Frame, typename Prepare>
   py::dict
-  processFrame(Frame frame, const py::object& pose)
+  processFrame(Frame frame, const py::object& pose, Prepare&& prepare)
   {
     const Eigen::Isometry3d T_world_sensor =
         poseOf(pose, map().parameters().voxel_size);
     MappedFrame mapped = released([&] {
       const std::lock_guard<std::mutex> lock(writing_);
+      prepare();
       frame.number = frames_;
       pose_->T_world_sensor = T_world_sensor;
       MappedFrame result = mapper_->process(frame);
@@ -357,9 +359,9 @@ private:
   GivenPose* pose_ = nullptr;
   GivenLabels* labels_ = nullptr; // null = no camera
   std::unique_ptr<SemanticMapper> mapper_;
-  int frames_ = 0;
+  std::atomic<int> frames_ = 0;
   std::set<PairFault> faults_; // that were told
-  std::mutex setting_, writing_;
+  std::mutex writing_;
 };
 
 } // namespace

@@ -578,6 +578,20 @@ class Threads(unittest.TestCase):
         self.assertEqual(found, [expected] * 4)
 
 
+    def test_pairs_of_two_threads_wait_for_each_other(self):
+        code = """if True:
+            import threading, numpy as np, pcl_semantic
+            wide = np.random.default_rng(1).integers(0, 256, (96, 168), np.uint8)
+            mapper = pcl_semantic.SemanticMapper("kitti11", disparities=64, crf="none",
+                                                 camera=[50, 50, 80, 48, 0.5, 160, 96])
+            threads = [threading.Thread(target=lambda: [mapper.process_pair(
+                wide[:, :160], wide[:, 8:], np.eye(4), np.full((96 * 160, 11), 1 / 11))
+                for _ in range(5)]) for _ in range(3)]
+            for thread in threads: thread.start()
+            for thread in threads: thread.join()"""
+        subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
 class Doubts(unittest.TestCase):
     def test_instances_are_taken_off_labels(self):
         points, _, noisy = two_walls()
