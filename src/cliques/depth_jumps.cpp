@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/cliques/depth_jumps.h>
 
+#include "core/cloud_size.h"
 #include "core/disjoint_sets.h"
 #include "core/fail.h"
 #include "core/parallel_guard.h"
@@ -171,6 +172,7 @@ splitAtDepthJumps(const cv::Mat& segments, const CliqueGenerator::Cloud& cloud,
                   const DepthJumps& jumps)
 {
   jumps.validate();
+  requireCloudSize(cloud);
   if (segments.type() != CV_32SC1 || segments.total() != cloud.size() ||
       segments.cols != int(cloud.width))
     badInput("depth jumps: segments of ", segments.cols, " x ", segments.rows,

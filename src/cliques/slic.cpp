@@ -339,7 +339,7 @@ slicSuperpixels(const cv::Mat& image, const SlicParameters& parameters)
 std::vector<pcl::PointIndices>
 cliquesOfSegments(const cv::Mat& segments)
 {
-  if (segments.type() != CV_32SC1)
+  if (!segments.empty() && segments.type() != CV_32SC1)
     badParameter("segments are 32-bit numbers of one channel");
   std::vector<pcl::PointIndices> cliques;
   for (int v = 0; v < segments.rows; ++v)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slic_cliques.h"
+#include "core/cloud_size.h"
 #include "core/fail.h"
 
 #include <pcl_semantic/cliques/depth_jumps.h>
@@ -13,6 +14,7 @@ requireOrganized(const CliqueGenerator::Cloud& cloud)
     badInput("superpixels need an organized cloud, an image of points; this "
              "one is a list of ",
              cloud.size());
+  requireCloudSize(cloud);
 }
 
 cv::Mat

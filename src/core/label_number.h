@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "fail.h"
+
+#include "core/label_number.h"
+
 #include <pcl_semantic/core/label_set.h>
 
 #include <cstdint>
@@ -24,5 +28,15 @@ withoutInstance(std::int64_t number)
 /** \brief The first whole number that single precision need not hold exactly: of labels
  * with instances from 256 on, the class is lost. */
 constexpr double kFirstInexactFloat = 16777216.0;
+
+/** \brief The label of a voxel, which a cloud holds in 32 bits.
+ * \throws BadInputException beyond 255 */
+inline Label
+requireLabel(std::uint32_t number)
+{
+  if (number > 255)
+    badInput("a voxel has the label ", number, ", expected 0 to 255");
+  return Label(number);
+}
 
 } // namespace pcl_semantic

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 
+#include "core/cloud_size.h"
 #include "core/fail.h"
+#include "core/label_number.h"
 #include "map/cube_renderer.h"
 #include "map/ray_traversal.h"
 
@@ -130,7 +132,7 @@ MapLabels::MapLabels(const VoxelCloud& voxels) : lookup(voxels)
   refined.reserve(voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     measured.push_back(voxels.measured.mapLabel(Eigen::Index(i)));
-    refined.push_back(static_cast<Label>(voxels.cloud->points[i].label));
+    refined.push_back(requireLabel(voxels.cloud->points[i].label));
   }
 }
 
@@ -159,6 +161,7 @@ labelsAtDepth(const SemanticVoxelMap& map,
               const Eigen::Isometry3d& T_world_camera, double max_depth)
 {
   requireRigid(T_world_camera, "the pose of the camera");
+  requireCloudSize(cloud);
   if (!cloud.isOrganized())
     badParameter("looking labels up at depth needs an organized cloud");
   const int width = static_cast<int>(cloud.width);
@@ -202,7 +205,7 @@ renderLabels(const VoxelCloud& voxels, const StereoCamera& camera,
       const int voxel = cubes.voxel.at<int>(row, column);
       if (voxel >= 0)
         result.labels.at<std::uint8_t>(row, column) =
-            static_cast<std::uint8_t>((*voxels.cloud)[std::size_t(voxel)].label);
+            requireLabel((*voxels.cloud)[std::size_t(voxel)].label);
     }
   return result;
 }

@@ -182,6 +182,7 @@ readPly(const std::string& path)
   std::vector<std::uint8_t> bytes = readBytes(path);
   PcdHeader header = PlyHeaderParser(path, textOf(bytes)).parse();
   bytes.resize(endOfVertices(header, textOf(bytes)));
+  bytes.shrink_to_fit();
   header.table.data = decodeData(path, header, std::move(bytes));
   packColours(header.table);
   return std::move(header.table);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/filters/cloud_refiner.h>
 
+#include "core/cloud_size.h"
 #include "core/fail.h"
 #include "core/label_number.h"
 #include "core/parallel_guard.h"
@@ -205,10 +206,7 @@ CloudRefiner::makeCliques(const Fields& fields)
   const bool has_colours = fields.colours.size() > 0;
   if (generator_->usesColour() && !has_colours)
     badParameter("these cliques need points with colour");
-  if (std::size_t(fields.width) * fields.height != fields.labels.size())
-    badParameter("the cloud has a width of ", fields.width, " and a height of ",
-                 fields.height, ", but ", fields.labels.size(),
-                 " points: set both for a generator of cliques");
+  requireCloudSize(fields.width, fields.height, fields.labels.size());
   CliqueGenerator::Cloud cloud(fields.width, fields.height);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f position = fields.positions.col(Eigen::Index(i));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/io/map_export.h>
 
+#include "core/label_number.h"
+
 #include "map/block_reader.h"
 
 #include <algorithm>
@@ -35,7 +37,7 @@ select(const VoxelSelection& selection, const VoxelCloud& voxels)
   std::vector<bool> is_selected(voxels.size());
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const Eigen::Array3d centre = centreOf(voxels.indices[i], voxels.voxel_size);
-    const auto label = static_cast<Label>((*voxels.cloud)[i].label);
+    const auto label = requireLabel((*voxels.cloud)[i].label);
     is_selected[i] =
         (centre >= selection.box.min().array()).all() &&
         (centre < selection.box.max().array()).all() &&

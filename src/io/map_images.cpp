@@ -3,6 +3,7 @@
 
 #include "core/fail.h"
 #include "core/grey_image.h"
+#include "core/label_number.h"
 
 #include <pcl_semantic/io/drawing.h>
 
@@ -66,7 +67,7 @@ drawColumns(cv::Mat& picture, const TopViewGrid& grid, const VoxelCloud& voxels,
   const float height = float(std::max(1, grid.high.z() - grid.low.z()));
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const VoxelIndex& index = voxels.indices[i];
-    const auto label = static_cast<Label>((*voxels.cloud)[i].label);
+    const auto label = requireLabel((*voxels.cloud)[i].label);
     const cv::Point corner((grid.high.y() - index.y()) / grid.step * grid.scale,
                            (grid.high.x() - index.x()) / grid.step * grid.scale);
     const cv::Rect square = cv::Rect(corner.x, corner.y, grid.scale, grid.scale) &

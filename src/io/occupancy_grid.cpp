@@ -2,6 +2,7 @@
 #include <pcl_semantic/io/occupancy_grid.h>
 
 #include "core/fail.h"
+#include "core/label_number.h"
 
 #include <pcl_semantic/files/atomic_file.h>
 
@@ -132,7 +133,7 @@ private:
         continue;
       height = below + 1.0f;
       label.at<std::uint8_t>(pixelOf(voxel)) =
-          static_cast<std::uint8_t>((*scene_.voxels.cloud)[row].label);
+          requireLabel((*scene_.voxels.cloud)[row].label);
     }
     height_ = spread(own, label, float(parameters_.reach / scene_.grid.size));
     // Ground above or below that around it is none: a roof, or noise under the road.

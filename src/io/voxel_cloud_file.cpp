@@ -2,6 +2,7 @@
 #include <pcl_semantic/io/voxel_cloud_file.h>
 
 #include "core/fail.h"
+#include "core/label_number.h"
 #include "files/pcd_header.h"
 
 #include <algorithm>
@@ -79,7 +80,7 @@ VoxelCloudWriter::write(const VoxelCloud& voxels, const std::vector<bool>& is_wr
     if (colour_ != VoxelColour::none) {
       const std::uint32_t colour =
           colour_ == VoxelColour::classes
-              ? packColour(label_set_[Label(point.label)].colour)
+              ? packColour(label_set_[requireLabel(point.label)].colour)
               : packColour({point.r, point.g, point.b});
       put(&colour);
     }

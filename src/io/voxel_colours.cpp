@@ -2,6 +2,7 @@
 #include <pcl_semantic/io/voxel_colours.h>
 
 #include "core/fail.h"
+#include "core/label_number.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -56,7 +57,7 @@ labelsOf(const VoxelScene& scene)
   std::vector<Label> labels;
   labels.reserve(scene.voxels.size());
   for (const pcl::PointXYZRGBL& point : *scene.voxels.cloud)
-    labels.push_back(static_cast<Label>(point.label));
+    labels.push_back(requireLabel(point.label));
   return labels;
 }
 

@@ -2,6 +2,7 @@
 #include <pcl_semantic/io/voxel_scene.h>
 
 #include "core/fail.h"
+#include "core/label_number.h"
 #include "map/block_reader.h"
 
 #include <pcl_semantic/core/no_return.h>
@@ -260,7 +261,7 @@ labelsAtVoxels(const VoxelScene& scene, const VoxelScene& other)
   const VoxelIndex step = shift.round().cast<int>();
   for (std::size_t i = 0; i < other.voxels.size(); ++i)
     labels.emplace(other.voxels.indices[i] + step,
-                   static_cast<Label>((*other.voxels.cloud)[i].label));
+                   requireLabel((*other.voxels.cloud)[i].label));
   std::vector<Label> result(scene.voxels.size(), kUnlabelled);
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto found = labels.find(scene.voxels.indices[i]);

@@ -3,6 +3,7 @@
 
 #include "calibration_term.h"
 #include "core/fail.h"
+#include "core/probabilities.h"
 #include "files/yaml_config.h"
 
 #include <limits>
@@ -143,6 +144,7 @@ calibrate(const LabelCalibration& calibration, const LabelDistributions& distrib
                                     " classes: got ", distributions.classes(),
                                     " classes of ", distributions.size(),
                                     " points, features of ", features.size());
+  requireProbabilities(distributions);
   LabelDistributions result = distributions;
   const auto threads = static_cast<std::size_t>(omp_get_max_threads());
   std::vector<Calibrator> calibrators(threads, Calibrator(calibration));

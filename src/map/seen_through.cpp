@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/map/seen_through.h>
 
+#include "core/cloud_size.h"
 #include "core/fail.h"
 #include "core/voxel_table.h"
 
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/core/voxel_index.h>
 
 #include <algorithm>
@@ -116,6 +118,7 @@ void
 check(const Cloud& cloud, const StereoCamera& camera,
       const Eigen::Isometry3d& T_world_camera, double voxel_size, double fraction)
 {
+  requireCloudSize(cloud);
   if (int(cloud.width) != camera.width || int(cloud.height) != camera.height)
     badParameter("the cloud has ", cloud.width, " x ", cloud.height,
                  " points, expected the camera's ", camera.width, " x ", camera.height);
@@ -123,8 +126,7 @@ check(const Cloud& cloud, const StereoCamera& camera,
     badParameter("voxel_size is ", voxel_size, ", expected more than 0");
   if (!(fraction >= 0.0 && fraction <= 1.0))
     badParameter("fraction is ", fraction, ", expected 0 to 1");
-  if (!T_world_camera.matrix().allFinite())
-    badParameter("the pose of the camera is not finite");
+  requireRigid(T_world_camera, "the pose of the camera");
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include "block_update.h"
 #include "core/fail.h"
 #include "core/parallel_guard.h"
+#include "core/probabilities.h"
 #include "ray_caster.h"
 #include "ray_traversal.h"
 #include "read_write_lock.h"
@@ -17,7 +18,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -86,23 +86,6 @@ checkScan(const Scan& scan, int classes)
   if (scan.deviations && scan.deviations->size() != scan.points.size())
     badParameter("there are ", scan.deviations->size(), " deviations, expected ",
                  scan.points.size());
-}
-
-// In one pass over all numbers: fused, a bad one would spoil the label of its voxel.
-void
-checkProbabilities(const LabelDistributions& distributions)
-{
-  const float* const values = distributions.matrix().data();
-  const auto count = std::int64_t(distributions.matrix().size());
-  constexpr float largest = std::numeric_limits<float>::max();
-  int bad = 0;
-#pragma omp simd reduction(| : bad)
-  for (std::int64_t i = 0; i < count; ++i)
-    bad |= int(!(values[i] >= 0.0f)) | int(!(values[i] <= largest));
-  for (std::int64_t i = 0; bad != 0 && i < count; ++i)
-    if (!(values[i] >= 0.0f && values[i] <= largest))
-      badInput("the label distribution of point ", i / distributions.classes(),
-               " has a negative or non-finite probability");
 }
 
 // Puts a block into the store unless that has it as it is.
@@ -365,7 +348,7 @@ SemanticVoxelMap::integrateScan(const Scan& scan,
   const auto writing = state_->lock.write();
   const ThreadScope threads(state_->threads);
   if (scan.distributions)
-    checkProbabilities(*scan.distributions);
+    requireProbabilities(*scan.distributions);
   return state_->integrate(scan, T_world_sensor);
 }
 
@@ -375,7 +358,7 @@ SemanticVoxelMap::addScanLabels(const Scan& scan,
 {
   checkScan(scan, state_->label_set.size());
   requireRigid(T_world_sensor, "the pose of the sensor");
-  checkProbabilities(*scan.distributions);
+  requireProbabilities(*scan.distributions);
   const auto writing = state_->lock.write();
   return state_->addLabels(scan, T_world_sensor);
 }

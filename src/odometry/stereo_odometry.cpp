@@ -7,6 +7,8 @@
 #include "keyframe_window.h"
 #include "pose_ransac.h"
 
+#include <pcl_semantic/core/sensor_pose.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -311,7 +313,9 @@ StereoOdometry::StereoOdometry(const StereoCamera& camera,
                                const Eigen::Isometry3d& T_camera0_camera,
                                const Parameters& parameters)
     : engine_(std::make_unique<Engine>(camera, T_camera0_camera, parameters))
-{}
+{
+  requireRigid(T_camera0_camera, "odometry: the pose of the camera in camera 0");
+}
 
 StereoOdometry::StereoOdometry(const StereoCamera& camera,
                                const Eigen::Isometry3d& T_camera0_camera)

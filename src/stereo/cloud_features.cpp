@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_features.h"
+#include "core/cloud_size.h"
 #include "core/fail.h"
 
 #include <opencv2/imgproc.hpp>
@@ -165,6 +166,7 @@ std::vector<PointFeatures>
 cloudFeatures(const Cloud& cloud,
               const std::optional<Eigen::Hyperplane<double, 3>>& ground)
 {
+  requireCloudSize(cloud);
   if (!cloud.isOrganized() && !cloud.empty())
     badParameter("normals from neighbours need an organized cloud");
   std::vector<PointFeatures> features(cloud.size());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
+#include "core/cloud_size.h"
 #include "core/fail.h"
 
 #include <opencv2/imgproc.hpp>
@@ -64,6 +65,7 @@ disparityToCloud(const cv::Mat& disparity, const cv::Mat& image,
 cv::Mat
 imageOfCloud(const pcl::PointCloud<pcl::PointXYZRGB>& cloud)
 {
+  requireCloudSize(cloud);
   cv::Mat3b image(int(cloud.height), int(cloud.width));
   for (std::size_t i = 0; i < cloud.size(); ++i)
     image(int(i / cloud.width), int(i % cloud.width)) = {cloud[i].b, cloud[i].g,
@@ -76,6 +78,7 @@ distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                    const StereoCamera& camera, const cv::Mat& disparity_deviation,
                    double scale)
 {
+  requireCloudSize(cloud);
   if (disparity_deviation.type() != CV_32FC1 ||
       disparity_deviation.cols != int(cloud.width) ||
       disparity_deviation.rows != int(cloud.height))

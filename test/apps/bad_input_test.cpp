@@ -182,7 +182,7 @@ TEST(BadInput, LoopsOfLinks)
          addScan(street);
          loop("velodyne/000000.bin")(street);
        }},
-      {"rgbd", 3, "street/rgb",
+      {"rgbd", 3, "has neither rgb.txt nor a folder 'rgb'",
        "map --rgbd STREET --calibration STREET/calib.txt --poses STREET/poses.txt "
        "--output OUT " +
            labels,

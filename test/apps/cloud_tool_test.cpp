@@ -216,6 +216,11 @@ TEST_F(CloudTool, RefusesWhatCannotBe)
           "bare.ply: has no field 'label' or 'probability', which " +
               option.substr(0, 6) + " needs; field 'my_label' is not read as labels",
           "bare.ply");
+  folder.write("float.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float "
+                            "x\nproperty float y\nproperty float z\nproperty float "
+                            "label\nend_header\n1 2 3 19660801\n"); // 300 << 16 | 1
+  fails("--thin 1", 3, "float.ply: field 'label': point 0 has 19660800, where single",
+        "float.ply");
   fails("--scan-columns x,y", 2, "scan columns 'x,y' have no z");
   folder.write("cut.ply",
                "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\n");

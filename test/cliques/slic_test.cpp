@@ -284,6 +284,10 @@ TEST(SlicCliques, RefusesAnUnorganizedCloudAndTakesAnEmptyOne)
   EXPECT_TRUE(
       holds(thrownMessage<BadInputException>([&] { SlicCliques().generate(cloud); }),
             "organized"));
+  cloud.height = 2;
+  EXPECT_TRUE(holds(
+      thrownMessage<InvalidParameterException>([&] { SlicCliques().generate(cloud); }),
+      "a height of 2, but 800 points"));
   EXPECT_TRUE(SlicCliques().generate(CliqueGenerator::Cloud()).empty());
 }
 

@@ -214,9 +214,35 @@ TEST(RenderLabels, DepthLimitsAndFarFromTheOrigin)
   EXPECT_EQ(seen({1000030, -999999, 1002}, 40.0), near);
 }
 
+// Of 300 the label 44 would be left.
+TEST(RenderLabels, ALabelHasEightBits)
+{
+  VoxelCloud voxels = makeVoxels({{10, 0, 0}}, 0.1);
+  (*voxels.cloud)[0].label = 300;
+  EXPECT_THROW(renderLabels(voxels, smallCamera(), forwardPose(), 40.0),
+               BadInputException);
+  voxels.measured = LabelDistributions(2, 1);
+  EXPECT_THROW(MapLabels{voxels}, BadInputException);
+}
+
+// Rows of points that are not there would be read.
+TEST(LabelsAtDepth, NeedsTheSizeOfTheCloud)
+{
+  const SemanticVoxelMap map(LabelSet({{"road", {}}, {"car", {}}}), {});
+  pcl::PointCloud<pcl::PointXYZRGB> cloud(4, 3);
+  const auto look = [&] {
+    return labelsAtDepth(map, cloud, Eigen::Isometry3d::Identity(), 40.0);
+  };
+  EXPECT_EQ(look().size(), cv::Size(4, 3));
+  for (const std::uint32_t width : {3u, 5u}) {
+    cloud.width = width;
+    EXPECT_THROW(look(), InvalidParameterException);
+  }
+}
+
 TEST(RenderLabels, PosesAreRigid)
 {
-  const SemanticVoxelMap map(LabelSet({{"road", {}}}), {});
+  const SemanticVoxelMap map(LabelSet({{"road", {}}, {"car", {}}}), {});
   const pcl::PointCloud<pcl::PointXYZRGB> cloud(2, 2);
   Eigen::Isometry3d scaled = Eigen::Isometry3d::Identity(), transposed = scaled;
   scaled.linear() *= 2.0;

@@ -188,6 +188,12 @@ TEST(LabelCalibration, RefusesWhatDoesNotFit)
            {seen, [](auto& c) { c.usual_distance = unknown; }},
            {seen, [](auto& c) { c.usual_distance = 1.5f; }}})
     expectRefused(says, change);
+  // Logarithms would come out as probabilities.
+  LabelDistributions bad = randomNetwork(5, 10, 1);
+  bad.matrix()(2, 7) = -0.5f;
+  expectRefusal<BadInputException>(
+      "of point 7 has a negative or non-finite probability",
+      [&] { calibrate(makeExperiencedCalibration(), bad, randomFeatures(10, 2)); });
 }
 
 // By hand: three pixels of class 2 at a quarter of the way, at a knot and beyond the

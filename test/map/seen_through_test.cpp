@@ -202,10 +202,12 @@ TEST(SeenThrough, RefusesWhatDoesNotFit)
   for (const double size : {0.0, -1.0, double(nan)})
     EXPECT_THROW(eraseSeenThrough(cloud, camera(), pose, size, 0.3),
                  InvalidParameterException);
-  Eigen::Isometry3d nowhere = pose;
+  Eigen::Isometry3d nowhere = pose, scaled = pose;
   nowhere.translation().x() = double(nan);
-  EXPECT_THROW(eraseSeenThrough(cloud, camera(), nowhere, voxel_size, 0.3),
-               InvalidParameterException);
+  scaled.linear() *= 2.0;
+  for (const Eigen::Isometry3d& bad : {nowhere, scaled})
+    EXPECT_THROW(eraseSeenThrough(cloud, camera(), bad, voxel_size, 0.3),
+                 BadInputException);
 }
 
 } // namespace

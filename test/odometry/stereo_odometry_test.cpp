@@ -184,6 +184,9 @@ TEST(StereoOdometry, NamesTheFrameOfImagesThatDoNotFit)
 
 TEST(StereoOdometry, RefusesParametersOutOfRange)
 {
+  Eigen::Isometry3d scaled = Eigen::Isometry3d::Identity();
+  scaled.linear() *= 2.0;
+  EXPECT_THROW(StereoOdometry(street().camera, scaled), BadInputException);
   const auto refused = [](auto change) {
     StereoOdometry::Parameters parameters;
     change(parameters);

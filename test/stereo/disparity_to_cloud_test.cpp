@@ -106,6 +106,13 @@ TEST(DisparityToCloud, DeviationsOfAnotherImageAreRefused)
                                    cv::Mat(height, width, CV_64FC1), cv::Mat()})
     EXPECT_THROW(distanceDeviations(*cloud, makeCamera(), deviation),
                  BadInputException);
+  for (const std::uint32_t columns : {0u, 1u, 1000u}) { // points.push_back() sets none
+    pcl::PointCloud<pcl::PointXYZRGB> other = *cloud;
+    other.width = columns;
+    EXPECT_THROW(imageOfCloud(other), InvalidParameterException);
+    EXPECT_THROW(distanceDeviations(other, makeCamera(), cv::Mat()),
+                 InvalidParameterException);
+  }
   const cv::Mat1f deviation(height, width, 1.0f);
   for (const double scale : {-1.0, std::nan("")})
     EXPECT_THROW(distanceDeviations(*cloud, makeCamera(), deviation, scale),

@@ -59,7 +59,8 @@ struct LabelCalibration {
 /** \brief Calibrates distributions; the same for any number of threads. Unlabelled
  * columns stay so; where a feature is not known its curves are left out.
  * \param[in] features one a column, or empty: nothing is known
- * \throws InvalidParameterException if sizes do not fit */
+ * \throws InvalidParameterException if sizes do not fit
+ * \throws BadInputException at a negative or non-finite probability */
 LabelDistributions calibrate(const LabelCalibration& calibration,
                              const LabelDistributions& distributions,
                              const std::vector<PointFeatures>& features);

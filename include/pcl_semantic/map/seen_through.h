@@ -27,8 +27,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \param[in] voxel_size edge of a voxel [m]
  * \param[in] fraction 0 to 1; 0 = nothing is erased
  * \return number of points erased; it and they do not depend on the number of threads
- * \throws InvalidParameterException if the cloud is not the camera's, a parameter is
- * out of its range, or the pose is not finite */
+ * \throws InvalidParameterException if the cloud is not the camera's, or a parameter is
+ * out of its range
+ * \throws BadInputException as requireRigid() */
 std::size_t eraseSeenThrough(pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                              const StereoCamera& camera,
                              const Eigen::Isometry3d& T_world_camera, double voxel_size,

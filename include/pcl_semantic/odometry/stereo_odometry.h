@@ -67,7 +67,7 @@ public:
 
   /** \param[in] camera of the rectified images
    * \param[in] T_camera0_camera the left camera in camera 0, the world's origin
-   * \throws InvalidParameterException */
+   * \throws InvalidParameterException \throws BadInputException as requireRigid() */
   StereoOdometry(const StereoCamera& camera, const Eigen::Isometry3d& T_camera0_camera,
                  const Parameters& parameters);
   explicit StereoOdometry(
