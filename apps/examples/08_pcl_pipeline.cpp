@@ -11,6 +11,7 @@
 #include <pcl_semantic/filters/label_voxel_grid.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 
+#include <pcl/common/io.h>
 #include <pcl/conversions.h>
 #include <pcl/filters/extract_indices.h>
 #include <pcl/filters/statistical_outlier_removal.h>
@@ -75,7 +76,8 @@ try {
   apply(outliers, cloud);
 
   pcl_semantic::SemanticCRF<Blob> crf;
-  crf.setLabelConfidence(0.8, 255); // or let it read a field `probability`
+  if (pcl::getFieldIndex(*cloud, "probability") < 0)
+    crf.setLabelConfidence(0.8, 255);
   apply(crf, cloud);
 
   pcl::PointCloud<pcl::PointXYZL> labelled;

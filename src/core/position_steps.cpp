@@ -28,7 +28,7 @@ doubtOfSteps(const Eigen::Matrix3Xf& positions, const Eigen::Vector3d& origin,
   for (Eigen::Index i = 0; i < positions.cols(); ++i)
     if (positions.col(i).allFinite())
       measured.push_back(i);
-  if (measured.size() < 2)
+  if (measured.size() < 5) // they have no spacing
     return "";
   std::vector<float> distances; // the largest coordinate of each point
   for (const Eigen::Index i : measured)

@@ -112,8 +112,8 @@ classColours(const VoxelScene& scene, const LabelSet& label_set)
   std::array<std::size_t, 256> counts{};
   for (const Label label : labelsOf(scene)) {
     if (label > label_set.size())
-      badInput("label ", int(label), " is beyond the ", label_set.size(),
-               " classes of the label set");
+      badParameter("label ", int(label), " is beyond the ", label_set.size(),
+                   " classes of the label set");
     ++counts[label];
     result.colours.push_back(solidColour(label_set, label));
   }

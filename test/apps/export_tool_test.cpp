@@ -161,7 +161,7 @@ TEST(BadUsage, ExportTool)
       {"no colours", 2, "no colour", in + "OUT.ply --colour rgb", road},
       {"no ground", 3, "a.pcd: the map has no voxel of the classes of the ground",
        in + "OUT.pgm --ground sidewalk", road},
-      {"beyond the set", 3, "label 12 is beyond the 11 classes", in + "OUT.ply",
+      {"beyond the set", 2, "label 12 is beyond the 11 classes", in + "OUT.ply",
        cloud(" label", "0 0 0 1\n0.1 0 0 12\n", 2)},
       {"no pixel", 3, "a.pcd: has no point: an image of no pixel", in + "OUT.pgm",
        cloud(" label", "", 0)},

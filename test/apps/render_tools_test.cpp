@@ -145,7 +145,7 @@ TEST(BadUsage, RenderTool)
        cloud("x y z label", "0 0 0 1\n0.1 0 0 1\n0.25 0 0 1\n", 3)},
       {"too far", 3, "too far for voxels of", draw + " --voxel-size 1e-11", labelled},
       {"voxels < 0", 2, "--voxel-size is less than 0", draw + " --voxel-size -1"},
-      {"beyond the set", 3, "label 12 is beyond the 11 classes", draw,
+      {"beyond the set", 2, "label 12 is beyond the 11 classes", draw,
        cloud("x y z label", "0 0 0 1\n0.1 0 0 12\n", 2)},
       {"no colour", 2, "no colour", draw + " --colour rgb", labelled},
       {"no entropy", 2, "no distributions", draw + " --colour entropy", labelled},

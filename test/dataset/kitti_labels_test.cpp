@@ -42,7 +42,7 @@ TEST(VelodyneScan, RefusesDamagedFiles)
   const auto read = [&] { readVelodyneScan(path); };
   expectRefusal<BadInputException>("cannot be read", read);
   writeArray<float>(path, {}, 0);
-  expectRefusal<BadInputException>("has 0 bytes", read);
+  EXPECT_TRUE(readVelodyneScan(path)->empty());
   writeArray<float>(path, {1, 2, 3, 4, 5, 6, 7, 8}, 31);
   expectRefusal<BadInputException>("has 31 bytes, expected a multiple of 16", read);
   writeArray<float>(path,

@@ -185,7 +185,7 @@ TEST(LabelledCloudFile, ReadsFieldsInAnyOrderAndType)
                                                {"rgb", "F", "4", "1"},
                                                x},
                                               "0  0.5 0.25 0.25  -7 1 0.125 0 1.5\n"
-                                              "4294967295  0 0 0  8 0 1e-300 0 nan\n"
+                                              "4294967294  0 0 0  8 0 1e-300 0 nan\n"
                                               "7  0.15 0.7 0.1  9 2.0 5 0 3\n",
                                               3));
   ASSERT_EQ(labelled.cloud->size(), 3u);
