@@ -3,8 +3,8 @@
 #include "core/fail.h"
 #include "core/text_stream.h"
 
-#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/core/position_steps.h>
+#include <pcl_semantic/files/cloud_file.h>
 
 #include <pcl/common/io.h>
 

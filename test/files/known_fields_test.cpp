@@ -228,18 +228,18 @@ TEST(KnownFields, ReadsColoursOfAnyForm)
             "255 128 0",
             "1 1 1",
             0xFF8000}})
-    inBothFormats(each.fields, each.first, each.second,
-                  [&](const LabelledCloud& cloud) {
-                    ASSERT_TRUE(cloud.has_colour);
-                    EXPECT_EQ((*cloud.cloud)[0].rgba & 0xFFFFFFu, each.rgb);
-                    EXPECT_TRUE(cloud.table.doubts.empty());
-                    const auto has = [&](const char* name) {
-                      return cloud.table.find(name) >= 0;
-                    };
-                    EXPECT_TRUE(each.fields[0].type == "uchar" || has("red") ||
-                                has("scalar_R") || has("scalar_r") || has("Rf") || has("rf"))
-                        << "the fields of the file stay";
-                  });
+    inBothFormats(
+        each.fields, each.first, each.second, [&](const LabelledCloud& cloud) {
+          ASSERT_TRUE(cloud.has_colour);
+          EXPECT_EQ((*cloud.cloud)[0].rgba & 0xFFFFFFu, each.rgb);
+          EXPECT_TRUE(cloud.table.doubts.empty());
+          const auto has = [&](const char* name) {
+            return cloud.table.find(name) >= 0;
+          };
+          EXPECT_TRUE(each.fields[0].type == "uchar" || has("red") || has("scalar_R") ||
+                      has("scalar_r") || has("Rf") || has("rf"))
+              << "the fields of the file stay";
+        });
   for (const Case& each :
        std::vector<Case>{{red_green_blue("float"), "-1 0 0", "0 0 0", 0},
                          {red_green_blue("float"), "300.5 0 0", "0 0 0", 0},
