@@ -280,14 +280,15 @@ private:
     readLabels(); // of the probabilities, if there are some
   }
 
-  // Numbers below 0 are what other programs write for unlabelled.
+  // -1 is what other programs write for unlabelled; other numbers below 0 are told of.
   std::uint32_t
   mapped(const NamedColumn& column, std::size_t i) const
   {
     const double value = column(i);
     if (!(std::abs(value) <= double(1u << 31)) || value != std::floor(value))
       column.refuse(i, value, "a whole number");
-    return value < 0.0 ? kUnlabelled : (*mapping_)(std::uint32_t(value));
+    return value == -1.0 ? kUnlabelled
+                         : (*mapping_)(std::uint32_t(std::int64_t(value)));
   }
 
   const std::string& path_;

@@ -165,8 +165,9 @@ cv::Mat
 readPng(const std::string& path, ImageKind kind, cv::Size size, const std::string& like)
 {
   const Bytes bytes = readBytes(path);
-  constexpr std::size_t bit_depth = 24; // where the header chunk holds it
-  if (bytes.size() <= bit_depth ||
+  constexpr std::size_t bit_depth = 24, colour_type = 25; // in the header chunk
+  constexpr std::uint8_t palette = 3;
+  if (bytes.size() <= colour_type ||
       !beginsWith(bytes, {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'}))
     badInput(path, ": is not a PNG image");
   if (!isWhole(bytes))
@@ -178,6 +179,9 @@ readPng(const std::string& path, ImageKind kind, cv::Size size, const std::strin
       bytes[bit_depth] < 8)
     badInput(path, ": has ", int(bytes[bit_depth]), " bit(s) a pixel, expected ",
              ruleOf(kind).name);
+  if (kind == ImageKind::labels && bytes[colour_type] == palette)
+    badInput(path, ": has a palette, whose colours would be read; expected ",
+             ruleOf(kind).name, ": write its indices as grey");
   const cv::Mat image = decode(bytes, cv::IMREAD_UNCHANGED);
   if (image.empty())
     badInput(path, ": the PNG image is damaged");

@@ -154,6 +154,25 @@ textOfLostClass(const PcdColumn& column, std::size_t points)
   return "";
 }
 
+// Names a second field of labels, unless it holds nothing or the same.
+void
+doubtOfOtherLabels(const std::string& path, const std::string& name, PcdTable& table)
+{
+  const PcdColumn labels(table, table.find("label"));
+  for (std::size_t f = 0; f < table.fields.size(); ++f) {
+    const std::string& other = table.fields[f].name;
+    const Words& names = labelNames();
+    if (other == name || other == "label" || table.fields[f].count != 1 ||
+        !std::count(names.begin(), names.end(), spelled(other)))
+      continue;
+    const PcdColumn column(table, int(f));
+    for (std::size_t i = 0; i < table.points(); ++i)
+      if (column(i) != 0.0 && column(i) != labels(i))
+        return addDoubt(table, path + ": field '" + other +
+                                   "' is not read as labels: '" + name + "' is");
+  }
+}
+
 void
 addLabels(const std::string& path, PcdTable& table)
 {
@@ -191,6 +210,7 @@ addLabels(const std::string& path, PcdTable& table)
   else if (!lost.empty())
     badInput(path, ": field 'label': ", lost);
   takeInstancesOff(table, table.fields[std::size_t(table.find("label"))]);
+  doubtOfOtherLabels(path, name, table);
 }
 
 // Whether L x points numbers are distributions, or all zero.

@@ -154,6 +154,23 @@ TEST(ReadImage, ATiffIsReadOrRefusedWithAWord)
                    "has 1 channel(s) of 16 bits, expected 8-bit grey or 8-bit RGB"));
 }
 
+// OpenCV gives the colours of a palette, not its indices, which are the classes.
+TEST(ReadPng, RefusesClassesInAPalette)
+{
+  const char bytes[] =
+      "\x89\x50\x4E\x47\x0D\x0A\x1A\x0A\x00\x00\x00\x0D\x49\x48\x44\x52\x00\x00"
+      "\x00\x02\x00\x00\x00\x02\x08\x03\x00\x00\x00\x45\x68\xFD\x16\x00\x00\x00"
+      "\x06\x50\x4C\x54\x45\x00\x00\x00\x80\x00\x00\x44\x52\xA2\x4F\x00\x00\x00"
+      "\x0C\x49\x44\x41\x54\x78\x9C\x63\x60\x60\x04\x42\x00\x00\x0C\x00\x03\x2B"
+      "\x63\xCB\x50\x00\x00\x00\x00\x49\x45\x4E\x44\xAE\x42\x60\x82";
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.png", {bytes, sizeof bytes - 1});
+  EXPECT_EQ(readPng(path, ImageKind::grey_or_colour).channels(), 3);
+  const std::string message =
+      thrownMessage<BadInputException>([&] { readPng(path, ImageKind::labels); });
+  EXPECT_TRUE(holds(message, "has a palette, whose colours would be read"));
+}
+
 // OpenCV looks for formats one after the other, and one of its decoders aborts.
 TEST(ReadImage, TakesNothingElseForAJpeg)
 {

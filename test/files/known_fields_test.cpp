@@ -87,6 +87,13 @@ TEST(KnownFields, ReadsLabelsUnderTheirUsualNames)
   inBothFormats({{"class", "uchar"}, {"label", "uchar"}}, "2 3", "7 8",
                 [&](const LabelledCloud& cloud) {
                   EXPECT_EQ((*cloud.cloud)[1].label, 8u) << "label comes first";
+                  ASSERT_EQ(cloud.table.doubts.size(), 1u);
+                  EXPECT_TRUE(holds(cloud.table.doubts[0],
+                                    "field 'class' is not read as labels: 'label' is"));
+                });
+  inBothFormats({{"class", "uchar"}, {"label", "uchar"}}, "0 3", "8 8",
+                [&](const LabelledCloud& cloud) {
+                  EXPECT_TRUE(cloud.table.doubts.empty()) << "it says nothing else";
                 });
 }
 
@@ -146,7 +153,14 @@ TEST(KnownFields, TakesInstancesOffLabels)
         EXPECT_EQ((*cloud.cloud)[0].label, kUnlabelled);
       },
       &mapping);
-  EXPECT_EQ(mapping.lacking(), (std::map<std::uint32_t, std::size_t>{{41, 2}}));
+  inBothFormats(
+      {{"label", "int"}}, "-1", "-7",
+      [&](const LabelledCloud& cloud) {
+        EXPECT_EQ((*cloud.cloud)[1].label, kUnlabelled);
+      },
+      &mapping);
+  EXPECT_EQ(mapping.lacking(),
+            (std::map<std::uint32_t, std::size_t>{{41, 2}, {65529, 2}}));
 }
 
 // Above 2^24 a float does not hold a class beside its instance: 300 << 16 | 1 is
