@@ -23,11 +23,11 @@ using namespace pcl_semantic::tool;
 const Usage usage{
     "pcl_semantic_export", "MAP OUT [options]",
     R"(Writes a labelled map for other programs. MAP is a folder that pcl_semantic_map has
-written, a labelled .pcd, or a map archive. OUT says by its name what is written:
+written, a labelled .pcd or .ply, or a map archive. OUT says by its name what is written:
   .bt    octree of OctoMap, occupied and free
   .ply   points with labels
   .pgm   occupancy grid with its .yaml, as map_server of ROS reads it
-Only an archive knows which space is free. Of a folder or a .pcd, which hold what is
+Only an archive knows which space is free. Of a folder or a cloud, which hold what is
 occupied, octrees leave all else unknown, and grids take for free where ground is seen
 and nothing stands. Parts of an archive: pcl_semantic_archive export.)",
     R"(pcl_semantic_synthesize /tmp/street && \

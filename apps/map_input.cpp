@@ -5,6 +5,7 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_file.h>
@@ -12,6 +13,9 @@
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/map_folder.h>
 
+#include <boost/algorithm/string/case_conv.hpp>
+
+#include <algorithm>
 #include <filesystem>
 
 namespace pcl_semantic::tool {
@@ -19,6 +23,15 @@ namespace pcl_semantic::tool {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool
+isCloud(const std::string& path)
+{
+  const std::string extension =
+      boost::algorithm::to_lower_copy(fs::path(path).extension().string());
+  const auto& extensions = cloudExtensions();
+  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
 
 VoxelScene
 readScene(const std::string& path, const MapHints& hints)
@@ -34,7 +47,7 @@ readScene(const std::string& path, const MapHints& hints)
     scene.origin = summary.origin;
     return scene;
   }
-  if (fs::path(path).extension() == ".pcd")
+  if (isCloud(path))
     return readVoxelScene(path, {voxel_size, Eigen::Vector3d::Zero()});
   if (voxel_size > 0.0)
     fail<InvalidParameterException>(
@@ -58,8 +71,7 @@ labelSetOf(const std::string& path, const MapHints& hints, const VoxelScene& sce
   const std::string own = path + "/label_set.yaml"; // of a map folder
   if (hints.label_set.empty() && isFolder(path) && isThere(own))
     label_set = readLabelSet(own);
-  else if (hints.label_set.empty() && !isFolder(path) &&
-           fs::path(path).extension() != ".pcd")
+  else if (hints.label_set.empty() && !isFolder(path) && !isCloud(path))
     label_set = MapReader::open(path)->header().label_set;
   else
     label_set = readLabelSetOrDefault(hints.label_set);
@@ -101,7 +113,7 @@ requireVoxels(const std::string& path, const MapInput& map)
 VoxelScene
 readOtherMap(const std::string& path, const MapHints& hints, const VoxelScene& like)
 {
-  if (fs::path(path).extension() == ".pcd" && hints.voxel_size <= 0.0)
+  if (isCloud(path) && hints.voxel_size <= 0.0)
     return readVoxelScene(path, {}, {like.grid.size, like.grid.corner + like.origin});
   return readScene(path, hints);
 }

@@ -25,7 +25,7 @@ struct MapHints {
   bool free_space = false; ///< wanted, where it is known: of an archive
 };
 
-/** \brief Reads a map: a folder that pcl_semantic_map has written, a labelled `.pcd`,
+/** \brief Reads a map: a folder that pcl_semantic_map has written, a labelled cloud,
  * or an archive.
  * \throws BadInputException */
 MapInput readMap(const std::string& path, const MapHints& hints);

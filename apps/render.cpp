@@ -27,7 +27,7 @@ const tool::Usage usage{
     "a\n"
     "folder that pcl_semantic_map has written (its path and voxel size are known "
     "then), a\n"
-    "labelled .pcd, or a map archive.",
+    "labelled .pcd or .ply, or a map archive.",
     "pcl_semantic_synthesize /tmp/street && \\\n"
     "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map && "
     "\\\n"

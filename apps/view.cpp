@@ -53,7 +53,8 @@ usageOfView()
   return {
       "pcl_semantic_view", "MAP [options]",
       "Shows a labelled map in a window. MAP is a folder that pcl_semantic_map has\n"
-      "written, a .pcd, or a map archive. --screenshot writes what the window would\n"
+      "written, a .pcd or .ply, or a map archive. --screenshot writes what the window "
+      "would\n"
       "show and ends; it needs no display. Keys:" +
           keys,
       "pcl_semantic_synthesize /tmp/street && \\\n"

@@ -3,6 +3,7 @@
 
 #include "core/fail.h"
 #include "files/bytes.h"
+#include "files/other_formats.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -351,8 +352,10 @@ SqliteDatabase::throwError(int code) const
   if (kind == SQLITE_CANTOPEN || kind == SQLITE_READONLY || kind == SQLITE_PERM)
     badInput(path_, ": cannot be read: ", why,
              " (what a killed run left needs a folder that can be written)");
-  if (kind == SQLITE_NOTADB)
+  if (kind == SQLITE_NOTADB) {
+    refuseOtherFormats(path_);
     badInput(path_, ": is no map archive: ", why);
+  }
   badInput(path_, ": is damaged: ", why);
 }
 

@@ -156,6 +156,18 @@ TEST(BadUsage, ExportTool)
       {"over its label set", 2, "is named as an output and once more",
        in + "OUT.pgm --label-set OUT.yaml"},
       {"no map", 3, "none.pcd: cannot be read", "export STREET/none.pcd OUT.ply"},
+      {"another format", 3, "a.las: is LAS, expected .pcd, .ply or .bin; convert it",
+       "export STREET/a.las OUT.ply",
+       [](const std::string& street) {
+         std::ofstream(street + "/a.las") << "LASF and more";
+       }},
+      {"a .ply without labels", 3, "a.ply: has no labels",
+       "export STREET/a.ply OUT.pgm",
+       [](const std::string& street) {
+         std::ofstream(street + "/a.ply")
+             << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty "
+                "float y\nproperty float z\nend_header\n0 0 0\n0.1 0 0\n";
+       }},
       {"no labels", 3, "a.pcd: has no labels", in + "OUT.pgm",
        cloud("", "0 0 0\n0.1 0 0\n", 2)},
       {"no colours", 2, "no colour", in + "OUT.ply --colour rgb", road},
