@@ -122,6 +122,21 @@ parseTimedPose(const TextLine& line, const std::string& path, Repairs& repairs)
   return timed;
 }
 
+constexpr const char* expected_numbers =
+    "expected lines of 12 numbers (KITTI) or 8 (TUM: time x y z qx qy qz qw)";
+
+void
+refuseOtherTrajectories(const std::string& text, const std::string& path, int number)
+{
+  if (text.find(',') != std::string::npos)
+    badInput(atLine(path, number), ": has commas, ", expected_numbers,
+             "; EuRoC's: evo_traj euroc ", path, " --save_as_tum");
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (text.find_first_of("0123456789+-.") != first)
+    badInput(atLine(path, number), ": begins with ", inQuotes(text.substr(first, 20)),
+             ", ", expected_numbers);
+}
+
 } // namespace
 
 TrajectoryFormat
@@ -130,6 +145,7 @@ trajectoryFormatOf(const std::string& path)
   for (const TextLine& line : readLines(path)) {
     if (line.text.empty() || isComment(line.text))
       continue;
+    refuseOtherTrajectories(line.text, path, line.number);
     const std::size_t count = parseNumbers(line.text, atLine(path, line.number)).size();
     if (count == 8)
       return TrajectoryFormat::tum;

@@ -245,6 +245,14 @@ TEST(TrajectoryFormat, IsKnownByTheNumbers)
        {"", "\n", "# nothing\n", "1 2 3\n", "a b\n", "1 0 0 0 0 1 0 0 0 0\n",
         "0 1 0 0 0 0 1 0 0 0 0 1 0 0\n"})
     thrownMessage<BadInputException>([&] { format(bad); });
+  const auto said = [&](const std::string& text) {
+    return thrownMessage<BadInputException>([&] { format(text); });
+  };
+  EXPECT_TRUE(
+      holds(said("#time, x\n1403636579763555584,4.6,-1.8,0.8,0.5,-0.1,-0.8,-0.1\n"),
+            "line 2: has commas, expected lines of 12 numbers (KITTI) or 8"));
+  EXPECT_TRUE(holds(said("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n"),
+                    "line 1: begins with 'VERTEX_SE3:QUAT"));
 }
 
 TEST(FindPose, GivesTheNearestWithinTheTolerance)
