@@ -122,7 +122,9 @@ readKittiCalibration(const std::string& path, KittiCameras cameras)
   const auto find = [&](const char* name) -> const Row& {
     const auto row = rows.find(name);
     if (row == rows.end())
-      fail<BadInputException>(path, ": has no row '", name, ":'");
+      fail<BadInputException>(path, ": has no row '", name,
+                              ":', expected KITTI's calibration (YAML files of ROS, "
+                              "Kalibr and OpenCV are read, too)");
     return row->second;
   };
   const Row& left = find(grey ? "P0" : "P2");
