@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_input.h"
 #include "files/is_there.h"
+#include "files/other_formats.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -17,6 +18,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 
 namespace pcl_semantic::tool {
 
@@ -52,7 +54,16 @@ readScene(const std::string& path, const MapHints& hints)
   if (voxel_size > 0.0)
     fail<InvalidParameterException>(
         "--voxel-size is for clouds: an archive has its own");
-  return sceneOf(*loadMap(path), hints.free_space);
+  try {
+    return sceneOf(*loadMap(path), hints.free_space);
+  }
+  catch (const BadInputException&) {
+    std::string begin(6, '\0');
+    std::ifstream(path).read(begin.data(), std::streamsize(begin.size()));
+    if (begin != "SQLite")
+      refuseOtherFormats(path); // no archive can be meant
+    throw;
+  }
 }
 
 Trajectory

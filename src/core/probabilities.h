@@ -20,7 +20,6 @@ requireProbabilities(const LabelDistributions& distributions)
   const auto count = std::int64_t(distributions.matrix().size());
   constexpr float largest = std::numeric_limits<float>::max();
   int bad = 0;
-#pragma omp simd reduction(| : bad)
   for (std::int64_t i = 0; i < count; ++i)
     bad |= int(!(values[i] >= 0.0f)) | int(!(values[i] <= largest));
   for (std::int64_t i = 0; bad != 0 && i < count; ++i)

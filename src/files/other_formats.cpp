@@ -23,6 +23,7 @@ struct Format {
 constexpr const char* by_pdal = "pdal translate % %.ply";
 constexpr const char* by_numpy = "pcl_semantic.write_cloud() in Python";
 constexpr const char* by_mesh = "pcl_mesh2pcd % %.pcd, or CloudCompare";
+constexpr const char* by_archive = "pcl_semantic_archive export % %.pcd";
 constexpr const char* by_ros = "ros2 run pcl_ros bag_to_pcd";
 
 constexpr Format formats[] = {
@@ -40,7 +41,8 @@ constexpr Format formats[] = {
     {".obj", "", "a mesh", by_mesh},
     {".stl", "", "a mesh", by_mesh},
     {".bag", "#ROSBAG", "a bag of ROS", by_ros},
-    {".db3", "SQLite format 3", "a bag of ROS", by_ros},
+    {".db3", "", "a bag of ROS", by_ros},
+    {".map", "SQLite format 3", "a map archive", by_archive},
     {".mcap", "\x89MCAP", "a bag of ROS", by_ros},
     {".pcap", "", "packets of a scanner", "the driver of the scanner"},
 };

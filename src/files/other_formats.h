@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <string>
 
 namespace pcl_semantic {
@@ -9,6 +11,6 @@ namespace pcl_semantic {
  * convert it.
  * \throws BadInputException if the name of an existing file, or its first bytes, are of
  * such a format */
-void refuseOtherFormats(const std::string& path);
+PCL_SEMANTIC_EXPORT void refuseOtherFormats(const std::string& path);
 
 } // namespace pcl_semantic

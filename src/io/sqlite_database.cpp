@@ -3,7 +3,6 @@
 
 #include "core/fail.h"
 #include "files/bytes.h"
-#include "files/other_formats.h"
 
 #include <pcl_semantic/core/exceptions.h>
 
@@ -352,10 +351,8 @@ SqliteDatabase::throwError(int code) const
   if (kind == SQLITE_CANTOPEN || kind == SQLITE_READONLY || kind == SQLITE_PERM)
     badInput(path_, ": cannot be read: ", why,
              " (what a killed run left needs a folder that can be written)");
-  if (kind == SQLITE_NOTADB) {
-    refuseOtherFormats(path_);
+  if (kind == SQLITE_NOTADB)
     badInput(path_, ": is no map archive: ", why);
-  }
   badInput(path_, ": is damaged: ", why);
 }
 
