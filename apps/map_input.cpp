@@ -35,6 +35,17 @@ isCloud(const std::string& path)
   return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
 }
 
+bool
+isDatabase(const std::string& path)
+{
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) // a pipe is not waited for
+    return false;
+  std::string begin(6, '\0');
+  std::ifstream(path).read(begin.data(), std::streamsize(begin.size()));
+  return begin == "SQLite";
+}
+
 VoxelScene
 readScene(const std::string& path, const MapHints& hints)
 {
@@ -58,9 +69,7 @@ readScene(const std::string& path, const MapHints& hints)
     return sceneOf(*loadMap(path), hints.free_space);
   }
   catch (const BadInputException&) {
-    std::string begin(6, '\0');
-    std::ifstream(path).read(begin.data(), std::streamsize(begin.size()));
-    if (begin != "SQLite")
+    if (!isDatabase(path))
       refuseOtherFormats(path); // no archive can be meant
     throw;
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/cloud_size.h"
+
 #include <pcl_semantic/files/cloud_file.h>
 
 #include <pcl/conversions.h>
@@ -51,11 +53,13 @@ withTypeOf(const pcl::PCLPointField& field, Use&& use)
 
 /** \brief A cloud of PCL with its viewpoint.
  * \param[in] offset where its positions begin [m]: unless it is zero, they are written
- * as doubles */
+ * as doubles
+ * \throws InvalidParameterException if its size is not that of its points */
 template <typename PointT>
 PcdTable
 tableOfPoints(const pcl::PointCloud<PointT>& cloud, const Eigen::Vector3d& offset)
 {
+  requireCloudSize(cloud);
   PcdTable table;
   pcl::toPCLPointCloud2(cloud, table);
   const char* const names[] = {"x", "y", "z"};
