@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/report_text.h"
+#include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -265,5 +266,6 @@ calibrateSequences(const Arguments& options)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return calibrateSequences(parse(argc, argv)); });
+  return runWithImages(usage.name,
+                       [&] { return calibrateSequences(parse(argc, argv)); });
 }

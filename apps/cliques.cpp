@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
+#include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
 #include "unread_options.h"
 
-#include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/sensor_pose.h>
@@ -14,10 +14,12 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
 #include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
-#include <pcl_semantic/pipeline/crf_config.h>
+#include <pcl_semantic/superpixels/clique_config.h>
+#include <pcl_semantic/superpixels/superpixel_cliques.h>
 
 #include <pcl/common/io.h>
 #include <pcl/common/point_tests.h>
@@ -274,5 +276,5 @@ group(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return group(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return group(parse(argc, argv)); });
 }

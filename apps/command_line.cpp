@@ -6,6 +6,7 @@
 #include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/config_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/version.h>
 
@@ -201,7 +202,7 @@ void
 setCRFConfig(const po::variables_map& values, const std::string& file, bool print,
              CRFConfig& config)
 {
-  readCRFConfig(file, config);
+  readConfig(file, config);
   setParameters(values, parametersOf(config));
   config.validate();
   if (!print)

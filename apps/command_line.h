@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/pipeline/crf_config.h>
+#include <pcl_semantic/filters/crf_config.h>
 
 #include "core/text_stream.h"
 

@@ -2,6 +2,7 @@
 #include "cloud_doubts.h"
 #include "core/text_stream.h"
 #include "files/is_there.h"
+#include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
 #include "unread_options.h"
@@ -12,8 +13,9 @@
 #include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/filters/semantic_crf.h>
-#include <pcl_semantic/pipeline/crf_config.h>
+#include <pcl_semantic/superpixels/clique_config.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -318,5 +320,5 @@ refine(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return refine(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return refine(parse(argc, argv)); });
 }

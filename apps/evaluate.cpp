@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
 #include "files/is_there.h"
+#include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -9,10 +10,10 @@
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/distribution_file.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <opencv2/core.hpp>
 
@@ -340,5 +341,5 @@ evaluate(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return evaluate(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return evaluate(parse(argc, argv)); });
 }

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/text_stream.h"
+#include "image_tool.h"
 #include "map_input.h"
 #include "messages.h"
 #include "tool.h"
 #include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/io/occupancy_grid.h>
 #include <pcl_semantic/io/octree_file.h>
-#include <pcl_semantic/io/ply_file.h>
-#include <pcl_semantic/io/voxel_colours.h>
+#include <pcl_semantic/pictures/occupancy_grid.h>
+#include <pcl_semantic/pictures/ply_file.h>
+#include <pcl_semantic/pictures/voxel_colours.h>
 
 #include <filesystem>
 #include <string>
@@ -243,5 +244,5 @@ exportMap(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return exportMap(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return exportMap(parse(argc, argv)); });
 }

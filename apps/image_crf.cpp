@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
 #include "unread_options.h"
 
-#include <pcl_semantic/cliques/slic.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/files/distribution_file.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
-#include <pcl_semantic/filters/image_crf.h>
-#include <pcl_semantic/io/map_images.h>
-#include <pcl_semantic/pipeline/crf_config.h>
+#include <pcl_semantic/filters/crf_config.h>
+#include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_crf.h>
+#include <pcl_semantic/images/image_file.h>
+#include <pcl_semantic/pictures/map_images.h>
+#include <pcl_semantic/superpixels/clique_config.h>
+#include <pcl_semantic/superpixels/slic.h>
 
 namespace {
 
@@ -117,5 +119,5 @@ refine(const Arguments& arguments)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return refine(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return refine(parse(argc, argv)); });
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_doubts.h"
+#include "image_tool.h"
 #include "messages.h"
 #include "network_trial.h"
 #include "opened_network.h"
@@ -10,18 +11,18 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/camera_images.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/distribution_file.h>
 #include <pcl_semantic/labelling/carried_labels.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
+#include <pcl_semantic/labelling/visible_points.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <pcl/common/io.h>
@@ -522,7 +523,7 @@ main(int argc, char** argv)
 {
   if (const auto trial = runAsNetworkTrial(argc, argv))
     return *trial;
-  return run(usage.name, [&] {
+  return runWithImages(usage.name, [&] {
     const Arguments arguments = parse(argc, argv);
     return arguments.clouds.empty() ? labelSequence(arguments) : labelClouds(arguments);
   });

@@ -5,10 +5,10 @@
 #include "messages.h"
 #include "tool.h"
 
+#include <pcl_semantic/capture/live_capture.h>
+#include <pcl_semantic/capture/video_pair_sequence.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/live_capture.h>
 #include <pcl_semantic/dataset/live_folder.h>
-#include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/late_labels.h>

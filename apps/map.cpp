@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "image_tool.h"
 #include "live_mapping.h"
 #include "map_arguments.h"
 #include "messages.h"
@@ -43,7 +44,7 @@ main(int argc, char** argv)
 {
   if (const auto trial = runAsNetworkTrial(argc, argv))
     return *trial;
-  return run("pcl_semantic_map", [&] {
+  return runWithImages("pcl_semantic_map", [&] {
     keepFreedMemory();
     const MapArguments arguments = parseMapArguments(argc, argv);
     if (arguments.print_config) {

@@ -5,9 +5,9 @@
 #include "tool.h"
 #include "unread_options.h"
 
+#include <pcl_semantic/capture/live_capture.h>
+#include <pcl_semantic/capture/video_pair_sequence.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/dataset/live_capture.h>
-#include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 

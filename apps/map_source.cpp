@@ -7,7 +7,6 @@
 
 #include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
@@ -16,6 +15,7 @@
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/labelling/visible_points.h>
 #include <pcl_semantic/map/map_doubts.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>

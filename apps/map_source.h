@@ -5,7 +5,7 @@
 #include "map_arguments.h"
 #include "messages.h"
 
-#include <pcl_semantic/core/sensor_frame.h>
+#include <pcl_semantic/images/sensor_frame.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/labelling/label_predictor.h>
 #include <pcl_semantic/odometry/pose_source.h>

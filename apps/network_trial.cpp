@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "network_trial.h"
+#include "image_tool.h"
 #include "opened_network.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/sensor_frame.h>
+#include <pcl_semantic/images/sensor_frame.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include "core/fail.h"
@@ -142,7 +143,7 @@ runAsNetworkTrial(int argc, char** argv)
   if (argc != 5 || std::strcmp(argv[1], mode) != 0)
     return std::nullopt;
   limitResources();
-  return run(argv[0], [&] {
+  return runWithImages(argv[0], [&] {
     const NetworkDescription network = readNetworkDescription(argv[2]);
     const OpenedNetwork opened = loadNetwork(argv[2], argv[3], argv[4]);
     StereoFrame frame;

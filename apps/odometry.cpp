@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/text_stream.h"
+#include "image_tool.h"
 #include "messages.h"
 #include "sequence_options.h"
 
@@ -178,5 +179,5 @@ track(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return track(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return track(parse(argc, argv)); });
 }

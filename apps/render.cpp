@@ -4,8 +4,8 @@
 #include "tool.h"
 
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/io/scene_image.h>
+#include <pcl_semantic/images/image_file.h>
+#include <pcl_semantic/pictures/scene_image.h>
 
 #include <string>
 

@@ -4,7 +4,7 @@
 #include "map_input.h"
 #include "tool.h"
 
-#include <pcl_semantic/io/scene_view.h>
+#include <pcl_semantic/pictures/scene_view.h>
 
 #include <opencv2/core/types.hpp>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
 
@@ -106,5 +107,5 @@ convert(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return convert(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return convert(parse(argc, argv)); });
 }

@@ -5,14 +5,14 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/capture/video_pair_sequence.h>
 #include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/dataset/video_pair_sequence.h>
 #include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/labelling/visible_points.h>
 #include <pcl_semantic/odometry/pose_source.h>
 
 #include <cmath>

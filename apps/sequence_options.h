@@ -3,10 +3,10 @@
 
 #include "tool.h"
 
-#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/dataset/cloud_sequence.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
-#include <pcl_semantic/io/cloud_sequence.h>
+#include <pcl_semantic/images/sensor_frame.h>
 #include <pcl_semantic/stereo/pair_check.h>
 
 #include <Eigen/Geometry>

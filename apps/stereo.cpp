@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/is_there.h"
+#include "image_tool.h"
 #include "messages.h"
 #include "sequence_options.h"
 #include "tool.h"
@@ -8,7 +9,7 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
@@ -178,5 +179,5 @@ processPairs(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return processPairs(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return processPairs(parse(argc, argv)); });
 }

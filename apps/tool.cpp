@@ -7,7 +7,6 @@
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 
-#include <opencv2/core.hpp>
 #include <pcl/console/print.h>
 
 #include <algorithm>
@@ -90,9 +89,7 @@ int
 run(const std::string& name, const std::function<int()>& body)
 {
   manner().name = name;
-  // OpenCV and PCL would otherwise print their own lines beside ours.
-  cv::redirectError(
-      [](int, const char*, const char*, const char*, int, void*) { return 0; });
+  // PCL would otherwise print its own lines beside ours.
   pcl::console::setVerbosityLevel(pcl::console::L_ERROR);
   // What cannot be written is an error with a word, not the end of the process.
   std::signal(SIGPIPE, SIG_IGN);
@@ -114,11 +111,6 @@ run(const std::string& name, const std::function<int()>& body)
   }
   catch (const std::bad_alloc&) {
     return report(name, "out of memory", exit_out_of_memory);
-  }
-  catch (const cv::Exception& error) {
-    if (error.code == cv::Error::StsNoMem)
-      return report(name, "out of memory", exit_out_of_memory);
-    return report(name, error.err, exit_bad_input);
   }
   catch (const std::exception& error) {
     return report(name, error.what(), exit_bad_input);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unread_options.h"
-#include "pipeline/unread_parameters.h"
+#include "filters/unread_parameters.h"
 
+#include <pcl_semantic/files/config_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <cmath>
 #include <csignal>

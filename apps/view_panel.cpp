@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view_panel.h"
 
-#include <pcl_semantic/io/drawing.h>
+#include <pcl_semantic/pictures/drawing.h>
 
 #include <opencv2/imgproc.hpp>
 

@@ -4,8 +4,8 @@
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/files/trajectory_file.h>
-#include <pcl_semantic/io/voxel_colours.h>
 #include <pcl_semantic/io/voxel_scene.h>
+#include <pcl_semantic/pictures/voxel_colours.h>
 
 #include <opencv2/core/mat.hpp>
 

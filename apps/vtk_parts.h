@@ -3,7 +3,7 @@
 
 #include "viewed_map.h"
 
-#include <pcl_semantic/io/scene_view.h>
+#include <pcl_semantic/pictures/scene_view.h>
 
 #include <vtkSmartPointer.h>
 

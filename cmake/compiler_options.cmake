@@ -22,7 +22,7 @@ function(pcl_semantic_compiler_options target group)
   else()
     set_property(GLOBAL PROPERTY pcl_semantic_first_of_${group} ${target})
     target_precompile_headers(${target} PRIVATE
-      <pcl/point_cloud.h> <pcl/point_types.h> <opencv2/core.hpp> <Eigen/Geometry>
+      <pcl/point_cloud.h> <pcl/point_types.h> <Eigen/Geometry>
       <algorithm> <cmath> <filesystem> <functional> <memory> <string> <vector> ${ARGN})
   endif()
   if(PCL_SEMANTIC_SANITIZE)

@@ -6,7 +6,6 @@ find_package(Eigen3 REQUIRED)
 find_package(PCL 1.12 REQUIRED COMPONENTS common filters)
 find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn
   features2d video videoio)
-set(PCL_SEMANTIC_PUBLIC_LIBRARIES Eigen3::Eigen pcl_common pcl_filters opencv_core)
 
 # PCL's component "segmentation" would want VTK, MPI and a C compiler: the libraries alone,
 # with those that it is made of itself.
@@ -27,18 +26,9 @@ find_package(SQLite3 REQUIRED)
 find_package(zstd REQUIRED)
 find_package(octomap REQUIRED)
 find_package(hwy REQUIRED)
-set(PCL_SEMANTIC_PRIVATE_LIBRARIES
-  pcl_kdtree pcl_octree pcl_search ${PCL_SEGMENTATION_LIBRARIES}
-  opencv_imgproc opencv_imgcodecs opencv_calib3d opencv_dnn
-  opencv_features2d opencv_video opencv_videoio
-  OpenMP::OpenMP_CXX ${YAML_CPP_TARGET} nlohmann_json::nlohmann_json
-  SQLite::SQLite3 zstd::libzstd_shared hwy::hwy ${OCTOMAP_LIBRARIES})
 
 # Half again to twice as fast as OpenCV with networks; Debian has it from 13 on.
 find_package(onnxruntime QUIET)
-if(TARGET onnxruntime::onnxruntime)
-  list(APPEND PCL_SEMANTIC_PRIVATE_LIBRARIES onnxruntime::onnxruntime)
-endif()
 
 # pcl_semantic_fleet alone, which works on one machine without them.
 find_package(MPI QUIET COMPONENTS CXX)

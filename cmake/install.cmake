@@ -3,8 +3,7 @@
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcl_semantic)
-install(TARGETS pcl_semantic EXPORT pcl_semantic_targets
-  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev)
+install(TARGETS pcl_semantic EXPORT pcl_semantic_targets) # the libraries: src/library.cmake
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_semantic
   COMPONENT library)
 
@@ -25,9 +24,25 @@ install(FILES
   ${PROJECT_BINARY_DIR}/pcl_semantic-config-version.cmake
   DESTINATION ${package_folder} COMPONENT dev)
 file(RELATIVE_PATH path_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-configure_file(cmake/pcl_semantic.pc.in pcl_semantic.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/pcl_semantic.pc
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+# For pkg-config: one description a library, and one of all.
+function(pcl_semantic_description name needs libs)
+  set(needs_headers ${ARGN})
+  configure_file(cmake/pcl_semantic.pc.in ${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+endfunction()
+pcl_semantic_description(pcl_semantic_core "eigen3 pcl_common" -lpcl_semantic_core)
+# Without its description, which would bring what MPI needs.
+pcl_semantic_description(pcl_semantic_crf pcl_semantic_core
+  "-lpcl_semantic_crf -lpcl_filters")
+pcl_semantic_description(pcl_semantic_map pcl_semantic_core -lpcl_semantic_map)
+pcl_semantic_description(pcl_semantic_io pcl_semantic_map -lpcl_semantic_io)
+# Of OpenCV the headers and one library: opencv4.pc would link all sixty.
+pcl_semantic_description(pcl_semantic_vision "pcl_semantic_crf pcl_semantic_io"
+  "-lpcl_semantic_vision -lopencv_core" opencv4)
+pcl_semantic_description(pcl_semantic_pipeline pcl_semantic_vision -lpcl_semantic_pipeline)
+pcl_semantic_description(pcl_semantic_capture pcl_semantic_vision -lpcl_semantic_capture)
+pcl_semantic_description(pcl_semantic "pcl_semantic_pipeline pcl_semantic_capture" "")
 
 # For colcon and ROS, which look for packages by these two.
 install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_semantic COMPONENT dev)

@@ -5,12 +5,13 @@
 #include "core/probability_sums.h"
 #include "core/text_stream.h"
 #include "files/is_there.h"
-#include "pipeline/unread_parameters.h"
+#include "filters/unread_parameters.h"
 
 #include <pcl_semantic/core/local_origin.h>
 #include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/core/printable.h>
 #include <pcl_semantic/core/sensor_pose.h>
+#include <pcl_semantic/files/config_file.h>
 #include <pcl_semantic/files/data_folder.h>
 #include <pcl_semantic/files/label_set_file.h>
 

@@ -3,9 +3,9 @@
 
 #include "core/fail.h"
 
+#include <pcl_semantic/core/config_parameter.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/voxel_cloud.h>
-#include <pcl_semantic/pipeline/config_parameter.h>
 
 #include <Eigen/Geometry>
 #include <pcl/PointIndices.h>

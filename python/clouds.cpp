@@ -3,8 +3,9 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/no_return.h>
+#include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/filters/semantic_crf.h>
-#include <pcl_semantic/pipeline/crf_config.h>
+#include <pcl_semantic/superpixels/clique_config.h>
 
 #include <pcl/common/io.h>
 

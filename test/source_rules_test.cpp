@@ -10,8 +10,10 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fs = std::filesystem;
@@ -19,24 +21,6 @@ namespace fs = std::filesystem;
 namespace {
 
 const fs::path source_folder = PCL_SEMANTIC_SOURCE_DIR;
-
-// Modules by level, lowest first; those of one level do not know each other.
-const std::vector<std::vector<std::string>> levels = {
-    {"core", "version.h"},
-    {"crf", "files"},
-    {"map", "stereo", "odometry", "labelling", "cliques", "dataset"},
-    {"evaluation", "io", "filters"},
-    {"pipeline"},
-    {"apps"}};
-
-int
-levelOf(const std::string& module)
-{
-  for (std::size_t level = 0; level < levels.size(); ++level)
-    if (std::count(levels[level].begin(), levels[level].end(), module))
-      return static_cast<int>(level);
-  return -1;
-}
 
 std::string
 readText(const fs::path& path)
@@ -46,6 +30,101 @@ readText(const fs::path& path)
   std::ostringstream text;
   text << stream.rdbuf();
   return text.str();
+}
+
+// A library of src/CMakeLists.txt.
+struct Library {
+  std::vector<std::string> modules; // lowest first
+  std::set<std::string> below;      // libraries that it is linked with, and theirs
+};
+
+using Libraries = std::vector<std::pair<std::string, Library>>; // lowest first
+
+const Library*
+findLibrary(const Libraries& libraries, const std::string& name)
+{
+  for (const auto& [each, library] : libraries)
+    if (each == name)
+      return &library;
+  return nullptr;
+}
+
+// What src/CMakeLists.txt calls pcl_semantic_library() with.
+// \param[out] faults one for each link that points upward
+Libraries
+librariesOf(const std::string& cmake_text, std::vector<std::string>& faults)
+{
+  Libraries libraries;
+  const std::regex call("pcl_semantic_library\\(([^)]*)\\)");
+  for (std::sregex_iterator match(cmake_text.begin(), cmake_text.end(), call), end;
+       match != end; ++match) {
+    std::istringstream words((*match)[1]);
+    std::string name, kind;
+    words >> name;
+    Library library;
+    for (std::string word; words >> word;)
+      if (word == "MODULES" || word == "PUBLIC" || word == "PRIVATE")
+        kind = word;
+      else if (kind == "MODULES")
+        library.modules.push_back(word);
+      else if (word.rfind("pcl_semantic::", 0) == 0) {
+        const std::string linked = word.substr(word.rfind(':') + 1);
+        library.below.insert(linked);
+        if (const Library* const found = findLibrary(libraries, linked))
+          library.below.insert(found->below.begin(), found->below.end());
+        else
+          faults.push_back(name + " is linked with " + linked + ", which is not below");
+      }
+    libraries.emplace_back(name, library);
+  }
+  return libraries;
+}
+
+const Libraries&
+ourLibraries()
+{
+  static const Libraries libraries = [] {
+    std::vector<std::string> unused;
+    Libraries all = librariesOf(readText(source_folder / "src/CMakeLists.txt"), unused);
+    Library apps{{"apps"}, {}};
+    for (const auto& [name, library] : all)
+      apps.below.insert(name);
+    all.front().second.modules.insert(all.front().second.modules.begin(), "version.h");
+    all.emplace_back("apps", apps);
+    return all;
+  }();
+  return libraries;
+}
+
+// The library of a module and its place in it; an empty name: there is no such module.
+std::pair<std::string, std::ptrdiff_t>
+placeOf(const std::string& module)
+{
+  for (const auto& [name, library] : ourLibraries()) {
+    const auto& modules = library.modules;
+    const auto found = std::find(modules.begin(), modules.end(), module);
+    if (found != modules.end())
+      return {name, found - modules.begin()};
+  }
+  return {};
+}
+
+bool
+isModule(const std::string& module)
+{
+  return !placeOf(module).first.empty();
+}
+
+// Whether files of a module may include those of another: of its library those before
+// it, and all of the libraries below.
+bool
+isBelow(const std::string& module, const std::string& other)
+{
+  const auto [library, place] = placeOf(module);
+  const auto [other_library, other_place] = placeOf(other);
+  return library == other_library
+             ? other_place <= place
+             : findLibrary(ourLibraries(), library)->below.count(other_library) > 0;
 }
 
 // Why a file of `module` must not hold the include `name` (in <> or ""); empty if it
@@ -59,24 +138,19 @@ includeFault(const std::string& module, const std::string& name, bool quoted)
   std::smatch match;
   if (!std::regex_match(name, match, ours)) {
     const std::string first = name.substr(0, name.find('/'));
-    if (levelOf(first) >= 0 && first.size() < name.size()) { // of src/
+    if (isModule(first) && first.size() < name.size()) { // of src/
       if (!quoted)
         return "expected quotes around it";
-      return first == module || levelOf(first) < levelOf(module)
-                 ? ""
-                 : "is an upward or sideways include";
+      return isBelow(module, first) ? "" : "is not below";
     }
     return quoted && module != "apps" && name == "tool.h" ? "belongs to apps" : "";
   }
   const std::string target = match[1];
   if (quoted)
     return "expected <> around it";
-  if (levelOf(target) < 0)
+  if (!isModule(target))
     return "no such module";
-  if (target == module || levelOf(target) < levelOf(module))
-    return "";
-  return levelOf(target) == levelOf(module) ? "is a sideways include"
-                                            : "is an upward include";
+  return isBelow(module, target) ? "" : "is not below";
 }
 
 // One line for every include of `text` that a file of `module` must not hold.
@@ -144,10 +218,12 @@ TEST(SourceRules, TheCheckerFindsBadIncludes)
   EXPECT_EQ(count("core", "#include <pcl_semantic/map/semantic_voxel_map.h>\n"), 1u);
   EXPECT_EQ(count("map", "int a;\n #  include <pcl_semantic/pipeline/a.h>\n"), 1u);
   EXPECT_EQ(count("crf", "#include <pcl_semantic/filters/semantic_crf.h>\n"), 1u);
-  // sideways
+  // beside
   EXPECT_EQ(count("map", "#include <pcl_semantic/cliques/clique_generator.h>\n"), 1u);
   EXPECT_EQ(count("crf", "#include <pcl_semantic/files/npy_file.h>\n"), 1u);
   EXPECT_EQ(count("io", "#include <pcl_semantic/evaluation/confusion_matrix.h>\n"), 1u);
+  EXPECT_EQ(count("io", "#include <pcl_semantic/filters/semantic_crf.h>\n"), 1u);
+  EXPECT_EQ(count("pipeline", "#include <pcl_semantic/capture/live_capture.h>\n"), 1u);
   EXPECT_EQ(count("map", "#include \"pipeline/a.h\"\n"), 1u);
   EXPECT_EQ(count("map", "#include \"stereo/a.h\"\n"), 1u);
   // around the rules
@@ -169,12 +245,26 @@ TEST(SourceRules, TheCheckerFindsBadIncludes)
   EXPECT_EQ(count("apps", "#include \"tool.h\"\n#include <pcl_semantic/io/a.h>\n"), 0u);
 }
 
+TEST(SourceRules, LinksPointDownward)
+{
+  std::vector<std::string> faults;
+  librariesOf("pcl_semantic_library(a MODULES b PUBLIC pcl_semantic::c)\n"
+              "pcl_semantic_library(c MODULES d PRIVATE pcl_semantic::a)\n",
+              faults);
+  EXPECT_EQ(faults, std::vector<std::string>{"a is linked with c, which is not below"});
+  faults.clear();
+  const Libraries libraries =
+      librariesOf(readText(source_folder / "src/CMakeLists.txt"), faults);
+  EXPECT_EQ(libraries.size(), 7u);
+  EXPECT_EQ(faults, std::vector<std::string>());
+}
+
 TEST(SourceRules, IncludesPointDownward)
 {
   const auto files = codeFiles();
   ASSERT_GT(files.size(), 20u);
   for (const auto& [module, path] : files) {
-    EXPECT_GE(levelOf(module), 0)
+    EXPECT_TRUE(isModule(module))
         << path << ": module '" << module << "' is not in the design";
     for (const std::string& fault : includeFaults(module, readText(path)))
       ADD_FAILURE() << path.string() << " " << fault;

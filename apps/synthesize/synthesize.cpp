@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "image_tool.h"
 #include "labels.h"
 #include "messages.h"
 #include "tool.h"
@@ -108,5 +109,5 @@ synthesize(const Options& options)
 int
 main(int argc, char** argv)
 {
-  return run(usage.name, [&] { return synthesize(parse(argc, argv)); });
+  return runWithImages(usage.name, [&] { return synthesize(parse(argc, argv)); });
 }

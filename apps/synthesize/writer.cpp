@@ -2,10 +2,10 @@
 #include "writer.h"
 
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/distribution_file.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <opencv2/core.hpp>
 

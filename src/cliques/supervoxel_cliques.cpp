@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
 
+#include "supervoxel_clustering.h"
+
 #include "core/fail.h"
 #include "core/parallel_guard.h"
 
 #include <pcl_semantic/core/no_return.h>
 
 #include <pcl/kdtree/kdtree_flann.h>
-#include <pcl/segmentation/supervoxel_clustering.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,17 +34,18 @@ constexpr int kStepsAVoxel = 256;
 // the points: with these it is always the same, and the voxels of the cube are those
 // that begin at its corner, so that voxels of a map fall into the middle of PCL's. They
 // are too far off to touch another voxel, and take no part in the result.
-Cloud
+pcl::PointCloud<SupervoxelPoint>::Ptr
 withCorners(const Cloud& cloud, double resolution, int voxels)
 {
   const int depth = int(std::ceil(std::log2(voxels + 8)));
   const double half = 0.5 * resolution * ((1 << depth) - 1);
   const double middle = 0.5 * resolution * voxels;
-  Cloud result = cloud;
+  auto result = std::make_shared<pcl::PointCloud<SupervoxelPoint>>();
+  pcl::copyPointCloud(cloud, *result);
   for (const double corner : {middle - half, middle + half}) {
-    pcl::PointXYZRGB point;
-    point.x = point.y = point.z = float(corner);
-    result.push_back(point);
+    SupervoxelPoint point;
+    point.getVector3fMap().setConstant(float(corner));
+    result->push_back(point);
   }
   return result;
 }
@@ -59,12 +61,10 @@ clusterSupervoxels(const Cloud& cloud, const SupervoxelParameters& parameters,
 {
   // A new object each time: used again it mixes its points with the earlier ones.
   const auto resolution = float(parameters.voxel_resolution);
-  pcl::SupervoxelClustering<pcl::PointXYZRGB> clustering(
-      resolution, float(parameters.seed_resolution));
+  SupervoxelClustering clustering(resolution, float(parameters.seed_resolution));
   clustering.setUseSingleCameraTransform(false);
-  clustering.setInputCloud(
-      std::make_shared<Cloud>(withCorners(cloud, double(resolution), voxels)));
-  std::map<std::uint32_t, pcl::Supervoxel<pcl::PointXYZRGB>::Ptr> supervoxels;
+  clustering.setInputCloud(withCorners(cloud, double(resolution), voxels));
+  std::map<std::uint32_t, pcl::Supervoxel<SupervoxelPoint>::Ptr> supervoxels;
   clustering.extract(supervoxels);
   const auto labelled = clustering.getLabeledCloud();
   std::vector<std::uint32_t> labels(cloud.size());

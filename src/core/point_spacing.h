@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <Eigen/Core>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief How far apart points are: the step of their grid (voxels), or else the median
  * distance to the fourth nearest neighbour, which would be that step in a grid on a

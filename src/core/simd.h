@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace pcl_semantic {
+#include <pcl_semantic/core/export.h>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Instruction sets that the hot loops (`src/<module>/kernels/`) are compiled
  * for. plain is what every processor of its kind has: SSE2 on x86-64, NEON on ARM64.

@@ -2,13 +2,30 @@
 #include <pcl_semantic/core/threads.h>
 
 #include "fail.h"
+#include "thread_limits.h"
 
-#include <opencv2/core/utility.hpp>
-
-#include <algorithm>
 #include <omp.h>
+#include <vector>
 
 namespace pcl_semantic {
+
+namespace {
+
+std::vector<ThreadLimit>&
+threadLimits()
+{
+  static std::vector<ThreadLimit> limits;
+  return limits;
+}
+
+} // namespace
+
+bool
+addThreadLimit(ThreadLimit limit)
+{
+  threadLimits().push_back(limit);
+  return true;
+}
 
 void
 setNumberOfThreads(int threads)
@@ -17,11 +34,8 @@ setNumberOfThreads(int threads)
     badParameter("threads is ", threads, ", expected 0 (all) to 1024");
   const int count = threads == 0 ? omp_get_num_procs() : threads;
   omp_set_num_threads(count);
-  // TBB complains on standard error when asked for more than there are; and OpenCV's
-  // number is of the process, and must not be changed while another thread uses it.
-  const int of_opencv = std::min(count, cv::getNumberOfCPUs());
-  if (cv::getNumThreads() != of_opencv)
-    cv::setNumThreads(of_opencv);
+  for (const ThreadLimit limit : threadLimits())
+    limit(count);
 }
 
 ThreadScope::ThreadScope(std::optional<int> threads) : before_(omp_get_max_threads())

@@ -4,7 +4,7 @@
 #include "core/fail.h"
 #include "files/file_pattern.h"
 
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 namespace pcl_semantic {
 

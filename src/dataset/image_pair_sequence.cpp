@@ -5,7 +5,7 @@
 #include "files/file_pattern.h"
 #include "stereo_pair_reader.h"
 
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <algorithm>
 

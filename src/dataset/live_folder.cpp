@@ -2,8 +2,8 @@
 #include <pcl_semantic/dataset/live_folder.h>
 
 #include "core/fail.h"
+#include "core/parse_whole.h"
 #include "files/is_there.h"
-#include "files/parse_whole.h"
 #include "stereo_pair_reader.h"
 
 #include <pcl_semantic/files/input_file.h>

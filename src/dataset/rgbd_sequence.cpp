@@ -8,8 +8,8 @@
 
 #include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/measured_depth.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <algorithm>
 #include <cmath>

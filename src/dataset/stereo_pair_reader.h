@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/core/sensor_frame.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
+#include <pcl_semantic/images/sensor_frame.h>
 
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The images of a pair. */
 struct StereoPairFiles {

@@ -4,8 +4,8 @@
 #include "core/fail.h"
 
 #include <pcl_semantic/core/measured_depth.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <opencv2/core.hpp>
 

@@ -4,8 +4,8 @@
 #include "core/cloud_size.h"
 #include "core/fail.h"
 #include "core/label_number.h"
-#include "map/cube_renderer.h"
 #include "map/ray_traversal.h"
+#include "pictures/cube_renderer.h"
 
 #include <pcl_semantic/core/sensor_pose.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/files/clique_file.h>
 
-#include "parse_whole.h"
+#include "core/parse_whole.h"
 
 #include "core/fail.h"
 #include "core/split.h"

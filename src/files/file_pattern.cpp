@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "file_pattern.h"
-#include "parse_whole.h"
+#include "core/parse_whole.h"
 
 #include "core/fail.h"
 

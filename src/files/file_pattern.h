@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The files that match a pattern as the shell's (`left-*.png`, with `*`, `?`
  * and `[...]`, a backslash before what is meant as it is), in natural order. What is a

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcd_file.h"
+#include "clouds/table_parts.h"
 #include "core/fail.h"
 #include "pcd_data.h"
 #include "pcd_header.h"
-#include "pcd_table.h"
 
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcd_header.h"
+#include "clouds/table_parts.h"
 #include "core/fail.h"
-#include "parse_whole.h"
-#include "pcd_table.h"
+#include "core/parse_whole.h"
 
 #include <pcl_semantic/files/input_file.h>
 

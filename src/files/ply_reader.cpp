@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ply_reader.h"
-#include "known_fields.h"
+#include "clouds/known_fields.h"
 #include "pcd_data.h"
 #include "pcd_header.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_file.h"
+#include "clouds/known_fields.h"
+#include "clouds/table_parts.h"
+#include "core/parse_whole.h"
 #include "is_there.h"
-#include "known_fields.h"
-#include "parse_whole.h"
-#include "pcd_table.h"
 #include "scan_layout.h"
 
 #include "core/fail.h"

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/files/cloud_file.h>
 
 #include <string>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Reads the points of a scan without header, as readCloudTable() does.
  * \throws BadInputException that names the file */

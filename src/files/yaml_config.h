@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/export.h>
+
 #include <memory>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A mapping of a YAML file, read strictly: unknown and duplicate keys, and
  * values of another type than asked for, are refused with file and line.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "label_fields.h"
+#include "clouds/known_fields.h"
+#include "clouds/table_parts.h"
 #include "core/fail.h"
-#include "files/known_fields.h"
-#include "files/pcd_table.h"
 
 #include <pcl/common/io.h>
 

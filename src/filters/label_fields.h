@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/label_distributions.h>
 
-#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/clouds/labelled_cloud.h>
 
 #include <pcl/PCLPointCloud2.h>
 

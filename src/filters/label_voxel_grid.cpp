@@ -4,10 +4,10 @@
 #include "core/fail.h"
 #include "label_fields.h"
 
+#include <pcl_semantic/clouds/labelled_cloud.h>
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/core/voxel_index.h>
-#include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/filters/cloud_refiner.h>
 
 #include <algorithm>

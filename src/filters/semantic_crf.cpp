@@ -4,7 +4,7 @@
 #include "core/fail.h"
 #include "label_fields.h"
 
-#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/clouds/labelled_cloud.h>
 
 #include <functional>
 

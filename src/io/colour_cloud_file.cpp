@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/io/colour_cloud_file.h>
 
-#include "files/pcd_table.h"
+#include "clouds/table_parts.h"
+
+#include <pcl_semantic/files/cloud_file.h>
 
 namespace pcl_semantic {
 

@@ -2,8 +2,8 @@
 #include "tiled_map.h"
 
 #include "core/fail.h"
+#include "core/parse_whole.h"
 #include "core/split.h"
-#include "files/parse_whole.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>

@@ -2,8 +2,8 @@
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include "core/fail.h"
-#include "files/quiet_opencv.h"
 #include "files/yaml_config.h"
+#include "images/opencv_settings.h"
 #include "onnx_interface.h"
 #include "onnx_runtime_runner.h"
 #include "opencv_runner.h"

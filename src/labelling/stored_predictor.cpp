@@ -3,8 +3,8 @@
 
 #include "core/fail.h"
 
-#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/images/distribution_file.h>
 
 #include <filesystem>
 

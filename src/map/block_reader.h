@@ -3,6 +3,7 @@
 
 #include "voxel_fusion.h"
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/core/voxel_index.h>
@@ -14,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Reads the voxels of blocks as a map gives them out. */
 class BlockReader {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/map/map_parameters.h>
 #include <pcl_semantic/map/semantic_voxel.h>
 
@@ -9,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Log-odds of a probability, in stored units. */
 StoredLogOdds storedLogOdds(double probability);

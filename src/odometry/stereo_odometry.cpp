@@ -3,7 +3,7 @@
 
 #include "circle_tracker.h"
 #include "core/fail.h"
-#include "core/grey_image.h"
+#include "images/grey_image.h"
 #include "keyframe_window.h"
 #include "pose_ransac.h"
 

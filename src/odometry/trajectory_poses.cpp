@@ -3,8 +3,8 @@
 
 #include "core/fail.h"
 
-#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/core/sensor_pose.h>
+#include <pcl_semantic/images/sensor_frame.h>
 
 #include <algorithm>
 #include <vector>

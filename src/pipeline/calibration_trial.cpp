@@ -6,8 +6,8 @@
 #include "map_cliques.h"
 
 #include <pcl_semantic/evaluation/voxel_lookup.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>

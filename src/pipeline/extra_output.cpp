@@ -2,13 +2,13 @@
 #include "extra_output.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/distribution_file.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_file.h>
+#include <pcl_semantic/labelling/visible_points.h>
 
 #include <opencv2/core.hpp>
 

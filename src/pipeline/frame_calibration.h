@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 
 #include <Eigen/Geometry>
@@ -9,7 +10,7 @@
 
 #include <optional>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The ground before a camera, as a frame's depths and labels show it: the plane
  * of fitGroundPlane() through points of more than 0.5 in one of its classes.

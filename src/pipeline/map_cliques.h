@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/core/label_distributions.h>
 #include <pcl_semantic/core/point_features.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
+#include <pcl_semantic/superpixels/superpixel_cliques.h>
 
 #include <Eigen/Geometry>
 #include <pcl/PointIndices.h>

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/pipeline/mapper_config.h>
 
-#include "config_checks.h"
+#include "core/config_checks.h"
 #include "core/fail.h"
 #include "core/split.h"
 
 #include <pcl_semantic/core/exceptions.h>
+#include <pcl_semantic/files/config_file.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <algorithm>

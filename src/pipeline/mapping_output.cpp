@@ -11,11 +11,11 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/io/map_images.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
+#include <pcl_semantic/pictures/map_images.h>
 #include <pcl_semantic/version.h>
 
 #include <nlohmann/json.hpp>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/point_features.h>
 
 #include <Eigen/Geometry>
@@ -12,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief The plane of the ground before a camera, its normal towards the camera: least
  * squares with Cauchy weights of 5 cm, begun from the median height, so that kerbs and

@@ -2,9 +2,9 @@
 #include <pcl_semantic/stereo/disparity_engines.h>
 
 #include "core/fail.h"
-#include "core/grey_image.h"
 #include "elas.h"
 #include "image_pair.h"
+#include "images/grey_image.h"
 #include "semi_global_matcher.h"
 
 #include <opencv2/calib3d.hpp>

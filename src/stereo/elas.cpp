@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "elas.h"
 #include "core/fail.h"
-#include "core/grey_image.h"
 #include "core/parallel_guard.h"
 #include "disparity_cleaning.h"
 #include "image_pair.h"
+#include "images/grey_image.h"
 #include "kernels/elas_loops.h"
 #include "parallel_bands.h"
 #include "plane_prior.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/stereo/pair_check.h>
 
-#include "core/grey_image.h"
 #include "image_pair.h"
+#include "images/grey_image.h"
 
 #include <opencv2/imgproc.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semi_global_matcher.h"
-#include "core/grey_image.h"
 #include "disparity_cleaning.h"
 #include "image_pair.h"
+#include "images/grey_image.h"
 #include "kernels/smoothing.h"
 #include "parallel_bands.h"
 

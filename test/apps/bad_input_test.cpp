@@ -4,7 +4,7 @@
 #include "support/onnx_writer.h"
 #include "support/tiny_street.h"
 
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 namespace pcl_semantic {
 

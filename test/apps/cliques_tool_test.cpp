@@ -10,12 +10,12 @@
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
-#include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
 #include <pcl_semantic/core/voxel_index.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/superpixels/superpixel_cliques.h>
 
 #include <gtest/gtest.h>
 #include <pcl/common/io.h>

@@ -9,12 +9,12 @@
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
-#include <pcl_semantic/cliques/slic.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
-#include <pcl_semantic/files/distribution_file.h>
-#include <pcl_semantic/files/image_file.h>
-#include <pcl_semantic/filters/image_crf.h>
 #include <pcl_semantic/filters/semantic_crf.h>
+#include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_crf.h>
+#include <pcl_semantic/images/image_file.h>
+#include <pcl_semantic/superpixels/slic.h>
 
 #include <opencv2/core.hpp>
 #include <pcl/common/io.h>

@@ -8,8 +8,8 @@
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
-#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/images/distribution_file.h>
 
 #include <opencv2/core.hpp>
 

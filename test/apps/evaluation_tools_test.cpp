@@ -7,8 +7,8 @@
 #include <pcl_semantic/dataset/lidar_scan.h>
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/atomic_file.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>

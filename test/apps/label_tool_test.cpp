@@ -5,9 +5,9 @@
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/distribution_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/distribution_file.h>
 
 #include <iomanip>
 #include <set>

@@ -3,9 +3,9 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/core/label_set.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <opencv2/core.hpp>
 

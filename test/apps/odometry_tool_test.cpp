@@ -3,8 +3,8 @@
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 namespace pcl_semantic {
 

@@ -4,8 +4,8 @@
 #include "support/thrown_message.h"
 #include "support/tiny_street.h"
 
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <opencv2/core.hpp>
 

@@ -8,7 +8,7 @@
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/io/voxel_colours.h>
+#include <pcl_semantic/pictures/voxel_colours.h>
 
 #include <opencv2/core.hpp>
 

@@ -7,12 +7,12 @@
 #include "bench/kitti_map.h"
 #include "bench/ratio.h"
 
-#include <pcl_semantic/cliques/superpixel_cliques.h>
 #include <pcl_semantic/cliques/supervoxel_cliques.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
+#include <pcl_semantic/superpixels/superpixel_cliques.h>
 
 #include <opencv2/imgproc.hpp>
 #include <opencv2/ximgproc/slic.hpp>

@@ -12,7 +12,7 @@
 #include "support/street_scans.h"
 
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/filters/image_crf.h>
+#include <pcl_semantic/images/image_crf.h>
 
 #include <cstdio>
 

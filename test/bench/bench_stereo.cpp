@@ -10,10 +10,10 @@
 #include "bench/ratio.h"
 
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/dataset/lidar_scan.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
+#include <pcl_semantic/labelling/visible_points.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 #include <pcl_semantic/dataset/pinhole_camera.h>
 #include <pcl_semantic/dataset/rectifier.h>
 #include <pcl_semantic/dataset/rgbd_sequence.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/image_pair_sequence.h>
 #include <pcl_semantic/dataset/stereo_rig.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <gtest/gtest.h>
 

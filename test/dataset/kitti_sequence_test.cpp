@@ -4,9 +4,9 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/live_folder.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <gtest/gtest.h>
 

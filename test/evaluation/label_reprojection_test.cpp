@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/core/visible_points.h>
 #include <pcl_semantic/evaluation/voxel_lookup.h>
+#include <pcl_semantic/labelling/visible_points.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>

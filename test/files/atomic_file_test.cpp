@@ -6,8 +6,8 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/distribution_file.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>

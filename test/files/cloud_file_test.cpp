@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/refused_file.h"
 
+#include <pcl_semantic/clouds/point_cloud2.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
-#include <pcl_semantic/files/point_cloud2.h>
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 // What a user may rely on besides the mathematics: places, types, bad input.
 
-#include "cliques/slic_cliques.h"
+#include "superpixels/slic_cliques.h"
 #include "support/plain_cloud_crf.h"
 #include "support/thrown_message.h"
 

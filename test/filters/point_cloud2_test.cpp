@@ -5,9 +5,9 @@
 #include "support/plain_cloud_crf.h"
 #include "support/thrown_message.h"
 
+#include <pcl_semantic/clouds/point_cloud2.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 

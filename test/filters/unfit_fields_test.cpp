@@ -6,8 +6,8 @@
 #include "support/thrown_message.h"
 
 #include <pcl_semantic/cliques/cube_cliques.h>
+#include <pcl_semantic/clouds/point_cloud2.h>
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/point_cloud2.h>
 #include <pcl_semantic/filters/label_voxel_grid.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 

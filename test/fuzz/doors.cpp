@@ -17,11 +17,12 @@
 #include <pcl_semantic/evaluation/depth_file.h>
 #include <pcl_semantic/files/clique_file.h>
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/files/distribution_file.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/files/config_file.h>
 #include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/files/npy_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/io/map_export.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/labelling/network_predictor.h>
@@ -180,7 +181,7 @@ doors()
        }},
       {"cloud_pcd", [](const std::string& b) { readCloud(fileOf(b, "c.pcd")); }},
       {"cloud_ply", [](const std::string& b) { readCloud(fileOf(b, "c.ply")); }},
-      {"crf_config", readConfigFile<CRFConfig, readCRFConfig>},
+      {"crf_config", readConfigFile<CRFConfig, readConfig<CRFConfig>>},
       {"depth_png", readDepthImage},
       {"distributions_bin",
        [](const std::string& b) { readDistributionsOf(b, "d.bin"); }},

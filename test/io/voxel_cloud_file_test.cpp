@@ -3,9 +3,9 @@
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/files/cloud_file.h>
-#include <pcl_semantic/io/map_images.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
+#include <pcl_semantic/pictures/map_images.h>
 
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>

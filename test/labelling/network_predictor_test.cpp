@@ -5,8 +5,8 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include <gtest/gtest.h>

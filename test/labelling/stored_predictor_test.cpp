@@ -3,8 +3,8 @@
 #include "support/temporary_folder.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/files/distribution_file.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/distribution_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/labelling/stored_predictor.h>
 
 #include <gtest/gtest.h>

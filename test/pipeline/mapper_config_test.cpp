@@ -4,6 +4,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/config_file.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <gtest/gtest.h>

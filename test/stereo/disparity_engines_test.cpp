@@ -4,7 +4,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/stereo/disparity_engines.h>
 
 #include <gtest/gtest.h>

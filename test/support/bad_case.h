@@ -3,7 +3,7 @@
 
 #include "support/tiny_street.h"
 
-#include <pcl_semantic/files/image_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 
 #include <pcl_semantic/dataset/image_pair_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/image_file.h>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl_semantic/cliques/depth_jumps.h>
+#include <pcl_semantic/superpixels/depth_jumps.h>
 
 #include <array>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include "support/tiny_street.h"
 
 #include <pcl_semantic/dataset/kitti_sequence.h>
-#include <pcl_semantic/files/image_file.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/images/image_file.h>
 #include <pcl_semantic/odometry/pose_source.h>
 
 #include <opencv2/core.hpp>

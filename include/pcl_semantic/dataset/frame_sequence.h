@@ -2,8 +2,8 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/core/stereo_camera.h>
+#include <pcl_semantic/images/sensor_frame.h>
 
 #include <Eigen/Geometry>
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/dataset/stereo_rig.h>
+#include <pcl_semantic/images/sensor_frame.h>
 
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>

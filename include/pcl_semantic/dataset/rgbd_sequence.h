@@ -2,9 +2,9 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/dataset/pinhole_camera.h>
+#include <pcl_semantic/images/sensor_frame.h>
 
 #include <string>
 #include <vector>

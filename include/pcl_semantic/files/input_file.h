@@ -2,10 +2,10 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/parse_number.h>
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -23,23 +23,12 @@ struct TextLine {
  * trailing blanks. \throws BadInputException if it cannot be read */
 std::vector<TextLine> readLines(const std::string& path);
 
-/** \brief A number in the C locale; the whole of \a text must be one.
- * \throws BadInputException with \a where in front */
-double parseNumber(const std::string& text, const std::string& where);
-
-/** \brief The blank-separated finite numbers of a line.
- * \throws BadInputException with \a where in front */
-std::vector<double> parseNumbers(const std::string& text, const std::string& where);
-
 /** \brief "PATH line N", for messages. */
 std::string atLine(const std::string& path, int line);
 
 /** \brief Makes sure that a path is not that of a folder, a pipe or a device, whose
  * opening could wait for ever. \throws BadInputException */
 void requireRegularFile(const std::string& path);
-
-/** \brief A piece of a file for a message: in quotes, short and printable. */
-std::string inQuotes(std::string_view text);
 
 /** \brief Largest number of a frame: rows of trajectories are counted by it. Larger
  * numbers in the names of files are dates or time stamps. */

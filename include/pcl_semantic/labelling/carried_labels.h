@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/core/visible_points.h>
+#include <pcl_semantic/labelling/visible_points.h>
 
 #include <vector>
 

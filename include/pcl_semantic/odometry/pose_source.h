@@ -2,7 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/core/sensor_frame.h>
+#include <pcl_semantic/images/sensor_frame.h>
 
 #include <Eigen/Geometry>
 

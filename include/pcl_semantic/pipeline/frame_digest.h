@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/core/sensor_frame.h>
+#include <pcl_semantic/images/sensor_frame.h>
 
 #include <cstdint>
 

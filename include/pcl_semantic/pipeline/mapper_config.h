@@ -4,8 +4,9 @@
 #include <pcl_semantic/core/abi_check.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/map/semantic_voxel_map.h>
-#include <pcl_semantic/pipeline/crf_config.h>
+#include <pcl_semantic/superpixels/clique_config.h>
 
 #include <string>
 #include <vector>

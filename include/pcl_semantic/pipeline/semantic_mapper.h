@@ -3,9 +3,9 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/core/sensor_frame.h>
 #include <pcl_semantic/core/stereo_camera.h>
 #include <pcl_semantic/core/voxel_cloud.h>
+#include <pcl_semantic/images/sensor_frame.h>
 #include <pcl_semantic/labelling/label_calibration.h>
 #include <pcl_semantic/labelling/label_predictor.h>
 #include <pcl_semantic/map/scan.h>

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace pcl_semantic::tool {
+
+/** \brief run() for the programs that use OpenCV, whose errors it reports as ours. */
+int runWithImages(const std::string& name, const std::function<int()>& body);
+
+} // namespace pcl_semantic::tool

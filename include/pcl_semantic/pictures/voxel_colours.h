@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/io/voxel_scene.h>
+#include <pcl_semantic/pictures/drawing.h>
+
+#include <opencv2/core/mat.hpp>
+
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief What voxels are painted with, and what that means. */
+struct VoxelColours {
+  std::vector<cv::Vec3b> colours; ///< a voxel: blue, green, red
+  std::vector<LegendEntry> legend;
+  std::string note;     ///< a line for the picture; may be empty
+  double shading = 1.0; ///< how much light and shadow change the colours, 0 to 1
+};
+
+/** \brief Colours of the classes; the legend names those that are there.
+ * \throws InvalidParameterException at a label beyond the label set */
+VoxelColours classColours(const VoxelScene& scene, const LabelSet& label_set);
+
+/** \brief The measured colours. \throws InvalidParameterException if there are none */
+VoxelColours measuredColours(const VoxelScene& scene);
+
+/** \brief How sure the labels are: entropy from 0 (pale) to log L (dark).
+ * \throws InvalidParameterException if the scene has no distributions */
+VoxelColours entropyColours(const VoxelScene& scene);
+
+/** \brief Voxels whose label changed in the colour of the new class, all others grey.
+ * \param[in] before label of each voxel before, 0 = none: not compared
+ * \throws InvalidParameterException at another number of labels */
+VoxelColours changeColours(const VoxelScene& scene, const std::vector<Label>& before,
+                           const LabelSet& label_set);
+
+} // namespace pcl_semantic

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+using ThreadLimit = void (*)(int threads);
+
+/** \brief Has setNumberOfThreads() limit the threads of another library, too: libraries
+ * above add theirs as they are loaded. \return true */
+bool addThreadLimit(ThreadLimit limit);
+
+} // namespace pcl_semantic

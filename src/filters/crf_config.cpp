@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/filters/crf_config.h>
+
+#include "core/config_checks.h"
+#include "core/fail.h"
+
+namespace pcl_semantic {
+
+namespace {
+
+ConfigParameters
+cliqueParametersOf(SemanticCRFParameters& crf)
+{
+  return {
+      {"clique_weight", "k_c, cost of a member whose label differs from its clique's",
+       &crf.clique_weight},
+      {"clique_free_label",
+       "whether cliques have the free label, eq. (7): true or false", &crf.free_label},
+      {"clique_truncation",
+       "fraction of members that may differ before the free label is cheaper",
+       &crf.clique_truncation},
+      {"clique_update_from_members",
+       "whether members update their clique, eq. (10): true or false",
+       &crf.update_from_members},
+      {"clique_appearance_weight",
+       "weight of the kernel between cliques, over their mean positions and colours; 0 "
+       "= off",
+       &crf.clique_appearance_weight}};
+}
+
+} // namespace
+
+ConfigParameters
+parametersOf(SemanticCRFParameters& crf, const std::string& unit)
+{
+  ConfigParameters parameters = {
+      {"crf_iterations", "number of mean-field updates", &crf.iterations},
+      {"crf_temperature",
+       "temperature of the resulting probabilities: above 1 they are less sure, labels "
+       "stay",
+       &crf.temperature},
+      {"crf_keep_thin",
+       "whether what was measured as a class marked thin in the label set stays one "
+       "unless much outvoted: true or false",
+       &crf.keep_thin},
+      {"crf_kernels",
+       "evaluation of the kernels: automatic, truncated (exact within a radius) or "
+       "lattice",
+       chooseFrom(crf.kernel_method, {"automatic", "truncated", "lattice"}),
+       "automatic"},
+      {"crf_normalization",
+       "normalisation of the kernels: symmetric, one-sided or none",
+       chooseFrom(crf.normalization, {"symmetric", "one-sided", "none"})},
+      {"crf_self_interaction",
+       "whether kernels include the point itself, as densecrf does: true or false",
+       &crf.self_interaction, "false"},
+      {"smoothness_weight", "weight of the smoothness kernel (positions)",
+       &crf.smoothness_weight},
+      {"smoothness_deviation",
+       "its standard deviation [" + unit + "]; 0 = from the distance of the points",
+       &crf.smoothness_deviation},
+      {"appearance_weight",
+       "weight of the appearance kernel (positions and colours; without colours "
+       "positions alone)",
+       &crf.appearance_weight},
+      {"appearance_deviation",
+       "its standard deviation of positions [" + unit +
+           "]; 0 = from the distance of the points",
+       &crf.appearance_deviation},
+      {"colour_deviation", "its standard deviation of colours [grey levels]",
+       &crf.colour_deviation}};
+  append(parameters, cliqueParametersOf(crf));
+  return parameters;
+}
+
+void
+CRFConfig::validate() const
+{
+  parameters.validate();
+  requireConfidence(label_confidence);
+}
+
+void
+CRFConfig::requireFittingCliques() const
+{
+  const bool needed =
+      model == CRFModelType::pn_potts || model == CRFModelType::hierarchical;
+  if (needed != (cliques != "none"))
+    badParameter((needed ? "the models pn-potts and hierarchical need cliques: "
+                         : "cliques are for the models pn-potts and "
+                           "hierarchical, not with: "),
+                 "--cliques ", cliques);
+}
+
+ConfigParameters
+parametersOf(CRFConfig& config)
+{
+  ConfigParameters parameters = {
+      {"crf", "unary, dense, pn-potts or hierarchical",
+       chooseFrom(config.model, {"unary", "dense", "pn-potts", "hierarchical"})},
+      {"cliques", config.clique_words, &config.cliques},
+      {"label_confidence", "probability of the class that a label gives",
+       &config.label_confidence}};
+  append(parameters, parametersOf(config.parameters, config.unit));
+  parameters.push_back(
+      {"threads", "number of threads; 0 = all processors", &config.threads});
+  return parameters;
+}
+
+} // namespace pcl_semantic

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/images/image_file.h>
+
+#include "files/bytes.h"
+#include "image_size.h"
+#include "opencv_settings.h"
+
+#include "core/fail.h"
+
+#include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/input_file.h>
+
+#include <boost/crc.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace pcl_semantic {
+
+namespace {
+
+bool
+beginsWith(const Bytes& bytes, std::initializer_list<std::uint8_t> signature)
+{
+  return bytes.size() >= signature.size() &&
+         std::equal(signature.begin(), signature.end(), bytes.begin());
+}
+
+std::uint32_t
+crc32(const std::uint8_t* bytes, std::size_t size)
+{
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes, size);
+  return crc.checksum();
+}
+
+// Follows the chunks of a PNG image to the last one: OpenCV would print libpng's
+// complaint about a damaged file, and keep the rows above the damage of some.
+bool
+isWhole(const Bytes& bytes)
+{
+  constexpr std::size_t frame = 12; // length, name and check sum around the data
+  std::size_t at = 8;               // behind the signature
+  while (at + frame <= bytes.size()) {
+    const std::size_t length = wholeNumber(&bytes[at], 4);
+    if (length > bytes.size() - at - frame ||
+        crc32(&bytes[at + 4], length + 4) != wholeNumber(&bytes[at + 8 + length], 4))
+      return false;
+    const bool is_last = std::equal(&bytes[at + 4], &bytes[at + 8], "IEND");
+    at += frame + length;
+    if (is_last)
+      return at == bytes.size();
+  }
+  return false;
+}
+
+// Of one that is cut off OpenCV would print a complaint and make up the rest.
+void
+requireWholeJpeg(const Bytes& bytes, const std::string& path)
+{
+  // All three, by which OpenCV knows one: it would try other formats, and GDCM ends the
+  // program where a file names DICOM and is damaged.
+  if (bytes.size() < 4 || !beginsWith(bytes, {0xFF, 0xD8, 0xFF}))
+    badInput(path, ": is not a JPEG image");
+  std::size_t end = bytes.size();
+  while (end > 2 && bytes[end - 1] == 0)
+    --end;
+  if (bytes[end - 2] != 0xFF || bytes[end - 1] != 0xD9)
+    badInput(path, ": the JPEG image is not complete");
+}
+
+struct KindRule {
+  std::vector<int> types;
+  const char* name;
+};
+
+const KindRule&
+ruleOf(ImageKind kind)
+{
+  static const KindRule rules[] = {
+      {{CV_8UC1, CV_8UC3}, "8-bit grey or 8-bit RGB"},
+      {{CV_8UC1}, "8-bit grey (class ids)"},
+      {{CV_8UC1, CV_16UC1}, "8-bit or 16-bit grey (numbers of segments)"},
+      {{CV_16UC1}, "16-bit grey (depths, or disparities)"}};
+  return rules[std::size_t(kind)];
+}
+
+void
+requireKind(const cv::Mat& image, ImageKind kind, const std::string& path)
+{
+  const KindRule& rule = ruleOf(kind);
+  if (!std::count(rule.types.begin(), rule.types.end(), image.type()))
+    badInput(path, ": has ", image.channels(), " channel(s) of ", 8 * image.elemSize1(),
+             " bits, expected ", rule.name);
+}
+
+StatedSize
+sizeOf(const cv::Mat& image)
+{
+  return {std::uint64_t(image.cols), std::uint64_t(image.rows)};
+}
+
+// A small file may unpack to gigabytes.
+void
+requireSize(const StatedSize& stated, cv::Size size, const std::string& like,
+            const std::string& path)
+{
+  if (!size.empty() && stated.columns != 0 && stated.rows != 0 &&
+      (stated.columns != std::uint64_t(size.width) ||
+       stated.rows != std::uint64_t(size.height)))
+    badInput(path, ": has ", stated.columns, " x ", stated.rows, " pixels, expected ",
+             size.width, " x ", size.height, like);
+}
+
+// Empty if the image is damaged, or larger than OpenCV's limit.
+cv::Mat
+decode(const Bytes& bytes, int flags)
+{
+  try {
+    return cv::imdecode(bytes, flags);
+  }
+  catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+} // namespace
+
+const std::vector<std::string>&
+imageExtensions()
+{
+  static const std::vector<std::string> extensions{".png", ".jpg", ".jpeg", ".tif",
+                                                   ".tiff"};
+  return extensions;
+}
+
+cv::Mat
+readImage(const std::string& path, cv::Size size, const std::string& like)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
+  if (!is_jpeg && extension != ".tif" && extension != ".tiff")
+    return readPng(path, ImageKind::grey_or_colour, size, like);
+  const Bytes bytes = readBytes(path);
+  if (is_jpeg)
+    requireWholeJpeg(bytes, path);
+  else if (bytes.size() < 8 || (!beginsWith(bytes, {'I', 'I', 42, 0}) &&
+                                !beginsWith(bytes, {'M', 'M', 0, 42})))
+    badInput(path, ": is not a TIFF image");
+  requirePlausibleSize(bytes, path);
+  requireSize(statedSize(bytes), size, like, path);
+  const QuietOpenCv quiet;
+  const cv::Mat image =
+      decode(bytes, is_jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION
+                            : cv::IMREAD_UNCHANGED);
+  if (image.cols < 2 || image.rows < 2)
+    badInput(path, ": the ", is_jpeg ? "JPEG" : "TIFF", " image is damaged");
+  requireSize(sizeOf(image), size, like, path); // headers of these are not always found
+  requireKind(image, ImageKind::grey_or_colour, path);
+  return image;
+}
+
+cv::Mat
+readPng(const std::string& path, ImageKind kind, cv::Size size, const std::string& like)
+{
+  const Bytes bytes = readBytes(path);
+  constexpr std::size_t bit_depth = 24, colour_type = 25; // in the header chunk
+  constexpr std::uint8_t palette = 3;
+  if (bytes.size() <= colour_type ||
+      !beginsWith(bytes, {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'}))
+    badInput(path, ": is not a PNG image");
+  if (!isWhole(bytes))
+    badInput(path, ": the PNG image is damaged or not complete");
+  requirePlausibleSize(bytes, path);
+  requireSize(statedSize(bytes), size, like, path);
+  // Decoders stretch fewer bits to 0..255, which makes other class ids of them.
+  if ((kind == ImageKind::labels || kind == ImageKind::segments) &&
+      bytes[bit_depth] < 8)
+    badInput(path, ": has ", int(bytes[bit_depth]), " bit(s) a pixel, expected ",
+             ruleOf(kind).name);
+  if (kind == ImageKind::labels && bytes[colour_type] == palette)
+    badInput(path, ": has a palette, whose colours would be read; expected ",
+             ruleOf(kind).name, ": write its indices as grey");
+  const cv::Mat image = decode(bytes, cv::IMREAD_UNCHANGED);
+  if (image.empty())
+    badInput(path, ": the PNG image is damaged");
+  requireKind(image, kind, path);
+  if (image.cols < 2 || image.rows < 2)
+    badInput(path, ": is only ", image.cols, " x ", image.rows, " pixels");
+  return image;
+}
+
+void
+writePng(const std::string& path, const cv::Mat& image)
+{
+  Bytes bytes;
+  if (image.empty() || !cv::imencode(".png", image, bytes))
+    fail<OutputException>(path, ": cannot be encoded as PNG");
+  writeBytes(path, bytes.data(), bytes.size());
+}
+
+} // namespace pcl_semantic

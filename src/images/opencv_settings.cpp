@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "opencv_settings.h"
+
+#include "core/thread_limits.h"
+
+#include <opencv2/core/utility.hpp>
+
+#include <algorithm>
+
+namespace pcl_semantic {
+
+namespace {
+
+// TBB complains on standard error when asked for more than there are; and OpenCV's
+// number is of the process, and must not be changed while another thread uses it.
+void
+limitOpenCv(int threads)
+{
+  const int limit = std::min(threads, cv::getNumberOfCPUs());
+  if (cv::getNumThreads() != limit)
+    cv::setNumThreads(limit);
+}
+
+[[maybe_unused]] const bool is_limited = addThreadLimit(limitOpenCv);
+
+} // namespace
+
+QuietOpenCv::QuietOpenCv()
+    : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT))
+{}
+
+QuietOpenCv::~QuietOpenCv()
+{
+  cv::utils::logging::setLogLevel(level_);
+}
+
+} // namespace pcl_semantic
