@@ -8,9 +8,8 @@
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_changes.h>
 #include <pcl_semantic/io/map_export.h>
+#include <pcl_semantic/io/submaps.h>
 #include <pcl_semantic/io/voxel_cloud_file.h>
-#include <pcl_semantic/pipeline/run_description.h>
-#include <pcl_semantic/pipeline/submaps.h>
 
 #include <algorithm>
 #include <filesystem>

@@ -13,10 +13,10 @@
 #include <pcl_semantic/dataset/kitti_calibration.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/pose_doubts.h>
 #include <pcl_semantic/files/trajectory_file.h>
 #include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/io/colour_cloud_file.h>
-#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/superpixels/clique_config.h>
 #include <pcl_semantic/superpixels/superpixel_cliques.h>

@@ -13,8 +13,8 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/submaps.h>
 #include <pcl_semantic/pipeline/fleet_plan.h>
-#include <pcl_semantic/pipeline/submaps.h>
 
 #include <algorithm>
 #include <chrono>
@@ -140,7 +140,7 @@ cut(const FleetPlan& plan)
       std::vector<std::string> doubts;
       if (!drive.corrected_poses.empty())
         correctedPoses(describeRun(submaps.whole), drive.corrected_poses, &doubts)
-            ->requirePoses(submaps.anchors);
+            .requirePoses(submaps.anchors);
       warnOf(doubts);
       for (const MapArguments& submap : submaps.each)
         stretches.push_back(std::to_string(d) + " " + submap.frames);

@@ -4,7 +4,7 @@
 #include "map_source.h"
 
 #include <pcl_semantic/dataset/stereo_grabber.h>
-#include <pcl_semantic/odometry/pose_doubts.h>
+#include <pcl_semantic/files/pose_doubts.h>
 
 #include <memory>
 #include <optional>

@@ -8,9 +8,9 @@
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/cloud_file.h>
 #include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/files/pose_doubts.h>
 #include <pcl_semantic/io/map_archive.h>
 #include <pcl_semantic/io/map_file.h>
-#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/map_folder.h>
 

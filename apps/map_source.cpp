@@ -19,6 +19,7 @@
 #include <pcl_semantic/map/map_doubts.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/pipeline/frame_digest.h>
 #include <pcl_semantic/stereo/disparity_to_cloud.h>
 
 #include <algorithm>

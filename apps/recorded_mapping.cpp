@@ -10,10 +10,10 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/io/map_archive.h>
+#include <pcl_semantic/io/submaps.h>
 #include <pcl_semantic/pipeline/mapping_archive.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 #include <pcl_semantic/pipeline/semantic_mapper.h>
-#include <pcl_semantic/pipeline/submaps.h>
 
 #include <charconv>
 #include <cmath>

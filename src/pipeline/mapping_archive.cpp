@@ -5,6 +5,7 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/pipeline/frame_digest.h>
 
 #include <filesystem>
 

@@ -3,14 +3,13 @@
 
 #include "core/fail.h"
 #include "core/split.h"
-#include "files/bytes.h"
+#include "io/run_values.h"
 
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/version.h>
 
 #include <opencv2/core/version.hpp>
 
-#include <array>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -105,26 +104,6 @@ describeLabelSet(const LabelSet& label_set, std::ostream& text)
   }
 }
 
-template <typename Counts>
-auto
-membersOf(Counts& counts)
-{
-  return std::array{&counts.points, &counts.rays,         &counts.invalid,
-                    &counts.sky,    &counts.seen_through, &counts.hit_voxels};
-}
-
-std::map<std::string, std::string>
-valuesOf(const std::string& description)
-{
-  std::map<std::string, std::string> values;
-  for (const std::string_view line : splitAt('\n', description)) {
-    const std::size_t colon = line.find(": ");
-    values[std::string(line.substr(0, colon))] =
-        colon == std::string_view::npos ? "" : line.substr(colon + 2);
-  }
-  return values;
-}
-
 } // namespace
 
 std::string
@@ -148,7 +127,7 @@ describeRun(const MappingRun& run)
 std::string
 changeOfRun(const std::string& before, const std::string& now)
 {
-  const auto old_values = valuesOf(before), new_values = valuesOf(now);
+  const auto old_values = runValues(before), new_values = runValues(now);
   const auto valueIn = [](const auto& values, const std::string& name) {
     const auto found = values.find(name);
     return found == values.end() || found->second.empty() ? "none" : found->second;
@@ -163,29 +142,10 @@ changeOfRun(const std::string& before, const std::string& now)
   return {};
 }
 
-RunSensor
-sensorOf(const std::string& description)
-{
-  const std::map<std::string, std::string> values = valuesOf(description);
-  const auto pose = values.find("camera_pose");
-  if (pose == values.end())
-    badInput("is not of a run: does not say where its sensor is");
-  const std::vector<double> numbers = parseNumbers(pose->second, "camera_pose");
-  if (numbers.size() != 12)
-    badInput("camera_pose has ", numbers.size(), " numbers, expected 12");
-  RunSensor sensor;
-  for (int i = 0; i < 12; ++i)
-    sensor.T_camera0_camera(i / 4, i % 4) = numbers[std::size_t(i)];
-  const auto kind = values.find("sensor"); // of clouds
-  sensor.has_own_poses =
-      values.count("rgbd") > 0 || (kind != values.end() && kind->second == "own");
-  return sensor;
-}
-
 MapperConfig
 configOf(const std::string& description)
 {
-  const std::map<std::string, std::string> values = valuesOf(description);
+  const std::map<std::string, std::string> values = runValues(description);
   MapperConfig config;
   for (ConfigParameter& parameter : parametersOf(config))
     if (const auto value = values.find(parameter.name); value != values.end())
@@ -203,53 +163,6 @@ recordOf(const MappedFrame& mapped)
           mapped.domain_shift,
           mapped.frame.timestamp,
           {}};
-}
-
-std::vector<std::uint8_t>
-encodeFrameRecord(const FrameRecord& record)
-{
-  ByteWriter writer;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column)
-      writer.put(record.T_world_camera(row, column));
-  for (const std::size_t* const count : membersOf(record.counts))
-    writer.put(static_cast<std::uint64_t>(*count));
-  writer.put(static_cast<std::uint32_t>(record.seconds.size()));
-  for (const auto& [stage, seconds] : record.seconds) {
-    writer.putText(stage);
-    writer.put(seconds);
-  }
-  writer.put(record.domain_shift);
-  writer.put(record.timestamp);
-  writer.put(record.digest.data);
-  writer.put(record.digest.labels);
-  return writer.bytes();
-}
-
-FrameRecord
-decodeFrameRecord(int number, const std::vector<std::uint8_t>& bytes)
-{
-  ByteReader reader(bytes);
-  FrameRecord record;
-  record.number = number;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column)
-      record.T_world_camera(row, column) = reader.get<double>();
-  for (std::size_t* const count : membersOf(record.counts))
-    *count = reader.get<std::uint64_t>();
-  for (auto stages = reader.get<std::uint32_t>(); stages > 0; --stages) {
-    const std::string stage = reader.getText();
-    record.seconds.emplace_back(stage, reader.get<double>());
-  }
-  if (reader.left() > 0)
-    record.domain_shift = reader.get<double>();
-  if (reader.left() > 0)
-    record.timestamp = reader.get<double>();
-  if (reader.left() > 0)
-    record.digest = {reader.get<std::uint64_t>(), reader.get<std::uint64_t>()};
-  if (reader.left() > 0 || !record.T_world_camera.matrix().allFinite())
-    badInput("is no record of a frame");
-  return record;
 }
 
 } // namespace pcl_semantic

@@ -2,7 +2,7 @@
 #include <pcl_semantic/pipeline/semantic_mapper.h>
 
 #include "core/fail.h"
-#include "crf_region.h"
+#include "filters/crf_region.h"
 #include "frame_calibration.h"
 #include "map_cliques.h"
 

@@ -165,10 +165,9 @@ benchProjection(const std::string& data, const VoxelCloud& voxels)
   const auto cloud =
       disparityToCloud(stereo->estimate(frame.left, frame.right).disparity, frame.left,
                        sequence.camera());
-  TrajectoryPoses poses(readKittiTrajectory(sequence.posesPath()),
-                        sequence.T_camera0_camera());
+  const auto poses = readPoses(sequence.posesPath(), sequence.T_camera0_camera());
   SuperpixelCliques generator;
-  generator.setFrame(cloud, poses.pose(frame));
+  generator.setFrame(cloud, poses->pose(frame));
   generator.setVoxels(voxels.indices, voxels.voxel_size);
   CliqueGenerator::Cloud points;
   pcl::copyPointCloud(*voxels.cloud, points);

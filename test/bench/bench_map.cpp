@@ -79,8 +79,7 @@ readFrames(const std::string& name)
   const KittiSequence sequence(realDataFolder() + "/kitti/" + name);
   const LabelSet label_set = readLabelSet(labelSetPath());
   const auto predictor = kittiNetwork();
-  TrajectoryPoses poses(readKittiTrajectory(sequence.posesPath()),
-                        sequence.T_camera0_camera());
+  const auto poses = readPoses(sequence.posesPath(), sequence.T_camera0_camera());
   const auto stereo = makeDisparityEstimator("sgbm", 128);
   std::vector<BenchFrame> frames;
   for (std::size_t i = 0; i < std::min<std::size_t>(sequence.size(), 8); ++i) {
@@ -88,7 +87,7 @@ readFrames(const std::string& name)
     frames.push_back(
         {disparityToCloud(stereo->estimate(images.left, images.right).disparity,
                           images.left, sequence.camera()),
-         predictor->predict(images), poses.pose(images)});
+         predictor->predict(images), poses->pose(images)});
     removeSky(label_set, frames.back());
   }
   return frames;

@@ -50,11 +50,9 @@ makeKittiMap(double max_depth)
   config.crf = "none";
   config.map.max_range = max_depth;
   config.map.fusion.miss_probability = 0.499; // all that was ever hit stays occupied
-  SemanticMapper mapper(
-      readLabelSet(kittiNetworkDescription().label_set_path), config,
-      std::make_unique<TrajectoryPoses>(readKittiTrajectory(sequence.posesPath()),
-                                        sequence.T_camera0_camera()),
-      sequence.camera(), kittiNetwork());
+  SemanticMapper mapper(readLabelSet(kittiNetworkDescription().label_set_path), config,
+                        readPoses(sequence.posesPath(), sequence.T_camera0_camera()),
+                        sequence.camera(), kittiNetwork());
   for (std::size_t i = 0; i < sequence.size(); ++i)
     mapper.process(sequence.frame(i));
   VoxelCloud voxels = mapper.map().occupied();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/stored_trajectory.h"
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
@@ -27,7 +28,7 @@ TEST(TrajectoryPoses, TurnsKittiFramesIntoTheWorld)
       Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
   T_camera0_camera.translation() << -0.06, 0.0, 0.0;
-  TrajectoryPoses poses(trajectory, T_camera0_camera);
+  TrajectoryPoses poses(StoredPoses(storedTrajectory(trajectory), T_camera0_camera));
 
   const Eigen::Isometry3d first = poses.pose(frameOf(0, 0.0));
   EXPECT_TRUE(first.translation().isApprox(Eigen::Vector3d(0.0, 0.06, 0.0), 1e-12));
@@ -45,8 +46,8 @@ TEST(TrajectoryPoses, TurnsKittiFramesIntoTheWorld)
 
 TEST(TrajectoryPoses, FramesWithoutPoseAreNamed)
 {
-  TrajectoryPoses poses(Trajectory(3, Eigen::Isometry3d::Identity()),
-                        Eigen::Isometry3d::Identity(), "poses.txt");
+  TrajectoryPoses poses(
+      StoredPoses(storedTrajectory(Trajectory(3, Eigen::Isometry3d::Identity()))));
   EXPECT_EQ(thrownMessage<BadInputException>([&] { poses.pose(frameOf(3, 0.0)); }),
             "poses.txt: has 3 poses, none for frame 3 (row = frame number)");
   poses.requirePoses({{0, 0.0}, {2, 0.2}});
@@ -58,7 +59,7 @@ TEST(TrajectoryPoses, FramesWithoutPoseAreNamed)
             "frames lack one");
 }
 
-TEST(TimedPoses, AreThoseOfTheSameTrajectoryByRow)
+TEST(PosesByTime, AreThoseOfTheSameTrajectoryByRow)
 {
   Trajectory rows(3, Eigen::Isometry3d::Identity());
   TimedTrajectory timed;
@@ -68,30 +69,30 @@ TEST(TimedPoses, AreThoseOfTheSameTrajectoryByRow)
   }
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
   T_camera0_camera.translation().x() = -0.06;
-  TimedPoses by_time(timed, T_camera0_camera);
-  TrajectoryPoses by_row(rows, T_camera0_camera);
+  TrajectoryPoses by_time(StoredPoses(storedTrajectory(timed), T_camera0_camera));
+  TrajectoryPoses by_row(StoredPoses(storedTrajectory(rows), T_camera0_camera));
   for (int i = 0; i < 3; ++i) {
     const StereoFrame frame = frameOf(i, 0.1 * i);
     EXPECT_EQ(by_time.pose(frame).matrix(), by_row.pose(frame).matrix());
   }
 }
 
-TEST(TimedPoses, AFrameWithoutPoseIsNamed)
+TEST(PosesByTime, AFrameWithoutPoseIsNamed)
 {
-  TimedPoses poses({{1.0, Eigen::Isometry3d::Identity()}},
-                   Eigen::Isometry3d::Identity(), "tum.txt");
+  TrajectoryPoses poses(StoredPoses(
+      storedTrajectory(TimedTrajectory{{1.0, Eigen::Isometry3d::Identity()}})));
   EXPECT_EQ(thrownMessage<BadInputException>([&] { poses.pose(frameOf(7, 1.02)); }),
             "tum.txt: has no pose within 0.01 s of 1.02 s, the time of frame 7; its "
             "times are from 1 to 1 s");
 }
 
-TEST(TimedPoses, AreAllRequiredBeforeTheFirstFrame)
+TEST(PosesByTime, AreAllRequiredBeforeTheFirstFrame)
 {
   const double start = 1403636579.763555584; // as ORB-SLAM writes EuRoC's
   TimedTrajectory trajectory(4);
   for (const int i : {0, 1, 2, 3})
     trajectory[std::size_t(i)].time = start + (i < 2 ? 0.05 * i : 0.05 * (i + 1));
-  const TimedPoses poses(trajectory, Eigen::Isometry3d::Identity(), "tum.txt");
+  const TrajectoryPoses poses(StoredPoses(storedTrajectory(trajectory)));
   std::vector<FrameTime> frames;
   for (const int i : {0, 1, 3, 4})
     frames.push_back({10 + i, start + 0.05 * i});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/stored_trajectory.h"
 #include "support/street_scans.h"
 #include "support/thrown_message.h"
 
@@ -32,10 +33,8 @@ protected:
     Trajectory poses;
     for (const StreetScan& scan : scans_)
       poses.push_back(worldFromFirstCamera().inverse() * scan.T_world_camera);
-    return std::make_unique<SemanticMapper>(
-        label_set_, config_,
-        std::make_unique<TrajectoryPoses>(poses, Eigen::Isometry3d::Identity()),
-        camera);
+    return std::make_unique<SemanticMapper>(label_set_, config_,
+                                            posesOf(storedTrajectory(poses)), camera);
   }
 
   CloudFrame

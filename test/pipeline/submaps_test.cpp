@@ -4,9 +4,9 @@
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/trajectory_file.h>
+#include <pcl_semantic/io/submaps.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/run_description.h>
-#include <pcl_semantic/pipeline/submaps.h>
 
 #include <gtest/gtest.h>
 

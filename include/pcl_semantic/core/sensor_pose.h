@@ -12,6 +12,17 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
+/** \brief The one rotation between KITTI's frames and ours: takes points in the frame
+ * of the first camera 0 (x right, y down, z forward) to the world (x forward, y left,
+ * z up), both with their origin at the first pose. */
+inline Eigen::Isometry3d
+worldFromFirstCamera()
+{
+  Eigen::Isometry3d T_world_first = Eigen::Isometry3d::Identity();
+  T_world_first.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return T_world_first;
+}
+
 /** \brief The pose that a cloud carries, as PCL reads it from VIEWPOINT: T_world_sensor
  * for SemanticVoxelMap::integrate() if its points are in the sensor's frame.
  * \throws BadInputException if its quaternion has no direction (0 0 0 0) */

@@ -85,4 +85,35 @@ quantize(const Eigen::Vector3d& point, double voxel_size)
   return quantized;
 }
 
+// Maps hold voxels in blocks of 8 x 8 x 8.
+constexpr int kBlockBits = 3;
+constexpr int kBlockEdge = 1 << kBlockBits;                        ///< voxels
+constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge; ///< voxels
+
+/** \brief The block that holds a voxel. */
+inline VoxelIndex
+blockOf(const VoxelIndex& voxel)
+{
+  return {voxel.x() >> kBlockBits, voxel.y() >> kBlockBits, voxel.z() >> kBlockBits};
+}
+
+/** \brief Offset of a voxel in its block: x fastest, z slowest. */
+inline int
+voxelInBlock(const VoxelIndex& voxel)
+{
+  constexpr int mask = kBlockEdge - 1;
+  return (((voxel.z() & mask) << kBlockBits | (voxel.y() & mask)) << kBlockBits) |
+         (voxel.x() & mask);
+}
+
+/** \brief The voxel at an offset of a block; inverse of blockOf and voxelInBlock. */
+inline VoxelIndex
+voxelAt(const VoxelIndex& block, int offset)
+{
+  constexpr int mask = kBlockEdge - 1;
+  return {block.x() * kBlockEdge + (offset & mask),
+          block.y() * kBlockEdge + ((offset >> kBlockBits) & mask),
+          block.z() * kBlockEdge + (offset >> (2 * kBlockBits))};
+}
+
 } // namespace pcl_semantic

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/frame_time.h>
 #include <pcl_semantic/core/label_distributions.h>
 
 #include <opencv2/core/mat.hpp>
@@ -11,12 +12,6 @@
 #include <variant>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
-
-/** \brief Which frame of a sequence, and when it was taken. */
-struct FrameTime {
-  int number = 0;         ///< may have gaps
-  double timestamp = 0.0; ///< [s]
-};
 
 /** \brief One rectified stereo pair. */
 struct StereoFrame : FrameTime {

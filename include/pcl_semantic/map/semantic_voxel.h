@@ -14,10 +14,6 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-constexpr int kBlockBits = 3;
-constexpr int kBlockEdge = 1 << kBlockBits;                        ///< voxels
-constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge; ///< voxels
-
 /** \brief Log-odds of occupancy as stored: units of 1/4096. */
 using StoredLogOdds = std::int16_t;
 constexpr float kLogOddsUnit = 1.0f / 4096.0f;
@@ -117,31 +113,5 @@ struct VoxelState {
   std::vector<float> refined;           ///< the CRF's, else \a measured
   float entropy = 0.0f;                 ///< of \a refined [nat]; log L without a label
 };
-
-/** \brief The block that holds a voxel. */
-inline VoxelIndex
-blockOf(const VoxelIndex& voxel)
-{
-  return {voxel.x() >> kBlockBits, voxel.y() >> kBlockBits, voxel.z() >> kBlockBits};
-}
-
-/** \brief Offset of a voxel in its block: x fastest, z slowest. */
-inline int
-voxelInBlock(const VoxelIndex& voxel)
-{
-  constexpr int mask = kBlockEdge - 1;
-  return (((voxel.z() & mask) << kBlockBits | (voxel.y() & mask)) << kBlockBits) |
-         (voxel.x() & mask);
-}
-
-/** \brief The voxel at a offset of a block; inverse of blockOf and voxelInBlock. */
-inline VoxelIndex
-voxelAt(const VoxelIndex& block, int offset)
-{
-  constexpr int mask = kBlockEdge - 1;
-  return {block.x() * kBlockEdge + (offset & mask),
-          block.y() * kBlockEdge + ((offset >> kBlockBits) & mask),
-          block.z() * kBlockEdge + (offset >> (2 * kBlockBits))};
-}
 
 } // namespace pcl_semantic

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/sensor_pose.h>
 #include <pcl_semantic/images/sensor_frame.h>
 
 #include <Eigen/Geometry>
@@ -9,17 +10,6 @@
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
-
-/** \brief The one rotation between KITTI's frames and ours: takes points in the frame
- * of the first camera 0 (x right, y down, z forward) to the world (x forward, y left,
- * z up), both with their origin at the first pose. */
-inline Eigen::Isometry3d
-worldFromFirstCamera()
-{
-  Eigen::Isometry3d T_world_first = Eigen::Isometry3d::Identity();
-  T_world_first.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return T_world_first;
-}
 
 /** \brief Tells where the sensor was when a frame was taken: the left camera of a
  * stereo pair, or the sensor whose frame a cloud is in. */

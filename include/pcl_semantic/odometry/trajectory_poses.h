@@ -2,72 +2,36 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/files/trajectory_file.h>
-#include <pcl_semantic/odometry/pose_doubts.h>
+#include <pcl_semantic/files/pose_doubts.h>
+#include <pcl_semantic/files/stored_poses.h>
 #include <pcl_semantic/odometry/pose_source.h>
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Poses from a trajectory of camera 0, in KITTI's frames. */
-class StoredPoses : public PoseSource {
+/** \brief The poses of a trajectory, see StoredPoses. */
+class TrajectoryPoses : public PoseSource {
 public:
-  Eigen::Isometry3d pose(const SensorFrame& frame) override;
+  explicit TrajectoryPoses(StoredPoses poses) : poses_(std::move(poses)) {}
 
-  void requirePoses(const std::vector<FrameTime>& frames) const override;
+  Eigen::Isometry3d
+  pose(const SensorFrame& frame) override
+  {
+    return poses_.pose(timeOf(frame));
+  }
 
-protected:
-  StoredPoses(const Eigen::Isometry3d& T_camera0_camera, std::string name);
-
-  /** \return the camera-0 pose of a frame, or null */
-  virtual const Eigen::Isometry3d* find(const FrameTime& frame) const = 0;
-
-  /** \brief Says that a frame has none, as an error message. */
-  virtual std::string lackOf(const FrameTime& frame) const = 0;
-
-  std::string name_; ///< of the trajectory's file
+  void
+  requirePoses(const std::vector<FrameTime>& frames) const override
+  {
+    poses_.requirePoses(frames);
+  }
 
 private:
-  Eigen::Isometry3d T_camera0_camera_;
-};
-
-/** \brief Poses from a TUM trajectory, found by the time of a frame. */
-class TimedPoses : public StoredPoses {
-public:
-  /** \param[in] trajectory camera-0 poses, see readTumTrajectory
-   * \param[in] T_camera0_camera the camera that takes the images, in camera 0
-   * \param[in] name its file, for messages
-   * \param[in] tolerance how far a pose's time may be from its frame's [s] */
-  TimedPoses(TimedTrajectory trajectory, const Eigen::Isometry3d& T_camera0_camera,
-             std::string name = "the trajectory", double tolerance = 0.01);
-
-private:
-  const Eigen::Isometry3d* find(const FrameTime& frame) const override;
-
-  std::string lackOf(const FrameTime& frame) const override;
-
-  TimedTrajectory trajectory_;
-  double tolerance_; ///< [s]
-};
-
-/** \brief Poses from a KITTI trajectory: row n is the pose of camera 0 at frame n. */
-class TrajectoryPoses : public StoredPoses {
-public:
-  /** \param[in] trajectory camera-0 poses, see readKittiTrajectory
-   * \param[in] T_camera0_camera the camera that takes the images, in camera 0
-   * \param[in] name its file, for messages */
-  TrajectoryPoses(Trajectory trajectory, const Eigen::Isometry3d& T_camera0_camera,
-                  std::string name = "the trajectory");
-
-private:
-  const Eigen::Isometry3d* find(const FrameTime& frame) const override;
-
-  std::string lackOf(const FrameTime& frame) const override;
-
-  Trajectory trajectory_;
+  StoredPoses poses_;
 };
 
 /** \brief The poses of a trajectory that was read, for the frames of a sensor.

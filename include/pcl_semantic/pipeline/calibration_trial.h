@@ -5,9 +5,9 @@
 #include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
+#include <pcl_semantic/files/pose_doubts.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 #include <pcl_semantic/labelling/label_predictor.h>
-#include <pcl_semantic/odometry/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/pipeline/mapper_config.h>
 

@@ -2,7 +2,7 @@
 #include "support/temporary_folder.h"
 #include "support/thrown_message.h"
 
-#include <pcl_semantic/odometry/pose_doubts.h>
+#include <pcl_semantic/files/pose_doubts.h>
 #include <pcl_semantic/odometry/pose_source.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
 

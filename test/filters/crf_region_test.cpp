@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/crf_region.h"
+#include "filters/crf_region.h"
 
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/map/semantic_voxel.h>

@@ -1,23 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/pipeline/submaps.h>
+#include <pcl_semantic/io/submaps.h>
+
+#include "run_values.h"
 
 #include "core/digest.h"
 #include "core/fail.h"
-#include "crf_region.h"
+#include "core/text_stream.h"
+#include "filters/crf_region.h"
 #include "map/block_reader.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/filters/semantic_crf.h>
 #include <pcl_semantic/io/archive_merge.h>
-#include <pcl_semantic/odometry/trajectory_poses.h>
-#include <pcl_semantic/pipeline/run_description.h>
+#include <pcl_semantic/io/run_record.h>
 #include <pcl_semantic/version.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -39,11 +44,27 @@ anchorOf(const MapArchive& submap)
   return frames[frames.size() / 2];
 }
 
+// The parameters of a run's CRF; those that its description lacks have the defaults of
+// maps. None: the run had no CRF.
+std::optional<SemanticCRFParameters>
+crfOfRun(const std::string& description)
+{
+  const std::map<std::string, std::string> values = runValues(description);
+  const auto model = values.find("crf");
+  if (model != values.end() && (model->second == "none" || model->second == "unary"))
+    return {};
+  SemanticCRFParameters crf = SemanticCRFParameters::forMaps();
+  for (ConfigParameter& parameter : parametersOf(crf, "m"))
+    if (const auto value = values.find(parameter.name); value != values.end())
+      parameter.set(value->second, parameter.name);
+  return crf;
+}
+
 // Refines the voxels of a merged map that are not refined any more.
 class MergedRefiner {
 public:
-  MergedRefiner(const MapArchive& map, const MapperConfig& config)
-      : label_set_(map.header().label_set), parameters_(config.crf_parameters),
+  MergedRefiner(const MapArchive& map, const SemanticCRFParameters& parameters)
+      : label_set_(map.header().label_set), parameters_(parameters),
         voxel_size_(map.header().parameters.voxel_size),
         reader_(label_set_.size(), map.header().parameters)
   {}
@@ -144,13 +165,18 @@ submapStarts(const std::vector<Eigen::Vector3d>& positions, const SubmapLength& 
   return starts;
 }
 
-std::unique_ptr<PoseSource>
+StoredPoses
 correctedPoses(const std::string& description, const std::string& trajectory,
                std::vector<std::string>* doubts)
 {
   const RunSensor sensor = sensorOf(description);
-  return sensor.has_own_poses ? readSensorPoses(trajectory, PoseFrame::sensor, doubts)
-                              : readPoses(trajectory, sensor.T_camera0_camera, doubts);
+  StoredTrajectory read = readTrajectory(
+      trajectory, sensor.has_own_poses ? PoseFrame::sensor : PoseFrame::first_camera);
+  if (doubts)
+    doubts->insert(doubts->end(), read.doubts.begin(), read.doubts.end());
+  return StoredPoses(std::move(read), sensor.has_own_poses
+                                          ? Eigen::Isometry3d::Identity()
+                                          : sensor.T_camera0_camera);
 }
 
 Eigen::Isometry3d
@@ -159,9 +185,9 @@ submapMotion(const MapArchive& submap, const std::string& trajectory,
 {
   try {
     const FrameRecord anchor = anchorOf(submap);
-    const std::unique_ptr<PoseSource> poses =
+    const StoredPoses poses =
         correctedPoses(submap.header().configuration, trajectory, doubts);
-    return poseAt(*poses, {anchor.number, anchor.timestamp}) *
+    return poses.pose({anchor.number, anchor.timestamp}) *
            anchor.T_world_camera.inverse();
   }
   catch (const BadInputException& error) {
@@ -202,10 +228,9 @@ mergeOf(const std::vector<Submap>& submaps)
       continue;
     first = &submap;
     const MapArchive archive(submap.path, ArchiveAccess::read);
-    const MapperConfig config = configOf(archive.header().configuration);
-    refiner = config.crf == "none" || config.crf == "unary"
-                  ? nullptr
-                  : std::make_shared<MergedRefiner>(archive, config);
+    const auto parameters = crfOfRun(archive.header().configuration);
+    refiner =
+        parameters ? std::make_shared<MergedRefiner>(archive, *parameters) : nullptr;
   }
   if (refiner) {
     merge.options.halo = refiner->halo();

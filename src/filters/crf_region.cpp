@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "crf_region.h"
 
-#include <pcl_semantic/map/semantic_voxel.h>
+#include <pcl_semantic/core/voxel_index.h>
 
 #include <algorithm>
 #include <cmath>

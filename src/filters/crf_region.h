@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/core/voxel_cloud.h>
 #include <pcl_semantic/filters/crf_parameters.h>
@@ -8,7 +9,7 @@
 
 #include <pcl/types.h>
 
-namespace pcl_semantic {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief What a run of the CRF has to see of a map that it has refined before: where
  * no voxel was measured since, its result would be what it was. */

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/odometry/pose_doubts.h>
+#include <pcl_semantic/files/pose_doubts.h>
 
 #include "core/text_stream.h"
 
-#include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/core/sensor_pose.h>
 
 #include <algorithm>
 #include <cmath>

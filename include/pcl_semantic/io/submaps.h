@@ -2,16 +2,15 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/files/stored_poses.h>
 #include <pcl_semantic/io/archive_merge.h>
 #include <pcl_semantic/io/map_archive.h>
-#include <pcl_semantic/odometry/pose_source.h>
 
 #include <Eigen/Geometry>
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,9 +34,9 @@ std::vector<std::size_t> submapStarts(const std::vector<Eigen::Vector3d>& positi
  * \param[in] description of the run, see describeRun()
  * \param[out] doubts if not null: those of readTrajectory() are added to it
  * \throws BadInputException */
-std::unique_ptr<PoseSource> correctedPoses(const std::string& description,
-                                           const std::string& trajectory,
-                                           std::vector<std::string>* doubts = nullptr);
+StoredPoses correctedPoses(const std::string& description,
+                           const std::string& trajectory,
+                           std::vector<std::string>* doubts = nullptr);
 
 /** \brief How corrected poses move a submap: rigidly, as they move its anchor, which is
  * the middle one of its frames.

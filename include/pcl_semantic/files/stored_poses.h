@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/abi_check.h>
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/frame_time.h>
+#include <pcl_semantic/files/pose_doubts.h>
+
+#include <Eigen/Geometry>
+
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief The poses of a trajectory for the frames of a sensor. Those of KITTI's format
+ * are found by a frame's number, those of TUM's by its time. */
+class StoredPoses {
+public:
+  /** \param[in] T_camera0_camera the camera that takes the images, in camera 0, if the
+   * trajectory holds the poses of that
+   * \param[in] tolerance how far a pose's time may be from its frame's [s]
+   * \throws BadInputException if \a T_camera0_camera is not rigid */
+  explicit StoredPoses(
+      StoredTrajectory trajectory,
+      const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity(),
+      double tolerance = 0.01);
+
+  /** \brief T_world_sensor, the pose of a frame's sensor in the world [m].
+   * \throws BadInputException that names the frame, if there is no pose for it */
+  Eigen::Isometry3d pose(const FrameTime& frame) const;
+
+  /** \brief Makes sure that all frames have a pose.
+   * \throws BadInputException that names the first frame without one, and says how many
+   * lack one and what was expected */
+  void requirePoses(const std::vector<FrameTime>& frames) const;
+
+private:
+  const Eigen::Isometry3d* find(const FrameTime& frame) const;
+  std::string lackOf(const FrameTime& frame) const;
+
+  StoredTrajectory trajectory_; // its poses from the first camera 0
+  Eigen::Isometry3d T_camera0_camera_;
+  double tolerance_; // [s]
+};
+
+} // namespace pcl_semantic
