@@ -83,7 +83,8 @@ argumentsOf(const FleetDrive& drive, const std::string& output)
   for (std::string& word : words)
     pointers.push_back(word.data());
   const Manner own = manner();
-  MapArguments arguments = parseMapArguments(int(pointers.size()), pointers.data());
+  MapArguments arguments =
+      parseMapArguments(int(pointers.size()), pointers.data(), MapProgram::map);
   manner() = own;
   arguments.archive_only = true;
   if (arguments.submap_every.empty())

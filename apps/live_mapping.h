@@ -5,7 +5,7 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Maps what comes (--live) until it ends or an interrupt comes, then finishes
+/** \brief Maps what comes until it ends or an interrupt comes, then finishes
  * the map and writes it. \return an exit code \throws as a tool's body */
 int mapLive(const MapArguments& arguments);
 

@@ -6,7 +6,6 @@
 #include "tool.h"
 
 #include <pcl_semantic/capture/live_capture.h>
-#include <pcl_semantic/capture/video_pair_sequence.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/live_folder.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>

@@ -13,7 +13,7 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Pairs of a camera, a video or a folder that fills, as they come (--live): the
+/** \brief Pairs of a camera, a video or a folder that fills, as they come: the
  * newest whenever the mapper asks, until there are no more or an interrupt comes.
  *
  * Its mapper has no labels of its own: takePredictor() is for LateLabels. */

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "image_tool.h"
-#include "live_mapping.h"
 #include "map_arguments.h"
 #include "messages.h"
 #include "network_trial.h"
@@ -46,14 +45,11 @@ main(int argc, char** argv)
     return *trial;
   return runWithImages("pcl_semantic_map", [&] {
     keepFreedMemory();
-    const MapArguments arguments = parseMapArguments(argc, argv);
+    const MapArguments arguments = parseMapArguments(argc, argv, MapProgram::map);
     if (arguments.print_config) {
       std::cout << printMapperConfig(arguments.parameters);
       return int(exit_done);
     }
-    if (!arguments.live)
-      return mapFrames(arguments);
-    restartWithShortSpins(argv);
-    return mapLive(arguments);
+    return mapFrames(arguments);
   });
 }

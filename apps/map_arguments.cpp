@@ -5,20 +5,19 @@
 #include "tool.h"
 #include "unread_options.h"
 
-#include <pcl_semantic/capture/live_capture.h>
-#include <pcl_semantic/capture/video_pair_sequence.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/pipeline/mapping_output.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 namespace pcl_semantic::tool {
 
 namespace {
 
-const Usage usage{
+const Usage map_usage{
     "pcl_semantic_map",
     R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)
   --output DIR (--labels DIR | --network FILE.yaml) [options]
@@ -30,6 +29,19 @@ map, the classes as a camera sees them in it, pictures and a summary. Defaults o
 the parameters are shown.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map)"};
+
+const Usage live_usage{
+    "pcl_semantic_live",
+    R"((SEQUENCE | --left 0 --right 2 --calibration FILE.yaml)
+  --output DIR (--labels DIR | --network FILE.yaml) [options])",
+    R"(Maps what comes, until Ctrl-C; then the map is finished and written. SEQUENCE is a
+folder that another program fills; --left and --right are cameras (0, /dev/video0),
+streams (rtsp://...) or videos, or both the same camera, with its sides next to each
+other. Takes the newest pair and drops those before it; labels are fused when they are
+ready; no images of the frames are written.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  timeout --preserve-status -s INT 10 \
+    pcl_semantic_live /tmp/street --labels /tmp/street/labels --output /tmp/live_map)"};
 
 // Whether a file would be replaced or removed by what a run writes to its folder.
 bool
@@ -140,9 +152,6 @@ unreadOptions(const MapArguments& arguments)
       {!is_seen,
        "with --clouds of no camera, which have no images",
        {"map-only", "min-hit-ratio", "label-calibration"}},
-      {arguments.live,
-       "with --live, which writes no images of the frames",
-       {"map-only"}},
       {arguments.rgbd.empty(), "without --rgbd", {"depth-scale"}},
       {!arguments.network.empty(), "with --network", {"label-confidence"}},
       unreadOptionsOfLabels(arguments.labels),
@@ -162,114 +171,123 @@ unreadOptions(const MapArguments& arguments)
 void
 requireLive(const MapArguments& arguments)
 {
-  const SequenceOptions& sequence = arguments.sequence;
-  for (const auto& [name, is_given] :
-       {std::pair("--clouds", !arguments.clouds.empty()),
-        std::pair("--rgbd", !arguments.rgbd.empty()),
-        std::pair("--resume", arguments.archive.resume),
-        std::pair("--submap-every", !arguments.submap_every.empty()),
-        std::pair("--frames", arguments.frames != ":"),
-        std::pair("--also", !arguments.also.empty()),
-        std::pair("--times", !sequence.files.times.empty()),
-        std::pair("--network-every", arguments.parameters.network_every != 1),
-        std::pair("--clique-calibration", !arguments.clique_calibration.empty())})
-    refuseIf(is_given, std::string("--live and ") + name + " exclude each other");
-  const auto isLive = [](const std::string& name) {
-    return isCapture(name) || isVideo(name);
-  };
-  refuseIf(sequence.hasFiles() &&
-               !(isLive(sequence.files.left) && isLive(sequence.files.right)),
-           "--live needs cameras, streams or videos for --left and --right, or a "
-           "SEQUENCE");
+  refuseIf(!arguments.sequence.files.times.empty(), "--times needs --every-frame");
+  refuseIf(arguments.parameters.network_every != 1,
+           "--network-every is for maps of all frames");
   refuseIf(arguments.poses == "sequence",
-           "--live and --poses sequence exclude each other");
+           "--poses sequence: frames come without a file of poses");
+}
+
+// Of both programs.
+std::vector<Option>
+commonOptions(MapArguments& arguments)
+{
+  return {
+      {"label-mapping", arguments.label_mapping, pixel_mapping_help},
+      {"output", arguments.output,
+       "output folder; replaces an earlier map in it, which stays in its folder "
+       "`previous` until the new one is whole"},
+      {"labels", arguments.labels,
+       "folder of stored label distributions, one .bin, .npy or .png per frame"},
+      {"label-set", arguments.label_set,
+       "label set of --labels (default: label_sets/kitti11.yaml)"},
+      {"network", arguments.network, "network description (.yaml)"},
+      {"model", arguments.model, "network (.onnx; default: as its description says)"},
+      {"engine", arguments.engine, engine_help},
+      {"label-calibration", arguments.label_calibration,
+       "calibration of the label distributions, see pcl_semantic_calibrate "
+       "(.yaml)"},
+      {"poses", withDefault(arguments.poses),
+       "KITTI or TUM trajectory file; or sequence = its poses.txt, odometry = "
+       "estimate them from the images, viewpoint = those in the VIEWPOINT of "
+       "--clouds, auto = poses.txt if there is one, else odometry"},
+      {"centres", arguments.centres,
+       "give the points of map.pcd the centres of their voxels instead of the "
+       "mean "
+       "positions of the hits"},
+      {"archive", arguments.archive.path,
+       "archive file of the map; a killed run can be resumed from it"},
+      {"archive-every", withDefault(arguments.archive.every),
+       "commit to the archive every N frames"},
+      {"view", arguments.view, "show the map in a window while it grows"},
+      {"config", arguments.config, "parameter file (.yaml); options override it"},
+      {"print-config", arguments.print_config,
+       "print the effective parameters as YAML and exit"}};
+}
+
+// Where frames come from besides a sequence, and what needs all of them.
+std::vector<Option>
+mapOptions(MapArguments& arguments)
+{
+  return {{"clouds", arguments.clouds,
+           "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or "
+           "pattern of .pcd, .ply or KITTI's .bin, one per frame, in the sensor's "
+           "frame; needs --poses FILE"},
+          {"rgbd", arguments.rgbd,
+           "RGB-D sequence instead of SEQUENCE: TUM's layout, or a folder with rgb/ "
+           "and depth/; needs --calibration with the intrinsics (ROS camera_info, "
+           "Kalibr) and --poses FILE, those of the camera in a world with z up"},
+          {"depth-scale", withDefault(arguments.depth_scale),
+           "number in its depth images that is a metre; 0 = 5000 in TUM's layout, "
+           "else 1000"},
+          {"scan-columns", arguments.scan_columns, scan_columns_help},
+          {"sensor", arguments.sensor,
+           "sensor of --clouds: own = any, --poses are its poses in a world with z "
+           "up; or, with --calibration and poses of its camera 0: camera or grey = "
+           "left camera of KITTI's colour or grey pair, laser = KITTI's Tr (default: "
+           "own, or camera with --calibration)"},
+          {"clique-calibration", arguments.clique_calibration,
+           "calibration of the cliques, see pcl_semantic_calibrate --clique-config "
+           "(.yaml)"},
+          {"map-only", arguments.map_only,
+           "write the map, its trajectory and summary, but no images of the frames"},
+          {"frames", arguments.frames, "A:B = frames with numbers A <= n < B"},
+          {"also", arguments.also,
+           "further output for evaluation, separated by commas: measured = labels "
+           "before the CRF, depth = depth images, probabilities = those of the "
+           "classes at the pixels' depths, scans = the class of each point of the "
+           "sequence's laser scans, or of --clouds"},
+          {"scan-within", withDefault(arguments.scan_within),
+           "maximum distance of a scan point's voxel [m]; 0 = the voxel that contains "
+           "it"},
+          {"submap-every", arguments.submap_every,
+           "cut the drive into submaps after so many metres (50m) or frames (100), "
+           "each with an archive OUTPUT/FIRST.map and a folder OUTPUT/FIRST; "
+           "pcl_semantic_archive merge joins them, also with corrected poses"},
+          {"resume", arguments.archive.resume,
+           "resume from the archive; start if there is none"}};
+}
+
+std::vector<Option>
+liveOptions(MapArguments& arguments)
+{
+  return {{"every-frame", arguments.every_frame,
+           "map each pair of two videos, as pcl_semantic_map maps a sequence"}};
+}
+
+po::variables_map
+parseOptions(int argc, char** argv, MapProgram program, MapArguments& arguments)
+{
+  const bool is_live = program == MapProgram::live;
+  std::vector<Option> options =
+      is_live ? liveOptions(arguments) : mapOptions(arguments);
+  for (Option& option : commonOptions(arguments))
+    options.push_back(std::move(option));
+  return parseCommandLine(argc, argv, is_live ? live_usage : map_usage,
+                          withSequence(arguments.sequence, options), {"sequence"},
+                          parametersOf(arguments.parameters));
 }
 
 } // namespace
 
 MapArguments
-parseMapArguments(int argc, char** argv)
+parseMapArguments(int argc, char** argv, MapProgram program)
 {
+  refuseRemoved(argc, argv,
+                {{"live", "the program pcl_semantic_live maps what comes"}});
   MapArguments arguments;
-  const po::variables_map values = parseCommandLine(
-      argc, argv, usage,
-      withSequence(
-          arguments.sequence,
-          {{"clouds", arguments.clouds,
-            "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or "
-            "pattern of .pcd, .ply or KITTI's .bin, one per frame, in the sensor's "
-            "frame; needs --poses FILE"},
-           {"rgbd", arguments.rgbd,
-            "RGB-D sequence instead of SEQUENCE: TUM's layout, or a folder with rgb/ "
-            "and depth/; needs --calibration with the intrinsics (ROS camera_info, "
-            "Kalibr) and --poses FILE, those of the camera in a world with z up"},
-           {"depth-scale", withDefault(arguments.depth_scale),
-            "number in its depth images that is a metre; 0 = 5000 in TUM's layout, "
-            "else 1000"},
-           {"label-mapping", arguments.label_mapping, pixel_mapping_help},
-           {"scan-columns", arguments.scan_columns, scan_columns_help},
-           {"sensor", arguments.sensor,
-            "sensor of --clouds: own = any, --poses are its poses in a world with z "
-            "up; or, with --calibration and poses of its camera 0: camera or grey = "
-            "left camera of KITTI's colour or grey pair, laser = KITTI's Tr (default: "
-            "own, or camera with --calibration)"},
-           {"output", arguments.output,
-            "output folder; replaces an earlier map in it, which stays in its folder "
-            "`previous` until the new one is whole"},
-           {"labels", arguments.labels,
-            "folder of stored label distributions, one .bin, .npy or .png per frame"},
-           {"label-set", arguments.label_set,
-            "label set of --labels (default: label_sets/kitti11.yaml)"},
-           {"network", arguments.network, "network description (.yaml)"},
-           {"model", arguments.model,
-            "network (.onnx; default: as its description says)"},
-           {"engine", arguments.engine, engine_help},
-           {"label-calibration", arguments.label_calibration,
-            "calibration of the label distributions, see pcl_semantic_calibrate "
-            "(.yaml)"},
-           {"clique-calibration", arguments.clique_calibration,
-            "calibration of the cliques, see pcl_semantic_calibrate --clique-config "
-            "(.yaml)"},
-           {"poses", withDefault(arguments.poses),
-            "KITTI or TUM trajectory file; or sequence = its poses.txt, odometry = "
-            "estimate them from the images, viewpoint = those in the VIEWPOINT of "
-            "--clouds, auto = poses.txt if there is one, else odometry"},
-           {"map-only", arguments.map_only,
-            "write the map, its trajectory and summary, but no images of the frames"},
-           {"centres", arguments.centres,
-            "give the points of map.pcd the centres of their voxels instead of the "
-            "mean "
-            "positions of the hits"},
-           {"frames", arguments.frames, "A:B = frames with numbers A <= n < B"},
-           {"also", arguments.also,
-            "further output for evaluation, separated by commas: measured = labels "
-            "before the CRF, depth = depth images, probabilities = those of the "
-            "classes at the pixels' depths, scans = the class of each point of the "
-            "sequence's laser scans, or of --clouds"},
-           {"scan-within", withDefault(arguments.scan_within),
-            "maximum distance of a scan point's voxel [m]; 0 = the voxel that contains "
-            "it"},
-           {"archive", arguments.archive.path,
-            "archive file of the map; a killed run can be resumed from it"},
-           {"archive-every", withDefault(arguments.archive.every),
-            "commit to the archive every N frames"},
-           {"submap-every", arguments.submap_every,
-            "cut the drive into submaps after so many metres (50m) or frames (100), "
-            "each with an archive OUTPUT/FIRST.map and a folder OUTPUT/FIRST; "
-            "pcl_semantic_archive merge joins them, also with corrected poses"},
-           {"view", arguments.view, "show the map in a window while it grows"},
-           {"live", arguments.live,
-            "map what comes, until Ctrl-C: SEQUENCE is a folder that another program "
-            "fills, --left and --right are cameras (0, /dev/video0), streams "
-            "(rtsp://...) or videos, or both the same camera, with its sides next to "
-            "each other; takes the newest pair and drops those before it, labels are "
-            "fused when they are ready; no images of the frames are written"},
-           {"resume", arguments.archive.resume,
-            "resume from the archive; start if there is none"},
-           {"config", arguments.config, "parameter file (.yaml); options override it"},
-           {"print-config", arguments.print_config,
-            "print the effective parameters as YAML and exit"}}),
-      {"sequence"}, parametersOf(arguments.parameters));
+  const po::variables_map values = parseOptions(argc, argv, program, arguments);
+  arguments.live = program == MapProgram::live && !arguments.every_frame;
   readMapperConfig(arguments.config, arguments.parameters);
   setParameters(values, parametersOf(arguments.parameters));
   arguments.parameters.validate();

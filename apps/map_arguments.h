@@ -10,7 +10,10 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief The command line of pcl_semantic_map. */
+/** \brief The programs whose command line it is. */
+enum class MapProgram { map, live };
+
+/** \brief The command line of pcl_semantic_map, or of pcl_semantic_live. */
 struct MapArguments {
   SequenceOptions sequence;
   std::string clouds;        ///< instead of the sequence: folder or pattern of .pcd
@@ -31,6 +34,7 @@ struct MapArguments {
   bool print_config = false;
   bool view = false;         ///< a window, see openLiveView()
   bool live = false;         ///< frames as they come, see mapLive()
+  bool every_frame = false;  ///< of pcl_semantic_live: those of two videos
   bool archive_only = false; ///< nothing is written to `output`
   std::string submap_every;  ///< "50m" or "100"; empty = one map, see submapsOf()
   MappingArchive::Options archive;
@@ -39,7 +43,7 @@ struct MapArguments {
 
 /** \brief Reads it.
  * \throws InvalidParameterException, BadInputException, Exit as parseCommandLine() */
-MapArguments parseMapArguments(int argc, char** argv);
+MapArguments parseMapArguments(int argc, char** argv, MapProgram program);
 
 /** \brief What a run cannot do without, or together.
  * \throws InvalidParameterException */

@@ -5,7 +5,6 @@
 
 #include "core/fail.h"
 
-#include <pcl_semantic/capture/video_pair_sequence.h>
 #include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/dataset/frame_sequence.h>
@@ -95,8 +94,12 @@ withWarnings(std::unique_ptr<Sequence> sequence)
 std::unique_ptr<FrameSequence>
 openSequence(const SequenceOptions& options)
 {
-  if (isVideo(options.files.left) && isVideo(options.files.right))
-    return withWarnings(std::make_unique<VideoPairSequence>(options.files));
+  const bool are_videos = isVideo(options.files.left) && isVideo(options.files.right);
+  if (are_videos && options.open_videos)
+    return options.open_videos(options.files);
+  if (are_videos)
+    fail<InvalidParameterException>(
+        options.files.left, ": is a video, which pcl_semantic_live --every-frame maps");
   if (options.hasFiles())
     return withWarnings(std::make_unique<ImagePairSequence>(options.files));
   return std::make_unique<KittiSequence>(options.folder);

@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -25,6 +26,8 @@ struct SequenceOptions {
   std::string folder; ///< the positional SEQUENCE
   ImagePairFiles files;
   bool strict = false; ///< refuse pairs that look wrong, see PairWatch
+  /// Opens two videos; null in the programs that refuse them.
+  std::function<std::unique_ptr<FrameSequence>(const ImagePairFiles&)> open_videos;
 
   /** \brief Whether any option about files was given. */
   bool hasFiles() const;

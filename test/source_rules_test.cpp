@@ -222,7 +222,7 @@ TEST(SourceRules, TheCheckerFindsBadIncludes)
   EXPECT_EQ(count("map", "#include <pcl_semantic/cliques/clique_generator.h>\n"), 1u);
   EXPECT_EQ(count("crf", "#include <pcl_semantic/files/npy_file.h>\n"), 1u);
   EXPECT_EQ(count("io", "#include <pcl_semantic/evaluation/confusion_matrix.h>\n"), 1u);
-  EXPECT_EQ(count("io", "#include <pcl_semantic/filters/semantic_crf.h>\n"), 1u);
+  EXPECT_EQ(count("map", "#include <pcl_semantic/filters/semantic_crf.h>\n"), 1u);
   EXPECT_EQ(count("pipeline", "#include <pcl_semantic/capture/live_capture.h>\n"), 1u);
   EXPECT_EQ(count("map", "#include \"pipeline/a.h\"\n"), 1u);
   EXPECT_EQ(count("map", "#include \"stereo/a.h\"\n"), 1u);

@@ -14,14 +14,6 @@
 
 namespace pcl_semantic {
 
-bool
-isVideo(const std::string& path)
-{
-  const std::string extension = std::filesystem::path(path).extension().string();
-  return extension == ".mp4" || extension == ".avi" || extension == ".mkv" ||
-         extension == ".mov";
-}
-
 namespace {
 
 struct Video {

@@ -8,6 +8,7 @@
 #include <pcl_semantic/images/image_file.h>
 
 #include <algorithm>
+#include <filesystem>
 
 namespace pcl_semantic {
 
@@ -79,6 +80,14 @@ ImagePairSequence::frame(std::size_t i) const
   frame.timestamp = timestamp(i);
   pair_.rectify(frame);
   return frame;
+}
+
+bool
+isVideo(const std::string& path)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".mp4" || extension == ".avi" || extension == ".mkv" ||
+         extension == ".mov";
 }
 
 } // namespace pcl_semantic

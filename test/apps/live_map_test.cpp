@@ -21,8 +21,8 @@ protected:
   std::string
   command(const std::string& more = "") const
   {
-    return PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " + street + " --labels " +
-           tinyStreet() + "/labels --live --output " + map + " " + more;
+    return PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_live " + street + " --labels " +
+           tinyStreet() + "/labels --output " + map + " " + more;
   }
 
   // For the shell: waits until the run that it has started last has said so.
@@ -63,7 +63,7 @@ TEST_F(LiveMap, GrowsWithAFolderUntilItIsInterrupted)
   EXPECT_TRUE(holds(result.text, "frames: 3"));
   EXPECT_TRUE(holds(result.text, "dropped: 0"));
   EXPECT_TRUE(holds(result.text, "GOMP_SPINCOUNT=1000"));
-  EXPECT_TRUE(holds(result.text, "pcl_semantic_ma\n")) << "as ps and killall have it";
+  EXPECT_TRUE(holds(result.text, "pcl_semantic_li\n")) << "as ps and killall have it";
   std::ifstream file(map + "/summary.json");
   const nlohmann::json summary = nlohmann::json::parse(file);
   EXPECT_EQ(summary["finished"], true);
@@ -79,9 +79,9 @@ TEST_F(LiveMap, ASecondInterruptIsIgnored)
 {
   const std::string archive = folder.path("live.map");
   const ToolResult twice = runShell(
-      PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " + tinyStreet() + " --labels " +
-      tinyStreet() + "/labels --live --verbose --output " + map + " --archive " +
-      archive + " >" + log + " 2>&1 & " + waitFor("live: frame 2") +
+      PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_live " + tinyStreet() + " --labels " +
+      tinyStreet() + "/labels --verbose --output " + map + " --archive " + archive +
+      " >" + log + " 2>&1 & " + waitFor("live: frame 2") +
       "kill -INT $!; sleep 0.02; kill -INT $!; wait $!; code=$?; cat " + log +
       "; exit $code");
   EXPECT_EQ(twice.code, 0) << twice.text;
@@ -105,9 +105,9 @@ TEST_F(LiveMap, WhatGoesWrongEndsItButNotWithoutTheMap)
 {
   const std::string labels = folder.path("no_labels");
   const ToolResult result = runShell(
-      "mkdir " + labels + "; " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_map " +
-      tinyStreet() + " --labels " + labels + " --live --verbose --output " + map +
-      " >" + log + " 2>&1 & " + waitFor("live: frame 2") +
+      "mkdir " + labels + "; " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_live " +
+      tinyStreet() + " --labels " + labels + " --verbose --output " + map + " >" + log +
+      " 2>&1 & " + waitFor("live: frame 2") +
       "kill -INT $!; wait $!; code=$?; tail -n 1 " + log + "; exit $code");
   EXPECT_EQ(result.code, 3) << result.text;
   EXPECT_TRUE(holds(result.text, "no_labels"));
@@ -119,19 +119,33 @@ TEST_F(LiveMap, WhatGoesWrongEndsItButNotWithoutTheMap)
 
 TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
 {
-  const std::string live = "map " + tinyStreet() + " --labels " + tinyStreet() +
-                           "/labels --live --output " + map + " ";
-  for (const char* const option : {"--archive a.map --resume", "--frames 0:2",
-                                   "--also depth", "--network-every 2"})
-    expectFails(live + option, 2, "exclude each other");
-  expectFails("map --left 'l*.png' --right 'r*.png' --calibration c.yaml --labels l "
-              "--live --output " +
+  const std::string live =
+      "live " + tinyStreet() + " --labels " + tinyStreet() + "/labels --output " + map;
+  expectFails(live + " --times times.txt", 2, "--times needs --every-frame");
+  expectFails(live + " --network-every 2", 2, "--network-every is for maps of all");
+  expectFails(live + " --poses sequence", 2, "--poses sequence");
+  expectFails(live + " --every-frame", 2, "--every-frame needs videos");
+  expectFails("live --left 'l*.png' --right 'r*.png' --calibration c.yaml --labels l "
+              "--output " +
                   map,
-              2, "--live needs cameras, streams or videos");
-  expectFails("map " + street + " --labels " + tinyStreet() +
-                  "/labels --live --output " + map,
+              2, "expected cameras, streams or videos");
+  expectFails("live " + street + " --labels " + tinyStreet() + "/labels --output " +
+                  map,
               3, "street: is no folder");
   EXPECT_FALSE(fs::exists(map));
+}
+
+TEST_F(LiveMap, OthersNameItsProgram)
+{
+  const std::string left = folder.write("left.mp4", ""),
+                    right = folder.write("right.mp4", "");
+  const std::string videos = " --left " + left + " --right " + right +
+                             " --calibration " + tinyStreet() + "/calib.txt --output " +
+                             map;
+  expectFails("map --labels l" + videos, 2, "pcl_semantic_live --every-frame");
+  expectFails("odometry" + videos, 2, "pcl_semantic_live --every-frame");
+  expectFails("map " + tinyStreet() + " --labels l --live --output " + map, 2,
+              "the program pcl_semantic_live");
 }
 
 } // namespace pcl_semantic

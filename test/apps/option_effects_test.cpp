@@ -80,10 +80,10 @@ const std::vector<Mode> modes = {
          small,
      of_source},
     // One pair: which of several would be dropped is up to the moment.
-    {"--live", "map --left IN/left.avi --right IN/right.avi --calibration "
-               "IN/own/stereo.yaml --labels IN/own/labels --poses IN/own/poses.txt "
-               "--output OUT/map" +
-                   small + " --live"},
+    {"live", "live --left IN/left.avi --right IN/right.avi --calibration "
+             "IN/own/stereo.yaml --labels IN/own/labels --poses IN/own/poses.txt "
+             "--output OUT/map" +
+                 small},
     {"drive 'a'",
      "fleet IN/street --labels IN/street/labels --frames 0:2 --submap-every 2" + small},
     {"info", "archive info IN/one.map"},
@@ -299,6 +299,7 @@ const std::map<std::string, std::vector<Trial>> trials = {
      {{"0"},
       {"0", "--cliques superpixel:20"},
       {"0", "--cliques superpixel:20 --clique-weight 9"}}},
+    {"every-frame", {{""}}},
     {"thin", {{"1"}}},
     {"times",
      {{"IN/times.txt"},
@@ -318,12 +319,11 @@ const std::map<std::string, std::vector<Trial>> trials = {
 // window, never end, or more frames than there are. Of clouds and of a fleet, which has
 // no images of frames, `crf-every` costs time alone.
 const std::set<std::string> unseen = {
-    "help", "version", "man", "quiet", "verbose", "json", "live", "threads", "engine",
-    "view", "odometry window", "--clouds crf-every",
+    "help", "version", "man", "quiet", "verbose", "json", "threads", "engine", "view",
+    "live view", "odometry window", "--clouds crf-every",
     // One frame contradicts no other, and has nothing thin that is outvoted.
-    "--live crf-every", "--live clearing", "--live hit-probability",
-    "--live miss-probability", "--live deviation-scale", "--live crf-keep-thin",
-    "drive 'a' crf-every"};
+    "live crf-every", "live clearing", "live hit-probability", "live miss-probability",
+    "live deviation-scale", "live crf-keep-thin", "drive 'a' crf-every"};
 
 // Those that are given by their place are in the commands.
 const std::set<std::string> positional = {"sequence", "sequences",    "input", "output",

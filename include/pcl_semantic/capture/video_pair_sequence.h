@@ -9,9 +9,6 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Whether a name is that of a video: `.mp4 .avi .mkv .mov`. */
-bool isVideo(const std::string& path);
-
 /** \brief Stereo pairs of two videos that were taken together, rectified as they are
  * read. Frame n is the n-th image of both, its time n over the frames a second that the
  * left one states, or row n of `times`. Frames are read in order; going back begins

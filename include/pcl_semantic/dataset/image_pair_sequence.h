@@ -79,4 +79,7 @@ private:
   RectifiedPair pair_;
 };
 
+/** \brief Whether a name is that of a video: `.mp4 .avi .mkv .mov`. */
+bool isVideo(const std::string& path);
+
 } // namespace pcl_semantic
