@@ -25,10 +25,11 @@ namespace {
 using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
 
-const Usage usage{"pcl_semantic_archive",
-                  "info FILE | verify FILE | export FILE OUT.pcd [--box ...] [--class "
-                  "NAME]... | merge FILE FILE... OUT | changes BEFORE AFTER OUT.pcd",
-                  R"(Looks into the map archives of pcl_semantic_map --archive.
+const Usage usage{
+    "pcl_semantic_archive",
+    "info FILE | verify FILE |\n  export FILE OUT.pcd [--box ...] [--class "
+    "NAME]... |\n  merge FILE FILE... OUT | changes BEFORE AFTER OUT.pcd",
+    R"(Looks into the map archives of pcl_semantic_map --archive.
   info    what is in it
   verify  reads all of it and compares every checksum: prints 'ok' or what is wrong
   export  its occupied voxels, as map.pcd holds them; x y z are relative to the
@@ -37,7 +38,7 @@ const Usage usage{"pcl_semantic_archive",
           it, into a new archive OUT
   changes voxels that one map has seen occupied and the other free: red where they
           went, green where they came)",
-                  R"(pcl_semantic_synthesize /tmp/street && \
+    R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map \
     --archive /tmp/street.map && \
   pcl_semantic_archive export /tmp/street.map /tmp/road.pcd --class road)"};

@@ -32,7 +32,14 @@ pcl_semantic_map --label-calibration; for each sequence without_NAME.yaml,
 learned from the others alone; and report.md.)",
     R"(pcl_semantic_synthesize /tmp/one && pcl_semantic_synthesize /tmp/two --seed 2 && \
   pcl_semantic_calibrate /tmp/one /tmp/two --labels '{sequence}/labels' \
-    --truth '{sequence}/gt' --output /tmp/calibrated)"};
+    --truth '{sequence}/gt' --output /tmp/calibrated)",
+    {{"labels DIR", "label distributions; {sequence} and {name} stand for each"},
+     {"truth DIR", "ground truth images, likewise"},
+     {"output DIR", "folder of the calibrations and the report"},
+     {"label-set FILE", "classes (default: label_sets/kitti11.yaml)"},
+     {"clique-config FILE", "learn what cliques are worth instead"},
+     {"features WORDS", "what curves are over"},
+     {"frames A:B", "frames with numbers A <= n < B"}}};
 
 struct Arguments {
   std::vector<std::string> sequences;

@@ -32,7 +32,8 @@ using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
 
 const Usage usage{
-    "pcl_semantic_cliques", "IN.pcd OUT.pcd --method METHOD [options]",
+    "pcl_semantic_cliques",
+    "IN.pcd OUT.pcd --method METHOD [options]",
     R"(Groups the points of a cloud that are likely to have one label. OUT.pcd is IN.pcd
 with the field clique (0 = none), which pcl_semantic_crf --cliques field takes.
 Methods: cubes[:SIZE], supervoxel[:SEEDS' DISTANCE], superpixel[:NUMBER] (of a
@@ -46,7 +47,13 @@ frame, seen in a map), slic[:NUMBER] (of IN.pcd, an organized cloud).)",
     --frame /tmp/frame.pcd --pose /tmp/raw_map/trajectory.txt:0 \
     --coloured /tmp/coloured.pcd && \
   pcl_semantic_crf /tmp/cliques.pcd /tmp/grouped.pcd --crf hierarchical \
-    --cliques field)"};
+    --cliques field)",
+    {{"method METHOD", "cubes, supervoxel, superpixel or slic"},
+     {"frame FILE", "of superpixel: organized cloud in the camera frame"},
+     {"pose POSE", "its pose: FILE:ROW, or x y z qx qy qz qw"},
+     {"coloured FILE", "also write a cloud with one colour a clique"},
+     {"voxel-size 0.1", "voxel size of the map [m]"},
+     {"map-origin X,Y,Z", "map_origin of its summary.json"}}};
 
 // The frame whose superpixels a map gets.
 struct CliqueFrame {

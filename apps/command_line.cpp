@@ -98,6 +98,27 @@ refusalOf(const po::unknown_option& error, const ConfigParameters& parameters)
   return why.empty() ? error.what() : option + ": " + why;
 }
 
+// The options that are used most; the test of help holds it to a screen.
+void
+printHelp(const Usage& usage, const po::options_description& all, bool is_whole)
+{
+  std::cout << "Usage: " << usage.name << " " << usage.synopsis << "\n\n"
+            << usage.description << "\n\nExample:\n  " << usage.example << "\n";
+  if (is_whole || usage.often.empty()) {
+    std::cout << all;
+    return;
+  }
+  constexpr std::size_t column = 28;
+  std::cout << "\nOptions that are used most:\n";
+  for (const auto& [option, help] : usage.often)
+    std::cout << "  --" << option
+              << std::string(column - std::min(column - 1, option.size() + 4), ' ')
+              << help << "\n";
+  std::cout
+      << "\n--help-all lists all options. Each program also has --help, --version, "
+         "--quiet,\n--verbose, --json and --man.\n";
+}
+
 // Parses the options of a tool and those that all have; ends it if it was for help.
 po::variables_map
 parseOptions(int argc, char** argv, const Usage& usage,
@@ -108,9 +129,9 @@ parseOptions(int argc, char** argv, const Usage& usage,
   po::options_description general("General");
   Manner& how = manner();
   how.name = usage.name;
-  general.add_options()("help,h", "print this help")("version", "print the version")(
-      "quiet,q", po::bool_switch(&how.quiet),
-      "print only errors, warnings and results")(
+  general.add_options()("help,h", "print help")("help-all", "print all options")(
+      "version", "print the version")("quiet,q", po::bool_switch(&how.quiet),
+                                      "print only errors, warnings and results")(
       "verbose,v", po::bool_switch(&how.verbose),
       "print each step with the time since the start")(
       "json", po::bool_switch(&how.json),
@@ -127,10 +148,8 @@ parseOptions(int argc, char** argv, const Usage& usage,
                   .style(unix_style & ~allow_guessing)
                   .run(),
               values);
-    if (values.count("help")) {
-      std::cout << "Usage: " << usage.name << " " << usage.synopsis << "\n\n"
-                << usage.description << "\n\nExample:\n  " << usage.example << "\n"
-                << all;
+    if (values.count("help") || values.count("help-all")) {
+      printHelp(usage, all, values.count("help-all") > 0);
       throw Exit{exit_done};
     }
     if (values.count("man")) {

@@ -21,6 +21,9 @@ struct Usage {
   std::string synopsis;    ///< "SEQUENCE --output DIR [options]"
   std::string description; ///< what it does, one or two sentences
   std::string example;     ///< a command that works when pasted
+  /// What `--help` lists, where all options would not fit on a screen: an option with
+  /// its value ("labels DIR"), and its help in a line; `--help-all` lists the rest.
+  std::vector<std::pair<std::string, std::string>> often{};
 };
 
 /** \brief An option of a tool: its name ("output,o"), where its value goes, its help.
@@ -73,11 +76,11 @@ withDefault(T& value)
   return po::value<T>(&value)->default_value(value, shown(value));
 }
 
-/** \brief Parses the command line; adds `--help`, `--version` and `--man`, which end
- * the tool, and `--quiet`, `--verbose` and `--json`, which set manner(). \param[in]
- * options in the order of the help \param[in] positional options that need no name; a
- * last one "files..." takes all that is left \param[in] parameters each an option, too,
- * see setParameters() \throws Exit if help was printed \throws
+/** \brief Parses the command line; adds `--help`, `--help-all`, `--version` and
+ * `--man`, which end the tool, and `--quiet`, `--verbose` and `--json`, which set
+ * manner(). \param[in] options in the order of the help \param[in] positional options
+ * that need no name; a last one "files..." takes all that is left \param[in] parameters
+ * each an option, too, see setParameters() \throws Exit if help was printed \throws
  * InvalidParameterException at unknown options, missing or unreadable values */
 po::variables_map parseCommandLine(int argc, char** argv, const Usage& usage,
                                    const std::vector<Option>& options,

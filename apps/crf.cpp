@@ -41,7 +41,8 @@ struct Arguments {
 };
 
 const Usage usage{
-    "pcl_semantic_crf", "IN OUT.pcd [options]",
+    "pcl_semantic_crf",
+    "IN OUT.pcd [options]",
     R"(Makes the labels of a cloud consistent with a CRF. IN (.pcd, .ply, or a scan
 without a header, .bin as KITTI and nuScenes have them, with .label) has the fields
 x y z, probability (one a class) or label (0 = unlabelled), and, for kernels of
@@ -50,7 +51,18 @@ colour, rgb or rgba. OUT.pcd is the same with label and probability rewritten.)"
   pcl_semantic_map /tmp/street --labels /tmp/street/labels --crf none \
     --output /tmp/raw_map && \
   pcl_semantic_crf /tmp/raw_map/map.pcd /tmp/refined.pcd --crf hierarchical \
-    --cliques cubes:1)"};
+    --cliques cubes:1)",
+    {{"label-set FILE", "classes (.yaml), where labels do not show their number"},
+     {"label-mapping FILE", "numbers of the input to classes of the label set"},
+     {"cliques WORD", "field, cubes[:SIZE], slic, supervoxel[:DISTANCE] or a file"},
+     {"crf dense", "model: unary, dense, pn-potts or hierarchical"},
+     {"crf-iterations N", "number of mean-field updates"},
+     {"smoothness-weight 3", "weight of the smoothness kernel"},
+     {"appearance-weight 8", "weight of the appearance kernel"},
+     {"clique-weight 1", "cost of a member whose label differs from its clique"},
+     {"label-confidence 0.8", "probability of the class that a label states"},
+     {"threads 0", "number of threads; 0 = all processors"},
+     {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
 Arguments
 parse(int argc, char** argv)

@@ -37,8 +37,8 @@ const Usage usage{
     R"(Maps many drives into one map: cuts them into submaps, maps these, places each by
 corrected poses if there are any, and merges them tile by tile. Under mpirun or
 Slurm all processes share the work; what is done stays done when it is started
-again; what the plan no longer says is made anew or removed. OUTPUT/map.tiles is the map: pcl_semantic_archive, _export, _render
-and _view read it as an archive.)",
+again; what the plan no longer says is made anew or removed. OUTPUT/map.tiles is the
+map: pcl_semantic_archive, _export, _render and _view read it as an archive.)",
     R"(pcl_semantic_synthesize /tmp/street && cat >/tmp/plan.yaml <<'EOF'
 output: city
 options: {submap_every: 10m}

@@ -33,12 +33,24 @@ struct Arguments {
 };
 
 const Usage usage{
-    "pcl_semantic_image_crf", "IMAGE DISTRIBUTIONS OUT.png [options]",
+    "pcl_semantic_image_crf",
+    "IMAGE DISTRIBUTIONS OUT.png [options]",
     R"(Makes the classes of an image's pixels consistent with a CRF, and writes class ids
 (0 = unlabelled). DISTRIBUTIONS: .bin, .npy, or class ids as .png.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   pcl_semantic_image_crf /tmp/street/image_2/000000.png /tmp/street/labels/000000.bin \
-    /tmp/refined.png --overlay /tmp/refined_overlay.png)"};
+    /tmp/refined.png --overlay /tmp/refined_overlay.png)",
+    {{"label-set FILE", "classes of the distributions (default: KITTI, eleven)"},
+     {"overlay FILE", "also write the image with the classes laid over it"},
+     {"refined FILE", "also write the refined distributions (.bin)"},
+     {"cliques slic[:NUMBER]", "superpixels for pn-potts and hierarchical"},
+     {"crf dense", "model: unary, dense, pn-potts or hierarchical"},
+     {"crf-iterations N", "number of mean-field updates"},
+     {"smoothness-weight 3", "weight of the smoothness kernel"},
+     {"appearance-weight 8", "weight of the appearance kernel"},
+     {"clique-weight 1", "cost of a member whose label differs from its clique"},
+     {"label-confidence 0.8", "probability of the class that a label states"},
+     {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
 Arguments
 parse(int argc, char** argv)

@@ -56,7 +56,16 @@ images in which a camera saw the points.)",
   pcl_semantic_stereo /tmp/street/image_2 /tmp/street/image_3 /tmp/street/calib.txt \
     /tmp/street_clouds && \
   pcl_semantic_label --clouds /tmp/street_clouds --labels /tmp/street/labels \
-    --output /tmp/street_labelled)"};
+    --output /tmp/street_labelled)",
+    {{"clouds GLOB", "clouds to label, instead of images"},
+     {"network FILE", "network description (.yaml)"},
+     {"model FILE", "network (.onnx; default: as its description says)"},
+     {"labels DIR", "label images or distributions instead of a network"},
+     {"left GLOB, --right GLOB", "images of any camera, instead of SEQUENCE"},
+     {"calibration FILE", "of the cameras"},
+     {"sensor-pose FILE", "pose of the clouds' sensor in the camera"},
+     {"output DIR", "folder of the distributions, or of the labelled clouds"},
+     {"frames A:B", "frames with numbers A <= n < B"}}};
 
 struct Arguments {
   SequenceOptions sequence;

@@ -28,7 +28,22 @@ or --rgbd DIR --calibration FILE --poses FILE --output DIR
 map, the classes as a camera sees them in it, pictures and a summary. Defaults of
 the parameters are shown.)",
     R"(pcl_semantic_synthesize /tmp/street && \
-  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map)"};
+  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map)",
+    {{"left GLOB, --right GLOB", "images of any stereo camera, instead of SEQUENCE"},
+     {"calibration FILE", "of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"clouds GLOB", "clouds of any sensor, labelled or not, with --poses"},
+     {"rgbd DIR", "RGB-D sequence, with --calibration and --poses"},
+     {"labels DIR", "stored label distributions, a .bin, .npy or .png a frame"},
+     {"network FILE", "network description (.yaml) instead of --labels"},
+     {"poses FILE", "KITTI or TUM trajectory (default: poses.txt, else odometry)"},
+     {"output DIR", "folder of the map, its pictures and its summary"},
+     {"frames A:B", "frames with numbers A <= n < B"},
+     {"voxel-size 0.1", "edge of a voxel [m]"},
+     {"max-depth 40", "maximum depth of a hit [m]"},
+     {"crf dense", "model: none, dense, pn-potts or hierarchical"},
+     {"archive FILE", "archive of the map; --resume goes on from it"},
+     {"view", "show the map in a window while it grows"},
+     {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
 const Usage live_usage{
     "pcl_semantic_live",
@@ -41,7 +56,20 @@ other. Takes the newest pair and drops those before it; labels are fused when th
 ready; no images of the frames are written.)",
     R"(pcl_semantic_synthesize /tmp/street && \
   timeout --preserve-status -s INT 10 \
-    pcl_semantic_live /tmp/street --labels /tmp/street/labels --output /tmp/live_map)"};
+    pcl_semantic_live /tmp/street --labels /tmp/street/labels --output /tmp/live_map)",
+    {{"left NAME, --right NAME", "cameras, streams or videos, instead of SEQUENCE"},
+     {"calibration FILE", "of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"every-frame", "map each pair of two videos"},
+     {"labels DIR", "stored label distributions, a .bin, .npy or .png a frame"},
+     {"network FILE", "network description (.yaml) instead of --labels"},
+     {"poses FILE", "KITTI or TUM trajectory (default: odometry)"},
+     {"output DIR", "folder of the map, its pictures and its summary"},
+     {"voxel-size 0.1", "edge of a voxel [m]"},
+     {"max-depth 40", "maximum depth of a hit [m]"},
+     {"crf dense", "model: none, dense, pn-potts or hierarchical"},
+     {"archive FILE", "archive of the map"},
+     {"view", "show the map in a window while it grows"},
+     {"config FILE", "parameters (.yaml); --print-config writes them"}}};
 
 // Whether a file would be replaced or removed by what a run writes to its folder.
 bool

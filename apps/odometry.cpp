@@ -20,12 +20,18 @@ namespace {
 
 const Usage usage{
     "pcl_semantic_odometry",
-    R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml) OUT.txt
-  [options])",
+    R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)
+  OUT.txt [options])",
     R"(Poses of a stereo sequence from its images alone, of camera 0 in the frame of the
 first one, as KITTI or TUM trajectory.)",
     R"(pcl_semantic_synthesize /tmp/street && \
-  pcl_semantic_odometry /tmp/street /tmp/poses.txt)"};
+  pcl_semantic_odometry /tmp/street /tmp/poses.txt)",
+    {{"left GLOB, --right GLOB", "images of any stereo camera, instead of SEQUENCE"},
+     {"calibration FILE", "of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"format kitti", "format of OUT.txt: kitti or tum"},
+     {"frames A:B", "frames with numbers A <= n < B"},
+     {"report FILE", "table (.csv) of tracked features and their errors"},
+     {"threads 0", "number of threads; 0 = all processors"}}};
 
 struct Options {
   SequenceOptions sequence;

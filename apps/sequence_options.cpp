@@ -39,7 +39,7 @@ withSequence(SequenceOptions& options, const std::vector<Option>& more)
       {"sequence", options.folder, "folder in KITTI's odometry layout"},
       {"left", files.left,
        "left images of any stereo camera, instead of SEQUENCE: a pattern in quotes "
-       "('left/*.png'), or a video (.mp4, .avi, .mkv, .mov)"},
+       "('left/*.png')"},
       {"right", files.right, "right images, one for each left image"},
       {"calibration", files.calibration,
        "calibration of --left and --right: of OpenCV's stereoCalibrate, Kalibr's "

@@ -51,7 +51,8 @@ usageOfView()
   for (const std::string& line : tool::helpOnKeys())
     keys += "\n  " + line;
   return {
-      "pcl_semantic_view", "MAP [options]",
+      "pcl_semantic_view",
+      "MAP [options]",
       "Shows a labelled map in a window. MAP is a folder that pcl_semantic_map has\n"
       "written, a .pcd or .ply, or a map archive. --screenshot writes what the window "
       "would\n"
@@ -60,7 +61,15 @@ usageOfView()
       "pcl_semantic_synthesize /tmp/street && \\\n"
       "  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output "
       "/tmp/map && \\\n"
-      "  pcl_semantic_view /tmp/map --hide vegetation --screenshot /tmp/view.png"};
+      "  pcl_semantic_view /tmp/map --hide vegetation --screenshot /tmp/view.png",
+      {{"screenshot FILE", "write a picture (.png) instead of opening a window"},
+       {"colour WORD", "class, rgb or entropy"},
+       {"hide NAMES", "classes to hide, with commas between them"},
+       {"below 2.5", "show only what is below this height [m]"},
+       {"images SEQUENCE", "show pictures of this sequence, too"},
+       {"trajectory FILE", "trajectory to draw, KITTI or TUM"},
+       {"follow", "MAP is being written: show it as it grows"},
+       {"view angle", "angle, above or camera"}}};
 }
 
 Arguments

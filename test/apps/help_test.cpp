@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <regex>
+#include <sstream>
+
 namespace pcl_semantic {
 
 namespace fs = std::filesystem;
@@ -67,6 +71,31 @@ TEST(Help, ItsExamplesRunWhenPasted)
         "street.yaml"})
     EXPECT_TRUE(fs::exists(folder.path(file))) << file;
   EXPECT_EQ(fs::exists(folder.path("view.png")), verbs.back() == "view");
+}
+
+// `--help` fits on a screen, and what it lists is there.
+TEST(Help, FitsOnAScreen)
+{
+  for (const std::string& verb : verbs) {
+    const std::string help = succeed(verb + " --help"),
+                      all = succeed(verb + " --help-all");
+    EXPECT_LE(std::count(help.begin(), help.end(), '\n'), 45) << verb;
+    std::istringstream lines(help);
+    int listed = 0;
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_LE(line.size(), 100u) << line;
+      std::smatch option;
+      const bool is_option =
+          std::regex_search(line, option, std::regex("^  (?:-. \\[ )?--([a-z-]+)"));
+      if (!is_option || line.find("options]") != std::string::npos)
+        continue;
+      EXPECT_TRUE(std::regex_search(
+          all, std::regex("\n  (-. \\[ )?--" + option[1].str() + "[ \n]")))
+          << verb << ": " << line;
+      ++listed;
+    }
+    EXPECT_GE(listed, 5) << verb;
+  }
 }
 
 TEST(Help, VersionOfEveryTool)

@@ -97,8 +97,9 @@ TEST(HostileInputs, PipesAndDevicesAreNotWaitedFor)
            mapOf(street) + " --poses " + pipe + " --output " + folder.path("map"),
            mapOf(street) + " --archive " + pipe + " --resume --output " +
                folder.path("map"),
-           "odometry --left " + pipe + ".mp4 --right " + pipe + ".mp4 --calibration " +
-               street + "/calib.txt --output " + folder.path("poses.txt"),
+           "live --every-frame --left " + pipe + ".mp4 --right " + pipe +
+               ".mp4 --calibration " + street + "/calib.txt --labels " + street +
+               "/labels --output " + folder.path("live"),
            "fleet " + pipe + ".yaml"}) {
     const ToolResult result = runShell(
         "timeout 20 " PCL_SEMANTIC_BINARY_DIR "/bin/pcl_semantic_" + command + " 2>&1");

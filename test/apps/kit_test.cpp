@@ -35,7 +35,7 @@ allTools()
 std::set<std::string>
 optionsOf(const std::string& tool)
 {
-  const std::string help = runTool(tool + " --help").text;
+  const std::string help = runTool(tool + " --help-all").text;
   static const std::regex line("\n  (-. \\[ )?(--[a-z0-9-]+)");
   std::set<std::string> options;
   for (std::sregex_iterator it(help.begin(), help.end(), line), end; it != end; ++it)
@@ -64,8 +64,8 @@ TEST(Kit, EveryToolHasTheSameGeneralOptions)
   EXPECT_GE(tools.size(), 17u);
   for (const std::string& tool : tools) {
     const std::set<std::string> options = optionsOf(tool);
-    for (const char* const each :
-         {"--help", "--version", "--quiet", "--verbose", "--json", "--man"})
+    for (const char* const each : {"--help", "--help-all", "--version", "--quiet",
+                                   "--verbose", "--json", "--man"})
       EXPECT_EQ(options.count(each), 1u) << tool << " " << each;
   }
 }

@@ -121,7 +121,9 @@ TEST_F(LiveMap, RefusesWhatNeedsAllFrames)
 {
   const std::string live =
       "live " + tinyStreet() + " --labels " + tinyStreet() + "/labels --output " + map;
-  expectFails(live + " --times times.txt", 2, "--times needs --every-frame");
+  expectFails("live --left 0 --right 2 --calibration c.yaml --labels l --output " +
+                  map + " --times times.txt",
+              2, "--times needs --every-frame");
   expectFails(live + " --network-every 2", 2, "--network-every is for maps of all");
   expectFails(live + " --poses sequence", 2, "--poses sequence");
   expectFails(live + " --every-frame", 2, "--every-frame needs videos");

@@ -29,7 +29,7 @@ TEST(MapToolOptions, OldNamesAreRefused)
 
 TEST(MapToolOptions, PresetsHaveKeysThatAreNoOptions)
 {
-  EXPECT_FALSE(holds(runTool("map --help").text, "superpixel-keep"));
+  EXPECT_FALSE(holds(runTool("map --help-all").text, "superpixel-keep"));
   EXPECT_FALSE(holds(succeed("map --print-config"), "superpixel_keep"));
   const ToolResult option = runTool("map --superpixel-keep true --print-config");
   EXPECT_EQ(option.code, 2);

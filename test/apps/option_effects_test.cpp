@@ -319,8 +319,8 @@ const std::map<std::string, std::vector<Trial>> trials = {
 // window, never end, or more frames than there are. Of clouds and of a fleet, which has
 // no images of frames, `crf-every` costs time alone.
 const std::set<std::string> unseen = {
-    "help", "version", "man", "quiet", "verbose", "json", "threads", "engine", "view",
-    "live view", "odometry window", "--clouds crf-every",
+    "help", "help-all", "version", "man", "quiet", "verbose", "json", "threads",
+    "engine", "view", "live view", "odometry window", "--clouds crf-every",
     // One frame contradicts no other, and has nothing thin that is outvoted.
     "live crf-every", "live clearing", "live hit-probability", "live miss-probability",
     "live deviation-scale", "live crf-keep-thin", "drive 'a' crf-every"};
@@ -539,7 +539,7 @@ std::vector<Option>
 optionsOf(const std::string& program)
 {
   std::vector<Option> options;
-  for (const std::string& line : linesIn(succeed(program + " --help"))) {
+  for (const std::string& line : linesIn(succeed(program + " --help-all"))) {
     static const std::regex pattern("^  (-. \\[ )?--([a-z0-9-]+)( \\])?( [^ ]+)?.*");
     std::smatch match;
     if (std::regex_match(line, match, pattern))
