@@ -1,5 +1,5 @@
-# Seven components: library (with its data), dev, tools, fleet and viewer (apps/CMakeLists.txt),
-# python (python/CMakeLists.txt) and doc.
+# Components of the installation: library (all seven, with their data), dev, tools, fleet
+# and viewer (apps/CMakeLists.txt), python (python/CMakeLists.txt) and doc.
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcl_semantic)

@@ -1,6 +1,6 @@
 # pcl_semantic_library(<name> MODULES <folder>... PUBLIC <library>... PRIVATE
-# <library>...): libpcl_semantic_<name>, the target pcl_semantic::<name>. (pcl_semantic_<name> are the
-# targets of programs.)
+# <library>...): libpcl_semantic_<name>, as the target pcl_semantic::<name>. The targets
+# pcl_semantic_<name> are programs.
 set(PCL_SEMANTIC_LIBRARIES)
 function(pcl_semantic_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "MODULES;PUBLIC;PRIVATE")
