@@ -17,7 +17,7 @@ constexpr const char* scan_columns_help = "columns of a .bin, float32 each: thei
                                           "is passed over) or their number (default: "
                                           "x,y,z,intensity, of a .pcd.bin also ring)";
 
-/** \brief What --scan-columns says; empty = it is not given.
+/** \brief The columns of --scan-columns; empty = not given.
  * \throws InvalidParameterException */
 ScanColumns columnsOf(const std::string& scan_columns);
 

@@ -34,8 +34,8 @@ isProgram(const std::string& name)
 bool
 hasDisplay()
 {
-  // Stays open: a virtual server begins anew when its last client leaves, and who comes
-  // then is turned away.
+  // Stays open: a virtual server begins anew when its last client leaves, and
+  // refuses clients that come then.
   static Display* const display = XOpenDisplay(nullptr);
   int code = 0, event = 0, error = 0;
   return display && XQueryExtension(display, "GLX", &code, &event, &error);

@@ -43,7 +43,7 @@ private:
   Clock::time_point next_{};
 };
 
-// How the run goes: for who watches it, and for the end.
+// Figures of the run, for the status line and for the results.
 class LiveFigures {
 public:
   void

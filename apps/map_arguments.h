@@ -45,7 +45,7 @@ struct MapArguments {
  * \throws InvalidParameterException, BadInputException, Exit as parseCommandLine() */
 MapArguments parseMapArguments(int argc, char** argv, MapProgram program);
 
-/** \brief What a run cannot do without, or together.
+/** \brief Checks for missing and contradicting options.
  * \throws InvalidParameterException */
 void requireMapArguments(const MapArguments& arguments);
 

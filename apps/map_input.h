@@ -18,7 +18,7 @@ struct MapInput {
   Trajectory T_world_camera; ///< camera x right, y down, z forward; empty = not known
 };
 
-/** \brief What is said of a map beside its name; empty or 0 = not said. */
+/** \brief Options about a map; empty or 0 = not given. */
 struct MapHints {
   std::string label_set, trajectory;
   double voxel_size = 0.0; ///< [m]

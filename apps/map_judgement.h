@@ -8,7 +8,7 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief What is said at the end of a map that went not quite as it should: warnings,
+/** \brief Warnings at the end of a run whose map is doubtful,
  * in the order of the functions. */
 
 /** \brief Warns of poses that are predicted. \param[in] sequence its name

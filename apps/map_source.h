@@ -27,14 +27,14 @@ class MapSource {
 public:
   virtual ~MapSource() = default;
 
-  /** \brief What the map depends on. */
+  /** \brief The inputs of the map. */
   const MappingRun&
   run() const
   {
     return run_;
   }
 
-  /** \brief What --also asks for. */
+  /** \brief The output that --also asks for. */
   const ExtraOptions&
   extras() const
   {

@@ -25,13 +25,13 @@ public:
   /** \brief Moves the camera, and what it looks at [m]. */
   void move(const Eigen::Vector3d& step);
 
-  /** \brief What is shown, from the next map or key on. */
+  /** \brief State of the view, from the next map or key on. */
   ViewState& state();
 
   /** \brief Does what a key does. */
   void press(const std::string& key);
 
-  /** \brief What the window shows: CV_8UC3 (BGR). */
+  /** \brief Picture of the window: CV_8UC3 (BGR). */
   cv::Mat picture();
 
   /** \brief Has the window until it is closed or the program is to end.

@@ -21,7 +21,7 @@ struct Manner {
 /** \brief That of this program; the command line sets it. */
 Manner& manner();
 
-/** \brief What became of a tool's work, by name. */
+/** \brief Results of a program, by name. */
 using Results =
     std::vector<std::pair<std::string, std::variant<std::string, double, std::size_t>>>;
 

@@ -8,8 +8,9 @@ namespace pcl_semantic::tool {
 
 /** \brief Loads a network and has it label one grey image, in a process of its own with
  * bounded memory and time: engines trust the files they read, and some of these end the
- * program. What the process says by its exit code is left to those who load it for
- * good. Once for each network.
+ * program. The exit code of the process is ignored: loading the network
+ * afterwards reports its errors. Once
+ * for each network.
  *
  * \param[in] description, model, engine as openNetwork() takes them
  * \throws BadModelException if a signal ends the process, or it does not end

@@ -28,10 +28,11 @@ public:
   /** \brief Gives what rank 0 has to all. */
   void broadcast(std::vector<std::string>& texts) const;
 
-  /** \brief What each has, one after the other, to all. */
+  /** \brief Gathers a list of texts from each process, in the order of their ranks, for
+   * all. */
   std::vector<std::string> gather(const std::vector<std::string>& texts) const;
 
-  /** \brief Runs the tasks 0, 1, ... count - 1, each once, on whoever is free; waits
+  /** \brief Runs the tasks 0, 1, ... count - 1, each once, on any idle process; waits
    * for the last. What a task throws leaves it, and leaves the others waiting: stop().
    */
   void share(std::size_t count, const std::function<void(std::size_t)>& task) const;

@@ -41,7 +41,7 @@ struct SequenceOptions {
 std::vector<Option> withSequence(SequenceOptions& options,
                                  const std::vector<Option>& more);
 
-/** \brief What a sequence cannot do without, or together.
+/** \brief Checks for missing and contradicting options of a sequence.
  * \throws InvalidParameterException */
 void requireSequence(const SequenceOptions& options);
 

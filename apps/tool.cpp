@@ -263,7 +263,7 @@ restartWithShortSpins(char** argv)
 {
   if (std::getenv("GOMP_SPINCOUNT") || std::getenv("OMP_WAIT_POLICY"))
     return;
-  std::error_code error; // by its own name, for those who look for it
+  std::error_code error; // under its own name, for ps and killall
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (!error && setenv("GOMP_SPINCOUNT", "1000", 1) == 0)
     execv(program.c_str(), argv); // comes back if it cannot: then they spin

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-/** \brief What all pcl_semantic_* programs share: options and exit codes. */
+/** \brief Options and exit codes of all pcl_semantic_* programs. */
 namespace pcl_semantic::tool {
 
 /** \brief Exit codes of every tool. */
@@ -77,9 +77,9 @@ std::vector<Label> evaluatedClasses(const std::optional<std::string>& ignored,
  * flag; a second one ends at once. */
 void catchInterrupts();
 
-/** \brief Likewise for who has a map in memory that is lost otherwise: the first says
- * that the map is being finished, a second (of two pressed in a row) is ignored, and a
- * third ends at once. */
+/** \brief The same for a program with a map in memory that would be lost: the first
+ * says that the map is being finished, a second (of two pressed in a row) is ignored,
+ * and a third ends at once. */
 void catchInterruptsOfMap();
 
 /** \brief Whether one came since catchInterrupts(). */

@@ -310,7 +310,8 @@ followMap(const Arguments& arguments)
                    false);
   FollowedMap map(arguments, viewer);
   std::cout << "following: " << arguments.map << std::endl;
-  std::signal(SIGPIPE, SIG_IGN); // who started the window may end before it
+  std::signal(SIGPIPE,
+              SIG_IGN); // the program that started the window may end before it
   viewer.run([&] { map.update(); });
   return leave(arguments, viewer);
 }

@@ -28,7 +28,7 @@ struct ViewedClass {
   LegendEntry entry;
 };
 
-/** \brief What a camera saw, and from where. */
+/** \brief An image and its camera. */
 struct ViewedImage {
   cv::Mat image;       ///< CV_8UC3 (BGR)
   StereoCamera camera; ///< of the image
@@ -73,7 +73,7 @@ std::size_t colouringOf(const ViewedMap& map, const std::string& name);
 std::vector<ViewedImage> imagesOf(const std::string& sequence,
                                   const Trajectory& T_map_camera0, std::size_t most);
 
-/** \brief What of a map is shown, and how; keys change it. */
+/** \brief State of the view of a map; keys change it. */
 struct ViewState {
   std::set<Label> hidden;
   std::size_t colouring = 0;                              ///< of the map's
@@ -90,7 +90,7 @@ struct ViewState {
   }
 };
 
-/** \brief What has to be drawn anew. */
+/** \brief The part that has to be drawn again. */
 enum class Redraw { nothing, panel, voxels, camera };
 
 /** \brief Does what a key stands for.

@@ -12,7 +12,7 @@ class vtkActor2D;
 class vtkCamera;
 class vtkRenderWindow;
 
-/** \brief What VTK draws. Colours are as they are given: there is no light. */
+/** \brief Parts of a scene of VTK. Colours are as they are given: there is no light. */
 namespace pcl_semantic::tool {
 
 /** \brief The faces between what is shown of a map and the rest, shaded as the pictures
@@ -34,7 +34,7 @@ vtkSmartPointer<vtkActor2D> flatActorOf(const cv::Mat& picture);
 /** \brief Has a camera see as a view of a map does, and turn about its middle. */
 void setCamera(vtkCamera& camera, const SceneView& view, const ViewedMap& map);
 
-/** \brief What the window shows: CV_8UC3 (BGR). */
+/** \brief Picture of the window: CV_8UC3 (BGR). */
 cv::Mat pictureOf(vtkRenderWindow& window);
 
 } // namespace pcl_semantic::tool

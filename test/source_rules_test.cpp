@@ -350,6 +350,22 @@ TEST(SourceRules, NoFlagChangesTheInstructionSet)
     EXPECT_FALSE(hasInstructionSetFlag(readText(path))) << path;
 }
 
+// Phrases at which readers have stopped; each has a plain word.
+const std::vector<std::string> worst_phrases = {"\\\\brief What\\b", "\\bwho\\b",
+                                                "\\bwhoever\\b", "\\bsomebody\\b"};
+
+TEST(SourceRules, CommentsNameWhatActs)
+{
+  for (const auto& [module, path] : codeFiles()) {
+    const std::string text = readText(path);
+    for (const std::string& phrase : worst_phrases) {
+      std::smatch found;
+      EXPECT_FALSE(std::regex_search(text, found, std::regex(phrase)))
+          << path.string() << ": '" << found.str() << "'";
+    }
+  }
+}
+
 TEST(SourceRules, PackagesHaveTheVersionOfTheProject)
 {
   const std::string project = readText(source_folder / "CMakeLists.txt");

@@ -24,7 +24,7 @@ constexpr const char* kPadding = "_";
  * \throws InvalidParameterException if it cannot */
 void checkTable(const std::string& path, const PcdTable& table);
 
-/** \brief What \a use gives for a zero of the type that a field holds. */
+/** \brief Calls \a use with a zero of the type that a field holds. */
 template <typename Use>
 auto
 withTypeOf(const pcl::PCLPointField& field, Use&& use)

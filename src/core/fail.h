@@ -35,7 +35,8 @@ badParameter(const Parts&... parts)
   fail<InvalidParameterException>(parts...);
 }
 
-/** \brief What \a read returns; a value out of range is an error of its file. */
+/** \brief Returns the result of \a read; a value out of range is an error of its file.
+ */
 template <typename Read>
 auto
 readFrom(const std::string& path, Read&& read)

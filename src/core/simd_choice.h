@@ -51,7 +51,7 @@
 #define PCL_SEMANTIC_OF_AVX512(name) HWY_STATIC_DISPATCH(name)
 #endif
 
-/** \brief What is called \a name (a function, or a table of them) in the namespace of a
+/** \brief Selects \a name (a function, or a table of them) in the namespace of a
  * tier. */
 #define PCL_SEMANTIC_OF_TIER(tier, name)                                               \
   ((tier) == SimdTier::avx512 ? PCL_SEMANTIC_OF_AVX512(name)                           \

@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief What lies between separators; behind a last one there is nothing. */
+/** \brief Splits a text at separators; behind a last one there is nothing. */
 inline std::vector<std::string_view>
 splitAt(char separator, std::string_view text)
 {
@@ -22,7 +22,7 @@ splitAt(char separator, std::string_view text)
   return parts;
 }
 
-/** \brief What lies between white space. */
+/** \brief Splits a text at white space. */
 inline std::vector<std::string_view>
 wordsOf(std::string_view text)
 {

@@ -17,7 +17,8 @@ class PaddedColumns {
 public:
   PaddedColumns() = default;
 
-  /** \brief Values are not set: who sets them first decides where they live. */
+  /** \brief Values are not initialised: memory belongs to the node of the thread that
+   * first writes it. */
   PaddedColumns(Eigen::Index rows, Eigen::Index columns)
       : rows_(rows), stride_(rows <= 8 ? 8 : (rows + 15) / 16 * 16), columns_(columns),
         values_(std::size_t(stride_ * columns))

@@ -143,7 +143,7 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
   const Eigen::Map<const Eigen::Vector4d> turn(read.table.viewpoint.data() + 3);
   if (turn.norm() > 1e-6)
     frame.viewpoint = viewpointOf(read.table, path(i));
-  else // as some write who have no pose
+  else // as programs without a pose write it
     frame.viewpoint.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
   pcl::copyPointCloud(*read.cloud, *frame.cloud);

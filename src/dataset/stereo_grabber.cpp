@@ -72,7 +72,7 @@ StereoGrabber::grabAll()
     if (error)
       error_ = error;
   }
-  // The last pair waits for who wants it, unless the camera broke.
+  // The last pair is kept for the next caller, unless the camera broke.
   if (error_)
     waiting_ = 0;
   while (!stop_ && waiting_ > 0) {

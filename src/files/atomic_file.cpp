@@ -53,7 +53,7 @@ temporaryNameOf(const std::string& path)
 }
 
 // Whoever writes a temporary file holds its lock, on whatever machine, to the end of
-// the process. \return -1 if somebody does, or there are no locks
+// the process. \return -1 if another one does, or there are no locks
 int
 lock(const std::string& path)
 {

@@ -5,8 +5,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Whether something lies at a path, which who opens it may still be refused: a
- * loop of links, for example. Throws nothing, unlike std::filesystem::exists(). */
+/** \brief Whether a path exists; opening it may still fail, as of a loop of links.
+ * Throws nothing, unlike std::filesystem::exists(). */
 inline bool
 isThere(const std::filesystem::path& path)
 {

@@ -12,7 +12,7 @@ namespace pcl_semantic {
 
 enum class PcdEncoding { ascii, binary, binary_compressed };
 
-/** \brief What the header of a `.pcd` file says, or that of a `.ply` file. */
+/** \brief Header of a `.pcd` or `.ply` file. */
 struct PcdHeader {
   PcdTable table; ///< without data, but with the fields of padding
   PcdEncoding encoding = PcdEncoding::binary;
@@ -24,8 +24,8 @@ struct PcdHeader {
  * \throws BadInputException likewise */
 PcdHeader parsePcdHeader(const std::string& path, std::string_view file);
 
-/** \brief The header of the files that writeCloudTable() writes, for those who write
- * the points themselves. \param[in] table its data do not matter */
+/** \brief The header of the files that writeCloudTable() writes, for callers that
+ * write the points themselves. \param[in] table its data do not matter */
 void writePcdHeader(std::ostream& stream, const PcdTable& table);
 
 /** \brief The next line from \a offset on, without carriage return; \a offset moves

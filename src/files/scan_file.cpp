@@ -94,7 +94,7 @@ hintOf(std::size_t columns)
                          : std::to_string(columns) + " or their names");
 }
 
-// \param[in] is_known somebody has said what the columns are
+// \param[in] is_known whether the columns were given
 void
 checkLayout(const std::string& path, const std::vector<std::uint8_t>& bytes,
             const ScanColumns& columns, bool is_known, PcdTable& table)

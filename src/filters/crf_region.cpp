@@ -98,7 +98,7 @@ crfReach(const SemanticCRFParameters& parameters, double voxel_size)
     deviation = std::max(deviation, given > 0.0 ? given : automatic);
   const double radius =
       parameters.kernel_method == KernelMethod::lattice ? 3.0 : parameters.radius;
-  // One step more: messages are normalised by what those who send them hear.
+  // One step more: messages are normalised by those that their senders receive.
   return (parameters.iterations + 1) * radius * deviation;
 }
 

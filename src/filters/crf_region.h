@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a run of the CRF has to see of a map that it has refined before: where
+/** \brief The part of a refined map that the next run of the CRF has to see: where
  * no voxel was measured since, its result would be what it was. */
 struct CrfRegion {
   pcl::Indices updated; ///< voxels whose result may be another one, in rising order

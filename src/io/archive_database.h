@@ -58,7 +58,7 @@ public:
   /** \param[in] sealed an encoded block, which begins with its index */
   void putBlock(const VoxelIndex& index, const Bytes& sealed);
 
-  /** \brief What was put; nothing if there is no such block. */
+  /** \brief A stored block; nothing if there is no such block. */
   std::optional<std::string> getBlock(const VoxelIndex& index);
 
   /** \brief Visits the keys of the blocks in the order z, y, x. */
@@ -68,10 +68,11 @@ public:
   void
   forEachBlock(const std::function<void(const VoxelIndex&, std::string_view)>& visit);
 
-  /** \brief What was sealed as that block. */
+  /** \brief Decodes a sealed block. */
   Bytes unsealBlock(const VoxelIndex& index, std::string_view sealed) const;
 
-  /** \brief What SQLite finds wrong with the file, and we with its log, a line each. */
+  /** \brief Faults of the file that SQLite finds, and faults of its log, a line each.
+   */
   std::vector<std::string> integrityFaults();
 
   const std::string&

@@ -73,7 +73,7 @@ private:
   std::uint64_t key_sum_ = 0;
 };
 
-/** \brief What a map is; at its place in the archive. \throws BadInputException */
+/** \brief Reads the header of a map. \throws BadInputException */
 ArchiveHeader readHeader(ArchiveDatabase& database);
 
 void writeHeader(ArchiveDatabase& database, const ArchiveHeader& header);

@@ -8,7 +8,7 @@
 
 namespace pcl_semantic {
 
-/** \brief What several maps know of the same block taken together, see mergeArchives();
+/** \brief Merges the same block of several maps, see mergeArchives();
  * it does not depend on their order. Refined distributions are left out where several
  * have hits: a CRF would no longer conclude them.
  *

@@ -110,7 +110,7 @@ keepMark(sqlite3* connection)
   return keeping;
 }
 
-// For somebody else to come to an end of what takes no time.
+// Gives another process time to finish a short step.
 void
 waitALittle()
 {

@@ -13,7 +13,7 @@ struct sqlite3_stmt;
 
 namespace pcl_semantic {
 
-/** \brief What page 1 of an archive says of its log, FILE-wal: its application_id.
+/** \brief State of an archive's log, FILE-wal, from the application_id in page 1.
  *
  * Page 1 lies in FILE and, with another mark, in the log, where SQLite reads it. FILE's
  * we write ourselves; only another SQLite program brings the log's into FILE, with all

@@ -51,7 +51,7 @@ public:
     return state_;
   }
 
-  /** \brief What is wrong with the tiles, see verifyArchive(). */
+  /** \brief Faults of the tiles, see verifyArchive(). */
   std::vector<std::string> faults(const BlockProgress& progress) const;
 
 private:

@@ -192,7 +192,7 @@ otherSize(const OnnxInterface& network, const NetworkDescription& description)
   return "";
 }
 
-/** \brief What \a body returns; exceptions of the engine and of what it is made of
+/** \brief Returns the result of \a body; exceptions of the engine and of its libraries
  * (Protocol Buffers, say) as EngineError or std::bad_alloc. */
 template <typename Body>
 auto
@@ -240,14 +240,14 @@ cv::Mat
 checkOutput(const cv::Mat& output, const NetworkDescription& description, int frame)
 {
   const int channels = static_cast<int>(description.channels.size());
-  const std::string who = "frame " + std::to_string(frame) + ": output '" +
-                          description.output_name + "' of the network ";
+  const std::string subject = "frame " + std::to_string(frame) + ": output '" +
+                              description.output_name + "' of the network ";
   if (output.dims != 4 || output.type() != CV_32FC1 || output.empty() ||
       output.size[0] != 1 || !output.isContinuous())
-    fail<BadModelException>(who, "has ", output.dims,
+    fail<BadModelException>(subject, "has ", output.dims,
                             " axes, expected 1 x channels x height x width");
   if (output.size[1] != channels)
-    fail<BadModelException>(who, "has ", output.size[1],
+    fail<BadModelException>(subject, "has ", output.size[1],
                             " channels, its description names ", channels);
   const int shape[] = {channels, output.size[2], output.size[3]};
   return output.reshape(1, 3, shape);

@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief What an engine says of a network that it cannot load or run, in one line. */
+/** \brief Error of an engine that cannot load or run a network, in one line. */
 class EngineError : public std::runtime_error {
 public:
   /** \param[in] text of which the first line is taken, or the beginning of it */

@@ -226,27 +226,28 @@ private:
   checkTensor(std::string_view message) const
   {
     const Tensor tensor = readTensor(message);
-    const std::string who = "tensor '" + tensor.name.substr(0, 80) + "' ";
+    const std::string subject = "tensor '" + tensor.name.substr(0, 80) + "' ";
     std::uint64_t elements = 1;
     constexpr std::uint64_t limit = std::numeric_limits<std::int32_t>::max();
     for (const std::uint64_t dim : tensor.dims) {
       if (dim > limit || (dim != 0 && elements > limit / dim))
-        refuseContent(who, "has impossible dimensions");
+        refuseContent(subject, "has impossible dimensions");
       elements *= dim;
     }
     const auto type =
         std::find_if(std::begin(element_types), std::end(element_types),
                      [&](const ElementType& each) { return each.type == tensor.type; });
     if (type == std::end(element_types))
-      refuseContent(who, "has data type ", tensor.type, ", which is not supported");
+      refuseContent(subject, "has data type ", tensor.type, ", which is not supported");
     if (tensor.typed_field != 0 &&
         (tensor.typed_field != type->field || tensor.raw_bytes != 0))
-      refuseContent(who, "has data of two types");
+      refuseContent(subject, "has data of two types");
     if (tensor.raw_bytes % type->size != 0)
-      refuseContent(who, "has a cut-off number");
+      refuseContent(subject, "has a cut-off number");
     const std::uint64_t stored = tensor.raw_bytes / type->size + tensor.typed_elements;
     if (stored != elements)
-      refuseContent(who, "has ", stored, " elements, its dimensions state ", elements);
+      refuseContent(subject, "has ", stored, " elements, its dimensions state ",
+                    elements);
     return tensor;
   }
 

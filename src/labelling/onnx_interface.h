@@ -7,7 +7,7 @@
 
 namespace pcl_semantic {
 
-/** \brief What a network takes, and everything in it that can be asked for. */
+/** \brief The inputs of a network, and all tensors that can be its outputs. */
 struct OnnxInterface {
   struct Input {
     std::string name;

@@ -12,7 +12,7 @@
 namespace pcl_semantic {
 
 /** \brief The voxels of a window that the rays of one scan cross: a bit a voxel.
- * Several threads may add voxels; who comes first does not matter. */
+ * Several threads may add voxels, in any order. */
 class CrossedVoxels {
 public:
   using Grid = ScrollingVoxelGrid<VoxelBlock>;

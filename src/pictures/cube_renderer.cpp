@@ -134,7 +134,7 @@ freeFaces(const VoxelIndex& voxel, VoxelSet::Reader& reader)
   return static_cast<std::uint8_t>(faces);
 }
 
-/** \brief What there is to draw: the footprint of every voxel, and for every band of
+/** \brief The work of a rendering: the footprint of every voxel, and for every band of
  * rows the voxels that reach into it. */
 struct Plan {
   std::vector<Footprint> footprints;

@@ -24,7 +24,7 @@ struct GroundView {
   std::optional<Eigen::Hyperplane<double, 3>> ground;
 };
 
-/** \brief What is known of cliques, a column or an entry each, in the form that a
+/** \brief Evidence about cliques, a column or an entry each, in the form that a
  * LabelCalibration takes. */
 struct CliqueEvidence {
   /// Geometric means of the members' measurements, each clamped at kMinProbability;
@@ -56,8 +56,9 @@ public:
    * out that is not in the label set */
   MapCliques(const MapperConfig& config, const LabelSet& label_set);
 
-  /** \brief What cliques are worth, as tryCalibration() learns it of cliqueSamples().
-   * \throws InvalidParameterException if it is not one of the label set's classes */
+  /** \brief Sets the calibration of cliques, as tryCalibration() learns it from
+   * cliqueSamples(). \throws InvalidParameterException if it is not one of the label
+   * set's classes */
   void setCalibration(LabelCalibration calibration);
 
   /** \brief The classes that the ground is made of; setCalibration() brings its own. */
@@ -78,7 +79,7 @@ public:
   /** \brief Groups voxels, less those of classes to leave out. */
   std::vector<pcl::PointIndices> group(const VoxelCloud& voxels);
 
-  /** \brief What is known of cliques of these voxels in the last frame. */
+  /** \brief Evidence about cliques of these voxels in the last frame. */
   CliqueEvidence
   evidence(const VoxelCloud& voxels,
            const std::vector<pcl::PointIndices>& cliques) const

@@ -29,7 +29,7 @@ struct RunFolder {
   static bool isSummary(const std::string& path);
 
   /** \brief Before a run: makes sure that a finished map can be set aside.
-   * \throws OutputException if `previous` is somebody else's */
+   * \throws OutputException if `previous` is not of a run */
   static void requireRoom(const std::string& folder);
 
   /** \brief Makes room for the frames of a run: a finished map that lies there is moved

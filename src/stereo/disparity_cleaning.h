@@ -26,7 +26,7 @@ void smoothDisparity(cv::Mat& disparity);
  * matched, filled between like ends, filled otherwise */
 DisparityImage fillGaps(int step, const cv::Mat& disparity);
 
-/** \brief What the engines do with what they have matched: drops small segments,
+/** \brief Cleans the disparities of an engine: drops small segments,
  * smooths the rest and fills the gaps.
  * \param[in] gap_step see fillGaps() [px] */
 DisparityImage cleanDisparity(int smoothing_rounds, int gap_step, cv::Mat disparity);

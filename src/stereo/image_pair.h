@@ -5,7 +5,7 @@
 
 namespace pcl_semantic {
 
-/** \brief What every estimator wants of its two images.
+/** \brief Checks the two images of an estimator.
  * \throws BadInputException unless both are 8-bit grey or colour, of one size and type
  */
 void requireImagePair(const cv::Mat& left, const cv::Mat& right);

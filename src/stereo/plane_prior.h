@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief What the support points say of every pixel of one of the two images: the
+/** \brief Prior of every pixel of one of the two images, from the support points: the
  * disparity of the plane through the corners of its triangle, and the disparities seen
  * near its cell. */
 class PlanePrior {

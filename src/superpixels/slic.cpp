@@ -57,7 +57,8 @@ visitNeighbours(const cv::Mat& image, cv::Point pixel, Visit&& visit)
     visit(cv::Point(pixel.x, pixel.y + 1));
 }
 
-// The parts of an image, in the order of their first pixels, and who joins whom.
+// The parts of an image, in the order of their first pixels, and which of them have
+// joined.
 class Parts {
 public:
   Parts(const cv::Mat& labels, const cv::Mat& image)
@@ -220,7 +221,7 @@ gridCentres(const LabImage& lab, int superpixels, cv::Mat& labels)
 
 using SlicSum = cv::Vec<std::int64_t, 6>; // of l, a, b, x, y, and their number
 
-// Whole numbers: their sums do not depend on who adds them up.
+// Whole numbers: their sums do not depend on the order of the threads.
 std::vector<SlicSum>
 sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
 {

@@ -8,7 +8,7 @@
 
 namespace pcl_semantic {
 
-/** \brief What stands between two lines of ``` in a Markdown file. */
+/** \brief A code block of a Markdown file. */
 struct CodeBlock {
   std::string language; ///< "bash"; empty if the block does not say
   std::vector<std::string> lines;

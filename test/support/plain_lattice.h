@@ -80,9 +80,9 @@ public:
       }
   }
 
-  /** \brief What a one at point i sends back to i. Blurring in every direction in turn,
-   * a value gets from vertex k of the simplex to vertex k + m (modulo d + 1) by one
-   * step ahead in m directions or one step back in the d + 1 - m others. */
+  /** \brief The response at point i to a one at point i. Blurring in every direction in
+   * turn, a value gets from vertex k of the simplex to vertex k + m (modulo d + 1) by
+   * one step ahead in m directions or one step back in the d + 1 - m others. */
   Eigen::ArrayXf
   selfResponse() const
   {

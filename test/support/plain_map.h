@@ -15,9 +15,9 @@
 
 namespace pcl_semantic {
 
-/** \brief What SemanticVoxelMap computes (section III of the paper), one voxel at a
- * time by one thread: no blocks, no window, no bit masks. The one to read first. It has
- * no window, so that tests give it scans whose rays stay inside that of the map. */
+/** \brief Computes the map of SemanticVoxelMap (section III of the paper), one voxel at
+ * a time by one thread: no blocks, no window, no bit masks. The one to read first. It
+ * has no window, so that tests give it scans whose rays stay inside that of the map. */
 class PlainMap {
 public:
   using Key = std::tuple<int, int, int>;

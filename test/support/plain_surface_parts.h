@@ -11,7 +11,7 @@
 
 namespace pcl_semantic {
 
-/** \brief What splitAtDepthJumps has to give, by flooding from pixel to pixel. */
+/** \brief Computes splitAtDepthJumps() by flooding from pixel to pixel. */
 class PlainSurfaceParts {
 public:
   PlainSurfaceParts(const cv::Mat& segments, const CliqueGenerator::Cloud& cloud,

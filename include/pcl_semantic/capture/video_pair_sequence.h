@@ -32,7 +32,7 @@ public:
 
   const Eigen::Isometry3d& T_camera0_camera() const override;
 
-  /** \brief What is doubtful of the calibration, a line each. */
+  /** \brief Doubts about the calibration, a line each. */
   const std::vector<std::string>& doubts() const;
 
 private:

@@ -47,10 +47,10 @@ public:
     return false;
   }
 
-  /** \brief What was taken off the positions of the clouds, see localOrigin():
-   * generators that lay cells into space lay them as if it had not been. Without a
-   * call, these say by PCL_WARN where single precision has spoilt positions, see
-   * doubtOfSteps(). \param[in] origin [m]; zero by default */
+  /** \brief The origin that was subtracted from the clouds' positions, see
+   * localOrigin(): generators that lay cells into space lay them as if it had not been.
+   * Without a call, these say by PCL_WARN where single precision has spoilt positions,
+   * see doubtOfSteps(). \param[in] origin [m]; zero by default */
   void
   setOrigin(const Eigen::Vector3d& origin)
   {

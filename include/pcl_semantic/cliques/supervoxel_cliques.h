@@ -69,7 +69,8 @@ public:
   }
 
 private:
-  /** \brief What the clustering sees of a point: position in its cube [m], colour. */
+  /** \brief Features of a point for the clustering: position in its cube [m], colour.
+   */
   struct Point {
     float x = 0.0f, y = 0.0f, z = 0.0f;
     std::uint32_t rgb = 0;

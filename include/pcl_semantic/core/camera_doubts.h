@@ -9,7 +9,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What is doubtful of a camera, a line each: a principal point far from the
+/** \brief Doubts about a camera, a line each: a principal point far from the
  * middle, as of images of half or double the size, and a focal length that is no
  * pixels. Empty if the image size is not known. */
 std::vector<std::string> doubtsOf(const StereoCamera& camera);

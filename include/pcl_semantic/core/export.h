@@ -32,8 +32,8 @@ them, and objects are corrupted"
 #endif
 #undef PCL_SEMANTIC_ALIGNMENT_HERE
 
-/** \brief What the library shows of itself: everything that a public header declares in
- * `namespace PCL_SEMANTIC_EXPORT pcl_semantic`. All else is hidden. */
+/** \brief Marks the symbols that a library exports: everything that a public header
+ * declares in `namespace PCL_SEMANTIC_EXPORT pcl_semantic`. All else is hidden. */
 #define PCL_SEMANTIC_EXPORT [[gnu::visibility("default")]]
 
 /** \brief The same for an instantiation of a template, where compilers differ about the

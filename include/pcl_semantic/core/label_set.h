@@ -21,7 +21,7 @@ using Label = std::uint8_t;
 /** \brief The label of everything that has no class. */
 constexpr Label kUnlabelled = 0;
 
-/** \brief What is known of one class. */
+/** \brief Name, colour and properties of one class. */
 struct LabelClass {
   std::string name;
   std::array<std::uint8_t, 3> colour{}; ///< red, green, blue
@@ -140,7 +140,7 @@ private:
   std::map<std::array<std::uint8_t, 3>, Label> labels_;
 };
 
-/** \brief What the pixels of a label image are: classes, other numbers or colours. */
+/** \brief Meaning of a label image's pixels: classes, other numbers or colours. */
 using PixelMapping = std::variant<std::monostate, LabelMapping, ColourMapping>;
 
 } // namespace pcl_semantic

@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What tells classes apart whatever a network thinks. */
+/** \brief Features that separate classes independently of a network. */
 enum class Feature {
   height,     ///< above the ground, the mean of a clique [m]
   distance,   ///< along the view [m]

@@ -143,7 +143,7 @@ private:
   IndexLists cliques_;
 };
 
-/** \brief What the members of cliques pay for disagreeing, eqs. (7)-(9) of the paper.
+/** \brief Cost of cliques whose members disagree, eqs. (7)-(9) of the paper.
  *
  * *P^n Potts* (Kohli, Kumar and Torr 2007; inference as Vineet, Warrell and Torr 2014):
  * a clique whose members all take l gains k_c^l over one whose members do not agree,

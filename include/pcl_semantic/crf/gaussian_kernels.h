@@ -64,7 +64,7 @@ public:
                   const std::vector<float>& deviations,
                   const GaussianKernelOptions& options = {});
 
-  /** \brief What was chosen for a term: truncated or lattice. */
+  /** \brief The method that was chosen for a term: truncated or lattice. */
   KernelMethod
   method(std::size_t term) const
   {

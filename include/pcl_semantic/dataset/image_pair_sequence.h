@@ -59,7 +59,7 @@ public:
     return pair_.T_camera0_camera;
   }
 
-  /** \brief What is doubtful of the calibration, a line each. */
+  /** \brief Doubts about the calibration, a line each. */
   const std::vector<std::string>&
   doubts() const
   {

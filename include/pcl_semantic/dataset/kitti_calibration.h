@@ -18,7 +18,7 @@ enum class KittiCameras {
   grey       ///< `image_0` and `image_1`, P0 and P1
 };
 
-/** \brief What `calib.txt` says of one stereo pair.
+/** \brief The calibration of one stereo pair, from `calib.txt`.
  *
  * A row `Pi` is K [I | t_i]: a point in camera i is the point in camera 0 plus t_i. */
 struct KittiCalibration {

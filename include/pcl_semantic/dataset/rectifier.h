@@ -86,7 +86,8 @@ struct CalibrationFiles {
   std::string extrinsics;  ///< R and T of a rig, if not in `calibration`
 };
 
-/** \brief What the calibration is used with, for its size and for messages. */
+/** \brief The images that the calibration is used with: their size, and their name for
+ * messages. */
 struct SizedFile {
   cv::Size size; ///< [px]
   std::string path;

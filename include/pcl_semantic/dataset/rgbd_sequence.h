@@ -59,7 +59,7 @@ public:
     return camera_;
   }
 
-  /** \brief What is doubtful, a line each, for a program to show: of the camera's file,
+  /** \brief Doubts, a line each, for a program to show: about the camera's file,
    * and whether the depths of the first frames suggest another scale. Reads depth
    * images until one has depths. */
   std::vector<std::string> doubts() const;

@@ -62,11 +62,11 @@ private:
   std::unique_ptr<LiveCamera> camera_; // its pairs are for the thread alone
   mutable std::mutex mutex_;           // of what follows
   std::condition_variable changed_;
-  bool is_wanted_ = false; // somebody waits for a pair
+  bool is_wanted_ = false; // a caller waits for a pair
   int waiting_ = 0;        // pairs that came since one was taken
   int dropped_ = 0;
   Clock::time_point when_;         // the last came
-  std::optional<Grabbed> grabbed_; // for who wants it
+  std::optional<Grabbed> grabbed_; // the newest pair
   std::exception_ptr error_;       // likewise
   bool has_ended_ = false, stop_ = false;
   std::thread thread_; // last: it uses the others

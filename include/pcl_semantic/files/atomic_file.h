@@ -36,7 +36,7 @@ private:
   std::string path_;
   std::string temporary_path_;
   std::ofstream stream_;
-  int lock_ = -1; ///< descriptor by which others know that somebody writes
+  int lock_ = -1; ///< descriptor of the lock that shows other processes a writer
 };
 
 /** \brief Brings the name of a file to the disk, where its folder may be read. */

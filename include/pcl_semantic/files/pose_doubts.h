@@ -16,7 +16,7 @@ enum class PoseFrame {
   sensor        ///< a sensor with any axes, in a world with z up
 };
 
-/** \brief What is doubtful of poses, as they would turn the map: most of them upside
+/** \brief Doubts about poses, which would turn the map: most of them upside
  * down, or tilted by more than 60 degrees (not of a sensor, whose axes are not known),
  * a way that climbs more than 10 m as no
  * road does, or steps of more than 30 m.

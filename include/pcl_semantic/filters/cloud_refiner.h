@@ -37,7 +37,7 @@ public:
    * InvalidParameterException if the size is not positive */
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
 
-  /** \brief What was taken off the positions of the input clouds, as
+  /** \brief The origin that was subtracted from the input clouds' positions, as
    * LabelledCloud::origin is, beside what they take off doubles themselves: clique
    * generators lay their cells by it. Without a call, PCL_WARN says where single
    * precision has spoilt positions, see doubtOfSteps().

@@ -15,7 +15,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 ConfigParameters parametersOf(SemanticCRFParameters& parameters,
                               const std::string& unit);
 
-/** \brief What can be set of the tools that refine a cloud or an image. */
+/** \brief Settings of the programs that refine a cloud or an image. */
 struct CRFConfig {
   CRFModelType model = CRFModelType::dense;
   std::string cliques = "none";  ///< where they come from; each tool has its own words

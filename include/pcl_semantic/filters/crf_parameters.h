@@ -68,7 +68,7 @@ struct SemanticCRFParameters {
   static SemanticCRFParameters forImages();
 };
 
-/** \brief What became of a run of SemanticCRF or ImageCRF. */
+/** \brief Report of a run of SemanticCRF or ImageCRF. */
 struct CRFReport {
   /// The size of the voxels, or the median distance of the points to their fourth
   /// nearest neighbour [m]; 0 = too few points.

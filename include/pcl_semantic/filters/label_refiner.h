@@ -15,8 +15,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What SemanticCRF and ImageCRF share: the model over elements (points of a
- * cloud, pixels of an image), its settings, and the inference on matrices. */
+/** \brief The common part of SemanticCRF and ImageCRF: the model over elements (points
+ * of a cloud, pixels of an image), its settings, and the inference on matrices. */
 class LabelRefiner {
 public:
   /** \brief dense, unless it is set; the last two models need cliques. */

@@ -10,7 +10,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What an image file has to hold. */
+/** \brief The kind of image that a file has to hold. */
 enum class ImageKind {
   grey_or_colour, ///< CV_8UC1 or CV_8UC3 (BGR)
   labels,         ///< CV_8UC1

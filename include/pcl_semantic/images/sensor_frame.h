@@ -28,7 +28,7 @@ struct CloudFrame : FrameTime {
   Eigen::Isometry3d viewpoint = Eigen::Isometry3d::Identity();
 };
 
-/** \brief What a sensor gives at one moment: a pair of images or a cloud. */
+/** \brief A frame of a sensor: a pair of images or a cloud. */
 using SensorFrame = std::variant<StereoFrame, CloudFrame>;
 
 /** \brief Number and time of either. */

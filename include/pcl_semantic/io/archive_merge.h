@@ -23,7 +23,7 @@ struct PlacedArchive {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
 };
 
-/** \brief What keeps maps of two headers from being merged: voxel size, label set or
+/** \brief The reason why maps of two headers cannot be merged: voxel size, label set or
  * clamps of the fusion, as words; empty if nothing does. */
 std::string differenceOf(const ArchiveHeader& first, const ArchiveHeader& other);
 
@@ -59,7 +59,7 @@ struct MapTile {
  * \throws BadInputException */
 std::vector<MapTile> tilesOf(const PlacedArchive& archive);
 
-/** \brief What mergeArchives() makes of one tile, in an archive of its own.
+/** \brief Merges one tile into an archive of its own, as mergeArchives() does.
  *
  * \param[in] inputs one or more, among them all that reach the tile and its halo
  * \param[in] output path; what is there is replaced

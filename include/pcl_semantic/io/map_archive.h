@@ -37,7 +37,7 @@ public:
 
   MapArchive(const std::string& path, ArchiveAccess access);
 
-  /** \brief What was not committed is lost. */
+  /** \brief Discards uncommitted changes. */
   ~MapArchive() override;
 
   void put(const VoxelIndex& block, const VoxelBlock& content) override;
@@ -70,7 +70,7 @@ public:
 
   /** \brief Ends writing: what was committed is then in one file, which can be read
    * from read-only media. What was not is lost. Once only.
-   * \return false if somebody kept reading: FILE-wal then belongs to the file until it
+   * \return false if a reader remained: FILE-wal then belongs to the file until it
    * is written, and ended, again */
   bool close();
 

@@ -20,7 +20,7 @@ struct VoxelSelection {
   std::vector<Label> labels; ///< MAP labels, kUnlabelled too; empty = any
 };
 
-/** \brief What archiveExtent() finds. */
+/** \brief Result of archiveExtent(). */
 struct ArchiveExtent {
   std::size_t voxels = 0;  ///< occupied
   Eigen::AlignedBox3d box; ///< that holds them, world frame [m]; empty if none are

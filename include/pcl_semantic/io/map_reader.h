@@ -16,14 +16,14 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a map archive is from its beginning. */
+/** \brief The constant part of a map archive. */
 struct ArchiveHeader {
   LabelSet label_set;
   MapParameters parameters;
   std::string configuration; ///< what the map is made from and with, a line each
 };
 
-/** \brief What a map archive says of the map at its last commit. */
+/** \brief State of a map at the last commit of its archive. */
 struct ArchiveState {
   Eigen::Vector3d cloud_origin = Eigen::Vector3d::Zero(); ///< world frame [m]
   bool finished = false;        ///< nothing is missing; else the run can go on

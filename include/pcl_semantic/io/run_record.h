@@ -35,7 +35,7 @@ struct FrameDigest {
   std::uint64_t labels = 0; ///< 0 = not known, or it has none
 };
 
-/** \brief What is kept of a frame that went into a map. */
+/** \brief Record of a frame that was integrated into a map. */
 struct FrameRecord {
   int number = 0;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();

@@ -85,7 +85,7 @@ using SubmapTiles = std::map<MapTile, std::vector<Submap>>;
  * \throws as submapMotion() */
 std::vector<MapTile> tilesOf(const Submap& submap);
 
-/** \brief What mergeSubmaps() makes of one tile, in an archive of its own; a halo as
+/** \brief Merges one tile into an archive of its own, as mergeSubmaps() does; a halo as
  * wide as the CRF needs comes from the tiles around it.
  * \param[in] tile a key of \a tiles
  *

@@ -12,7 +12,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What the field `rgba` of a written map shows. */
+/** \brief Meaning of the field `rgba` of a written map. */
 enum class VoxelColour {
   measured, ///< mean colour of the pixels
   classes,  ///< colour of the class, for pcl_viewer

@@ -11,7 +11,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What is less than that counts as that: a network's zeros mean nothing. */
+/** \brief Smaller probabilities are raised to this one: a network's zeros carry no
+ * information. */
 constexpr float kMinProbability = 1e-4f;
 
 /** \brief A curve for each class over a feature, linear between knots and level beyond
@@ -22,7 +23,7 @@ struct ClassCurves {
   Eigen::MatrixXf values;   ///< L x knots
 };
 
-/** \brief What a network's probabilities p are worth, given features z of a point:
+/** \brief Calibrates a network's probabilities p, using features z of a point:
  * multinomial logistic regression,
  *
  *   p'(l) ~ p(l)^s exp(b_l + sum_z f_lz(z)),

@@ -10,7 +10,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What becomes of the output channels of a segmentation network. */
+/** \brief The classes of the output channels of a segmentation network. */
 struct ChannelClasses {
   std::vector<Label>
       labels;          ///< of each channel; kUnlabelled: its probability is dropped

@@ -13,7 +13,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What has to be known of a segmentation network (`data/networks`). */
+/** \brief Description of a segmentation network (`data/networks`). */
 struct NetworkDescription {
   std::string model_path;      ///< ONNX file; empty if the description names none
   std::string label_set_path;  ///< the classes that \a channels name
@@ -32,7 +32,7 @@ struct NetworkDescription {
  * not have */
 NetworkDescription readNetworkDescription(const std::string& yaml_path);
 
-/** \brief What computes a network, on the CPU. */
+/** \brief The engine that computes a network on the CPU. */
 enum class NetworkEngine {
   opencv,      ///< OpenCV's module dnn
   onnx_runtime ///< ONNX Runtime, where it was there when the library was built

@@ -9,7 +9,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What is doubtful of valid parameters, a line each: lengths that look like
+/** \brief Doubts about valid parameters, a line each: lengths that look like
  * centimetres or millimetres. */
 std::vector<std::string> doubtsOf(const MapParameters& parameters);
 

@@ -59,7 +59,7 @@ private:
   std::size_t size_ = 0, stride_ = 0;
 };
 
-/** \brief What the map needs of a cloud of any type, where it lies. */
+/** \brief View of a cloud of any type, for the map. */
 struct Scan {
   FieldView<Eigen::Vector3f> points; ///< sensor frame [m]
   FieldView<std::uint32_t> rgb;      ///< packed as in PCL; empty = no colour

@@ -36,7 +36,7 @@ constexpr StoredLogOdds kUnknown = std::numeric_limits<StoredLogOdds>::min();
 
 constexpr std::uint16_t kVoxelCentre = 1 << 15; ///< see VoxelRecord::position
 
-/** \brief What is kept of a voxel that a scan has hit, apart from its labels. */
+/** \brief Record of a voxel that a scan has hit, without its labels. */
 struct VoxelRecord {
   std::array<std::uint32_t, 3> colour_sum{}; ///< red, green, blue
   std::uint32_t colour_count = 0;            ///< pixels in the sums
@@ -96,7 +96,7 @@ memoryOf(const VoxelBlock& block)
          (block.measured.capacity() + block.refined.capacity()) * sizeof(float);
 }
 
-/** \brief What is known of a point in space. */
+/** \brief Occupancy of a point in space. */
 enum class Occupancy { unknown, free, occupied };
 
 /** \brief All that a map knows of one voxel. */

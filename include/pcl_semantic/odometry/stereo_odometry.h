@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What StereoOdometry found out about one frame. */
+/** \brief Result of StereoOdometry for one frame. */
 struct OdometryResult {
   int frame = 0; ///< its number
 

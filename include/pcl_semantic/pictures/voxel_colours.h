@@ -13,7 +13,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What voxels are painted with, and what that means. */
+/** \brief The colours of voxels and their legend. */
 struct VoxelColours {
   std::vector<cv::Vec3b> colours; ///< a voxel: blue, green, red
   std::vector<LegendEntry> legend;

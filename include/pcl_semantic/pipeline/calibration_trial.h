@@ -64,7 +64,7 @@ public:
 
   std::unique_ptr<PoseSource> makePoses() const;
 
-  /** \brief What is doubtful of its trajectory, a line each. */
+  /** \brief Doubts about its trajectory, a line each. */
   const std::vector<std::string>&
   doubts() const
   {

@@ -18,7 +18,7 @@ struct FleetDrive {
   std::string corrected_poses; ///< trajectory that places its submaps; empty = none
 };
 
-/** \brief What pcl_semantic_fleet maps (doc/fleet.md). */
+/** \brief The plan of pcl_semantic_fleet (doc/fleet.md). */
 struct FleetPlan {
   std::string output; ///< folder
   std::vector<FleetDrive> drives;

@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a mapper is given whose labels come later: no labels. */
+/** \brief Predicts no labels, for a mapper whose labels come later. */
 class NoLabels : public LabelPredictor {
 public:
   LabelDistributions

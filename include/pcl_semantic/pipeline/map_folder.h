@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What summary.json of a map folder says of the map. */
+/** \brief The contents of a map folder's summary.json. */
 struct MapSummary {
   double voxel_size = 0.0;                          ///< [m]
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the points, world frame [m]

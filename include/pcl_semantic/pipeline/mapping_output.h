@@ -15,7 +15,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What a run writes beside the map, for evaluation, and how. */
+/** \brief Output of a run beside the map, for evaluation. */
 struct ExtraOptions {
   bool images = true;         ///< of each frame, if a camera takes them
   bool centres = false;       ///< the points of the map are the centres of its voxels
@@ -56,7 +56,7 @@ public:
 
   ~MappingOutput();
 
-  /** \brief What is put into the folder: names of files and of folders. */
+  /** \brief Names of the files and folders in the output folder. */
   static const std::vector<std::string>& names();
 
   /** \brief labels, labels_at_depth, network_labels and overlay of a frame, if there

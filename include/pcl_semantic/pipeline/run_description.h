@@ -19,7 +19,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What the result of a run depends on. */
+/** \brief All inputs of a run that its result depends on. */
 struct MappingRun {
   /** Names and values: ("sequence", "kitti/05"). Of a value that is the path of a file
    * its bytes count too. */

@@ -70,7 +70,7 @@ private:
   std::vector<std::pair<std::string, double>> seconds_;
 };
 
-/** \brief What became of one frame. */
+/** \brief Result of processing one frame. */
 struct MappedFrame {
   StereoFrame frame;        ///< of a cloud: without images, but that of its camera
   DisparityImage disparity; ///< of each pixel, and how sure it is; of a cloud: empty

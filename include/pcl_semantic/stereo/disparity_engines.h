@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What is known of the disparity of every pixel of the left image. */
+/** \brief Disparities of the left image and their deviations. */
 struct DisparityImage {
   cv::Mat disparity; ///< CV_32FC1 [px], 0 = none
   cv::Mat deviation; ///< CV_32FC1, standard deviation of the disparity [px]

@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief What can be set of cliques besides the number that their word has. */
+/** \brief Settings of cliques besides the number that their word has. */
 struct CliqueParameters {
   SuperpixelParameters superpixel;
   SupervoxelParameters supervoxel;

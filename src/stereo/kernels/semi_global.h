@@ -29,7 +29,7 @@ struct CensusRow {
   const std::uint8_t *left[census_bytes], *right[census_bytes];
 };
 
-/** \brief What leads from costs to the best disparities of a row. */
+/** \brief Inputs of the search for the best disparities of a row. */
 struct PathRow {
   int width, disparities;
   const std::uint8_t* costs;
@@ -43,7 +43,7 @@ struct PathRow {
   std::uint16_t* sums; ///< of all directions; of a pixel even disparities, then odd
 };
 
-/** \brief What is best for the pixels of a row. */
+/** \brief Best matches of the pixels of a row. */
 struct RowMatches {
   std::uint8_t* disparity; ///< of the smallest sum; of several the smallest
   std::uint16_t* around;   ///< three a pixel: the sums at d - 1, d, d + 1
