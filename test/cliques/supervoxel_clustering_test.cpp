@@ -29,6 +29,9 @@ clusterOf(const pcl::PointCloud<pcl::PointXYZRGB>& cloud)
 // Of PCL's library, and of the code that is compiled here.
 TEST(SupervoxelClustering, IsWhatPclsLibraryGives)
 {
+#if !defined(__x86_64__)
+  GTEST_SKIP() << "PCL's library may round otherwise: it fuses multiplications here";
+#endif
   for (const unsigned seed : {1u, 2u, 3u}) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> place(0.0f, 3.0f);
