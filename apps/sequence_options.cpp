@@ -79,18 +79,6 @@ requireSequence(const SequenceOptions& options)
                                                  "--calibration belong together");
 }
 
-namespace {
-
-template <typename Sequence>
-std::unique_ptr<FrameSequence>
-withWarnings(std::unique_ptr<Sequence> sequence)
-{
-  warnOf(sequence->doubts());
-  return sequence;
-}
-
-} // namespace
-
 std::unique_ptr<FrameSequence>
 openSequence(const SequenceOptions& options)
 {
@@ -100,9 +88,11 @@ openSequence(const SequenceOptions& options)
   if (are_videos)
     fail<InvalidParameterException>(
         options.files.left, ": is a video, which pcl_semantic_live --every-frame maps");
-  if (options.hasFiles())
-    return withWarnings(std::make_unique<ImagePairSequence>(options.files));
-  return std::make_unique<KittiSequence>(options.folder);
+  if (!options.hasFiles())
+    return std::make_unique<KittiSequence>(options.folder);
+  auto pairs = std::make_unique<ImagePairSequence>(options.files);
+  warnOf(pairs->doubts());
+  return pairs;
 }
 
 std::vector<std::size_t>

@@ -79,4 +79,15 @@ StoredPoses::lackOf(const FrameTime& frame) const
   return text.str();
 }
 
+StoredPoses
+readStoredPoses(const std::string& path, PoseFrame frame,
+                const Eigen::Isometry3d& T_camera0_camera,
+                std::vector<std::string>* doubts)
+{
+  StoredTrajectory read = readTrajectory(path, frame);
+  if (doubts)
+    doubts->insert(doubts->end(), read.doubts.begin(), read.doubts.end());
+  return StoredPoses(std::move(read), T_camera0_camera);
+}
+
 } // namespace pcl_semantic

@@ -19,4 +19,13 @@ runValues(const std::string& description)
   return values;
 }
 
+void
+setFromRun(const std::map<std::string, std::string>& values,
+           ConfigParameters parameters)
+{
+  for (ConfigParameter& parameter : parameters)
+    if (const auto value = values.find(parameter.name); value != values.end())
+      parameter.set(value->second, parameter.name);
+}
+
 } // namespace pcl_semantic

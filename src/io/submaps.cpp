@@ -54,9 +54,7 @@ crfOfRun(const std::string& description)
   if (model != values.end() && (model->second == "none" || model->second == "unary"))
     return {};
   SemanticCRFParameters crf = SemanticCRFParameters::forMaps();
-  for (ConfigParameter& parameter : parametersOf(crf, "m"))
-    if (const auto value = values.find(parameter.name); value != values.end())
-      parameter.set(value->second, parameter.name);
+  setFromRun(values, parametersOf(crf, "m"));
   return crf;
 }
 
@@ -170,13 +168,10 @@ correctedPoses(const std::string& description, const std::string& trajectory,
                std::vector<std::string>* doubts)
 {
   const RunSensor sensor = sensorOf(description);
-  StoredTrajectory read = readTrajectory(
-      trajectory, sensor.has_own_poses ? PoseFrame::sensor : PoseFrame::first_camera);
-  if (doubts)
-    doubts->insert(doubts->end(), read.doubts.begin(), read.doubts.end());
-  return StoredPoses(std::move(read), sensor.has_own_poses
-                                          ? Eigen::Isometry3d::Identity()
-                                          : sensor.T_camera0_camera);
+  return sensor.has_own_poses ? readStoredPoses(trajectory, PoseFrame::sensor,
+                                                Eigen::Isometry3d::Identity(), doubts)
+                              : readStoredPoses(trajectory, PoseFrame::first_camera,
+                                                sensor.T_camera0_camera, doubts);
 }
 
 Eigen::Isometry3d

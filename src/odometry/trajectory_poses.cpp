@@ -15,32 +15,20 @@ posesOf(const StoredTrajectory& trajectory, const Eigen::Isometry3d& T_camera0_c
   return std::make_unique<TrajectoryPoses>(StoredPoses(trajectory, T_camera0_camera));
 }
 
-namespace {
-
-std::unique_ptr<PoseSource>
-readPosesOf(const std::string& path, PoseFrame frame,
-            const Eigen::Isometry3d& T_camera0_camera, std::vector<std::string>* doubts)
-{
-  const StoredTrajectory read = readTrajectory(path, frame);
-  if (doubts)
-    doubts->insert(doubts->end(), read.doubts.begin(), read.doubts.end());
-  return posesOf(read, T_camera0_camera);
-}
-
-} // namespace
-
 std::unique_ptr<PoseSource>
 readPoses(const std::string& path, const Eigen::Isometry3d& T_camera0_camera,
           std::vector<std::string>* doubts)
 {
-  return readPosesOf(path, PoseFrame::first_camera, T_camera0_camera, doubts);
+  return std::make_unique<TrajectoryPoses>(
+      readStoredPoses(path, PoseFrame::first_camera, T_camera0_camera, doubts));
 }
 
 std::unique_ptr<PoseSource>
 readSensorPoses(const std::string& path, PoseFrame frame,
                 std::vector<std::string>* doubts)
 {
-  return readPosesOf(path, frame, Eigen::Isometry3d::Identity(), doubts);
+  return std::make_unique<TrajectoryPoses>(
+      readStoredPoses(path, frame, Eigen::Isometry3d::Identity(), doubts));
 }
 
 Eigen::Isometry3d

@@ -145,11 +145,8 @@ changeOfRun(const std::string& before, const std::string& now)
 MapperConfig
 configOf(const std::string& description)
 {
-  const std::map<std::string, std::string> values = runValues(description);
   MapperConfig config;
-  for (ConfigParameter& parameter : parametersOf(config))
-    if (const auto value = values.find(parameter.name); value != values.end())
-      parameter.set(value->second, parameter.name);
+  setFromRun(runValues(description), parametersOf(config));
   return config;
 }
 

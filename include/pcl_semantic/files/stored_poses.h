@@ -44,4 +44,13 @@ private:
   double tolerance_; // [s]
 };
 
+/** \brief The poses of a trajectory file, see readTrajectory().
+ * \param[in] T_camera0_camera see StoredPoses
+ * \param[out] doubts if not null: those of readTrajectory() are added to it
+ * \throws BadInputException as readTrajectory() */
+StoredPoses readStoredPoses(
+    const std::string& path, PoseFrame frame,
+    const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity(),
+    std::vector<std::string>* doubts = nullptr);
+
 } // namespace pcl_semantic
