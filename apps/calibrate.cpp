@@ -8,6 +8,7 @@
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/evaluation/confusion_matrix.h>
 #include <pcl_semantic/files/atomic_file.h>
+#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/labelling/calibration_fit.h>
 #include <pcl_semantic/pipeline/calibration_trial.h>
 #include <pcl_semantic/pipeline/mapper_config.h>

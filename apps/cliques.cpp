@@ -3,7 +3,6 @@
 #include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
-#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
@@ -112,7 +111,7 @@ parse(int argc, char** argv)
         "KITTI trajectory (default: VIEWPOINT of --frame)"},
        {"calibration", frame.calibration,
         "KITTI's calib.txt, if the pose is of camera 0 and the frame of camera 2"},
-       {"scan-columns", arguments.scan_columns, scan_columns_help},
+       {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
        {"coloured", arguments.coloured,
         "output cloud with one colour per clique, for pcl_viewer (.pcd)"}},
       {"input", "output"}, parameters);
@@ -239,7 +238,7 @@ group(const Arguments& arguments)
   const auto generator = makeCliqueGenerator(arguments.method, arguments.parameters);
   setNumberOfThreads(arguments.threads);
   LabelledCloud read = readLabelledCloud(arguments.input, &anyLabels(),
-                                         columnsOf(arguments.scan_columns));
+                                         parseScanColumns(arguments.scan_columns));
   if (generator->usesColour() && !read.has_colour && !read.cloud->empty())
     fail<BadInputException>(arguments.input, ": this method needs rgb or rgba",
                             textOfDoubts(read.table.doubts, arguments.input));

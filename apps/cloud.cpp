@@ -48,8 +48,8 @@ parse(int argc, char** argv)
        {"output", arguments.output, "output cloud (.pcd)"},
        {"label-set", arguments.label_set,
         "classes (YAML), for names of classes and for colours"},
-       {"label-mapping", arguments.label_mapping, label_mapping_help},
-       {"scan-columns", arguments.scan_columns, scan_columns_help},
+       {"label-mapping", arguments.label_mapping, kLabelMappingHelp},
+       {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
        {"crop", arguments.crop, "keep the points in a box x0,y0,z0,x1,y1,z1 [m]"},
        {"keep", arguments.keep,
         "keep the points of these classes: names (also unlabelled) or numbers with "
@@ -271,7 +271,8 @@ prepare(const Arguments& arguments)
                   {arguments.output});
   requireOutput(arguments.output, ".pcd");
   Editor editor(arguments);
-  PcdTable table = readCloudTable(arguments.input, columnsOf(arguments.scan_columns));
+  PcdTable table =
+      readCloudTable(arguments.input, parseScanColumns(arguments.scan_columns));
   const std::size_t before = table.points();
   table = editor.edit(std::move(table));
   if (table.points() == 0)

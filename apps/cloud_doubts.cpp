@@ -10,19 +10,6 @@
 
 namespace pcl_semantic::tool {
 
-ScanColumns
-columnsOf(const std::string& scan_columns)
-{
-  return scan_columns.empty() ? ScanColumns() : parseScanColumns(scan_columns);
-}
-
-ScanColumns
-columnsOf(const std::string& scan_columns, const std::string& path)
-{
-  return boost::algorithm::iends_with(path, ".bin") ? columnsOf(scan_columns)
-                                                    : ScanColumns();
-}
-
 const LabelMapping&
 anyLabels()
 {

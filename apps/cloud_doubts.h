@@ -11,19 +11,6 @@
 
 namespace pcl_semantic::tool {
 
-/** \brief Of --scan-columns, which parseScanColumns() reads. */
-constexpr const char* scan_columns_help = "columns of a .bin, float32 each: their "
-                                          "names (x,y,z,intensity,ring; _ for one that "
-                                          "is passed over) or their number (default: "
-                                          "x,y,z,intensity, of a .pcd.bin also ring)";
-
-/** \brief The columns of --scan-columns; empty = not given.
- * \throws InvalidParameterException */
-ScanColumns columnsOf(const std::string& scan_columns);
-
-/** \brief The same for one of several clouds, of which only a `.bin` has columns. */
-ScanColumns columnsOf(const std::string& scan_columns, const std::string& path);
-
 /** \brief For clouds whose labels do not matter: takes any numbers. */
 const LabelMapping& anyLabels();
 

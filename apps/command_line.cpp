@@ -3,7 +3,6 @@
 #include "core/split.h"
 #include "messages.h"
 #include "tool.h"
-#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/files/config_file.h>
@@ -186,7 +185,7 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
 {
   po::options_description description("Options");
   for (const Option& option : options)
-    description.add_options()(option.names, option.target, option.text.c_str());
+    description.add_options()(option.names.c_str(), option.target, option.text.c_str());
   po::options_description group("Parameters (with their defaults)");
   for (const ConfigParameter& parameter : parameters)
     if (parameter.preset_default.empty())
@@ -201,6 +200,43 @@ parseCommandLine(int argc, char** argv, const Usage& usage,
     order.add(name.substr(0, dots).c_str(), dots == std::string::npos ? 1 : -1);
   }
   return parseOptions(argc, argv, usage, description, order, parameters);
+}
+
+std::vector<Option>
+optionsOf(const ConfigParameters& parameters)
+{
+  std::vector<Option> options;
+  for (const ConfigParameter& parameter : parameters) {
+    const std::string name = parameter.option();
+    if (auto* const value = std::get_if<bool*>(&parameter.value))
+      options.emplace_back(name, **value, parameter.help);
+    else if (auto* const text = std::get_if<std::string*>(&parameter.value);
+             text && (*text)->empty())
+      options.emplace_back(name, **text, parameter.help);
+    else if (text)
+      options.emplace_back(name, withDefault(**text), parameter.help);
+    else if (auto* const number = std::get_if<double*>(&parameter.value))
+      options.emplace_back(name, withDefault(**number), parameter.help);
+    else
+      badParameter("parameter ", parameter.name, " is of no kind that inputs have");
+  }
+  return options;
+}
+
+std::set<std::string>
+givenOptions(const po::variables_map& values)
+{
+  std::set<std::string> given;
+  for (const auto& [name, value] : values)
+    if (!value.defaulted())
+      given.insert(name);
+  return given;
+}
+
+void
+refuseUnread(const po::variables_map& values, const std::vector<UnreadOptions>& rules)
+{
+  asUsage([&] { pcl_semantic::refuseUnread(givenOptions(values), rules); });
 }
 
 void

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/filters/crf_config.h>
 
 #include "core/text_stream.h"
+#include "files/unread_options.h"
 
 #include <boost/program_options.hpp>
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,21 +34,21 @@ struct Usage {
 struct Option {
   /** \brief Any value, or several of a std::vector; without a default to show. */
   template <typename T>
-  Option(const char* name, T& value, std::string help)
+  Option(const std::string& name, T& value, std::string help)
       : Option(name, po::value(&value), std::move(help))
   {}
 
   /** \brief A switch. */
-  Option(const char* name, bool& value, std::string help)
+  Option(const std::string& name, bool& value, std::string help)
       : Option(name, po::bool_switch(&value), std::move(help))
   {}
 
   /** \brief Another kind: required(...), withDefault(...). */
-  Option(const char* name, const po::value_semantic* value, std::string help)
-      : names(name), target(value), text(std::move(help))
+  Option(std::string name, const po::value_semantic* value, std::string help)
+      : names(std::move(name)), target(value), text(std::move(help))
   {}
 
-  const char* names;
+  std::string names;
   const po::value_semantic* target;
   std::string text;
 };
@@ -76,6 +79,9 @@ withDefault(T& value)
   return po::value<T>(&value)->default_value(value, shown(value));
 }
 
+/** \brief Options of inputs: a `bool` is a switch, and a default is shown. */
+std::vector<Option> optionsOf(const ConfigParameters& parameters);
+
 /** \brief Parses the command line; adds `--help`, `--help-all`, `--version` and
  * `--man`, which end the tool, and `--quiet`, `--verbose` and `--json`, which set
  * manner(). \param[in] options in the order of the help \param[in] positional options
@@ -99,8 +105,31 @@ void setParameters(const po::variables_map& values, ConfigParameters parameters)
 void setCRFConfig(const po::variables_map& values, const std::string& file, bool print,
                   CRFConfig& config);
 
+/** \brief The options that were given. */
+std::set<std::string> givenOptions(const po::variables_map& values);
+
+/** \brief Refuses options that were given and would have no effect. */
+void refuseUnread(const po::variables_map& values,
+                  const std::vector<UnreadOptions>& rules);
+
 /** \brief Throws InvalidParameterException, with a word on where help is. */
 [[noreturn]] void failUsage(const std::string& message);
+
+/** \brief Runs a check of the command line: an InvalidParameterException of it ends in
+ * failUsage(). */
+template <typename Check>
+void
+asUsage(Check&& check)
+{
+  std::string message;
+  try {
+    return check();
+  }
+  catch (const InvalidParameterException& error) {
+    message = error.what();
+  }
+  failUsage(message);
+}
 
 /** \brief failUsage() if a condition holds. */
 void refuseIf(bool condition, const std::string& message);
@@ -111,18 +140,6 @@ std::vector<std::string> splitAtCommas(const std::string& text);
 /** \brief The numbers of an option, with commas or spaces between them; those that
  * cannot be read end in failUsage(). */
 std::vector<double> parseNumbersOf(const std::string& option, std::string text);
-
-/** \brief Of --label-mapping, the numbers in a file to the classes of the label set. */
-constexpr const char* label_mapping_help =
-    "numbers of the input to classes of the label set: a file (YAML), the name of one "
-    "that is installed (semantic_kitti_to_kitti11), or zero_based (default: they are "
-    "labels, 0 = unlabelled)";
-
-/** \brief The same where the input may be images. */
-constexpr const char* pixel_mapping_help =
-    "numbers of the input to classes of the label set: a file (YAML), the name of one "
-    "that is installed (semantic_kitti_to_kitti11), zero_based, or of .png colours, "
-    "those of the classes (default: they are labels, 0 = unlabelled)";
 
 /** \brief Refuses options of earlier versions, each with a word on what there is in its
  * place. \throws InvalidParameterException */

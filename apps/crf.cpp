@@ -5,7 +5,6 @@
 #include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
-#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
@@ -75,8 +74,8 @@ parse(int argc, char** argv)
        {"output", arguments.output, "output cloud"},
        {"label-set", arguments.label_set,
         "label set (YAML), if the labels do not show the number of classes"},
-       {"label-mapping", arguments.label_mapping, label_mapping_help},
-       {"scan-columns", arguments.scan_columns, scan_columns_help},
+       {"label-mapping", arguments.label_mapping, kLabelMappingHelp},
+       {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
        {"config", arguments.config, "parameter file (.yaml); options override it"},
        {"print-config", print_config,
         "print the effective parameters as YAML and exit"}},
@@ -314,7 +313,7 @@ refine(const Arguments& arguments)
   }
   LabelledCloud cloud =
       readLabelledCloud(arguments.input, mapping ? &*mapping : nullptr,
-                        columnsOf(arguments.scan_columns));
+                        parseScanColumns(arguments.scan_columns));
   const std::size_t no_returns = countNoReturns(*cloud.cloud);
   const Results report = filter(arguments, cloud);
   warnOf(cloud.table.doubts);

@@ -4,7 +4,6 @@
 #include "map_input.h"
 #include "messages.h"
 #include "tool.h"
-#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/io/octree_file.h>

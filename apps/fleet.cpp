@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/text_stream.h"
 #include "files/folder_lock.h"
-#include "map_arguments.h"
+#include "map_watch.h"
 #include "messages.h"
 #include "network_trial.h"
 #include "ranks.h"
-#include "recorded_mapping.h"
+#include "recorded_map.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
@@ -49,48 +49,24 @@ EOF
 pcl_semantic_fleet /tmp/plan.yaml && \
   pcl_semantic_archive info /tmp/city/map.tiles)"};
 
-// A submap that is to be made, and what places it.
+// A submap that is to be made, and the poses that place it.
 struct Task {
-  MapArguments run;
+  MapOptions run;
   std::string corrected_poses;
   std::uint64_t digest = 0; // of its archive
+
+  const std::string&
+  archive() const
+  {
+    return run.outputs.archive.path;
+  }
 
   Submap
   submap() const
   {
-    return {run.archive.path, corrected_poses, digest};
+    return {archive(), corrected_poses, digest};
   }
 };
-
-// As if the drive's options were a command line of pcl_semantic_map.
-MapArguments
-argumentsOf(const FleetDrive& drive, const std::string& output)
-{
-  std::vector<std::string> words = {usage.name,
-                                    "--output=" + output + "/submaps/" + drive.name};
-  for (const auto& [name, value] : drive.options) {
-    std::string option = "--" + name;
-    std::replace(option.begin(), option.end(), '_', '-');
-    if (name != "strict") // the one without a value
-      words.push_back(option + "=" + value);
-    else if (value == "true")
-      words.push_back(option);
-    else if (value != "false")
-      fail<InvalidParameterException>("strict is '", value,
-                                      "', expected true or false");
-  }
-  std::vector<char*> pointers;
-  for (std::string& word : words)
-    pointers.push_back(word.data());
-  const Manner own = manner();
-  MapArguments arguments =
-      parseMapArguments(int(pointers.size()), pointers.data(), MapProgram::map);
-  manner() = own;
-  arguments.archive_only = true;
-  if (arguments.submap_every.empty())
-    arguments.submap_every = "50m";
-  return arguments;
-}
 
 ArchiveHeader
 headerOf(const MappingRun& run)
@@ -133,18 +109,29 @@ cut(const FleetPlan& plan)
   for (std::size_t d = 0; d < plan.drives.size(); ++d)
     ofDrive(plan.drives[d], [&] {
       const FleetDrive& drive = plan.drives[d];
-      const SubmapRuns submaps = submapsOf(argumentsOf(drive, plan.output));
+      MapperConfig config = drive.config;
+      config.validate();
+      drive.inputs.validate(config);
+      const SubmapLength length = parseSubmapLength(drive.submap_every);
+      OpenedInputs inputs = openInputsOf(drive.inputs, config);
+      const std::vector<SubmapFrames> submaps = cutIntoSubmaps(inputs, length);
+      MapWatch watch(drive.inputs.poses, drive.inputs.sequence.strict);
+      const MappingRun whole =
+          MapRun(std::move(inputs), config, {}, &watch).description();
       if (first)
-        requireSame(*first, submaps.whole);
+        requireSame(*first, whole);
       else
-        first = submaps.whole;
+        first = whole;
+      std::vector<FrameTime> anchors;
+      for (const SubmapFrames& submap : submaps) {
+        anchors.push_back(submap.anchor);
+        stretches.push_back(std::to_string(d) + " " + submap.range);
+      }
       std::vector<std::string> doubts;
       if (!drive.corrected_poses.empty())
-        correctedPoses(describeRun(submaps.whole), drive.corrected_poses, &doubts)
-            .requirePoses(submaps.anchors);
+        correctedPoses(describeRun(whole), drive.corrected_poses, &doubts)
+            .requirePoses(anchors);
       warnOf(doubts);
-      for (const MapArguments& submap : submaps.each)
-        stretches.push_back(std::to_string(d) + " " + submap.frames);
     });
   return stretches;
 }
@@ -152,17 +139,23 @@ cut(const FleetPlan& plan)
 std::vector<Task>
 tasksOf(const FleetPlan& plan, const std::vector<std::string>& stretches)
 {
-  std::vector<MapArguments> drives;
-  for (const FleetDrive& drive : plan.drives)
-    drives.push_back(argumentsOf(drive, plan.output));
   std::vector<Task> tasks;
   for (const std::string& stretch : stretches) {
-    std::size_t drive = 0;
+    std::size_t d = 0;
     std::string frames;
-    std::istringstream(stretch) >> drive >> frames;
-    tasks.push_back(
-        {submapOf(drives[drive], frames), plan.drives[drive].corrected_poses});
-    tasks.back().run.archive.resume = true;
+    std::istringstream(stretch) >> d >> frames;
+    const FleetDrive& drive = plan.drives[d];
+    Task task;
+    task.corrected_poses = drive.corrected_poses;
+    task.run.inputs = drive.inputs;
+    task.run.inputs.frames = frames;
+    task.run.config = drive.config;
+    MapOutputs& outputs = task.run.outputs;
+    outputs.folder = plan.output + "/submaps/" + drive.name;
+    outputs = submapOutputs(outputs, frames);
+    outputs.folder.clear(); // an archive alone
+    outputs.archive.resume = true;
+    tasks.push_back(std::move(task));
   }
   return tasks;
 }
@@ -245,7 +238,7 @@ removeOtherSubmaps(const std::string& folder, const std::vector<Task>& tasks)
 {
   std::set<fs::path> kept;
   for (const Task& task : tasks)
-    kept.insert(fs::path(task.run.archive.path).lexically_normal());
+    kept.insert(fs::path(task.archive()).lexically_normal());
   std::vector<fs::path> drives;
   std::error_code error;
   for (const fs::directory_entry& drive : fs::directory_iterator(folder, error))
@@ -296,8 +289,8 @@ mapSubmaps(const Ranks& ranks, std::vector<Task>& tasks, Log& log)
 {
   std::vector<std::string> digests;
   ranks.share(tasks.size(), [&](std::size_t i) {
-    const std::string& archive = tasks[i].run.archive.path;
-    log.time(archive, [&] { return !mapRecorded(tasks[i].run).empty(); });
+    const std::string& archive = tasks[i].archive();
+    log.time(archive, [&] { return mapIntoArchive(tasks[i].run); });
     stopIfInterrupted();
     digests.push_back(std::to_string(i) + " " + std::to_string(archiveDigest(archive)));
   });
@@ -364,7 +357,7 @@ mapFleet(const std::string& path, const Ranks& ranks)
   writeTileIndex(index, order);
   std::set<std::string> names;
   for (const Task& task : tasks)
-    names.insert(task.run.archive.path);
+    names.insert(task.archive());
   for (const MapTile& tile : order)
     names.insert(tilePath(index, tile));
   writeLog(plan->output + "/log.csv", names, lines);

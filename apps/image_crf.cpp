@@ -2,11 +2,11 @@
 #include "image_tool.h"
 #include "messages.h"
 #include "tool.h"
-#include "unread_options.h"
 
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
 #include <pcl_semantic/filters/crf_config.h>
 #include <pcl_semantic/images/distribution_file.h>
 #include <pcl_semantic/images/image_crf.h>

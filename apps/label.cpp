@@ -3,15 +3,14 @@
 #include "image_tool.h"
 #include "messages.h"
 #include "network_trial.h"
-#include "opened_network.h"
 #include "sequence_options.h"
-#include "unread_options.h"
 
 #include <pcl_semantic/core/camera_doubts.h>
 #include <pcl_semantic/core/exceptions.h>
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/threads.h>
 #include <pcl_semantic/dataset/camera_images.h>
+#include <pcl_semantic/dataset/cloud_sequence.h>
 #include <pcl_semantic/dataset/kitti_sequence.h>
 #include <pcl_semantic/files/atomic_file.h>
 #include <pcl_semantic/files/cloud_file.h>
@@ -68,7 +67,7 @@ images in which a camera saw the points.)",
      {"frames A:B", "frames with numbers A <= n < B"}}};
 
 struct Arguments {
-  SequenceOptions sequence;
+  SequenceFiles sequence;
   std::string clouds; ///< to label: organized ones, or what the sequence's camera saw
   std::string sensor_pose; ///< of the clouds' sensor in the camera; empty = KITTI's Tr
   double max_depth = 0.0;  ///< of points that get labels of images [m]; 0 = unlimited
@@ -92,7 +91,7 @@ struct Arguments {
 void
 requireSequenceAndNetwork(const Arguments& arguments)
 {
-  requireSequence(arguments.sequence);
+  asUsage([&] { arguments.sequence.validate(); });
   refuseIf(arguments.output.empty(), "--output is missing");
   refuseIf(arguments.network.empty(), "--network is missing");
   refuseIf(arguments.format != "float32" && arguments.format != "float16" &&
@@ -166,14 +165,14 @@ parse(int argc, char** argv)
            {"network", arguments.network, "network description (.yaml)"},
            {"model", arguments.model,
             "network (.onnx; default: as its description says)"},
-           {"engine", arguments.engine, engine_help},
+           {"engine", arguments.engine, kEngineHelp},
            {"labels", arguments.labels,
             "stored label distributions for --clouds: folder with one .bin, .npy or "
             ".png per frame, or one file"},
            {"label-set", arguments.label_set,
             "label set of --labels (default: label_sets/kitti11.yaml)"},
-           {"label-mapping", arguments.label_mapping, pixel_mapping_help},
-           {"scan-columns", arguments.scan_columns, scan_columns_help},
+           {"label-mapping", arguments.label_mapping, kPixelMappingHelp},
+           {"scan-columns", arguments.scan_columns, kScanColumnsHelp},
            {"frames", arguments.frames, "A:B = frames with numbers A <= n < B"},
            {"format", withDefault(arguments.format),
             "output format for SEQUENCE: float32, float16 (.npy, half the size) or ids "
@@ -189,7 +188,9 @@ parse(int argc, char** argv)
             "number of threads; 0 = all processors"}}),
       {"sequence"});
   refuseUnread(values, unreadOptions(arguments));
-  requireEngine(arguments.engine, arguments.network);
+  refuseIf(!arguments.engine.empty() && arguments.network.empty(),
+           "--engine needs --network");
+  asUsage([&] { parseEngine(arguments.engine); });
   if (arguments.clouds.empty())
     requireSequenceAndNetwork(arguments);
   else
@@ -214,7 +215,7 @@ public:
   // Of the images of a folder in KITTI's layout, or those of one camera: `left` and its
   // intrinsics as `calibration`. Without a file the pose of the scanner in the camera
   // is that of the sequence.
-  LabelCarrier(const SequenceOptions& images, const std::string& sensor_pose,
+  LabelCarrier(const SequenceFiles& images, const std::string& sensor_pose,
                const VisibilityParameters& visibility)
       : visibility_(visibility)
   {
@@ -257,10 +258,8 @@ public:
   label(const pcl::PointCloud<pcl::PointXYZRGBL>& cloud, int frame,
         LabelPredictor& predictor) const
   {
-    StereoFrame seen;
-    seen.number = frame;
-    seen.left = images_->image(frame);
-    return carryLabels(predictor.predict(seen), images_->camera(),
+    return carryLabels(predictor.predict(images_->image(frame), frame),
+                       images_->camera(),
                        seenPoints(pointsInCamera(cloud, T_camera_sensor_),
                                   images_->camera(), visibility_));
   }
@@ -280,10 +279,10 @@ public:
   {}
 
   LabelDistributions
-  predict(const StereoFrame& frame) override
+  predict(const cv::Mat& image, int /*frame*/) override
   {
-    return readDistributions(path_, frame.left.cols, frame.left.rows, classes_,
-                             confidence_, mapping_);
+    return readDistributions(path_, image.cols, image.rows, classes_, confidence_,
+                             mapping_);
   }
 
 private:
@@ -305,7 +304,8 @@ std::unique_ptr<LabelPredictor>
 makePredictor(const Arguments& arguments, MappingWatch& watch)
 {
   if (!arguments.network.empty())
-    return openNetwork(arguments.network, arguments.model, arguments.engine).predictor;
+    return openTriedNetwork(arguments.network, arguments.model, arguments.engine)
+        .predictor;
   const LabelSet label_set = readLabelSetOrDefault(arguments.label_set);
   const int classes = label_set.size();
   PixelMapping mapping = readPixelMapping(arguments.label_mapping, label_set);
@@ -320,9 +320,8 @@ makePredictor(const Arguments& arguments, MappingWatch& watch)
 }
 
 // The cloud as a predictor takes it.
-StereoFrame
-frameOf(const LabelledCloud& labelled, const std::string& path, int number,
-        bool is_seen)
+cv::Mat
+imageOf(const LabelledCloud& labelled, const std::string& path, bool is_seen)
 {
   if (is_seen && !labelled.has_colour)
     fail<BadInputException>(path, ": has no colours; a network needs rgb or rgba");
@@ -331,10 +330,7 @@ frameOf(const LabelledCloud& labelled, const std::string& path, int number,
                             ": is no organized cloud; a network needs the whole image");
   pcl::PointCloud<pcl::PointXYZRGB> cloud;
   pcl::copyPointCloud(*labelled.cloud, cloud);
-  StereoFrame frame;
-  frame.number = number;
-  frame.left = imageOfCloud(cloud);
-  return frame;
+  return imageOfCloud(cloud);
 }
 
 VisibilityParameters
@@ -368,8 +364,8 @@ labelCloud(const std::string& path, int number, const Arguments& arguments,
            const LabelCarrier* carrier, PointCounts& counts)
 {
   const bool is_seen = dynamic_cast<NetworkPredictor*>(&predictor) != nullptr;
-  LabelledCloud labelled =
-      readLabelledCloud(path, &anyLabels(), columnsOf(arguments.scan_columns, path));
+  LabelledCloud labelled = readLabelledCloud(
+      path, &anyLabels(), parseScanColumns(arguments.scan_columns, path));
   if (counts.doubts.empty()) {
     counts.doubts = labelled.table.doubts;
     warnOf(counts.doubts);
@@ -382,7 +378,7 @@ labelCloud(const std::string& path, int number, const Arguments& arguments,
   }
   labelled.distributions =
       carrier ? carrier->label(cloud, number, predictor)
-              : predictor.predict(frameOf(labelled, path, number, is_seen));
+              : predictor.predict(imageOf(labelled, path, is_seen), number);
   std::size_t known = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud[i].label = labelled.distributions.mapLabel(Eigen::Index(i));
@@ -409,12 +405,24 @@ outputOf(const Arguments& arguments, const std::string& path)
   return (fs::path(arguments.output) / name).string() + ".pcd";
 }
 
+std::vector<std::size_t>
+chooseClouds(const CloudSequence& clouds, const Arguments& arguments)
+{
+  const FrameRange range = parseFrameRange(arguments.frames);
+  std::vector<std::size_t> positions;
+  for (std::size_t i = 0; i < clouds.size(); ++i)
+    if (range.contains(clouds.frameNumber(i)))
+      positions.push_back(i);
+  if (positions.empty())
+    fail<BadInputException>(arguments.clouds, ": has no frame in ", arguments.frames);
+  return positions;
+}
+
 // The clouds to label, once it is clear that each has a place to go to.
 std::vector<std::size_t>
 prepareClouds(const Arguments& arguments, const CloudSequence& clouds)
 {
-  const std::vector<std::size_t> chosen =
-      chooseClouds(arguments.clouds, clouds, arguments.frames);
+  const std::vector<std::size_t> chosen = chooseClouds(clouds, arguments);
   const bool is_cloud = fs::path(arguments.output).extension() == ".pcd";
   refuseIf(is_cloud && chosen.size() > 1,
            "--output is one cloud, but --clouds are " + std::to_string(chosen.size()));
@@ -435,7 +443,8 @@ int
 labelClouds(const Arguments& arguments)
 {
   setNumberOfThreads(arguments.threads);
-  const CloudSequence clouds(arguments.clouds, "", columnsOf(arguments.scan_columns));
+  const CloudSequence clouds(arguments.clouds, "",
+                             parseScanColumns(arguments.scan_columns));
   MappingWatch watch;
   const auto predictor = makePredictor(arguments, watch);
   std::optional<LabelCarrier> carrier;
@@ -504,10 +513,10 @@ labelSequence(const Arguments& options)
 {
   refuseOtherFiles(options, options.format == "ids" ? ".png" : ".npy");
   setNumberOfThreads(options.threads);
-  const auto sequence = openSequence(options.sequence);
+  const auto sequence = openSequenceOf(options.sequence);
   const auto frames = chooseFrames(options.sequence, *sequence, options.frames);
   const OpenedNetwork network =
-      openNetwork(options.network, options.model, options.engine);
+      openTriedNetwork(options.network, options.model, options.engine);
   makeOutputFolder(options.output);
   {
     PairWatch watch(options.sequence.strict, sequence->camera());
@@ -515,7 +524,7 @@ labelSequence(const Arguments& options)
       const StereoFrame frame = sequence->frame(frames[i]);
       watch.look(frame);
       writeLabels(options, frame.number, frame.left.cols,
-                  network.predictor->predict(frame));
+                  network.predictor->predict(frame.left, frame.number));
     });
   }
   printResults({{"frames", frames.size()},

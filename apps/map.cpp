@@ -1,39 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "image_tool.h"
-#include "map_arguments.h"
+#include "map_options.h"
 #include "messages.h"
 #include "network_trial.h"
-#include "recorded_mapping.h"
+#include "recorded_map.h"
 #include "tool.h"
 
-#include <iostream>
+#include <pcl_semantic/core/threads.h>
 
 namespace {
 
 using namespace pcl_semantic;
 using namespace pcl_semantic::tool;
 
+// A run of its own for each stretch, named by its first frame.
 void
-mapSubmaps(const MapArguments& arguments)
+mapSubmaps(const MapOptions& options)
 {
+  const OpenedInputs inputs = openInputsOf(options.inputs, options.config);
+  warnOf(inputs.doubts);
   std::size_t done = 0;
-  for (const MapArguments& submap : submapsOf(arguments).each) {
-    mapRecorded(submap);
+  for (const SubmapFrames& frames :
+       cutIntoSubmaps(inputs, parseSubmapLength(options.submap_every))) {
+    MapOptions submap = options;
+    submap.inputs.frames = frames.range;
+    submap.outputs = submapOutputs(options.outputs, frames.range);
+    mapRecording(submap, openInputsOf(submap.inputs, submap.config));
     if (interrupted())
       return;
     ++done;
   }
-  printResults({{"submaps", done}, {"archives", arguments.output + "/*.map"}});
-}
-
-int
-mapFrames(const MapArguments& arguments)
-{
-  if (arguments.submap_every.empty())
-    printResults(mapRecorded(arguments));
-  else
-    mapSubmaps(arguments);
-  return interrupted() ? exit_interrupted : exit_done;
+  printResults({{"submaps", done}, {"archives", options.outputs.folder + "/*.map"}});
 }
 
 } // namespace
@@ -45,11 +42,12 @@ main(int argc, char** argv)
     return *trial;
   return runWithImages("pcl_semantic_map", [&] {
     keepFreedMemory();
-    const MapArguments arguments = parseMapArguments(argc, argv, MapProgram::map);
-    if (arguments.print_config) {
-      std::cout << printMapperConfig(arguments.parameters);
-      return int(exit_done);
-    }
-    return mapFrames(arguments);
+    const MapOptions options = parseMapOptions(argc, argv, MapProgram::map);
+    setNumberOfThreads(options.config.threads);
+    if (options.submap_every.empty())
+      printResults(mapRecording(options, openInputsOf(options.inputs, options.config)));
+    else
+      mapSubmaps(options);
+    return interrupted() ? exit_interrupted : exit_done;
   });
 }

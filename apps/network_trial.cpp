@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "network_trial.h"
 #include "image_tool.h"
-#include "opened_network.h"
 #include "tool.h"
 
 #include <pcl_semantic/core/exceptions.h>
-#include <pcl_semantic/images/sensor_frame.h>
 #include <pcl_semantic/labelling/network_predictor.h>
 
 #include "core/fail.h"
@@ -101,8 +99,6 @@ isInterrupt(int status)
           WTERMSIG(status) == SIGHUP);
 }
 
-} // namespace
-
 void
 tryNetwork(const std::string& description, const std::string& model,
            const std::string& engine)
@@ -137,6 +133,16 @@ tryNetwork(const std::string& description, const std::string& model,
   tried.insert(network);
 }
 
+} // namespace
+
+OpenedNetwork
+openTriedNetwork(const std::string& description, const std::string& model,
+                 const std::string& engine)
+{
+  tryNetwork(description, model, engine);
+  return openNetwork(description, model, engine);
+}
+
 std::optional<int>
 runAsNetworkTrial(int argc, char** argv)
 {
@@ -145,11 +151,10 @@ runAsNetworkTrial(int argc, char** argv)
   limitResources();
   return runWithImages(argv[0], [&] {
     const NetworkDescription network = readNetworkDescription(argv[2]);
-    const OpenedNetwork opened = loadNetwork(argv[2], argv[3], argv[4]);
-    StereoFrame frame;
-    frame.left = cv::Mat(network.input_height, network.input_width, CV_8UC3,
-                         cv::Scalar::all(128));
-    opened.predictor->predict(frame);
+    const OpenedNetwork opened = openNetwork(argv[2], argv[3], argv[4]);
+    const cv::Mat image(network.input_height, network.input_width, CV_8UC3,
+                        cv::Scalar::all(128));
+    opened.predictor->predict(image, 0);
     return int(exit_done);
   });
 }

@@ -34,7 +34,7 @@ first one, as KITTI or TUM trajectory.)",
      {"threads 0", "number of threads; 0 = all processors"}}};
 
 struct Options {
-  SequenceOptions sequence;
+  SequenceFiles sequence;
   std::string output, report;
   std::string format = "kitti", frames = ":";
   int threads = 0;
@@ -70,7 +70,7 @@ parse(int argc, char** argv)
       {"sequence", "output"});
   if (options.sequence.hasFiles() && options.output.empty())
     std::swap(options.sequence.folder, options.output); // OUT.txt is the only one
-  requireSequence(options.sequence);
+  asUsage([&] { options.sequence.validate(); });
   refuseIf(options.output.empty(), "OUT.txt is missing");
   refuseIf(options.format != "kitti" && options.format != "tum",
            "--format is '" + options.format + "', expected kitti or tum");
@@ -153,9 +153,12 @@ track(const Options& options)
              path + ": is a name for an image");
   setNumberOfThreads(options.threads);
   parseFrameRange(options.frames); // wrong options are found first
-  const std::unique_ptr<FrameSequence> opened = openSequence(options.sequence);
+  const std::unique_ptr<FrameSequence> opened = openSequenceOf(options.sequence);
   const FrameSequence& sequence = *opened;
-  refuseSameFiles(textFilesOf(options.sequence, sequence),
+  const ImagePairFiles& files = options.sequence.files;
+  const std::string& folder = options.sequence.folder;
+  refuseSameFiles({files.calibration, files.extrinsics, files.times,
+                   sequence.posesPath(), folder + "/calib.txt", folder + "/times.txt"},
                   {options.output, options.report});
   const std::vector<std::size_t> frames =
       chooseFrames(options.sequence, sequence, options.frames);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "render_options.h"
-#include "unread_options.h"
 
 #include <algorithm>
 #include <cmath>

@@ -85,9 +85,8 @@ convert(const Options& options)
   double valid = 0.0;
   std::size_t unmeasured = 0;
   forEachStep("converting", sequence.size(), [&](std::size_t i) {
-    std::size_t without = 0;
-    const CloudFrame frame = sequence.frame(i, options.max_depth, &without);
-    unmeasured += without;
+    const RgbdFrame frame = sequence.frame(i, options.max_depth);
+    unmeasured += frame.unmeasured;
     writeColourCloud(clouds[i], *frame.cloud);
     valid += double(std::count_if(frame.cloud->begin(), frame.cloud->end(),
                                   [](const auto& point) { return point.z > 0.0f; })) /

@@ -189,12 +189,6 @@ refuseSameFiles(const std::vector<std::string>& inputs,
   }
 }
 
-LabelSet
-readLabelSetOrDefault(const std::string& path)
-{
-  return readLabelSet(path.empty() ? findDataFile("label_sets/kitti11.yaml") : path);
-}
-
 std::vector<Label>
 evaluatedClasses(const std::optional<std::string>& ignored, const LabelSet& label_set)
 {

@@ -62,10 +62,6 @@ bool areSameFile(const std::string& a, const std::string& b);
 void refuseSameFiles(const std::vector<std::string>& inputs,
                      const std::vector<std::string>& outputs);
 
-/** \brief The classes that --label-set names; empty = the eleven of KITTI.
- * \throws BadInputException as readLabelSet() */
-LabelSet readLabelSetOrDefault(const std::string& path);
-
 /** \brief The classes whose ground truth counts.
  * \param[in] ignored numbers or names of the others with commas between them, or
  * "none"; not given: sky, pedestrian and cyclist, as far as there are such classes

@@ -198,7 +198,7 @@ struct GivenLabels : LabelPredictor {
   LabelDistributions distributions;
 
   LabelDistributions
-  predict(const StereoFrame&) override
+  predict(const cv::Mat&, int) override
   {
     return distributions;
   }

@@ -74,8 +74,8 @@ try {
     const auto poses = readPoses(folder + "/poses.txt", sequence.T_camera0_camera());
     for (std::size_t i = 0; i < sequence.size(); ++i) {
       const StereoFrame frame = sequence.frame(i);
-      addFrame(frame, sequence.camera(), labels.predict(frame), poses->pose(frame),
-               map);
+      addFrame(frame, sequence.camera(), labels.predict(frame.left, frame.number),
+               poses->pose(frame), map);
     }
   }
   else {

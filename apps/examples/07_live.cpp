@@ -28,9 +28,9 @@ public:
   explicit StreetLabels(const SyntheticSequence& street) : street_(street) {}
 
   LabelDistributions
-  predict(const StereoFrame& frame) override
+  predict(const cv::Mat& /*image*/, int frame) override
   {
-    return street_.labels(std::size_t(frame.number));
+    return street_.labels(std::size_t(frame));
   }
 
 private:

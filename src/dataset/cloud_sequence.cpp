@@ -125,8 +125,7 @@ CloudSequence::CloudSequence(const std::string& pattern, const std::string& time
 
 CloudFrame
 CloudSequence::frame(std::size_t i, int classes, float confidence,
-                     const LabelMapping* mapping,
-                     std::vector<std::string>* doubts) const
+                     const LabelMapping* mapping) const
 {
   if (i >= size())
     badParameter("frame ", i, " is beyond the ", size(), " of the sequence");
@@ -134,12 +133,12 @@ CloudSequence::frame(std::size_t i, int classes, float confidence,
       path(i), mapping, isHeaderless(path(i)) ? columns_ : ScanColumns());
   addOrigin(read);
   requireFrameOfSensor(*read.cloud, path(i));
-  if (doubts)
-    *doubts = read.table.doubts;
-  if (doubts && mapping && read.distributions.classes() > 0)
-    doubts->push_back(path(i) + ": a label mapping does not change its probabilities, "
-                                "which are used");
   CloudFrame frame{{frameNumber(i), timestamp(i)}, {}, {}, read.has_colour};
+  frame.path = path(i);
+  frame.doubts = read.table.doubts;
+  if (mapping && read.distributions.classes() > 0)
+    frame.doubts.push_back(path(i) + ": a label mapping does not change its "
+                                     "probabilities, which are used");
   const Eigen::Map<const Eigen::Vector4d> turn(read.table.viewpoint.data() + 3);
   if (turn.norm() > 1e-6)
     frame.viewpoint = viewpointOf(read.table, path(i));

@@ -11,6 +11,8 @@
 #include <pcl_semantic/files/input_file.h>
 #include <pcl_semantic/images/image_file.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -177,8 +179,22 @@ RgbdSequence::doubts() const
   return doubts;
 }
 
-CloudFrame
-RgbdSequence::frame(std::size_t i, double max_depth, std::size_t* unmeasured) const
+namespace {
+
+cv::Mat
+colourImage(const cv::Mat& image)
+{
+  if (image.channels() == 3)
+    return image;
+  cv::Mat colour;
+  cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
+  return colour;
+}
+
+} // namespace
+
+RgbdFrame
+RgbdSequence::frame(std::size_t i, double max_depth) const
 {
   if (i >= frames_.size())
     badParameter("frame ", i, " is beyond the ", frames_.size(), " of the sequence");
@@ -192,32 +208,27 @@ RgbdSequence::frame(std::size_t i, double max_depth, std::size_t* unmeasured) co
              " x ", camera_.height);
   const cv::Mat depths =
       readPng(files.depth, ImageKind::disparity, image.size(), " as " + files.colour);
-  CloudFrame frame{{int(i), files.time}, {}, {}, true};
+  RgbdFrame frame{{int(i), files.time}, colourImage(image), {}};
   frame.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(
       std::uint32_t(image.cols), std::uint32_t(image.rows));
   frame.cloud->is_dense = false;
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
-  std::size_t without = 0;
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u) {
       pcl::PointXYZRGB& point = (*frame.cloud)(u, v);
       const std::uint16_t depth = depths.at<std::uint16_t>(v, u);
       const double z = double(depth) / depth_scale_;
-      without += !isMeasuredDepth(depth);
+      frame.unmeasured += !isMeasuredDepth(depth);
       if (isMeasuredDepth(depth) && (max_depth == 0.0 || z <= max_depth))
         point.getVector3fMap() << float((u - camera_.cx) / camera_.fx * z),
             float((v - camera_.cy) / camera_.fy * z), float(z);
       else
         point.getVector3fMap().setConstant(none);
-      const cv::Vec3b bgr = image.channels() == 3
-                                ? image.at<cv::Vec3b>(v, u)
-                                : cv::Vec3b::all(image.at<std::uint8_t>(v, u));
+      const auto& bgr = frame.image.at<cv::Vec3b>(v, u);
       point.b = bgr[0];
       point.g = bgr[1];
       point.r = bgr[2];
     }
-  if (unmeasured)
-    *unmeasured = without;
   return frame;
 }
 

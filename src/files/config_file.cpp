@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/files/config_file.h>
 
-#include "yaml_config.h"
+#include "yaml_parameters.h"
 
 #include "core/fail.h"
 #include "core/text_stream.h"
 
 #include <map>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -68,9 +69,8 @@ whyRemoved(const std::string& name)
 }
 
 void
-readParameters(const std::string& path, ConfigParameters parameters)
+setParameters(const YamlMap& file, ConfigParameters parameters)
 {
-  const YamlMap file = YamlMap::load(path);
   for (ConfigParameter& parameter : parameters) {
     const bool is_triple = std::holds_alternative<Eigen::Vector3d*>(parameter.value);
     if (file.has(parameter.name))
@@ -80,6 +80,13 @@ readParameters(const std::string& path, ConfigParameters parameters)
   for (const std::string& key : file.keys())
     if (const std::string why = whyRemoved(key); !why.empty())
       badInput(file.where(key), ": ", key, ": ", why);
+}
+
+void
+readParameters(const std::string& path, ConfigParameters parameters)
+{
+  const YamlMap file = YamlMap::load(path);
+  setParameters(file, std::move(parameters));
   file.refuseUnknownKeys();
 }
 

@@ -53,6 +53,12 @@ readLabelSet(const std::string& path)
   }
 }
 
+LabelSet
+readLabelSetOrDefault(const std::string& path)
+{
+  return readLabelSet(path.empty() ? findDataFile("label_sets/kitti11.yaml") : path);
+}
+
 void
 writeLabelSet(const std::string& path, const LabelSet& label_set)
 {

@@ -12,6 +12,8 @@
 #include <pcl_semantic/core/label_set.h>
 #include <pcl_semantic/files/input_file.h>
 
+#include <boost/algorithm/string/predicate.hpp>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -133,6 +135,8 @@ parseScanColumns(const std::string& text)
 {
   constexpr std::size_t fewest = 3, most = 16;
   ScanColumns columns;
+  if (text.empty())
+    return columns;
   std::size_t number = 0;
   if (parseWhole(text, number)) {
     if (number < fewest || number > most)
@@ -160,6 +164,13 @@ parseScanColumns(const std::string& text)
   if (columns.size() > most)
     badParameter("scan columns: ", columns.size(), ", expected ", fewest, " to ", most);
   return columns;
+}
+
+ScanColumns
+parseScanColumns(const std::string& text, const std::string& path)
+{
+  return boost::algorithm::iends_with(path, ".bin") ? parseScanColumns(text)
+                                                    : ScanColumns();
 }
 
 PcdTable

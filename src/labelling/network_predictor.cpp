@@ -305,30 +305,28 @@ NetworkPredictor::load(NetworkEngine engine)
 }
 
 LabelDistributions
-NetworkPredictor::predict(const StereoFrame& frame)
+NetworkPredictor::predict(const cv::Mat& image, int frame)
 {
-  if (frame.left.empty() ||
-      (frame.left.type() != CV_8UC1 && frame.left.type() != CV_8UC3))
-    fail<BadInputException>("frame ", frame.number,
-                            ": left image: expected 8-bit grey or 8-bit colour");
+  if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
+    fail<BadInputException>("frame ", frame,
+                            ": image: expected 8-bit grey or 8-bit colour");
   cv::Mat output;
   try {
     output = withOpenCv(
-        [&] { return network_->runner->run(makeInput(frame.left, description_)); });
+        [&] { return network_->runner->run(makeInput(image, description_)); });
   }
   catch (const EngineError& error) {
-    fail<BadModelException>("frame ", frame.number, ": ", network_->path,
+    fail<BadModelException>("frame ", frame, ": ", network_->path,
                             ": the network fails: ", error.what(),
                             network_->other_size);
   }
-  const cv::Mat logits = checkOutput(output, description_, frame.number);
+  const cv::Mat logits = checkOutput(output, description_, frame);
   try {
-    return distributionsFromLogits(logits, frame.left.size(), channels_);
+    return distributionsFromLogits(logits, image.size(), channels_);
   }
   catch (const BadInputException& error) {
-    fail<BadModelException>("frame ", frame.number, ": output '",
-                            description_.output_name, "' of the network ",
-                            error.what());
+    fail<BadModelException>("frame ", frame, ": output '", description_.output_name,
+                            "' of the network ", error.what());
   }
 }
 

@@ -61,10 +61,10 @@ StoredPredictor::requireFrames(const std::vector<int>& frames) const
 }
 
 LabelDistributions
-StoredPredictor::predict(const StereoFrame& frame)
+StoredPredictor::predict(const cv::Mat& image, int frame)
 {
-  return readDistributions(findFile(frame.number), frame.left.cols, frame.left.rows,
-                           classes_, png_confidence_, mapping_);
+  return readDistributions(findFile(frame), image.cols, image.rows, classes_,
+                           png_confidence_, mapping_);
 }
 
 } // namespace pcl_semantic

@@ -165,7 +165,7 @@ calibrationSamples(const CalibrationSequence& sequence, const MapperConfig& conf
     const StereoFrame& frame = sequence.frames()[i];
     DisparityImage image = stereo->estimate(frame.left, frame.right);
     eraseUnsure(image, config.max_deviation);
-    const LabelDistributions network = predictor->predict(frame);
+    const LabelDistributions network = predictor->predict(frame.left, frame.number);
     const auto cloud = disparityToCloud(image.disparity, frame.left, sequence.camera());
     const auto features = frameFeatures(*cloud, network, ground);
     appendSamples(sequence.truth(i), network, features, samples);

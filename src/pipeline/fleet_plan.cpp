@@ -2,35 +2,46 @@
 #include <pcl_semantic/pipeline/fleet_plan.h>
 
 #include "core/fail.h"
-#include "files/yaml_config.h"
+#include "files/yaml_parameters.h"
+
+#include <pcl_semantic/files/config_file.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 
 namespace pcl_semantic {
 
 namespace {
 
-using Options = std::vector<std::pair<std::string, std::string>>;
-
-// What the fleet says itself, and what its submaps do not write.
-const std::set<std::string> own_options = {
-    "also",   "archive", "archive_every", "centres", "help",         "json",
-    "live",   "man",     "map_only",      "output",  "print_config", "quiet",
-    "resume", "verbose", "version",       "view"};
-
+// The options of a drive, of all drives or its own.
 void
-addOptions(const YamlMap& map, const std::set<std::string>& others, Options& options)
+setOptions(const YamlMap& map, const std::set<std::string>& other_keys,
+           const std::filesystem::path& folder, FleetDrive& drive)
 {
+  ConfigParameters options = parametersOf(drive.inputs);
+  for (const ConfigParameter& parameter : parametersOf(drive.config))
+    options.push_back(parameter);
+  options.push_back({"submap_every", "", &drive.submap_every});
+  std::string config;
+  options.push_back({"config", "", &config});
   for (const std::string& key : map.keys()) {
-    if (others.count(key) > 0)
+    const bool is_known =
+        std::any_of(options.begin(), options.end(),
+                    [&](const ConfigParameter& each) { return each.name == key; });
+    const std::string why = whyRemoved(key);
+    if (other_keys.count(key) == 0 && !is_known)
+      badInput(map.where(key), ": '", key, "' is no option of a drive: ",
+               why.empty() ? "doc/fleet.md has them" : why);
+    if (!is_known)
       continue;
-    std::string name = key;
-    std::replace(name.begin(), name.end(), '-', '_');
-    if (own_options.count(name) > 0)
-      badInput(map.where(key), ": '", key, "' is no option of a drive");
-    options.emplace_back(name, map.require<std::string>(key));
+    std::string option = key;
+    std::replace(option.begin(), option.end(), '_', '-');
+    drive.inputs.given.insert(option);
   }
+  if (map.get("config", config))
+    readMapperConfig((folder / config).string(), drive.config);
+  setParameters(map, options);
 }
 
 // Letters, digits, and what does not lead out of a folder.
@@ -44,24 +55,14 @@ isFolderName(const std::string& name)
 }
 
 FleetDrive
-readDrive(const YamlMap& entry, const Options& options)
+readDrive(const YamlMap& entry, const std::filesystem::path& folder, FleetDrive drive)
 {
-  FleetDrive drive;
   drive.name = entry.require<std::string>("name");
   if (!isFolderName(drive.name))
     badInput(entry.where("name"), ": '", drive.name,
              "', expected letters, digits, '_', '-' and '.'");
   entry.get("corrected_poses", drive.corrected_poses);
-  Options own;
-  addOptions(entry, {"name", "corrected_poses"}, own);
-  for (const auto& option : options) {
-    bool is_own = false;
-    for (const auto& [key, value] : own)
-      is_own = is_own || key == option.first;
-    if (!is_own)
-      drive.options.push_back(option);
-  }
-  drive.options.insert(drive.options.end(), own.begin(), own.end());
+  setOptions(entry, {"name", "corrected_poses"}, folder, drive);
   return drive;
 }
 
@@ -75,12 +76,13 @@ readFleetPlan(const std::string& path)
   plan.output = file.require<std::string>("output");
   if (plan.output.empty())
     badInput(file.where("output"), ": is empty, expected a folder");
-  Options options;
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  FleetDrive common;
   if (file.has("options"))
-    addOptions(file.requireMap("options"), {}, options);
+    setOptions(file.requireMap("options"), {}, folder, common);
   std::set<std::string> names;
   for (const YamlMap& entry : file.requireList("drives")) {
-    plan.drives.push_back(readDrive(entry, options));
+    plan.drives.push_back(readDrive(entry, folder, common));
     if (!names.insert(plan.drives.back().name).second)
       badInput(entry.where("name"), ": there is a drive '", plan.drives.back().name,
                "' already");

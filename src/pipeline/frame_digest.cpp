@@ -26,26 +26,30 @@ digestOf(const LabelDistributions& labels)
   return digest.value();
 }
 
-} // namespace
-
-FrameDigest
-digestOf(const StereoFrame& pair, const LabelDistributions& labels)
+void
+addData(const StereoFrame& pair, Digest& digest)
 {
-  Digest digest;
   addImage(pair.left, digest);
   addImage(pair.right, digest);
-  return {digest.value(), digestOf(labels)};
 }
 
-FrameDigest
-digestOf(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-         const LabelDistributions& labels)
+template <typename Frame>
+void
+addData(const Frame& frame, Digest& digest)
 {
-  Digest digest;
-  for (const pcl::PointXYZRGB& point : cloud) {
+  for (const pcl::PointXYZRGB& point : *frame.cloud) {
     digest.add(point.data, 3 * sizeof(float));
     digest.addWord(point.rgba);
   }
+}
+
+} // namespace
+
+FrameDigest
+digestOf(const SensorFrame& frame, const LabelDistributions& labels)
+{
+  Digest digest;
+  std::visit([&](const auto& each) { addData(each, digest); }, frame);
   return {digest.value(), digestOf(labels)};
 }
 

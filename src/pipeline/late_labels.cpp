@@ -26,9 +26,10 @@ LateLabels::offer(const MappedFrame& mapped)
   frame_->cloud = mapped.cloud;
   frame_->T_world_camera = mapped.T_world_camera;
   labels_ = std::async(std::launch::async,
-                       [this, image = mapped.frame, threads = omp_get_max_threads()] {
+                       [this, image = mapped.image, frame = mapped.frame.number,
+                        threads = omp_get_max_threads()] {
                          const ThreadScope scope(threads); // a thread begins with all
-                         return predictor_->predict(image);
+                         return predictor_->predict(image, frame);
                        });
 }
 

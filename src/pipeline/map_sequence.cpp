@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl_semantic/pipeline/map_sequence.h>
 
-#include <pcl_semantic/dataset/frame_sequence.h>
 #include <pcl_semantic/odometry/stereo_odometry.h>
 #include <pcl_semantic/odometry/trajectory_poses.h>
+#include <pcl_semantic/pipeline/map_run.h>
 
 namespace pcl_semantic {
 
@@ -26,14 +26,16 @@ mapSequence(const FrameSequence& sequence, const LabelSet& label_set,
             std::unique_ptr<LabelPredictor> predictor, const MapperConfig& config,
             std::vector<std::string>* doubts)
 {
-  std::unique_ptr<PoseSource> poses = openPoses(sequence, doubts);
-  poses->requirePoses(frameTimes(sequence, selectFrames(sequence, FrameRange())));
-  SemanticMapper mapper(label_set, config, std::move(poses), sequence.camera(),
-                        std::move(predictor));
-  for (std::size_t i = 0; i < sequence.size(); ++i)
-    mapper.process(sequence.frame(i));
-  mapper.finish();
-  return mapper.map().occupiedEverywhere();
+  OpenedInputs inputs;
+  inputs.poses = openPoses(sequence, doubts);
+  const auto borrowed = std::shared_ptr<const FrameSequence>(
+      std::shared_ptr<void>(), &sequence); // the caller owns it
+  inputs.source = std::make_unique<RecordedFrames>(borrowed, FrameRange());
+  inputs.label_set = label_set;
+  inputs.predictor = std::move(predictor);
+  MapRun run(std::move(inputs), config);
+  run.run();
+  return run.map().occupiedEverywhere();
 }
 
 } // namespace pcl_semantic

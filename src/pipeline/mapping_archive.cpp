@@ -91,14 +91,13 @@ MappingArchive::resume(SemanticMapper& mapper) const
 }
 
 void
-MappingArchive::add(const MappedFrame& mapped, SemanticMapper& mapper)
+MappingArchive::add(const SensorFrame& frame, const MappedFrame& mapped,
+                    SemanticMapper& mapper)
 {
   if (!archive_)
     return;
   FrameRecord record = recordOf(mapped);
-  const bool is_pair = !mapped.disparity.disparity.empty();
-  record.digest = is_pair ? digestOf(mapped.frame, mapped.network)
-                          : digestOf(*mapped.cloud, mapped.network);
+  record.digest = digestOf(frame, mapped.network);
   archive_->putFrame(mapped.frame.number, encodeFrameRecord(record));
   added_frame_ = mapped.frame.number;
   // The last frame is committed by finish(), with what the CRF makes of it: a run that

@@ -44,7 +44,7 @@ quantile(std::vector<double> values, double fraction)
 cv::Mat
 networkLabels(const MappedFrame& mapped)
 {
-  cv::Mat labels = cv::Mat::zeros(mapped.frame.left.size(), CV_8UC1);
+  cv::Mat labels = cv::Mat::zeros(mapped.image.size(), CV_8UC1);
   for (Eigen::Index i = 0; i < mapped.network.size(); ++i)
     labels.data[i] = mapped.network.mapLabel(i);
   return labels;
@@ -176,7 +176,7 @@ MappingOutput::writeImages(const MappedFrame& mapped, const SemanticVoxelMap& ma
            labelsAtDepth(map, *mapped.cloud, mapped.T_world_camera, max_depth));
   writePng(path("network_labels" + name), networkLabels(mapped));
   writePng(path("overlay" + name),
-           drawOverlay(mapped.frame.left, rendered.labels, run_.label_set));
+           drawOverlay(mapped.image, rendered.labels, run_.label_set));
   extra_->writeFrame(mapped, rendered);
 }
 

@@ -29,13 +29,19 @@ validated(MapperConfig config)
   return config;
 }
 
-// What only frames of a camera can have.
+// Parameters of stereo pairs.
 void
-requireNothingOfStereo(const MapperConfig& config, bool has_camera)
+requireNothingOfStereo(const MapperConfig& config)
 {
   if (config.deviation_scale > 0.0 || config.max_deviation > 0.0)
-    badParameter("max_deviation and deviation_scale are for stereo: clouds do "
-                 "not say how sure they are");
+    badParameter("max_deviation and deviation_scale are for stereo: clouds have no "
+                 "deviations");
+}
+
+// Parameters of frames of a camera.
+void
+requireNothingOfCamera(const MapperConfig& config, bool has_camera)
+{
   if (!has_camera && config.min_hit_ratio > 0.0 &&
       config.min_hit_ratio != MapperConfig().min_hit_ratio)
     badParameter("min_hit_ratio is for images: it counts the pixels that look "
@@ -61,12 +67,14 @@ SemanticMapper::SemanticMapper(const LabelSet& label_set, MapperConfig config,
     badParameter("a mapper needs a source of poses");
   if (camera_)
     camera_->validate();
-  if (!predictor_)
-    requireNothingOfStereo(config_, camera_.has_value());
-  else if (camera_)
+  if (predictor_ && !camera_)
+    badParameter("a predictor is for images, which need their camera");
+  if (predictor_)
     stereo_ = makeDisparityEstimator(config_.stereo, config_.disparities);
-  else
-    badParameter("stereo pairs, which a predictor is for, need their camera");
+  else {
+    requireNothingOfStereo(config_);
+    requireNothingOfCamera(config_, camera_.has_value());
+  }
 }
 
 SemanticMapper::~SemanticMapper() = default;
@@ -124,38 +132,72 @@ SemanticMapper::process(const SensorFrame& frame)
 {
   const ThreadScope threads(config_.threads);
   MappedFrame mapped;
-  static_cast<FrameTime&>(mapped.frame) = timeOf(frame);
+  mapped.frame = timeOf(frame);
   mapped.T_world_camera =
       mapped.times.measure("pose", [&] { return poses_->pose(frame); });
-  if (const auto* const pair = std::get_if<StereoFrame>(&frame))
-    readPair(*pair, mapped);
-  else
-    readCloud(std::get<CloudFrame>(frame), mapped);
+  std::visit([&](const auto& each) { read(each, mapped); }, frame);
   fuse(mapped);
   return mapped;
 }
 
 // From a pair of images to a labelled cloud.
 void
-SemanticMapper::readPair(const StereoFrame& frame, MappedFrame& mapped)
+SemanticMapper::read(const StereoFrame& frame, MappedFrame& mapped)
 {
-  if (!stereo_)
-    badParameter("this mapper was made for clouds alone");
+  requireImages();
   StageTimes& times = mapped.times;
-  mapped.frame = frame;
+  mapped.image = frame.left;
   mapped.disparity = times.measure(
       "stereo", [&] { return stereo_->estimate(frame.left, frame.right); });
   eraseUnsure(mapped.disparity, config_.max_deviation);
   mapped.cloud = times.measure("cloud", [&] {
     return disparityToCloud(mapped.disparity.disparity, frame.left, *camera_);
   });
-  if (isLabelledAt(frames_))
-    mapped.network =
-        times.measure("labelling", [&] { return predictor_->predict(frame); });
+  labelImage(mapped);
+}
+
+// From an image with depths to a labelled cloud.
+void
+SemanticMapper::read(const RgbdFrame& frame, MappedFrame& mapped)
+{
+  requireImages();
+  requireNothingOfStereo(config_);
+  if (!frame.cloud)
+    badParameter("frame ", frame.number, ": has no cloud");
+  requireSizeOfCamera(*frame.cloud, frame.number);
+  mapped.image = frame.image;
+  mapped.cloud = frame.cloud;
+  labelImage(mapped);
+}
+
+// For frames that a predictor labels.
+void
+SemanticMapper::requireImages() const
+{
+  if (!predictor_)
+    badParameter("this mapper was made for clouds alone");
 }
 
 void
-SemanticMapper::readCloud(const CloudFrame& frame, MappedFrame& mapped) const
+SemanticMapper::labelImage(MappedFrame& mapped)
+{
+  if (isLabelledAt(frames_))
+    mapped.network = mapped.times.measure("labelling", [&] {
+      return predictor_->predict(mapped.image, mapped.frame.number);
+    });
+}
+
+void
+SemanticMapper::requireSizeOfCamera(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+                                    int frame) const
+{
+  if (int(cloud.width) != camera_->width || int(cloud.height) != camera_->height)
+    badInput("frame ", frame, ": the cloud is ", cloud.width, " x ", cloud.height,
+             ", expected that of the camera, ", camera_->width, " x ", camera_->height);
+}
+
+void
+SemanticMapper::read(const CloudFrame& frame, MappedFrame& mapped)
 {
   if (!frame.cloud)
     badParameter("frame ", frame.number, ": has no cloud");
@@ -164,16 +206,13 @@ SemanticMapper::readCloud(const CloudFrame& frame, MappedFrame& mapped) const
     mapped.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(
         std::uint32_t(camera_->width), std::uint32_t(camera_->height));
     eraseZeros(*mapped.cloud);
-    mapped.frame.left = imageOfCloud(*mapped.cloud);
+    mapped.image = imageOfCloud(*mapped.cloud);
     return;
   }
-  if (camera_ &&
-      (int(cloud.width) != camera_->width || int(cloud.height) != camera_->height))
-    badInput("frame ", frame.number, ": the cloud is ", cloud.width, " x ",
-             cloud.height, ", expected that of the camera, ", camera_->width, " x ",
-             camera_->height);
-  if (camera_)
-    mapped.frame.left = imageOfCloud(cloud);
+  if (camera_) {
+    requireSizeOfCamera(cloud, frame.number);
+    mapped.image = imageOfCloud(cloud);
+  }
   mapped.cloud = frame.cloud;
   if (std::any_of(cloud.begin(), cloud.end(), isAtZero<pcl::PointXYZRGB>)) {
     mapped.cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(cloud);

@@ -236,7 +236,7 @@ TEST_F(StreetArchive, SubmapsThatCannotBe)
   expectFails(mapCommand(output, "--submap-every 2 --archive " + output + ".map"), 2,
               "--submap-every and --archive or --view exclude each other");
   expectFails(mapCommand(output, "--submap-every 2 --poses odometry"), 2,
-              "--archive needs poses from a file");
+              "--submap-every needs poses from a file");
   EXPECT_FALSE(fs::exists(output));
 }
 

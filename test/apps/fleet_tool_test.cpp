@@ -172,8 +172,7 @@ TEST_F(Fleet, RefusesWhatCannotBe)
        std::vector<std::tuple<int, std::string, std::string>>{
            {3, "drive 'a': nowhere: is no folder",
             "output: none\ndrives:\n  - {name: a, sequence: nowhere, labels: x}\n"},
-           {2, "drive 'a': unrecognised option '--nonsense=3'",
-            begin + ", nonsense: 3}\n"},
+           {3, "'nonsense' is no option of a drive", begin + ", nonsense: 3}\n"},
            {2, "drive 'a': --submap-every", begin + ", submap_every: 3x}\n"},
            {3, "drive 'a': nowhere.txt: cannot be read",
             begin + ", corrected_poses: nowhere.txt}\n"},
@@ -187,7 +186,7 @@ TEST_F(Fleet, RefusesWhatCannotBe)
             begin + ", submap_every: 2, corrected_poses: short.txt}\n"},
            {2, "drive 'b': has another min_probability, max_probability",
             begin + second + "config: " + folder_.path("preset.yaml") + "}\n"},
-           {2, "strict is 'maybe'", begin + ", strict: maybe}\n"}})
+           {3, "'maybe', expected false or true", begin + ", strict: maybe}\n"}})
     expectFails(plan(text), code, says);
   EXPECT_FALSE(fs::exists(folder_.path("none")));
 }

@@ -577,7 +577,7 @@ planOf(const std::vector<std::string>& words)
   std::string plan = "output: city\ndrives:\n  - name: a\n    sequence: " + words[1];
   for (std::size_t i = 2; i < words.size(); ++i) {
     const bool has_value = i + 1 < words.size() && words[i + 1].rfind("--", 0) != 0;
-    plan += "\n    " + words[i].substr(2) + ": '";
+    plan += "\n    " + replaceAll(words[i].substr(2), "-", "_") + ": '";
     plan += (has_value ? words[++i] : "true") + "'";
   }
   return plan + "\n";
@@ -634,8 +634,12 @@ protected:
   isRefusal(const Outcome& outcome, const std::string& option)
   {
     const std::string line = outcome.text.substr(0, outcome.text.find(" (see "));
-    const bool is_named = line.find(option) != std::string::npos ||
-                          line.find(replaceAll(option, "-", " ")) != std::string::npos;
+    const bool is_named =
+        line.find(option) != std::string::npos ||
+        line.find(replaceAll(option, "-", " ")) != std::string::npos ||
+        line.find(replaceAll(option, "-", "_")) != std::string::npos;
+    if (is_named && holds(line, "is no option of a drive"))
+      return true;
     if (outcome.code != 2 || !is_named)
       return false;
     const std::string rest = replaceAll(line, "--" + option, "");

@@ -81,8 +81,10 @@ kittiFrames(const std::string& data)
   std::vector<double> seconds;
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     result.frames.push_back(sequence.frame(i));
-    seconds.push_back(secondsOf(
-        [&] { result.labels.push_back(network->predict(result.frames.back())); }));
+    seconds.push_back(secondsOf([&] {
+      result.labels.push_back(
+          network->predict(result.frames.back().left, result.frames.back().number));
+    }));
   }
   result.network = median(seconds);
   return result;

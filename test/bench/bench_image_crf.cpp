@@ -131,7 +131,7 @@ LabelledImage
 kittiImage()
 {
   const StereoFrame frame = KittiSequence(realDataFolder() + "/kitti/15").frame(0);
-  return labelledImage(frame.left, kittiNetwork()->predict(frame));
+  return labelledImage(frame.left, kittiNetwork()->predict(frame.left, frame.number));
 }
 
 void

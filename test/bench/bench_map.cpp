@@ -87,7 +87,7 @@ readFrames(const std::string& name)
     frames.push_back(
         {disparityToCloud(stereo->estimate(images.left, images.right).disparity,
                           images.left, sequence.camera()),
-         predictor->predict(images), poses->pose(images)});
+         predictor->predict(images.left, images.number), poses->pose(images)});
     removeSky(label_set, frames.back());
   }
   return frames;

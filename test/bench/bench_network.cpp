@@ -40,7 +40,7 @@ secondsAFrame(const Network& network, NetworkEngine engine, int threads)
                              data + "/nets/" + network.name + ".onnx", engine);
   const KittiSequence sequence(data + "/kitti/07");
   const StereoFrame frame = sequence.frame(0);
-  return medianSeconds(8, [&] { predictor.predict(frame); });
+  return medianSeconds(8, [&] { predictor.predict(frame.left, frame.number); });
 }
 
 } // namespace

@@ -135,7 +135,8 @@ public:
   process(int number)
   {
     const auto begin = std::chrono::steady_clock::now();
-    archive_->add(mapper_->process(street_.frame(number)), *mapper_);
+    const auto frame = street_.frame(number);
+    archive_->add(frame, mapper_->process(frame), *mapper_);
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
         .count();
   }

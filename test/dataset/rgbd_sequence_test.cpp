@@ -43,7 +43,7 @@ protected:
 };
 
 void
-expectFirstFrame(const CloudFrame& frame, float metre)
+expectFirstFrame(const RgbdFrame& frame, float metre)
 {
   const auto& cloud = *frame.cloud;
   ASSERT_EQ(cloud.width, 3u);
@@ -53,7 +53,7 @@ expectFirstFrame(const CloudFrame& frame, float metre)
   EXPECT_EQ(cloud(2, 0).getVector3fMap(), Eigen::Vector3f(1, -0.25f, 2) * metre);
   EXPECT_EQ(cloud(0, 1).r, 30);
   EXPECT_EQ(cloud(0, 1).b, 10);
-  EXPECT_TRUE(frame.has_colour);
+  EXPECT_EQ(frame.image.at<cv::Vec3b>(1, 0)[2], 30);
 }
 
 TEST_F(Rgbd, FoldersHoldFramesOfTheSameNames)
@@ -113,12 +113,10 @@ TEST_F(Rgbd, AllImagesHaveOneSize)
 
 TEST_F(Rgbd, NoMeasurementIsNoPoint)
 {
-  std::size_t unmeasured = 7;
-  const auto cloud =
-      RgbdSequence(folder.path(), camera).frame(0, 1.5, &unmeasured).cloud;
-  EXPECT_EQ(unmeasured, 2u); // 0 and 65535; 2 m is too far
+  const RgbdFrame frame = RgbdSequence(folder.path(), camera).frame(0, 1.5);
+  EXPECT_EQ(frame.unmeasured, 2u); // 0 and 65535; 2 m is too far
   for (const auto& [u, v] : {std::pair(0, 0), std::pair(2, 1)})
-    EXPECT_TRUE(std::isnan(cloud->at(u, v).z));
+    EXPECT_TRUE(std::isnan(frame.cloud->at(u, v).z));
 }
 
 TEST_F(Rgbd, ADepthAndAFrameThatCannotBeAreRefused)

@@ -79,8 +79,9 @@ TEST(ScanFile, ReadsNamedColumns)
   EXPECT_EQ(swapped.fields.size(), 4u);
   EXPECT_EQ(PcdColumn(swapped, swapped.find("ring"))(39), 7.0);
   for (const char* const text :
-       {"", "x", "x,y", "x,y,z,z", "x,y,z,a b", "2", "17", "-5", "x,y,z,,i", "x,y,i"})
+       {"x", "x,y", "x,y,z,z", "x,y,z,a b", "2", "17", "-5", "x,y,z,,i", "x,y,i"})
     EXPECT_THROW(parseScanColumns(text), InvalidParameterException) << text;
+  EXPECT_TRUE(parseScanColumns("").empty()) << "the default";
 }
 
 TEST(ScanFile, RefusesOtherColumnsThanAssumed)

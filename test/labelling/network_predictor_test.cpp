@@ -139,16 +139,16 @@ protected:
     description_.mean = {0.4f, 0.5f, 0.6f};
     description_.deviation = {0.2f, 0.3f, 0.4f};
     description_.channels = {"car", "road", "car", "-"};
-    frame_.number = 42;
-    frame_.left.create(15, 21, CV_8UC3);
-    cv::RNG(9).fill(frame_.left, cv::RNG::UNIFORM, 0, 256);
+    image_.create(15, 21, CV_8UC3);
+    cv::RNG(9).fill(image_, cv::RNG::UNIFORM, 0, 256);
   }
 
   LabelDistributions
   predict(const std::string& content) const
   {
     const std::string path = folder_.write("net.onnx", content);
-    return NetworkPredictor(description_, label_set, path, GetParam()).predict(frame_);
+    return NetworkPredictor(description_, label_set, path, GetParam())
+        .predict(image_, number_);
   }
 
   // The message names the file or, after loading, the frame.
@@ -189,15 +189,16 @@ protected:
   const std::string path_ = folder_.path("net.onnx");
   PointwiseNetwork network_;
   NetworkDescription description_;
-  StereoFrame frame_;
+  cv::Mat image_;
+  int number_ = 42;
 };
 
 TEST_P(NetworkPredictorTest, EqualsThePlainComputation)
 {
   const LabelDistributions labels = predict(network_.file());
-  const Eigen::MatrixXf expected = plain(frame_.left).matrix();
+  const Eigen::MatrixXf expected = plain(image_).matrix();
   ASSERT_EQ(labels.classes(), 3);
-  ASSERT_EQ(labels.size(), frame_.left.size().area());
+  ASSERT_EQ(labels.size(), image_.size().area());
   EXPECT_LT((labels.matrix() - expected).cwiseAbs().maxCoeff(), 1e-4);
   EXPECT_TRUE((labels.matrix().row(1).array() == 0.0f).all()) << "no channel is sky";
   const auto empty = (expected.colwise().sum().array() == 0.0f).count();
@@ -208,11 +209,11 @@ TEST_P(NetworkPredictorTest, EqualsThePlainComputation)
 TEST_P(NetworkPredictorTest, GreyImageIsAColourImageOfEqualChannels)
 {
   cv::Mat grey, colour;
-  cv::cvtColor(frame_.left, grey, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(image_, grey, cv::COLOR_BGR2GRAY);
   cv::cvtColor(grey, colour, cv::COLOR_GRAY2BGR);
-  frame_.left = grey;
+  image_ = grey;
   const LabelDistributions from_grey = predict(network_.file());
-  frame_.left = colour;
+  image_ = colour;
   EXPECT_EQ(from_grey.matrix(), predict(network_.file()).matrix());
 }
 
@@ -220,8 +221,8 @@ TEST_P(NetworkPredictorTest, ModelOfTheDescription)
 {
   folder_.write("net.onnx", network_.file());
   description_.model_path = path_;
-  EXPECT_NO_THROW(
-      NetworkPredictor(description_, label_set, "", GetParam()).predict(frame_));
+  EXPECT_NO_THROW(NetworkPredictor(description_, label_set, "", GetParam())
+                      .predict(image_, number_));
 }
 
 TEST_P(NetworkPredictorTest, RefusesFilesThatAreNoNetwork)
@@ -310,8 +311,8 @@ TEST_P(NetworkPredictorTest, RefusesImagesOfOtherTypes)
   NetworkPredictor predictor(description_, label_set, path_, GetParam());
   for (const cv::Mat& image :
        {cv::Mat(), cv::Mat(4, 4, CV_16UC1), cv::Mat(4, 4, CV_8UC4)}) {
-    frame_.left = image;
-    EXPECT_THROW(predictor.predict(frame_), BadInputException);
+    image_ = image;
+    EXPECT_THROW(predictor.predict(image_, number_), BadInputException);
   }
 }
 
@@ -351,10 +352,9 @@ TEST_P(NetworkPredictorData, KittiStreet)
   const LabelSet classes = readLabelSet(description.label_set_path);
   const std::string model = root + "/nets/espnetv2_s2.0_city_1280x480_halfres.onnx";
   NetworkPredictor predictor(description, classes, model, GetParam());
-  StereoFrame frame;
-  frame.left =
+  const cv::Mat image =
       readPng(root + "/kitti/15/image_2/000000.png", ImageKind::grey_or_colour);
-  const LabelDistributions labels = predictor.predict(frame);
+  const LabelDistributions labels = predictor.predict(image, 0);
   const cv::Mat truth = readPng(root + "/kitti/15/gt/000000.png", ImageKind::labels);
   ASSERT_EQ(labels.size(), Eigen::Index(truth.total()));
 
@@ -372,10 +372,11 @@ TEST_P(NetworkPredictorData, KittiStreet)
   EXPECT_GT(right_roads, 0.97 * roads) << right_roads << " of " << roads;
 
   const ThreadScope one(1);
-  EXPECT_EQ(predictor.predict(frame).matrix(), labels.matrix()) << "one thread";
-  EXPECT_EQ(
-      NetworkPredictor(description, classes, model, GetParam()).predict(frame).matrix(),
-      labels.matrix())
+  EXPECT_EQ(predictor.predict(image, 0).matrix(), labels.matrix()) << "one thread";
+  EXPECT_EQ(NetworkPredictor(description, classes, model, GetParam())
+                .predict(image, 0)
+                .matrix(),
+            labels.matrix())
       << "loaded with one thread";
 }
 
@@ -393,8 +394,7 @@ TEST(NetworkEngines, SeeTheSame)
       readNetworkDescription(std::string(PCL_SEMANTIC_SOURCE_DIR) +
                              "/data/networks/espnetv2_city_1280x480.yaml");
   const LabelSet classes = readLabelSet(description.label_set_path);
-  StereoFrame frame;
-  frame.left =
+  const cv::Mat image =
       readPng(root + "/kitti/15/image_2/000000.png", ImageKind::grey_or_colour);
   for (const auto& [name, size] : std::map<std::string, cv::Size>{
            {"espnetv2_s1.0_city_1120x320_halfres", {1120, 320}},
@@ -406,7 +406,7 @@ TEST(NetworkEngines, SeeTheSame)
     for (const NetworkEngine engine : networkEngines())
       labels.push_back(NetworkPredictor(description, classes,
                                         root + "/nets/" + name + ".onnx", engine)
-                           .predict(frame));
+                           .predict(image, 0));
     int equal = 0;
     for (Eigen::Index j = 0; j < labels[0].size(); ++j)
       equal += labels[0].mapLabel(j) == labels[1].mapLabel(j);

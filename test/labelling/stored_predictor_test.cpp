@@ -20,11 +20,7 @@ constexpr int classes = 3;
 
 class StoredPredictorTest : public ::testing::Test {
 protected:
-  StoredPredictorTest()
-  {
-    frame_.number = 12;
-    frame_.left = cv::Mat(2, 4, CV_8UC3, cv::Scalar(0));
-  }
+  StoredPredictorTest() {}
 
   StoredPredictor
   predictor() const
@@ -49,13 +45,14 @@ protected:
   expectRefused(const std::string& part) const
   {
     const std::string message =
-        thrownMessage<BadInputException>([&] { predictor().predict(frame_); });
+        thrownMessage<BadInputException>([&] { predictor().predict(image_, number_); });
     EXPECT_TRUE(holds(message, folder_.path()));
     EXPECT_TRUE(holds(message, part));
   }
 
   TemporaryFolder folder_;
-  StereoFrame frame_;
+  cv::Mat image_ = cv::Mat(2, 4, CV_8UC3, cv::Scalar(0));
+  int number_ = 12;
 };
 
 TEST_F(StoredPredictorTest, ReadsDistributions)
@@ -65,9 +62,9 @@ TEST_F(StoredPredictorTest, ReadsDistributions)
     stored.setLabel(j, Label(j % 4), 0.5f);
   writeDistributions(folder_.path("000012.bin"), stored);
   writeUnlabelled("000013.bin");
-  EXPECT_EQ(predictor().predict(frame_).matrix(), stored.matrix());
-  frame_.number = 13;
-  EXPECT_TRUE((predictor().predict(frame_).matrix().array() == 0.0f).all());
+  EXPECT_EQ(predictor().predict(image_, number_).matrix(), stored.matrix());
+  number_ = 13;
+  EXPECT_TRUE((predictor().predict(image_, number_).matrix().array() == 0.0f).all());
 }
 
 TEST_F(StoredPredictorTest, ReadsIdsWithTheStatedConfidence)
@@ -75,7 +72,7 @@ TEST_F(StoredPredictorTest, ReadsIdsWithTheStatedConfidence)
   cv::Mat ids(2, 4, CV_8UC1, cv::Scalar(0));
   ids.at<std::uint8_t>(1, 2) = 3;
   writePng(folder_.path("000012.png"), ids);
-  const LabelDistributions labels = predictor().predict(frame_);
+  const LabelDistributions labels = predictor().predict(image_, number_);
   ASSERT_EQ(labels.size(), 8);
   EXPECT_EQ(labels.mapLabel(0), kUnlabelled);
   EXPECT_FLOAT_EQ(labels.column(6)[2], 0.7f);

@@ -59,7 +59,7 @@ TEST_F(CloudFrames, AnySensorsCloudGoesInAsItIs)
   for (int i = 0; i < 2; ++i) {
     const MappedFrame mapped = mapper->process(frame(i));
     EXPECT_EQ(mapped.frame.number, i);
-    EXPECT_TRUE(mapped.frame.left.empty());
+    EXPECT_TRUE(mapped.image.empty());
     const StreetScan& scan = scans_[std::size_t(i)];
     expected.integrate(*scan.cloud, mapped.T_world_camera, scan.distributions);
     EXPECT_TRUE(mapped.T_world_camera.isApprox(scan.T_world_camera, 1e-12));
@@ -79,10 +79,9 @@ TEST_F(CloudFrames, OfACameraLoseWhatIsSeenThroughAndKeepTheImage)
                        config_.min_hit_ratio);
   EXPECT_GT(erased, 0u);
   EXPECT_EQ(mapped.counts.seen_through, erased);
-  ASSERT_EQ(mapped.frame.left.size(), cv::Size(width, height));
+  ASSERT_EQ(mapped.image.size(), cv::Size(width, height));
   const pcl::PointXYZRGB& point = (*scans_[0].cloud)[5 * width + 7];
-  EXPECT_EQ(mapped.frame.left.at<cv::Vec3b>(5, 7),
-            cv::Vec3b(point.b, point.g, point.r));
+  EXPECT_EQ(mapped.image.at<cv::Vec3b>(5, 7), cv::Vec3b(point.b, point.g, point.r));
 }
 
 // A scanner's empty scan, and a camera's frame without a depth.
@@ -96,7 +95,7 @@ TEST_F(CloudFrames, OfNoPointsChangeNothing)
     empty.distributions = LabelDistributions();
     const MappedFrame mapped = mapper->process(empty);
     EXPECT_EQ(mapped.counts.rays, 0u);
-    EXPECT_EQ(mapped.frame.left.empty(), !has_camera);
+    EXPECT_EQ(mapped.image.empty(), !has_camera);
     EXPECT_EQ(mapper->map().occupiedEverywhere().size(), before.size());
   }
 }

@@ -15,24 +15,40 @@ TEST(FleetPlan, NamesDrivesAndTheirOptions)
 {
   const TemporaryFolder folder;
   const FleetPlan plan = readFleetPlan(folder.write("plan.yaml", R"(output: city
-options: {voxel_size: 0.2, submap_every: 50m}
+options: {voxel_size: 0.2, submap_every: 20m, window: [8, 8, 4]}
 drives:
   - {name: monday, sequence: a, labels: a/labels}
-  - {name: tuesday, sequence: b, voxel_size: 0.4, corrected_poses: b.txt}
+  - {name: tuesday, sequence: b, voxel_size: 0.4, corrected_poses: b.txt, strict: true}
 )"));
-  using Options = std::vector<std::pair<std::string, std::string>>;
   EXPECT_EQ(plan.output, "city");
   ASSERT_EQ(plan.drives.size(), 2u);
-  EXPECT_EQ(plan.drives[0].name, "monday");
-  EXPECT_EQ(plan.drives[0].corrected_poses, "");
-  EXPECT_EQ(plan.drives[0].options, (Options{{"voxel_size", "0.2"},
-                                             {"submap_every", "50m"},
-                                             {"sequence", "a"},
-                                             {"labels", "a/labels"}}));
-  EXPECT_EQ(plan.drives[1].corrected_poses, "b.txt");
-  EXPECT_EQ(
-      plan.drives[1].options,
-      (Options{{"submap_every", "50m"}, {"sequence", "b"}, {"voxel_size", "0.4"}}));
+  const FleetDrive &monday = plan.drives[0], &tuesday = plan.drives[1];
+  EXPECT_EQ(monday.name, "monday");
+  EXPECT_EQ(monday.corrected_poses, "");
+  EXPECT_EQ(monday.inputs.sequence.folder, "a");
+  EXPECT_EQ(monday.inputs.labels, "a/labels");
+  EXPECT_EQ(monday.submap_every, "20m");
+  EXPECT_EQ(monday.config.map.voxel_size, 0.2);
+  EXPECT_EQ(monday.inputs.given,
+            (std::set<std::string>{"voxel-size", "submap-every", "window", "sequence",
+                                   "labels"}));
+  EXPECT_EQ(tuesday.corrected_poses, "b.txt");
+  EXPECT_EQ(tuesday.config.map.voxel_size, 0.4) << "its own option";
+  EXPECT_EQ(tuesday.config.map.window, Eigen::Vector3d(8, 8, 4)) << "of all drives";
+  EXPECT_TRUE(tuesday.inputs.sequence.strict);
+}
+
+TEST(FleetPlan, ReadsParametersBesideIt)
+{
+  const TemporaryFolder folder;
+  folder.write("preset.yaml", "voxel_size: 0.3\nmax_depth: 9\n");
+  const FleetPlan plan = readFleetPlan(folder.write("plan.yaml", R"(output: city
+options: {config: preset.yaml, max_depth: 7}
+drives: [{name: a, sequence: b}]
+)"));
+  EXPECT_EQ(plan.drives[0].config.map.voxel_size, 0.3);
+  EXPECT_EQ(plan.drives[0].config.map.max_range, 7.0) << "overrides the file";
+  EXPECT_EQ(plan.drives[0].submap_every, "50m");
 }
 
 TEST(FleetPlan, SaysWhatCannotBe)
@@ -61,6 +77,9 @@ TEST(FleetPlan, SaysWhatCannotBe)
             "line 4: there is a drive 'a' already"},
            {begin + "  - {name: a, archive: b}\n", "'archive' is no option of a drive"},
            {begin + "  - {name: a, labels: [1, 2]}\n", "line 3"},
+           {begin + "  - {name: a, strict: maybe}\n",
+            "'maybe', expected false or true"},
+           {begin + "  - {name: a, hit_share: 1}\n", "is min_hit_ratio now"},
            {begin + "  - {name: a}\nrives: 3\n", "rives"},
        })
     EXPECT_TRUE(holds(refusal(text), says)) << text;

@@ -34,9 +34,9 @@ public:
   {}
 
   LabelDistributions
-  predict(const StereoFrame& frame) override
+  predict(const cv::Mat&, int frame) override
   {
-    return labels_(frame.number);
+    return labels_(frame);
   }
 
 private:

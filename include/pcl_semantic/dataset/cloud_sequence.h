@@ -57,13 +57,11 @@ public:
    * \param[in] confidence probability of the class that `label` states, where the cloud
    * has no field `probability`
    * \param[in] mapping as readLabelledCloud() takes it
-   * \param[out] doubts PcdTable::doubts, and a mapping that probabilities pass over;
-   * may be null
+   * \return also PcdTable::doubts, and whether probabilities pass over the mapping
    * \throws BadInputException as readLabelledCloud(), if the labels are not of these
    * classes, or if most points are so far away that they are in the world's frame */
   CloudFrame frame(std::size_t i, int classes, float confidence,
-                   const LabelMapping* mapping = nullptr,
-                   std::vector<std::string>* doubts = nullptr) const;
+                   const LabelMapping* mapping = nullptr) const;
 
 private:
   std::vector<std::string> paths_;

@@ -51,8 +51,8 @@ public:
     return frames_.at(i).time;
   }
 
-  /** \brief The camera, with the size of the first image; a baseline of 1 m that means
-   * nothing. */
+  /** \brief The camera, with the size of the first image; its baseline of 1 m is
+   * ignored. */
   const StereoCamera&
   camera() const
   {
@@ -64,15 +64,12 @@ public:
    * images until one has depths. */
   std::vector<std::string> doubts() const;
 
-  /** \brief The i-th frame as an organized coloured cloud in the camera's frame (x
-   * right, y down, z forward) [m], NaN where there is no depth, without labels.
-   * \param[in] max_depth [m]; 0 = unlimited
-   * \param[out] unmeasured if not null: the number of pixels without a measurement
+  /** \brief Reads the i-th frame.
+   * \param[in] max_depth of the points of its cloud [m]; 0 = unlimited
    * \throws InvalidParameterException if there is no such frame, or max_depth is
    * negative \throws BadInputException if an image cannot be read, or is of another
    * size */
-  CloudFrame frame(std::size_t i, double max_depth = 0.0,
-                   std::size_t* unmeasured = nullptr) const;
+  RgbdFrame frame(std::size_t i, double max_depth = 0.0) const;
 
 private:
   struct Files {

@@ -20,8 +20,18 @@ using ScanColumns = std::vector<std::string>;
 
 /** \brief The columns that a text names, with commas between them
  * (`x,y,z,intensity,ring`); or of their number, 3 to 16: as many of x y z intensity
- * ring, and `_`. \throws InvalidParameterException at another text */
+ * ring, and `_`; none of an empty text.
+ * \throws InvalidParameterException at another text */
 ScanColumns parseScanColumns(const std::string& text);
+
+/** \brief The same for one of several clouds, of which only a `.bin` has columns. */
+ScanColumns parseScanColumns(const std::string& text, const std::string& path);
+
+/** \brief Help of an option that parseScanColumns() reads. */
+constexpr const char* kScanColumnsHelp = "columns of a .bin, float32 each: their "
+                                         "names (x,y,z,intensity,ring; _ for one that "
+                                         "is passed over) or their number (default: "
+                                         "x,y,z,intensity, of a .pcd.bin also ring)";
 
 /** \brief Reads a cloud by the extension of its file.
  *

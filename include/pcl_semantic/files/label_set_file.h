@@ -12,6 +12,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \throws BadInputException with file and line */
 LabelSet readLabelSet(const std::string& path);
 
+/** \brief The same; the eleven classes of KITTI if \a path is empty. */
+LabelSet readLabelSetOrDefault(const std::string& path);
+
 /** \brief Writes a file that readLabelSet() takes. \throws OutputException */
 void writeLabelSet(const std::string& path, const LabelSet& label_set);
 
@@ -26,5 +29,17 @@ LabelMapping readLabelMapping(const std::string& path, const LabelSet& label_set
  * colours of the classes, and an empty \a path that they hold labels. \throws
  * BadInputException also if two classes have one */
 PixelMapping readPixelMapping(const std::string& path, const LabelSet& label_set);
+
+/** \brief Help of an option that readLabelMapping() reads. */
+constexpr const char* kLabelMappingHelp =
+    "numbers of the input to classes of the label set: a file (YAML), the name of one "
+    "that is installed (semantic_kitti_to_kitti11), or zero_based (default: they are "
+    "labels, 0 = unlabelled)";
+
+/** \brief Help of an option that readPixelMapping() reads. */
+constexpr const char* kPixelMappingHelp =
+    "numbers of the input to classes of the label set: a file (YAML), the name of one "
+    "that is installed (semantic_kitti_to_kitti11), zero_based, or of .png colours, "
+    "those of the classes (default: they are labels, 0 = unlabelled)";
 
 } // namespace pcl_semantic

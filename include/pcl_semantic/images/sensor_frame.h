@@ -9,7 +9,10 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
+#include <cstddef>
+#include <string>
 #include <variant>
+#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -19,6 +22,15 @@ struct StereoFrame : FrameTime {
   cv::Mat right; ///< as left
 };
 
+/** \brief A colour image and the depths of its pixels. */
+struct RgbdFrame : FrameTime {
+  cv::Mat image; ///< CV_8UC3 (BGR)
+  /// Camera frame (x right, y down, z forward) [m], organized as the image and coloured
+  /// by it; NaN where a pixel has no depth.
+  pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud;
+  std::size_t unmeasured = 0; ///< pixels without a measurement
+};
+
 /** \brief The cloud of one moment, taken from one position, with its labels. */
 struct CloudFrame : FrameTime {
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< sensor frame [m]
@@ -26,12 +38,14 @@ struct CloudFrame : FrameTime {
   bool has_colour = false;          ///< whether the cloud's colours mean anything
   /// T_world_sensor as its file states it (VIEWPOINT of a .pcd).
   Eigen::Isometry3d viewpoint = Eigen::Isometry3d::Identity();
+  std::string path{};                ///< of its file; empty = none
+  std::vector<std::string> doubts{}; ///< about its file, a line each
 };
 
-/** \brief A frame of a sensor: a pair of images or a cloud. */
-using SensorFrame = std::variant<StereoFrame, CloudFrame>;
+/** \brief A frame of a sensor. */
+using SensorFrame = std::variant<StereoFrame, RgbdFrame, CloudFrame>;
 
-/** \brief Number and time of either. */
+/** \brief Number and time of a frame. */
 inline const FrameTime&
 timeOf(const SensorFrame& frame)
 {

@@ -3,13 +3,15 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/label_distributions.h>
-#include <pcl_semantic/images/sensor_frame.h>
+
+#include <opencv2/core/mat.hpp>
 
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Gives the class distributions of every pixel of a frame's left image. */
+/** \brief Gives the class distributions of every pixel of a frame's image: the left one
+ * of a stereo pair. */
 class LabelPredictor {
 public:
   virtual ~LabelPredictor() = default;
@@ -21,10 +23,12 @@ public:
   requireFrames(const std::vector<int>& /*frames*/) const
   {}
 
-  /** \return L x (width * height), pixels row by row, normalised; all-zero columns are
+  /** \param[in] image CV_8UC3 (BGR) or CV_8UC1
+   * \param[in] frame its number
+   * \return L x (width * height), pixels row by row, normalised; all-zero columns are
    * unlabelled; or nothing, for a frame that has no labels (yet)
    * \throws BadInputException or BadModelException that names the frame */
-  virtual LabelDistributions predict(const StereoFrame& frame) = 0;
+  virtual LabelDistributions predict(const cv::Mat& image, int frame) = 0;
 };
 
 } // namespace pcl_semantic

@@ -69,7 +69,7 @@ public:
   /** \throws BadInputException if the image is not 8-bit grey or colour
    * \throws BadModelException that names the frame, if the network fails or its output
    * is not 1 x channels x height x width, finite */
-  LabelDistributions predict(const StereoFrame& frame) override;
+  LabelDistributions predict(const cv::Mat& image, int frame) override;
 
 private:
   struct Network;

@@ -25,7 +25,7 @@ public:
 
   /** \throws BadInputException if the frame has no file, more than one, or one that
    * does not fit its image */
-  LabelDistributions predict(const StereoFrame& frame) override;
+  LabelDistributions predict(const cv::Mat& image, int frame) override;
 
 private:
   /** \brief The one file of a frame. */

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
+#include <pcl_semantic/pipeline/map_inputs.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
@@ -12,9 +13,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief A drive of a fleet. */
 struct FleetDrive {
   std::string name; ///< of the folder of its submaps
-  /// Of pcl_semantic_map, by their names with underscores, in the order of the file:
-  /// ("sequence", "kitti/05"); those of the plan first.
-  std::vector<std::pair<std::string, std::string>> options;
+  MapInputs inputs;
+  MapperConfig config;
+  std::string submap_every = "50m"; ///< see parseSubmapLength()
   std::string corrected_poses; ///< trajectory that places its submaps; empty = none
 };
 
@@ -25,9 +26,11 @@ struct FleetPlan {
 };
 
 /** \brief Reads a plan (YAML): `output`, `options` of all drives, and a list `drives`
- * with `name`, `corrected_poses` and options of each.
- * \throws BadInputException with file and line: what is missing or cannot be, a name
- * that is no name of a folder or there twice */
+ * with `name`, `corrected_poses` and options of each. Options are the inputs of a map
+ * (MapInputs), its parameters, `submap_every`, and `config`, a file of parameters
+ * relative to the plan, which the others override.
+ * \throws BadInputException with file and line: a missing key, an unknown option, a
+ * value that cannot be, a name that is no name of a folder or there twice */
 FleetPlan readFleetPlan(const std::string& path);
 
 } // namespace pcl_semantic

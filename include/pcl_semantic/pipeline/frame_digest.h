@@ -8,10 +8,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The digest of a pair, whose labels are beside it, or of a cloud.
+/** \brief The digest of a frame: of its images, or of its cloud.
  * \param[in] labels as they were predicted, or those of the cloud; may be empty */
-FrameDigest digestOf(const StereoFrame& pair, const LabelDistributions& labels);
-FrameDigest digestOf(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
-                     const LabelDistributions& labels);
+FrameDigest digestOf(const SensorFrame& frame, const LabelDistributions& labels);
 
 } // namespace pcl_semantic

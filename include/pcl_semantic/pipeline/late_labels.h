@@ -15,7 +15,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 class NoLabels : public LabelPredictor {
 public:
   LabelDistributions
-  predict(const StereoFrame&) override
+  predict(const cv::Mat&, int) override
   {
     return {};
   }

@@ -49,7 +49,7 @@ public:
   }
 
   /** \brief After each frame: commits, if it is time. */
-  void add(const MappedFrame& mapped, SemanticMapper& mapper);
+  void add(const SensorFrame& frame, const MappedFrame& mapped, SemanticMapper& mapper);
 
   /** \brief After the last frame, or an interrupt: ends the map and commits. A live
    * run, whose frames are not known before, ends where it is interrupted. */

@@ -72,7 +72,8 @@ private:
 
 /** \brief Result of processing one frame. */
 struct MappedFrame {
-  StereoFrame frame;        ///< of a cloud: without images, but that of its camera
+  FrameTime frame;          ///< its number and time
+  cv::Mat image;            ///< the left one, or that of the camera; empty: no camera
   DisparityImage disparity; ///< of each pixel, and how sure it is; of a cloud: empty
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< camera frame [m], organized
   bool has_colour = true;                       ///< whether its colours mean anything
@@ -91,8 +92,8 @@ struct MappedFrame {
 
 class MapCliques;
 
-/** \brief The whole pipeline: stereo frames go in, or labelled clouds of any sensor,
- * and a semantic map grows. */
+/** \brief The whole pipeline: stereo or RGB-D frames go in, or labelled clouds of any
+ * sensor, and a semantic map grows. */
 class SemanticMapper {
 public:
   /** \brief Called after each frame. */
@@ -103,8 +104,8 @@ public:
    * \param[in] camera that takes the frames, if one does. Clouds are then organized as
    * its images, in its frame, so that `min_hit_ratio`, calibrations and superpixels can
    * be used
-   * \param[in] predictor class probabilities of the pixels of stereo pairs, which also
-   * need the camera; null = frames are clouds, which bring theirs
+   * \param[in] predictor class probabilities of the pixels of stereo pairs and RGB-D
+   * images, which also need the camera; null = frames are clouds, which bring theirs
    * \param[in] store where voxels go that leave the window; null = memory
    * \throws InvalidParameterException */
   SemanticMapper(const LabelSet& label_set, MapperConfig config,
@@ -140,7 +141,7 @@ public:
   /** \brief Takes in one frame: its cloud (of a stereo pair: disparity, cloud, labels),
    * pose, map, CRF.
    * \throws BadInputException or BadModelException that names the frame, also if a
-   * cloud is not as the camera's images are \throws InvalidParameterException at a pair
+   * cloud is not as the camera's images are \throws InvalidParameterException at images
    * if the mapper was made for clouds */
   MappedFrame process(const SensorFrame& frame);
 
@@ -173,9 +174,18 @@ private:
 
   bool isLabelledAt(int frame) const;
 
-  void readPair(const StereoFrame& frame, MappedFrame& mapped);
+  void read(const StereoFrame& frame, MappedFrame& mapped);
 
-  void readCloud(const CloudFrame& frame, MappedFrame& mapped) const;
+  void read(const RgbdFrame& frame, MappedFrame& mapped);
+
+  void read(const CloudFrame& frame, MappedFrame& mapped);
+
+  void requireImages() const;
+
+  void requireSizeOfCamera(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
+                           int frame) const;
+
+  void labelImage(MappedFrame& mapped);
 
   void fuse(MappedFrame& mapped);
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "command_line.h"
+#include <pcl_semantic/core/export.h>
 
+#include <set>
 #include <string>
 #include <vector>
 
-namespace pcl_semantic::tool {
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Options that have no effect where a condition holds. */
 struct UnreadOptions {
@@ -15,9 +16,9 @@ struct UnreadOptions {
   std::vector<std::string> options;
 };
 
-/** \brief Refuses what was given and would have no effect.
+/** \brief Refuses options that were given and would have no effect.
  * \throws InvalidParameterException that names the option and the condition */
-void refuseUnread(const po::variables_map& values,
+void refuseUnread(const std::set<std::string>& given,
                   const std::vector<UnreadOptions>& rules);
 
 /** \brief Those of a CRF.
@@ -30,4 +31,4 @@ std::vector<UnreadOptions> unreadOptionsOfCRF(const std::string& model,
  * \param[in] labels folder or file; empty = none */
 UnreadOptions unreadOptionsOfLabels(const std::string& labels);
 
-} // namespace pcl_semantic::tool
+} // namespace pcl_semantic

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unread_options.h"
+
+#include "core/fail.h"
 #include "filters/unread_parameters.h"
 
-#include <pcl_semantic/files/config_file.h>
 #include <pcl_semantic/files/input_file.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <utility>
 
-namespace pcl_semantic::tool {
+namespace pcl_semantic {
 
 void
-refuseUnread(const po::variables_map& values, const std::vector<UnreadOptions>& rules)
+refuseUnread(const std::set<std::string>& given,
+             const std::vector<UnreadOptions>& rules)
 {
   for (const UnreadOptions& rule : rules)
     for (const std::string& option : rule.options)
-      refuseIf(rule.holds && values.count(option) && !values[option].defaulted(),
-               "--" + option + " has no effect " + rule.condition);
+      if (rule.holds && given.count(option) > 0)
+        badParameter("--", option, " has no effect ", rule.condition);
 }
 
 std::vector<UnreadOptions>
@@ -45,4 +47,4 @@ unreadOptionsOfLabels(const std::string& labels)
           {"label-mapping", "label-confidence"}};
 }
 
-} // namespace pcl_semantic::tool
+} // namespace pcl_semantic

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_options.h"
+#include "tool.h"
+
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/pipeline/mapping_output.h>
+#include <pcl_semantic/pipeline/submap_cut.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <set>
+#include <utility>
+
+namespace pcl_semantic::tool {
+
+namespace {
+
+const Usage map_usage{
+    "pcl_semantic_map",
+    R"((SEQUENCE | --left 'L*.png' --right 'R*.png' --calibration FILE.yaml)
+  --output DIR (--labels DIR | --network FILE.yaml) [options]
+or --clouds DIR --poses FILE --output DIR [options]
+or --rgbd DIR --calibration FILE --poses FILE --output DIR
+  (--labels DIR | --network FILE.yaml) [options])",
+    R"(Maps a stereo or RGB-D sequence, or labelled clouds of any sensor: writes a labelled voxel
+map, the classes as a camera sees them in it, pictures and a summary. Defaults of
+the parameters are shown.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  pcl_semantic_map /tmp/street --labels /tmp/street/labels --output /tmp/map)",
+    {{"left GLOB, --right GLOB", "images of any stereo camera, instead of SEQUENCE"},
+     {"calibration FILE", "of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"clouds GLOB", "clouds of any sensor, labelled or not, with --poses"},
+     {"rgbd DIR", "RGB-D sequence, with --calibration and --poses"},
+     {"labels DIR", "stored label distributions, a .bin, .npy or .png a frame"},
+     {"network FILE", "network description (.yaml) instead of --labels"},
+     {"poses FILE", "KITTI or TUM trajectory (default: poses.txt, else odometry)"},
+     {"output DIR", "folder of the map, its pictures and its summary"},
+     {"frames A:B", "frames with numbers A <= n < B"},
+     {"voxel-size 0.1", "edge of a voxel [m]"},
+     {"max-depth 40", "maximum depth of a hit [m]"},
+     {"crf dense", "model: none, dense, pn-potts or hierarchical"},
+     {"archive FILE", "archive of the map; --resume goes on from it"},
+     {"view", "show the map in a window while it grows"},
+     {"config FILE", "parameters (.yaml); --print-config writes them"}}};
+
+const Usage live_usage{
+    "pcl_semantic_live",
+    R"((SEQUENCE | --left 0 --right 2 --calibration FILE.yaml)
+  --output DIR (--labels DIR | --network FILE.yaml) [options])",
+    R"(Maps what comes, until Ctrl-C; then the map is finished and written. SEQUENCE is a
+folder that another program fills; --left and --right are cameras (0, /dev/video0),
+streams (rtsp://...) or videos, or both the same camera, with its sides next to each
+other. Takes the newest pair and drops those before it; labels are fused when they are
+ready; no images of the frames are written.)",
+    R"(pcl_semantic_synthesize /tmp/street && \
+  timeout --preserve-status -s INT 10 \
+    pcl_semantic_live /tmp/street --labels /tmp/street/labels --output /tmp/live_map)",
+    {{"left NAME, --right NAME", "cameras, streams or videos, instead of SEQUENCE"},
+     {"calibration FILE", "of --left and --right: OpenCV, Kalibr, ROS, KITTI"},
+     {"every-frame", "map each pair of two videos"},
+     {"labels DIR", "stored label distributions, a .bin, .npy or .png a frame"},
+     {"network FILE", "network description (.yaml) instead of --labels"},
+     {"poses FILE", "KITTI or TUM trajectory (default: odometry)"},
+     {"output DIR", "folder of the map, its pictures and its summary"},
+     {"voxel-size 0.1", "edge of a voxel [m]"},
+     {"max-depth 40", "maximum depth of a hit [m]"},
+     {"crf dense", "model: none, dense, pn-potts or hierarchical"},
+     {"archive FILE", "archive of the map"},
+     {"view", "show the map in a window while it grows"},
+     {"config FILE", "parameters (.yaml); --print-config writes them"}}};
+
+// Whether a file would be replaced or removed by what a run writes to its folder.
+bool
+isOutput(const std::string& file, const std::string& folder)
+{
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path relative =
+      fs::weakly_canonical(fs::absolute(file, error), error)
+          .lexically_relative(fs::weakly_canonical(fs::absolute(folder, error), error));
+  const std::vector<std::string>& names = MappingOutput::names();
+  return !relative.empty() &&
+         std::find(names.begin(), names.end(), *relative.begin()) != names.end();
+}
+
+// The inputs of a program: live frames are those of a stereo pair.
+ConfigParameters
+inputsOf(MapInputs& inputs, MapProgram program)
+{
+  static const std::set<std::string> of_recordings = {
+      "clouds", "rgbd", "depth_scale", "scan_columns", "sensor", "clique_calibration",
+      "frames"};
+  ConfigParameters parameters = parametersOf(inputs);
+  if (program == MapProgram::live)
+    parameters.erase(std::remove_if(parameters.begin(), parameters.end(),
+                                    [](const ConfigParameter& each) {
+                                      return of_recordings.count(each.name) > 0;
+                                    }),
+                     parameters.end());
+  return parameters;
+}
+
+std::vector<Option>
+outputsOf(MapOptions& options, MapProgram program)
+{
+  MapOutputs& outputs = options.outputs;
+  std::vector<Option> all = {
+      {"output", outputs.folder,
+       "output folder; replaces an earlier map in it, which stays in its folder "
+       "`previous` until the new one is whole"},
+      {"centres", outputs.centres,
+       "give the points of map.pcd the centres of their voxels instead of the mean "
+       "positions of the hits"},
+      {"archive", outputs.archive.path,
+       "archive file of the map; a killed run can be resumed from it"},
+      {"archive-every", withDefault(outputs.archive.every),
+       "commit to the archive every N frames"},
+      {"view", options.view, "show the map in a window while it grows"}};
+  if (program == MapProgram::live) {
+    all.emplace_back("every-frame", options.every_frame,
+                     "map each pair of two videos, as pcl_semantic_map maps a "
+                     "sequence");
+    return all;
+  }
+  const std::vector<Option> more = {
+      {"map-only", po::bool_switch(),
+       "write the map, its trajectory and summary, but no images of the frames"},
+      {"also", outputs.also,
+       "further output for evaluation, separated by commas: measured = labels "
+       "before the CRF, depth = depth images, probabilities = those of the "
+       "classes at the pixels' depths, scans = the class of each point of the "
+       "sequence's laser scans, or of --clouds"},
+      {"scan-within", withDefault(outputs.scan_within),
+       "maximum distance of a scan point's voxel [m]; 0 = the voxel that contains it"},
+      {"submap-every", options.submap_every,
+       "cut the drive into submaps after so many metres (50m) or frames (100), "
+       "each with an archive OUTPUT/FIRST.map and a folder OUTPUT/FIRST; "
+       "pcl_semantic_archive merge joins them, also with corrected poses"},
+      {"resume", outputs.archive.resume,
+       "resume from the archive; start if there is none"}};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+void
+requireLive(const MapOptions& options)
+{
+  refuseIf(!options.inputs.sequence.files.times.empty(), "--times needs --every-frame");
+  refuseIf(options.config.network_every != 1,
+           "--network-every is for maps of all frames");
+  refuseIf(options.inputs.poses == "sequence",
+           "--poses sequence: frames come without a file of poses");
+}
+
+void
+requireArchive(const MapOptions& options)
+{
+  const MappingArchive::Options& archive = options.outputs.archive;
+  refuseIf(archive.resume && archive.path.empty() && options.submap_every.empty(),
+           "--resume needs --archive");
+  refuseIf(archive.every < 1, "--archive-every is less than 1");
+  refuseIf(!archive.path.empty() && isOutput(archive.path, options.outputs.folder),
+           "--archive is where --output puts its own files");
+  if (options.submap_every.empty())
+    return;
+  asUsage([&] { parseSubmapLength(options.submap_every); });
+  refuseIf(!archive.path.empty() || options.view,
+           "--submap-every and --archive or --view exclude each other");
+  refuseIf(options.inputs.poses == "viewpoint",
+           "--poses viewpoint and --submap-every exclude each other: submaps are cut "
+           "before the clouds are read");
+}
+
+void
+requireOutput(const MapOptions& options)
+{
+  const MapInputs& inputs = options.inputs;
+  const std::string& output = options.outputs.folder;
+  refuseIf(output.empty(), "--output is missing");
+  for (const auto& [name, path] : inputs.sequence.inputs())
+    refuseIf(name != "sequence" && isOutput(path, output),
+             "--" + name + " is where --output puts its own files");
+  std::error_code error;
+  const auto isSame = [&](const std::string& input, const std::string& written) {
+    return std::filesystem::equivalent(input, output + written, error);
+  };
+  refuseIf(std::filesystem::is_directory(output, error) &&
+               !listFrameFiles(output, {".png"}).empty(),
+           "--output holds images of frames; maps need a folder of their own");
+  refuseIf(std::filesystem::exists(output + "/calib.txt", error),
+           "--output holds a sequence (calib.txt); maps need a folder of their own");
+  refuseIf(isSame(inputs.labels, "/labels"),
+           "--labels is where --output puts its own labels");
+  refuseIf(!inputs.clouds.empty() && isSame(inputs.poses, "/trajectory.txt"),
+           "--poses is where --output puts its own trajectory");
+  refuseIf(!inputs.clouds.empty() && isSame(inputs.clouds, ""),
+           "--output holds the clouds; maps need a folder of their own");
+}
+
+} // namespace
+
+MapOptions
+parseMapOptions(int argc, char** argv, MapProgram program)
+{
+  refuseRemoved(argc, argv,
+                {{"live", "the program pcl_semantic_live maps what comes"}});
+  MapOptions options;
+  std::string config;
+  bool print_config = false;
+  std::vector<Option> all = optionsOf(inputsOf(options.inputs, program));
+  for (Option& option : outputsOf(options, program))
+    all.push_back(std::move(option));
+  all.emplace_back("config", config, "parameter file (.yaml); options override it");
+  all.emplace_back("print-config", print_config,
+                   "print the effective parameters as YAML and exit");
+  const bool is_map = program == MapProgram::map;
+  const po::variables_map values =
+      parseCommandLine(argc, argv, is_map ? map_usage : live_usage, all, {"sequence"},
+                       parametersOf(options.config));
+  readMapperConfig(config, options.config);
+  setParameters(values, parametersOf(options.config));
+  options.config.validate();
+  if (print_config) {
+    std::cout << printMapperConfig(options.config);
+    throw Exit{exit_done};
+  }
+  options.inputs.given = givenOptions(values);
+  const bool is_live = !is_map && !options.every_frame;
+  options.outputs.images = is_map ? !values["map-only"].as<bool>() : !is_live;
+  const std::vector<std::string> also = splitAtCommas(options.outputs.also);
+  options.inputs.reads_scans = std::count(also.begin(), also.end(), "scans") > 0;
+  refuseUnread(
+      values, {{options.outputs.archive.path.empty() && options.submap_every.empty(),
+                "without --archive",
+                {"archive-every"}},
+               {!options.inputs.reads_scans, "without --also scans", {"scan-within"}}});
+  if (is_live)
+    requireLive(options);
+  asUsage([&] { options.inputs.validate(options.config); });
+  requireArchive(options);
+  requireOutput(options);
+  return options;
+}
+
+} // namespace pcl_semantic::tool

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "map_options.h"
+#include "messages.h"
+
+#include <pcl_semantic/pipeline/submap_cut.h>
+
+namespace pcl_semantic::tool {
+
+/** \brief Opens the inputs of a map; tries a network before. \throws as openInputs() */
+OpenedInputs openInputsOf(const MapInputs& inputs, const MapperConfig& config,
+                          VideoOpener open_videos = nullptr);
+
+/** \brief Maps a recording until its end or an interrupt (interrupted()).
+ * \return its outputs \throws as a tool's body */
+Results mapRecording(const MapOptions& options, OpenedInputs inputs);
+
+/** \brief Maps a recording into an archive alone, unless it holds that map already.
+ * \param[in] run its outputs are an archive that is resumed
+ * \return whether something was to do */
+bool mapIntoArchive(const MapOptions& run);
+
+/** \brief The outputs of a submap: an archive and a folder named by its first frame. */
+MapOutputs submapOutputs(const MapOutputs& outputs, const std::string& frames);
+
+} // namespace pcl_semantic::tool

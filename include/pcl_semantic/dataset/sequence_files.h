@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/config_parameter.h>
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/dataset/frame_sequence.h>
+#include <pcl_semantic/dataset/image_pair_sequence.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Names of inputs and their values: ("sequence", "kitti/05"). */
+using NamedValues = std::vector<std::pair<std::string, std::string>>;
+
+/** \brief The files of a stereo sequence: a folder in KITTI's layout, or the images of
+ * any stereo camera. */
+struct SequenceFiles {
+  std::string folder;
+  ImagePairFiles files;
+  bool strict = false; ///< pairs that look wrong are refused, see checkPair()
+
+  /** \brief Whether a file of a stereo camera is given. */
+  bool hasFiles() const;
+
+  /** \brief For messages: the folder, or the pattern of the left images. */
+  const std::string& name() const;
+
+  /** \brief \throws InvalidParameterException if a file is missing, or one beside a
+   * folder is given */
+  void validate() const;
+
+  /** \brief The files that are given. */
+  NamedValues inputs() const;
+};
+
+/** \brief `sequence`, `left`, `right`, `calibration`, `extrinsics`, `times`, `strict`.
+ */
+ConfigParameters parametersOf(SequenceFiles& files);
+
+/** \brief Opens two videos as a sequence. */
+using VideoOpener =
+    std::function<std::unique_ptr<FrameSequence>(const ImagePairFiles&)>;
+
+/** \brief Opens a sequence.
+ * \param[in] open_videos null: videos are refused
+ * \param[out] doubts about the calibration, a line each, are added to it
+ * \throws BadInputException, InvalidParameterException at videos that are refused */
+std::unique_ptr<FrameSequence> openSequence(const SequenceFiles& files,
+                                            std::vector<std::string>& doubts,
+                                            const VideoOpener& open_videos = nullptr);
+
+} // namespace pcl_semantic

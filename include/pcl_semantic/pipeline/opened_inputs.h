@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/label_set.h>
+#include <pcl_semantic/dataset/frame_source.h>
+#include <pcl_semantic/dataset/sequence_files.h>
+#include <pcl_semantic/labelling/label_calibration.h>
+#include <pcl_semantic/labelling/label_predictor.h>
+#include <pcl_semantic/labelling/opened_network.h>
+#include <pcl_semantic/odometry/pose_source.h>
+#include <pcl_semantic/pipeline/map_inputs.h>
+#include <pcl_semantic/pipeline/mapper_config.h>
+
+#include <Eigen/Core>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief Ways to open inputs that a program may replace. */
+struct InputOpeners {
+  std::function<OpenedNetwork(const std::string& description, const std::string& model,
+                              const std::string& engine)>
+      network = openNetwork;
+  VideoOpener videos; ///< null: videos are refused
+  /// If set, opens the sequence as live frames, after labels and trajectory.
+  std::function<std::unique_ptr<FrameSource>(const SequenceFiles&)> live;
+};
+
+/** \brief Points of a frame's scan in the frame of the sensor whose poses the map has
+ * [m]. */
+using ScanReader = std::function<std::vector<Eigen::Vector3d>(int frame)>;
+
+/** \brief The inputs of a map, opened. */
+struct OpenedInputs {
+  std::unique_ptr<FrameSource> source;
+  std::unique_ptr<PoseSource> poses;
+  LabelSet label_set;
+  std::unique_ptr<LabelPredictor> predictor; ///< null: clouds, which bring their labels
+  bool labels_are_stored = true;             ///< not those of a network
+  bool has_odometry = false;                 ///< poses are found in the images
+  std::optional<LabelCalibration> label_calibration, clique_calibration;
+  std::string name;                    ///< for messages
+  NamedValues values;                  ///< all that the map depends on, for its archive
+  std::function<ScanReader()> scans;   ///< opens the scans; null = there are none
+  std::optional<LabelMapping> mapping; ///< whose copies count numbers that it lacks
+  std::string mapping_name, mapping_unit; ///< for textOfLacking()
+  std::vector<std::string> doubts;        ///< a line each
+};
+
+/** \brief Opens the inputs of a map.
+ * \param[in] config network_every and label_confidence are used
+ * \throws InvalidParameterException, BadInputException, BadModelException */
+OpenedInputs openInputs(const MapInputs& inputs, const MapperConfig& config,
+                        const InputOpeners& openers = {});
+
+} // namespace pcl_semantic

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl_semantic/core/export.h>
+#include <pcl_semantic/core/frame_time.h>
+#include <pcl_semantic/io/submaps.h>
+#include <pcl_semantic/pipeline/opened_inputs.h>
+
+#include <string>
+#include <vector>
+
+namespace PCL_SEMANTIC_EXPORT pcl_semantic {
+
+/** \brief The frames of a submap. */
+struct SubmapFrames {
+  std::string range; ///< "A:B", see parseFrameRange()
+  FrameTime anchor;  ///< the middle frame, see submapMotion()
+};
+
+/** \brief Reads a length: "50m", or "100" frames. \throws InvalidParameterException */
+SubmapLength parseSubmapLength(const std::string& text);
+
+/** \brief Cuts a recording into submaps, each a run of its own over its frames.
+ * \throws BadInputException if a frame has no pose */
+std::vector<SubmapFrames> cutIntoSubmaps(const OpenedInputs& inputs,
+                                         const SubmapLength& length);
+
+} // namespace pcl_semantic

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/frame_source.h>
+
+namespace pcl_semantic {
+
+RecordedFrames::RecordedFrames(std::shared_ptr<const FrameSequence> sequence,
+                               const FrameRange& range)
+{
+  const std::vector<std::size_t> positions = selectFrames(*sequence, range);
+  sensor_ = {sequence->camera(), sequence->T_camera0_camera()};
+  frames_ = frameTimes(*sequence, positions);
+  read_ = [sequence = std::move(sequence), positions](std::size_t i) {
+    return sequence->frame(positions[i]);
+  };
+}
+
+} // namespace pcl_semantic

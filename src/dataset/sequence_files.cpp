@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/dataset/sequence_files.h>
+
+#include "core/fail.h"
+
+#include <pcl_semantic/dataset/kitti_sequence.h>
+
+namespace pcl_semantic {
+
+bool
+SequenceFiles::hasFiles() const
+{
+  return !(files.left.empty() && files.right.empty() && files.calibration.empty() &&
+           files.extrinsics.empty() && files.times.empty());
+}
+
+const std::string&
+SequenceFiles::name() const
+{
+  return hasFiles() ? files.left : folder;
+}
+
+void
+SequenceFiles::validate() const
+{
+  if (!hasFiles() && folder.empty())
+    badParameter("the SEQUENCE is missing, or --left, --right and --calibration");
+  if (!hasFiles())
+    return;
+  for (const auto& [input, value] : inputs())
+    if (input != "sequence" && !folder.empty())
+      badParameter("both a SEQUENCE ('", folder, "') and --", input,
+                   "; patterns need quotes");
+  for (const auto& [input, value] :
+       {std::pair("left", &files.left), std::pair("right", &files.right),
+        std::pair("calibration", &files.calibration)})
+    if (value->empty())
+      badParameter("--", input,
+                   " is missing; --left, --right and --calibration belong together");
+}
+
+NamedValues
+SequenceFiles::inputs() const
+{
+  NamedValues given;
+  for (const auto& [input, value] :
+       {std::pair("sequence", &folder), std::pair("left", &files.left),
+        std::pair("right", &files.right), std::pair("calibration", &files.calibration),
+        std::pair("extrinsics", &files.extrinsics), std::pair("times", &files.times)})
+    if (!value->empty())
+      given.emplace_back(input, *value);
+  return given;
+}
+
+ConfigParameters
+parametersOf(SequenceFiles& files)
+{
+  return {{"sequence", "folder in KITTI's odometry layout", &files.folder},
+          {"left",
+           "left images of any stereo camera, instead of SEQUENCE: a pattern in quotes "
+           "('left/*.png')",
+           &files.files.left},
+          {"right", "right images, one for each left image", &files.files.right},
+          {"calibration",
+           "calibration of --left and --right: of OpenCV's stereoCalibrate, Kalibr's "
+           "camchain, the left camera_info of ROS or sensor.yaml of EuRoC (.yaml, "
+           ".yml), KITTI or Middlebury (.txt)",
+           &files.files.calibration},
+          {"extrinsics",
+           "file with R and T, if they are not in --calibration; of ROS and EuRoC that "
+           "of the right camera (.yaml)",
+           &files.files.extrinsics},
+          {"times", "time stamps of the images, one per line [s] (default: 10 Hz)",
+           &files.files.times},
+          {"strict",
+           "reject pairs that look blank, identical, swapped or unrelated instead of "
+           "warning",
+           &files.strict}};
+}
+
+std::unique_ptr<FrameSequence>
+openSequence(const SequenceFiles& files, std::vector<std::string>& doubts,
+             const VideoOpener& open_videos)
+{
+  const bool are_videos = isVideo(files.files.left) && isVideo(files.files.right);
+  if (are_videos && open_videos)
+    return open_videos(files.files);
+  if (are_videos)
+    badParameter(files.files.left,
+                 ": is a video, which pcl_semantic_live --every-frame maps");
+  if (!files.hasFiles())
+    return std::make_unique<KittiSequence>(files.folder);
+  auto pairs = std::make_unique<ImagePairSequence>(files.files);
+  doubts.insert(doubts.end(), pairs->doubts().begin(), pairs->doubts().end());
+  return pairs;
+}
+
+} // namespace pcl_semantic

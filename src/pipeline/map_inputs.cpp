@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/map_inputs.h>
+
+#include "core/fail.h"
+#include "files/unread_options.h"
+
+#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/labelling/opened_network.h>
+
+#include <utility>
+
+namespace pcl_semantic {
+
+namespace {
+
+void
+refuseIf(bool condition, const std::string& message)
+{
+  if (condition)
+    badParameter(message);
+}
+
+void
+requireLabels(const MapInputs& inputs)
+{
+  refuseIf(!inputs.sensor.empty(), "--sensor is for --clouds");
+  refuseIf(!inputs.label_mapping.empty() && inputs.labels.empty(),
+           "--label-mapping is for --labels or --clouds");
+  refuseIf(inputs.labels.empty() == inputs.network.empty(),
+           "expected either --labels or --network");
+  refuseIf(!inputs.model.empty() && inputs.network.empty(), "--model needs --network");
+  refuseIf(!inputs.engine.empty() && inputs.network.empty(),
+           "--engine needs --network");
+  parseEngine(inputs.engine);
+  refuseIf(!inputs.label_set.empty() && inputs.labels.empty(),
+           "--label-set is for --labels; the description of a network names its own");
+}
+
+// Other sources of poses are those of stereo sequences.
+void
+requireTrajectory(const MapInputs& inputs, const std::string& option)
+{
+  refuseIf(inputs.poses == "auto" || inputs.poses == "sequence" ||
+               inputs.poses == "odometry",
+           option + " needs a trajectory: --poses FILE" +
+               (option == "--clouds" ? " or viewpoint" : ""));
+}
+
+void
+requireClouds(const MapInputs& inputs)
+{
+  const SequenceFiles& sequence = inputs.sequence;
+  const std::string sensor = inputs.cloudSensor();
+  refuseIf(!sequence.folder.empty() || !sequence.files.left.empty() ||
+               !sequence.files.right.empty() || sequence.strict,
+           "--clouds and a SEQUENCE, --left, --right or --strict exclude each other");
+  requireTrajectory(inputs, "--clouds");
+  refuseIf(inputs.poses == "viewpoint" && sensor != "own",
+           "--poses viewpoint is for --sensor own, whose own poses the clouds bring");
+  refuseIf(sensor != "own" && sensor != "camera" && sensor != "grey" &&
+               sensor != "laser",
+           "--sensor is '" + sensor + "', expected own, camera, grey or laser");
+  refuseIf((sensor == "own") != sequence.files.calibration.empty(),
+           sensor == "own" ? "--calibration is not for --sensor own"
+                           : "--sensor " + sensor + " needs --calibration");
+  refuseIf(sequence.files.calibration.empty() && !sequence.files.extrinsics.empty(),
+           "--extrinsics needs --calibration");
+}
+
+void
+requireRgbd(const MapInputs& inputs)
+{
+  refuseIf(!inputs.sequence.folder.empty(), "--rgbd and a SEQUENCE exclude each other");
+  refuseIf(inputs.sequence.files.calibration.empty(),
+           "--rgbd needs --calibration, the camera's intrinsics");
+  requireTrajectory(inputs, "--rgbd");
+  requireLabels(inputs);
+}
+
+// Options without effect on this kind of frames, or without another option.
+std::vector<UnreadOptions>
+unreadOptions(const MapInputs& inputs, const MapperConfig& config)
+{
+  const std::vector<std::string> of_pairs = {"stereo", "disparities", "max-deviation",
+                                             "deviation-scale"};
+  std::vector<UnreadOptions> rules = {
+      {!inputs.rgbd.empty(), "with --rgbd", of_pairs},
+      {!inputs.rgbd.empty(),
+       "with --rgbd",
+       {"left", "right", "extrinsics", "times", "strict", "clouds", "also",
+        "scan-within"}},
+      {!inputs.clouds.empty(), "with --clouds", of_pairs},
+      {!inputs.clouds.empty(),
+       "with --clouds, which bring their labels (pcl_semantic_label gives them some)",
+       {"labels", "network", "model", "engine", "network-every"}},
+      {!inputs.hasCamera(),
+       "with --clouds of no camera, which have no images",
+       {"map-only", "min-hit-ratio", "label-calibration"}},
+      {inputs.rgbd.empty(), "without --rgbd", {"depth-scale"}},
+      {inputs.clouds.empty() && !inputs.reads_scans,
+       "without --clouds or --also scans",
+       {"scan-columns"}},
+      {!inputs.network.empty(), "with --network", {"label-confidence"}},
+      unreadOptionsOfLabels(inputs.labels)};
+  for (UnreadOptions& rule : unreadOptionsOfCRF(config.crf, config.cliques))
+    rules.push_back(std::move(rule));
+  return rules;
+}
+
+} // namespace
+
+std::string
+MapInputs::cloudSensor() const
+{
+  if (clouds.empty() || !sensor.empty())
+    return sensor;
+  return sequence.files.calibration.empty() ? "own" : "camera";
+}
+
+bool
+MapInputs::hasCamera() const
+{
+  const std::string of_clouds = cloudSensor();
+  return clouds.empty() || of_clouds == "camera" || of_clouds == "grey";
+}
+
+const std::string&
+MapInputs::name() const
+{
+  return !rgbd.empty() ? rgbd : !clouds.empty() ? clouds : sequence.name();
+}
+
+void
+MapInputs::validate(const MapperConfig& config) const
+{
+  refuseUnread(given, unreadOptions(*this, config));
+  refuseIf(!(depth_scale >= 0.0), "--depth-scale is less than 0");
+  refuseIf(poses == "viewpoint" && clouds.empty(), "--poses viewpoint is for --clouds");
+  parseFrameRange(frames);
+  if (!rgbd.empty())
+    return requireRgbd(*this);
+  if (!clouds.empty())
+    return requireClouds(*this);
+  sequence.validate();
+  requireLabels(*this);
+}
+
+ConfigParameters
+parametersOf(MapInputs& inputs)
+{
+  ConfigParameters parameters = parametersOf(inputs.sequence);
+  const ConfigParameters more = {
+      {"clouds",
+       "clouds of any sensor, labelled or not, instead of SEQUENCE: folder or "
+       "pattern of .pcd, .ply or KITTI's .bin, one per frame, in the sensor's "
+       "frame; needs --poses FILE",
+       &inputs.clouds},
+      {"rgbd",
+       "RGB-D sequence instead of SEQUENCE: TUM's layout, or a folder with rgb/ "
+       "and depth/; needs --calibration with the intrinsics (ROS camera_info, "
+       "Kalibr) and --poses FILE, those of the camera in a world with z up",
+       &inputs.rgbd},
+      {"depth_scale",
+       "number in its depth images that is a metre; 0 = 5000 in TUM's layout, "
+       "else 1000",
+       &inputs.depth_scale},
+      {"scan_columns", kScanColumnsHelp, &inputs.scan_columns},
+      {"sensor",
+       "sensor of --clouds: own = any, --poses are its poses in a world with z "
+       "up; or, with --calibration and poses of its camera 0: camera or grey = "
+       "left camera of KITTI's colour or grey pair, laser = KITTI's Tr (default: "
+       "own, or camera with --calibration)",
+       &inputs.sensor},
+      {"labels",
+       "folder of stored label distributions, one .bin, .npy or .png per frame",
+       &inputs.labels},
+      {"label_set", "label set of --labels (default: label_sets/kitti11.yaml)",
+       &inputs.label_set},
+      {"label_mapping", kPixelMappingHelp, &inputs.label_mapping},
+      {"network", "network description (.yaml)", &inputs.network},
+      {"model", "network (.onnx; default: as its description says)", &inputs.model},
+      {"engine", kEngineHelp, &inputs.engine},
+      {"label_calibration",
+       "calibration of the label distributions, see pcl_semantic_calibrate (.yaml)",
+       &inputs.label_calibration},
+      {"clique_calibration",
+       "calibration of the cliques, see pcl_semantic_calibrate --clique-config (.yaml)",
+       &inputs.clique_calibration},
+      {"poses",
+       "KITTI or TUM trajectory file; or sequence = its poses.txt, odometry = "
+       "estimate them from the images, viewpoint = those in the VIEWPOINT of "
+       "--clouds, auto = poses.txt if there is one, else odometry",
+       &inputs.poses},
+      {"frames", "A:B = frames with numbers A <= n < B", &inputs.frames}};
+  parameters.insert(parameters.end(), more.begin(), more.end());
+  return parameters;
+}
+
+} // namespace pcl_semantic

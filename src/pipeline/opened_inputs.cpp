@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pcl_semantic/pipeline/opened_inputs.h>
+
+#include "core/fail.h"
+#include "files/is_there.h"
+
+#include <pcl_semantic/core/camera_doubts.h>
+#include <pcl_semantic/dataset/cloud_sequence.h>
+#include <pcl_semantic/dataset/kitti_calibration.h>
+#include <pcl_semantic/dataset/kitti_sequence.h>
+#include <pcl_semantic/dataset/lidar_scan.h>
+#include <pcl_semantic/dataset/rectifier.h>
+#include <pcl_semantic/dataset/rgbd_sequence.h>
+#include <pcl_semantic/files/cloud_file.h>
+#include <pcl_semantic/files/input_file.h>
+#include <pcl_semantic/files/label_set_file.h>
+#include <pcl_semantic/labelling/stored_predictor.h>
+#include <pcl_semantic/labelling/visible_points.h>
+#include <pcl_semantic/odometry/stereo_odometry.h>
+#include <pcl_semantic/odometry/trajectory_poses.h>
+
+#include <map>
+#include <utility>
+
+namespace pcl_semantic {
+
+namespace {
+
+void
+addTo(std::vector<std::string>& doubts, std::vector<std::string> more)
+{
+  for (std::string& doubt : more)
+    doubts.push_back(std::move(doubt));
+}
+
+template <typename T>
+void
+append(std::vector<T>& values, const std::vector<T>& more)
+{
+  values.insert(values.end(), more.begin(), more.end());
+}
+
+// The label set and the predictor of images: --network or --labels.
+NamedValues
+openLabels(const MapInputs& inputs, const MapperConfig& config,
+           const InputOpeners& openers, OpenedInputs& opened)
+{
+  std::string model, engine;
+  if (!inputs.network.empty()) {
+    OpenedNetwork network =
+        openers.network(inputs.network, inputs.model, inputs.engine);
+    opened.label_set = network.label_set;
+    opened.predictor = std::move(network.predictor);
+    opened.labels_are_stored = false;
+    model = network.model;
+    engine = network.engine;
+  }
+  else {
+    opened.label_set = readLabelSetOrDefault(inputs.label_set);
+    PixelMapping mapping = readPixelMapping(inputs.label_mapping, opened.label_set);
+    if (const auto* const numbers = std::get_if<LabelMapping>(&mapping))
+      opened.mapping = *numbers;
+    opened.mapping_name = inputs.label_mapping;
+    opened.mapping_unit = "pixels";
+    opened.predictor = std::make_unique<StoredPredictor>(
+        inputs.labels, opened.label_set.size(), float(config.label_confidence),
+        std::move(mapping));
+  }
+  return {{"labels", inputs.labels},
+          {"label_mapping", inputs.label_mapping},
+          {"network", inputs.network},
+          {"model", model},
+          {"engine", engine}};
+}
+
+// Path of a trajectory, or "odometry".
+std::string
+choosePoses(const MapInputs& inputs, const FrameSequence& sequence)
+{
+  if (inputs.poses != "auto" && inputs.poses != "sequence")
+    return inputs.poses;
+  const std::string path = sequence.posesPath();
+  if (path.empty() && inputs.poses == "sequence")
+    badInput(inputs.sequence.name(), ": has no poses.txt; give a trajectory with "
+                                     "--poses");
+  return path.empty() ? "odometry" : path;
+}
+
+void
+openOdometry(OpenedInputs& opened)
+{
+  const FrameSensor& sensor = opened.source->sensor();
+  opened.poses =
+      std::make_unique<StereoOdometry>(*sensor.camera, sensor.T_camera0_sensor);
+  opened.has_odometry = true;
+}
+
+// Reads the laser scans beside the images of a sequence.
+ScanReader
+openScans(const KittiSequence& kitti, const std::vector<FrameTime>& frames,
+          const ScanColumns& columns)
+{
+  const std::string folder = kitti.folder() + "/velodyne/";
+  const Eigen::Isometry3d T_camera_scanner =
+      kitti.T_camera0_camera().inverse() * kitti.T_camera0_velodyne();
+  for (const FrameTime& frame : frames) {
+    const std::string scan = folder + frameFileName(frame.number, ".bin");
+    if (!isThere(scan))
+      badInput(scan, ": is missing; --also scans needs one a frame");
+  }
+  return [=](int frame) {
+    return pointsInCamera(
+        *readVelodyneScan(folder + frameFileName(frame, ".bin"), columns),
+        T_camera_scanner);
+  };
+}
+
+void
+openStereo(const MapInputs& inputs, const MapperConfig& config,
+           const InputOpeners& openers, OpenedInputs& opened)
+{
+  std::shared_ptr<FrameSequence> sequence =
+      openSequence(inputs.sequence, opened.doubts, openers.videos);
+  const std::vector<std::string> doubts = doubtsOf(sequence->camera());
+  if (inputs.sequence.strict && !doubts.empty())
+    badInput(doubts.front());
+  append(opened.doubts, doubts);
+  const std::string poses = choosePoses(inputs, *sequence);
+  const NamedValues labels = openLabels(inputs, config, openers, opened);
+  opened.source =
+      std::make_unique<RecordedFrames>(sequence, parseFrameRange(inputs.frames));
+  opened.values = inputs.sequence.inputs();
+  opened.values.emplace_back("poses", poses);
+  append(opened.values, labels);
+  if (auto kitti = std::dynamic_pointer_cast<const KittiSequence>(sequence))
+    opened.scans = [kitti, frames = opened.source->frames(),
+                    columns = parseScanColumns(inputs.scan_columns)] {
+      return openScans(*kitti, frames, columns);
+    };
+  if (poses == "odometry")
+    openOdometry(opened);
+  else
+    opened.poses =
+        readPoses(poses, opened.source->sensor().T_camera0_sensor, &opened.doubts);
+}
+
+void
+openLive(const MapInputs& inputs, const MapperConfig& config,
+         const InputOpeners& openers, OpenedInputs& opened)
+{
+  const NamedValues labels = openLabels(inputs, config, openers, opened);
+  const std::string poses = inputs.poses == "auto" ? "odometry" : inputs.poses;
+  std::optional<StoredTrajectory> trajectory;
+  if (poses != "odometry") // before it waits for the first pair
+    trajectory = readTrajectory(poses, PoseFrame::first_camera);
+  opened.source = openers.live(inputs.sequence);
+  if (trajectory) {
+    append(opened.doubts, trajectory->doubts);
+    opened.poses = posesOf(*trajectory, opened.source->sensor().T_camera0_sensor);
+  }
+  else
+    openOdometry(opened);
+  opened.values = inputs.sequence.inputs();
+  append(opened.values, {{"live", "true"}, {"poses", poses}});
+  append(opened.values, labels);
+}
+
+void
+openRgbd(const MapInputs& inputs, const MapperConfig& config,
+         const InputOpeners& openers, OpenedInputs& opened)
+{
+  const auto sequence = std::make_shared<const RgbdSequence>(
+      inputs.rgbd, readPinholeCamera(inputs.sequence.files.calibration),
+      inputs.depth_scale);
+  const NamedValues labels = openLabels(inputs, config, openers, opened);
+  const FrameRange range = parseFrameRange(inputs.frames);
+  std::vector<FrameTime> frames;
+  for (std::size_t i = 0; i < sequence->size(); ++i)
+    if (range.contains(int(i)))
+      frames.push_back({int(i), sequence->timestamp(i)});
+  addTo(opened.doubts, sequence->doubts());
+  opened.source = std::make_unique<RecordedFrames>(
+      FrameSensor{sequence->camera()}, frames, [sequence, frames](std::size_t i) {
+        return sequence->frame(std::size_t(frames[i].number));
+      });
+  TextStream scale;
+  scale << inputs.depth_scale;
+  opened.values = inputs.sequence.inputs();
+  append(
+      opened.values,
+      {{"rgbd", inputs.rgbd}, {"depth_scale", scale.str()}, {"poses", inputs.poses}});
+  append(opened.values, labels);
+  opened.poses = readSensorPoses(inputs.poses, PoseFrame::camera, &opened.doubts);
+}
+
+// Labelled clouds of a scanner, or of a camera.
+class CloudOpener {
+public:
+  CloudOpener(const MapInputs& inputs, const MapperConfig& config, OpenedInputs& opened)
+      : inputs_(inputs), confidence_(float(config.label_confidence)), opened_(opened),
+        columns_(parseScanColumns(inputs.scan_columns)),
+        clouds_(std::make_shared<const CloudSequence>(
+            inputs.clouds, inputs.sequence.files.times, columns_))
+  {}
+
+  void
+  open()
+  {
+    opened_.label_set = readLabelSetOrDefault(inputs_.label_set);
+    const int classes = opened_.label_set.size();
+    if (!inputs_.label_mapping.empty())
+      opened_.mapping = readLabelMapping(inputs_.label_mapping, opened_.label_set);
+    opened_.mapping_name = inputs_.label_mapping;
+    opened_.mapping_unit = "points";
+    chooseFrames();
+    refuseOptionsOfLabels();
+    opened_.source = std::make_unique<RecordedFrames>(
+        sensor(), frames_,
+        [clouds = clouds_, positions = positions_, classes, confidence = confidence_,
+         mapping = opened_.mapping](std::size_t i) {
+          return clouds->frame(positions[i], classes, confidence,
+                               mapping ? &*mapping : nullptr);
+        });
+    opened_.values = inputs_.sequence.inputs();
+    append(opened_.values, {{"clouds", inputs_.clouds},
+                            {"label_mapping", inputs_.label_mapping},
+                            {"sensor", inputs_.cloudSensor()},
+                            {"poses", inputs_.poses}});
+    if (!inputs_.scan_columns.empty())
+      opened_.values.emplace_back("scan_columns", "[" + inputs_.scan_columns + "]");
+    opened_.scans = [reader = scans()] { return reader; };
+    openPoses();
+  }
+
+private:
+  void
+  chooseFrames()
+  {
+    const FrameRange range = parseFrameRange(inputs_.frames);
+    for (std::size_t i = 0; i < clouds_->size(); ++i)
+      if (range.contains(clouds_->frameNumber(i))) {
+        positions_.push_back(i);
+        frames_.push_back({clouds_->frameNumber(i), clouds_->timestamp(i)});
+      }
+  }
+
+  LabelledCloud
+  readCloud(const std::string& path) const
+  {
+    static const LabelMapping any_labels;
+    return readLabelledCloud(path, &any_labels,
+                             parseScanColumns(inputs_.scan_columns, path));
+  }
+
+  // The first cloud that has labels decides for the others; the reader warns of those
+  // that differ.
+  void
+  refuseOptionsOfLabels() const
+  {
+    const bool states_confidence = inputs_.given.count("label-confidence") > 0;
+    if (!states_confidence && !opened_.mapping)
+      return;
+    for (const std::size_t position : positions_) {
+      const std::string& path = clouds_->path(position);
+      const LabelledCloud cloud = readCloud(path);
+      if (!cloud.has_labels || cloud.cloud->empty())
+        continue;
+      if (cloud.distributions.classes() > 0)
+        badParameter(states_confidence ? "--label-confidence" : "--label-mapping",
+                     " has no effect on the field 'probability' of ", path);
+      return;
+    }
+  }
+
+  // The pose of the sensor in camera 0, and its camera.
+  FrameSensor
+  sensor()
+  {
+    const std::string sensor = inputs_.cloudSensor();
+    const ImagePairFiles& files = inputs_.sequence.files;
+    if (sensor == "own") // looks along x in a world with z up
+      return {std::nullopt, worldFromFirstCamera().inverse()};
+    if (sensor == "laser") {
+      const auto read = readKittiCalibration(files.calibration, KittiCameras::colour);
+      if (!read.T_camera0_velodyne)
+        badInput(files.calibration,
+                 ": has no row 'Tr', expected the pose of the laser scanner");
+      return {std::nullopt, *read.T_camera0_velodyne};
+    }
+    const RectifiedPair pair =
+        readRectifiedPair({files.calibration, files.extrinsics}, firstCloud(),
+                          sensor == "grey" ? KittiCameras::grey : KittiCameras::colour);
+    append(opened_.doubts, pair.doubts);
+    append(opened_.doubts, doubtsOf(pair.camera));
+    return {pair.camera, pair.T_camera0_camera};
+  }
+
+  // Its size is that of the camera's images. Clouds without points have none.
+  SizedFile
+  firstCloud() const
+  {
+    for (const std::size_t position : positions_) {
+      const std::string& path = clouds_->path(position);
+      const auto cloud = readCloud(path).cloud;
+      if (cloud->empty())
+        continue;
+      if (!cloud->isOrganized())
+        badInput(path, ": is no organized cloud, expected one as the camera's images "
+                       "are (or --sensor laser)");
+      return {{int(cloud->width), int(cloud->height)}, path};
+    }
+    badInput(inputs_.clouds, ": no cloud has a point");
+  }
+
+  // The clouds themselves.
+  ScanReader
+  scans() const
+  {
+    std::map<int, std::string> paths;
+    for (const std::size_t i : positions_)
+      paths[clouds_->frameNumber(i)] = clouds_->path(i);
+    return [paths, columns = inputs_.scan_columns](int frame) {
+      static const LabelMapping any_labels;
+      const std::string& path = paths.at(frame);
+      LabelledCloud read =
+          readLabelledCloud(path, &any_labels, parseScanColumns(columns, path));
+      addOrigin(read);
+      return pointsInCamera(*read.cloud, Eigen::Isometry3d::Identity());
+    };
+  }
+
+  void
+  openPoses()
+  {
+    if (inputs_.poses == "viewpoint")
+      opened_.poses = std::make_unique<ViewpointPoses>();
+    else if (inputs_.cloudSensor() == "own")
+      opened_.poses =
+          readSensorPoses(inputs_.poses, PoseFrame::sensor, &opened_.doubts);
+    else
+      opened_.poses = readPoses(
+          inputs_.poses, opened_.source->sensor().T_camera0_sensor, &opened_.doubts);
+  }
+
+  const MapInputs& inputs_;
+  float confidence_;
+  OpenedInputs& opened_;
+  ScanColumns columns_;
+  std::shared_ptr<const CloudSequence> clouds_;
+  std::vector<std::size_t> positions_; // in clouds_, of the frames
+  std::vector<FrameTime> frames_;
+};
+
+} // namespace
+
+OpenedInputs
+openInputs(const MapInputs& inputs, const MapperConfig& config,
+           const InputOpeners& openers)
+{
+  OpenedInputs opened;
+  opened.name = inputs.name();
+  if (openers.live)
+    openLive(inputs, config, openers, opened);
+  else if (!inputs.rgbd.empty())
+    openRgbd(inputs, config, openers, opened);
+  else if (!inputs.clouds.empty())
+    CloudOpener(inputs, config, opened).open();
+  else
+    openStereo(inputs, config, openers, opened);
+  if (!openers.live && opened.source->frames().empty())
+    badInput(opened.name, ": has no frame in ", inputs.frames);
+  if (!inputs.label_calibration.empty())
+    opened.label_calibration =
+        readCalibration(inputs.label_calibration, opened.label_set);
+  if (!inputs.clique_calibration.empty())
+    opened.clique_calibration =
+        readCalibration(inputs.clique_calibration, opened.label_set, "cliques");
+  append(opened.values, {{"label_calibration", inputs.label_calibration},
+                         {"clique_calibration", inputs.clique_calibration}});
+  return opened;
+}
+
+} // namespace pcl_semantic
