@@ -8,7 +8,7 @@
 #include <pcl_semantic/core/no_return.h>
 #include <pcl_semantic/core/position_steps.h>
 #include <pcl_semantic/core/voxel_index.h>
-#include <pcl_semantic/filters/cloud_refiner.h>
+#include <pcl_semantic/filters/cloud_crf.h>
 
 #include <algorithm>
 #include <array>
@@ -35,7 +35,7 @@ isBefore(const Member& a, const Member& b)
 bool
 isOutOfReach(const pcl::PointXYZRGBL& point)
 {
-  return point.getArray3fMap().abs().maxCoeff() > CloudRefiner::max_coordinate;
+  return point.getArray3fMap().abs().maxCoeff() > CloudCRF::max_coordinate;
 }
 
 using Range = std::pair<const Member*, const Member*>; // of one voxel

@@ -6,43 +6,26 @@
 
 #include <pcl_semantic/clouds/labelled_cloud.h>
 
-#include <functional>
-
 namespace pcl_semantic {
 
 template class SemanticCRF<pcl::PointXYZL>;
 template class SemanticCRF<pcl::PointXYZRGBL>;
 template class SemanticCRF<pcl::PointXYZLNormal>;
 
-namespace {
-
-// Undoes at the end of a run what was taken from its cloud.
-class AtEnd {
-public:
-  explicit AtEnd(std::function<void()> undo) : undo_(std::move(undo)) {}
-  AtEnd(const AtEnd&) = delete;
-  ~AtEnd() { undo_(); }
-
-private:
-  std::function<void()> undo_;
-};
-
-} // namespace
-
 void
 SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
 {
   if (input_->width == 0 || input_->height == 0) {
-    refineNothing();
+    runEmpty();
     output = *input_;
     return;
   }
-  const ThreadScope threads(threads_);
+  const ThreadScope threads(terms_.threads);
   PcdTable table(*input_);
   LabelFields label_fields(*input_, table);
   const bool reads_measurements = !hasMeasurements();
   const bool reads_cliques =
-      usesCliques() && !hasCliqueSource() && table.find("clique") >= 0;
+      terms_.usesCliques() && !hasCliqueSource() && table.find("clique") >= 0;
   if (!reads_cliques)
     passOver({"clique"}, table);
   if (!usesColour())
@@ -52,17 +35,7 @@ SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
   if (reads_measurements && labelled.distributions.classes() == 0)
     badParameter("cloud: has no field 'probability'; call setLabelConfidence() "
                  "to start from its labels");
-  const AtEnd undo([&] {
-    if (reads_measurements)
-      setLabelDistributions(LabelDistributions());
-    if (reads_cliques)
-      setCliqueGenerator(nullptr);
-  });
-  if (reads_measurements)
-    setLabelDistributions(labelled.distributions);
-  if (reads_cliques)
-    setCliques(labelled.cliques);
-  Fields fields;
+  CloudFields fields;
   fields.width = input_->width;
   fields.height = input_->height;
   fields.origin = labelled.origin + origin_;
@@ -77,7 +50,8 @@ SemanticCRF<pcl::PCLPointCloud2>::applyFilter(pcl::PCLPointCloud2& output)
     if (labelled.has_colour)
       fields.colours.col(i) << float(point.r), float(point.g), float(point.b);
   }
-  refineCloud(fields, *indices_);
+  run(fields, *indices_, reads_measurements ? &labelled.distributions : nullptr,
+      reads_cliques ? &labelled.cliques : nullptr);
   label_fields.requireClasses(getLabelDistributions().classes());
   output = *input_;
   for (const pcl::index_t i : *indices_)

@@ -2,6 +2,7 @@
 #include <pcl_semantic/images/image_crf.h>
 
 #include "core/fail.h"
+#include "filters/element_crf.h"
 
 #include <opencv2/core.hpp>
 
@@ -19,7 +20,8 @@ ImageCRF::ImageCRF()
 void
 ImageCRF::setCliques(const std::vector<pcl::PointIndices>& cliques)
 {
-  LabelRefiner::setCliques(cliques);
+  requireMembers(cliques);
+  cliques_ = cliques;
   segments_width_ = segments_height_ = 0;
 }
 
@@ -65,7 +67,7 @@ ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
     badParameter("there are segments of ", segments_width_, " x ", segments_height_,
                  " pixels for an image of ", image.cols, " x ", image.rows);
   const Eigen::Index channels = image.channels(), width = image.cols;
-  Elements elements;
+  CRFElements elements;
   elements.total = image.total();
   elements.spacing = 1.0; // [px]
   elements.indices.resize(image.total());
@@ -80,7 +82,7 @@ ImageCRF::refine(const cv::Mat& image, const LabelDistributions& measured)
         elements.colours(c, y * width + x) = float(image.ptr(y)[x * channels + c]);
     }
   LabelDistributions result = measured;
-  LabelRefiner::refine(elements, result);
+  report_ = refineElements(terms_, cliques_ ? &*cliques_ : nullptr, elements, result);
   return result;
 }
 

@@ -37,7 +37,7 @@ struct SemanticCRFParameters {
   /// but it is less sure of itself (Guo et al. 2017); doc/calibration.md. The unary
   /// model has none.
   double temperature = 1.0;
-  /// What was measured as a thin thing (LabelRefiner::setThinLabels()) stays one: those
+  /// What was measured as a thin thing (CRFSettings::setThinLabels()) stays one: those
   /// around it are of other classes and outvote it; unless it is by more than e^6.
   bool keep_thin = true;
 

@@ -17,7 +17,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * most probable class; without probabilities the label is the most frequent one, the
  * smaller one if two are, and 0 only if no point of the voxel has a label. Labels and
  * probabilities may be spelled as doc/formats.md says. Dropped are points that are not
- * finite or more than CloudRefiner::max_coordinate away, and two or more at exactly
+ * finite or more than CloudCRF::max_coordinate away, and two or more at exactly
  * 0 0 0, which a scanner gives for no return. An index that comes twice counts once. A
  * cloud of no points is given back as it is. The output is not organized; voxels come
  * by z, y, x. */

@@ -3,7 +3,7 @@
 
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/filters/checked_filter.h>
-#include <pcl_semantic/filters/cloud_refiner.h>
+#include <pcl_semantic/filters/cloud_crf.h>
 
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/point_types.h>
@@ -26,7 +26,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * Works for every registered point type with the fields x, y, z (float) and label; the
  * kernels of colours are there for types with rgb or rgba. */
 template <typename PointT>
-class SemanticCRF : public CheckedFilter<PointT>, public CloudRefiner {
+class SemanticCRF : public CheckedFilter<PointT>, public CloudCRF {
 public:
   using Ptr = std::shared_ptr<SemanticCRF<PointT>>;
   using ConstPtr = std::shared_ptr<const SemanticCRF<PointT>>;
@@ -40,7 +40,7 @@ protected:
   void applyFilter(PointCloud& output) override;
 
 private:
-  Fields readFields(const PointCloud& cloud) const;
+  CloudFields readFields(const PointCloud& cloud) const;
 };
 
 /** \brief The same for clouds whose fields are known by name: x y z, label and, if they
@@ -54,7 +54,7 @@ private:
  * says. */
 template <>
 class PCL_SEMANTIC_INSTANCE SemanticCRF<pcl::PCLPointCloud2>
-    : public CheckedFilter<pcl::PCLPointCloud2>, public CloudRefiner {
+    : public CheckedFilter<pcl::PCLPointCloud2>, public CloudCRF {
 public:
   using Ptr = std::shared_ptr<SemanticCRF<pcl::PCLPointCloud2>>;
   using ConstPtr = std::shared_ptr<const SemanticCRF<pcl::PCLPointCloud2>>;

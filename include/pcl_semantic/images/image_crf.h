@@ -2,9 +2,13 @@
 #pragma once
 
 #include <pcl_semantic/core/export.h>
-#include <pcl_semantic/filters/label_refiner.h>
+#include <pcl_semantic/filters/crf_settings.h>
 
 #include <opencv2/core/mat.hpp>
+#include <pcl/PointIndices.h>
+
+#include <optional>
+#include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
@@ -12,11 +16,11 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * pixels, the paper's use in 2D. Pixel (column x, row y) is element y * width + x.
  *
  * Parameters start as SemanticCRFParameters::forImages(); positions are in pixels. */
-class ImageCRF : public LabelRefiner {
+class ImageCRF : public CRFSettings {
 public:
   ImageCRF();
 
-  /** \brief As LabelRefiner::setCliques(), of pixels. */
+  /** \brief As CloudCRF::setCliques(), of pixels. */
   void setCliques(const std::vector<pcl::PointIndices>& cliques);
 
   /** \brief The pixels of each positive number of an image are a clique, in the order
@@ -35,6 +39,7 @@ public:
   LabelDistributions refine(const cv::Mat& image, const LabelDistributions& measured);
 
 private:
+  std::optional<std::vector<pcl::PointIndices>> cliques_;
   int segments_width_ = 0; // 0 = the cliques are of no image
   int segments_height_ = 0;
 };

@@ -125,7 +125,7 @@ public:
   VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
 
   /** \brief Threads of integrate() and of the functions that give out voxels, as
-   * LabelRefiner::setNumberOfThreads(). */
+   * CRFSettings::setNumberOfThreads(). */
   void setNumberOfThreads(int threads);
 
   /** \brief Memory of the window and of the last scan, without the store [bytes]. */

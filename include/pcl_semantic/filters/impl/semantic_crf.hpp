@@ -66,14 +66,14 @@ getColour(const PointT& point)
 } // namespace detail
 
 template <typename PointT>
-CloudRefiner::Fields
+CloudFields
 SemanticCRF<PointT>::readFields(const PointCloud& cloud) const
 {
   using namespace pcl::fields;
   constexpr bool has_rgba = pcl::traits::has_field<PointT, rgba>::value;
   constexpr bool has_rgb = pcl::traits::has_field<PointT, rgb>::value;
   const auto count = static_cast<Eigen::Index>(cloud.size());
-  Fields fields;
+  CloudFields fields;
   fields.width = cloud.width;
   fields.height = cloud.height;
   fields.positions.resize(3, count);
@@ -130,14 +130,14 @@ SemanticCRF<PointT>::applyFilter(PointCloud& output)
                     pcl::traits::has_label<PointT>::value,
                 "SemanticCRF needs a point type with x, y, z and label");
   if (this->input_->empty()) {
-    this->refineNothing();
+    this->runEmpty();
     output = *this->input_;
     return;
   }
-  const ThreadScope threads(this->threads_);
-  Fields fields = readFields(*this->input_);
+  const ThreadScope threads(this->terms_.threads);
+  CloudFields fields = readFields(*this->input_);
   fields.origin += this->origin_;
-  this->refineCloud(fields, *this->indices_);
+  this->run(fields, *this->indices_);
   output = *this->input_;
   for (const pcl::index_t index : *this->indices_)
     detail::setField<pcl::fields::label>(output[std::size_t(index)],

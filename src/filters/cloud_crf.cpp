@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/filters/cloud_refiner.h>
+#include <pcl_semantic/filters/cloud_crf.h>
 
 #include "core/cloud_size.h"
 #include "core/fail.h"
 #include "core/label_number.h"
 #include "core/parallel_guard.h"
 #include "core/point_spacing.h"
-
-#include <pcl_semantic/core/position_steps.h>
+#include "element_crf.h"
 
 #include <pcl_semantic/core/no_return.h>
+#include <pcl_semantic/core/position_steps.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ bool
 hasPosition(const Eigen::Vector3f& position)
 {
   // Written so that NaN has none.
-  return (position.array().abs() <= CloudRefiner::max_coordinate).all();
+  return (position.array().abs() <= CloudCRF::max_coordinate).all();
 }
 
 // The indices of points at a position, each once, in rising order.
@@ -92,10 +92,44 @@ requireSize(const char* what, std::size_t size, std::size_t points)
                  points);
 }
 
+// \param[in] voxels of all points; empty: positions are those of the fields
+CRFElements
+elementsOf(const CloudFields& fields, const pcl::Indices& indices,
+           const std::vector<VoxelIndex>& voxels, double voxel_size)
+{
+  CRFElements elements;
+  elements.total = fields.labels.size();
+  elements.indices = indices;
+  const auto count = static_cast<Eigen::Index>(indices.size());
+  elements.positions.resize(3, count);
+  if (fields.colours.size() > 0)
+    elements.colours.resize(3, count);
+  // Differences from a position among the points keep single precision wherever the
+  // cloud lies; it must not depend on their order, nor on what lies far from most.
+  const Eigen::Vector3f middle =
+      voxels.empty() ? medianOf(fields.positions, indices) : Eigen::Vector3f::Zero();
+  const VoxelIndex corner =
+      voxels.empty() ? VoxelIndex::Zero().eval() : cornerOf(voxels, indices);
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index i = indices[std::size_t(k)];
+    if (voxels.empty())
+      elements.positions.col(k) = fields.positions.col(i) - middle;
+    else
+      elements.positions.col(k) =
+          ((voxels[std::size_t(i)] - corner).cast<double>() * voxel_size).cast<float>();
+    if (fields.colours.size() > 0)
+      elements.colours.col(k) = fields.colours.col(i);
+  }
+  elements.spacing =
+      voxels.empty() ? double(pointSpacing(elements.positions)) : voxel_size;
+  return elements;
+}
+
 } // namespace
 
 void
-CloudRefiner::setLabelConfidence(double confidence, int classes)
+CloudCRF::setLabelConfidence(double confidence, int classes)
 {
   if (!(confidence >= 0.0 && confidence <= 1.0))
     badParameter("label confidence is ", confidence, ", expected 0 to 1");
@@ -107,7 +141,7 @@ CloudRefiner::setLabelConfidence(double confidence, int classes)
 }
 
 void
-CloudRefiner::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
+CloudCRF::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size)
 {
   if (!indices.empty() && !(voxel_size > 0.0 && std::isfinite(voxel_size)))
     badParameter("voxel size is ", voxel_size, " m, expected more than 0");
@@ -116,7 +150,7 @@ CloudRefiner::setVoxels(const std::vector<VoxelIndex>& indices, double voxel_siz
 }
 
 void
-CloudRefiner::setOrigin(const Eigen::Vector3d& origin)
+CloudCRF::setOrigin(const Eigen::Vector3d& origin)
 {
   if (!origin.allFinite())
     badParameter("the origin of the clouds is not finite");
@@ -125,7 +159,7 @@ CloudRefiner::setOrigin(const Eigen::Vector3d& origin)
 }
 
 std::vector<std::uint32_t>
-CloudRefiner::labelsOf(const std::vector<double>& numbers, bool is_single) const
+CloudCRF::labelsOf(const std::vector<double>& numbers, bool is_single) const
 {
   std::vector<std::uint32_t> labels(numbers.size(), kUnlabelled);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -146,16 +180,26 @@ CloudRefiner::labelsOf(const std::vector<double>& numbers, bool is_single) const
   return labels;
 }
 
+void
+CloudCRF::setCliques(const std::vector<pcl::PointIndices>& cliques)
+{
+  requireMembers(cliques);
+  cliques_ = cliques;
+  generator_.reset();
+}
+
 LabelDistributions
-CloudRefiner::measurements(const Fields& fields, const pcl::Indices& indices) const
+CloudCRF::measurements(const CloudFields& fields, const pcl::Indices& indices,
+                       const LabelDistributions* own) const
 {
   const std::size_t count = fields.labels.size();
   if (label_classes_ == 0) {
-    if (measured_.classes() == 0)
+    const LabelDistributions& measured = own && !hasMeasurements() ? *own : measured_;
+    if (measured.classes() == 0)
       badParameter("SemanticCRF needs measurements: setLabelDistributions() or "
                    "setLabelConfidence()");
-    requireSize("label distributions", std::size_t(measured_.size()), count);
-    return measured_;
+    requireSize("label distributions", std::size_t(measured.size()), count);
+    return measured;
   }
   LabelDistributions distributions(label_classes_, Eigen::Index(count));
   for (const pcl::index_t i : indices)
@@ -169,39 +213,8 @@ CloudRefiner::measurements(const Fields& fields, const pcl::Indices& indices) co
   return distributions;
 }
 
-LabelRefiner::Elements
-CloudRefiner::elementsOf(const Fields& fields, const pcl::Indices& indices) const
-{
-  Elements elements;
-  elements.total = fields.labels.size();
-  elements.indices = indices;
-  const auto count = static_cast<Eigen::Index>(indices.size());
-  elements.positions.resize(3, count);
-  if (fields.colours.size() > 0)
-    elements.colours.resize(3, count);
-  // Differences from a position among the points keep single precision wherever the
-  // cloud lies; it must not depend on their order, nor on what lies far from most.
-  const Eigen::Vector3f middle =
-      voxels_.empty() ? medianOf(fields.positions, indices) : Eigen::Vector3f::Zero();
-  const VoxelIndex corner =
-      voxels_.empty() ? VoxelIndex::Zero().eval() : cornerOf(voxels_, indices);
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index i = indices[std::size_t(k)];
-    if (voxels_.empty())
-      elements.positions.col(k) = fields.positions.col(i) - middle;
-    else
-      elements.positions.col(k) =
-          ((voxels_[std::size_t(i)] - corner).cast<double>() * voxel_size_)
-              .cast<float>();
-    if (fields.colours.size() > 0)
-      elements.colours.col(k) = fields.colours.col(i);
-  }
-  return elements;
-}
-
-void
-CloudRefiner::makeCliques(const Fields& fields)
+std::vector<pcl::PointIndices>
+CloudCRF::makeCliques(const CloudFields& fields) const
 {
   const bool has_colours = fields.colours.size() > 0;
   if (generator_->usesColour() && !has_colours)
@@ -225,20 +238,24 @@ CloudRefiner::makeCliques(const Fields& fields)
     }
   }
   generator_->setOrigin(fields.origin);
-  LabelRefiner::setCliques(generator_->generate(cloud));
+  std::vector<pcl::PointIndices> cliques = generator_->generate(cloud);
+  requireMembers(cliques);
+  return cliques;
 }
 
 void
-CloudRefiner::refineNothing()
+CloudCRF::runEmpty()
 {
   const int classes = std::max(label_classes_, measured_.classes());
   refined_ = classes > 0 ? LabelDistributions(classes, 0) : LabelDistributions();
   skipped_points_ = 0;
-  clearReport();
+  report_ = CRFReport();
 }
 
 void
-CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
+CloudCRF::run(CloudFields& fields, const pcl::Indices& indices,
+              const LabelDistributions* measured,
+              const std::vector<pcl::PointIndices>* cliques)
 {
   const std::size_t count = fields.labels.size();
   if (judges_steps_ && fields.is_single && voxels_.empty())
@@ -254,21 +271,23 @@ CloudRefiner::refineCloud(Fields& fields, const pcl::Indices& indices)
   const bool zero_is_none = voxels_.empty() && countNoReturns(count, isZero) > 0;
   const pcl::Indices valid =
       validPoints(fields.positions, zero_is_none, indices, skipped_points_);
-  refined_ = measurements(fields, indices);
+  refined_ = measurements(fields, indices, measured);
   for (const pcl::index_t index : indices)
     if (!hasPosition(fields.positions.col(index))) {
       fields.labels[std::size_t(index)] = kUnlabelled;
       refined_.matrix().col(index).setZero();
     }
-  if (usesCliques() && generator_ && !valid.empty())
-    makeCliques(fields);
-  Elements elements;
-  if (!valid.empty()) {
-    elements = elementsOf(fields, valid);
-    elements.spacing =
-        voxels_.empty() ? double(pointSpacing(elements.positions)) : voxel_size_;
+  std::vector<pcl::PointIndices> made;
+  if (cliques_)
+    cliques = &*cliques_;
+  else if (generator_ && terms_.usesCliques() && !valid.empty()) {
+    made = makeCliques(fields);
+    cliques = &made;
   }
-  refine(elements, refined_);
+  CRFElements elements;
+  if (!valid.empty())
+    elements = elementsOf(fields, valid, voxels_, voxel_size_);
+  report_ = refineElements(terms_, cliques, elements, refined_);
 #pragma omp parallel for schedule(static)
   for (std::size_t k = 0; k < valid.size(); ++k)
     fields.labels[std::size_t(valid[k])] = refined_.mapLabel(valid[k]);

@@ -1,17 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl_semantic/cliques/clique_generator.h>
 #include <pcl_semantic/core/export.h>
 #include <pcl_semantic/core/voxel_cloud.h>
-#include <pcl_semantic/filters/label_refiner.h>
+#include <pcl_semantic/filters/crf_settings.h>
+
+#include <Eigen/Core>
+#include <pcl/PointIndices.h>
+#include <pcl/types.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The part of SemanticCRF that does not know the type of the points. */
-class CloudRefiner : public LabelRefiner {
+/** \brief The fields of all points of a cloud. */
+struct CloudFields {
+  Eigen::Matrix3Xf positions;                       ///< relative to `origin` [m]
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< [m]
+  bool is_single = true;    ///< positions hold no more than single precision
+  Eigen::Matrix3Xf colours; ///< red, green, blue, 0..255; empty = no colour
+  std::vector<std::uint32_t> labels;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+};
+
+/** \brief The CRF over the points of a cloud, whatever their type: settings, and run().
+ */
+class CloudCRF : public CRFSettings {
 public:
   /** \brief The measurements: L x size of the input cloud; all-zero columns are
    * unlabelled and take the label of their neighbours, if one of these has any.
@@ -53,13 +71,12 @@ public:
     use_colour_ = use;
   }
 
-  /** \brief As LabelRefiner::setCliques(); replaces a generator. */
-  void
-  setCliques(const std::vector<pcl::PointIndices>& cliques)
-  {
-    LabelRefiner::setCliques(cliques);
-    generator_.reset();
-  }
+  /** \brief The cliques of the last two models, as indices of points; they may overlap
+   * and leave points out. Points that take no part are left out of their cliques, and
+   * cliques that lose all are skipped (CRFReport). Replaces a generator.
+   * \throws InvalidParameterException that names the clique, if one is empty; an index
+   * out of range is found in the run */
+  void setCliques(const std::vector<pcl::PointIndices>& cliques);
 
   /** \brief Makes the cliques of each run from its input cloud, whose width and height
    * have to be set: all of its points, but for those that are passed over. Replaces
@@ -68,7 +85,7 @@ public:
   setCliqueGenerator(const CliqueGenerator::Ptr& generator)
   {
     generator_ = generator;
-    has_cliques_ = false;
+    cliques_.reset();
   }
 
   /** \brief The refined distributions of the last filter(): L x size of the cloud. */
@@ -90,19 +107,21 @@ public:
   /** \brief Beyond it [m] single precision has steps of a metre. */
   static constexpr float max_coordinate = 1e7f;
 
-protected:
-  /** \brief The fields of all points of a cloud. */
-  struct Fields {
-    Eigen::Matrix3Xf positions;                       ///< relative to `origin` [m]
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< [m]
-    bool is_single = true;    ///< positions hold no more than single precision
-    Eigen::Matrix3Xf colours; ///< red, green, blue, 0..255; empty = no colour
-    std::vector<std::uint32_t> labels;
-    std::uint32_t width = 0;
-    std::uint32_t height = 0;
-  };
+  /** \brief Refines the points of some indices.
+   * \param[in,out] cloud the labels of these points are rewritten
+   * \param[in] measured the cloud's own measurements, L x points, where none were set;
+   * null = its labels, if setLabelConfidence() was called
+   * \param[in] cliques the cloud's own, where neither cliques nor a generator were set
+   * \throws InvalidParameterException, BadInputException as SemanticCRF */
+  void run(CloudFields& cloud, const pcl::Indices& indices,
+           const LabelDistributions* measured = nullptr,
+           const std::vector<pcl::PointIndices>* cliques = nullptr);
 
-  ~CloudRefiner() = default;
+  /** \brief run() of a cloud of no points, whatever was set for others. */
+  void runEmpty();
+
+protected:
+  ~CloudCRF() = default;
 
   bool
   hasMeasurements() const
@@ -113,7 +132,7 @@ protected:
   bool
   hasCliqueSource() const
   {
-    return has_cliques_ || generator_;
+    return cliques_ || generator_;
   }
 
   bool
@@ -129,30 +148,21 @@ protected:
   std::vector<std::uint32_t> labelsOf(const std::vector<double>& numbers,
                                       bool is_single) const;
 
-  /** \brief Refines the points of some indices.
-   * \param[in,out] fields the labels of these points are rewritten
-   * \throws InvalidParameterException, BadInputException as SemanticCRF */
-  void refineCloud(Fields& fields, const pcl::Indices& indices);
-
-  /** \brief The result of a cloud of no points, whatever was set for others. */
-  void refineNothing();
-
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< see setOrigin()
   bool judges_steps_ = true;                         ///< likewise
 
 private:
-  LabelDistributions measurements(const Fields& fields,
-                                  const pcl::Indices& indices) const;
+  LabelDistributions measurements(const CloudFields& cloud, const pcl::Indices& indices,
+                                  const LabelDistributions* own) const;
 
-  Elements elementsOf(const Fields& fields, const pcl::Indices& indices) const;
-
-  void makeCliques(const Fields& fields);
+  std::vector<pcl::PointIndices> makeCliques(const CloudFields& cloud) const;
 
   LabelDistributions measured_;
   double label_confidence_ = 0.0;
   int label_classes_ = 0; // 0 = distributions were set
   std::vector<VoxelIndex> voxels_;
   double voxel_size_ = 0.0;
+  std::optional<std::vector<pcl::PointIndices>> cliques_;
   CliqueGenerator::Ptr generator_;
   bool use_colour_ = true;
   LabelDistributions refined_;

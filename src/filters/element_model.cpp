@@ -1,26 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl_semantic/filters/label_refiner.h>
+#include "element_model.h"
 
 #include "core/fail.h"
 #include "crf/lattice_kernel.h"
 #include "negative_logs.h"
 
-#include <pcl_semantic/core/threads.h>
-#include <pcl_semantic/crf/crf_model.h>
-#include <pcl_semantic/crf/mean_field.h>
-
-#include <Eigen/Core>
-
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <vector>
+#include <memory>
+#include <utility>
 
 namespace pcl_semantic {
 
 namespace {
-
-constexpr float smallest_probability = 1e-6f; // of a measurement, eq. (4)
 
 // Costs -log p, eq. (4), of some columns of measurements, L x N of any positive scale;
 // one that is all zero has no preference.
@@ -64,14 +56,6 @@ gather(const Eigen::MatrixXf& matrix, const std::vector<Index>& columns)
   for (Eigen::Index i = 0; i < result.cols(); ++i)
     result.col(i) = matrix.col(Eigen::Index(columns[std::size_t(i)]));
   return result;
-}
-
-void
-requireLabels(const std::vector<Label>& labels, int classes)
-{
-  for (const Label label : labels)
-    if (label == kUnlabelled || int(label) > classes)
-      badParameter("thin labels: ", int(label), ", expected 1 to ", classes);
 }
 
 // The parameters with the deviations that suit the elements.
@@ -145,34 +129,33 @@ keptCosts(const Eigen::MatrixXf& costs, std::size_t cliques,
   return costs.size() > 0 ? gather(costs, kept) : costs;
 }
 
-} // namespace
-
-/** \brief Makes the CrfModel of a LabelRefiner over elements. */
-class LabelRefiner::Builder {
+class ModelBuilder {
 public:
   /** \brief Brings the elements into the order that suits the kernels.
    * \param[in] measured of all elements */
-  Builder(LabelRefiner& refiner, Elements& elements, const LabelDistributions& measured)
-      : refiner_(refiner), parameters_(resolved(refiner.parameters_, elements.spacing)),
-        elements_(elements), measured_(measured),
-        gaussian_kernels_(elements.positions, deviationsOf(terms()),
+  ModelBuilder(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
+               const LabelDistributions& measured)
+      : terms_(terms), cliques_(cliques),
+        parameters_(resolved(terms.parameters, elements.spacing)), elements_(elements),
+        measured_(measured),
+        gaussian_kernels_(elements.positions, deviationsOf(gaussianTerms()),
                           kernelOptions(parameters_))
   {
     if (!gaussian_kernels_.fastestOrder().empty())
       reorder(gaussian_kernels_.fastestOrder());
   }
 
-  /** \throws as LabelRefiner::refine() */
+  /** \param[in,out] report the numbers of cliques are set */
   CrfModel
-  build()
+  build(CRFReport& report)
   {
     CrfModel model;
     model.kernels = kernels(); // first: they need the most memory while they are made
     model.unary = unaryCosts(measured_.matrix(), elements_.indices);
-    model.compatibility = refiner_.compatibility_;
+    model.compatibility = terms_.compatibility;
     model.self_interaction = parameters_.self_interaction;
-    if (refiner_.usesCliques())
-      addCliques(model);
+    if (terms_.usesCliques())
+      addCliques(model, report);
     return model;
   }
 
@@ -190,7 +173,7 @@ private:
   }
 
   std::vector<GaussianTerm>
-  terms() const
+  gaussianTerms() const
   {
     return makeTerms(parameters_.smoothness_weight, parameters_.smoothness_deviation,
                      parameters_.appearance_weight, parameters_.appearance_deviation,
@@ -201,8 +184,8 @@ private:
   kernels() const
   {
     GaussianKernels::List kernels =
-        gaussian_kernels_.make(elements_.positions, terms());
-    for (const GaussianTerm& kernel : refiner_.kernels_) {
+        gaussian_kernels_.make(elements_.positions, gaussianTerms());
+    for (const GaussianTerm& kernel : terms_.kernels) {
       if (std::size_t(kernel.features.cols()) != elements_.total)
         badParameter("a kernel has features of ", kernel.features.cols(),
                      " points, expected ", elements_.total);
@@ -215,14 +198,14 @@ private:
   }
 
   void
-  addCliques(CrfModel& model)
+  addCliques(CrfModel& model, CRFReport& report)
   {
-    if (!refiner_.has_cliques_)
+    if (!cliques_)
       badParameter("this model needs cliques: set them, or a generator");
     std::vector<int> kept;
     const auto cliques = cliquesOfElements(kept);
-    refiner_.report_.cliques = cliques.size();
-    refiner_.report_.skipped_cliques = refiner_.cliques_.size() - cliques.size();
+    report.cliques = cliques.size();
+    report.skipped_cliques = cliques_->size() - cliques.size();
     if (cliques.empty())
       return;
     CliquePotential potential;
@@ -230,13 +213,12 @@ private:
         std::make_shared<CliqueSet>(cliques, std::size_t(model.unary.cols()));
     potential.weights.setConstant(1, 1, float(parameters_.clique_weight));
     potential.type = CliquePotential::Type::pn_potts;
-    if (refiner_.model_ == CRFModelType::hierarchical) {
+    if (terms_.model == CRFModelType::hierarchical) {
       potential.type = CliquePotential::Type::robust;
       potential.free_label = parameters_.free_label;
       potential.truncation = float(parameters_.clique_truncation);
       potential.update_from_members = parameters_.update_from_members;
-      potential.unary =
-          keptCosts(refiner_.clique_costs_, refiner_.cliques_.size(), kept);
+      potential.unary = keptCosts(terms_.clique_costs, cliques_->size(), kept);
       potential.kernels = cliqueKernels(cliques);
     }
     model.cliques.push_back(std::move(potential));
@@ -251,9 +233,9 @@ private:
       columns[std::size_t(elements_.indices[k])] = std::int32_t(k);
     std::vector<std::vector<std::int32_t>> cliques;
     std::vector<std::int32_t> last_clique(elements_.total, -1); // that an index was in
-    for (std::size_t c = 0; c < refiner_.cliques_.size(); ++c) {
+    for (std::size_t c = 0; c < cliques_->size(); ++c) {
       std::vector<std::int32_t> members;
-      for (const pcl::index_t index : refiner_.cliques_[c].indices) {
+      for (const pcl::index_t index : (*cliques_)[c].indices) {
         if (index < 0 || std::size_t(index) >= elements_.total)
           badParameter("clique ", c, " has the index ", index, ", expected 0 to ",
                        std::int64_t(elements_.total) - 1);
@@ -285,167 +267,21 @@ private:
         .make(positions, terms);
   }
 
-  LabelRefiner& refiner_;
+  const CRFTerms& terms_;
+  const Cliques* cliques_; // null = none
   const SemanticCRFParameters parameters_;
-  Elements& elements_;
+  CRFElements& elements_;
   const LabelDistributions& measured_;
   GaussianKernels gaussian_kernels_;
 };
 
-namespace {
-
-constexpr float greatest_weight = 1e9f; // as that of the parameters
-
-bool
-isDistribution(const Eigen::Ref<const Eigen::VectorXf>& column)
-{
-  return column.minCoeff() >= 0.0f &&
-         (std::isfinite(column.sum()) || column.allFinite());
-}
-
-// Refuses what is no distribution; counts the unlabelled ones.
-std::size_t
-checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indices)
-{
-  const auto count = static_cast<Eigen::Index>(indices.size());
-  Eigen::Index bad = count, unlabelled = 0;
-#pragma omp parallel for schedule(static) reduction(min : bad) reduction(+ : unlabelled)
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const auto column = measured.matrix().col(indices[std::size_t(k)]);
-    if (!isDistribution(column))
-      bad = std::min(bad, k);
-    unlabelled += column.isZero(0.0f);
-  }
-  if (bad < count)
-    badInput("the label distribution of point ", indices[std::size_t(bad)],
-             " has a negative or "
-             "non-finite probability");
-  return std::size_t(unlabelled);
-}
-
-void
-normalize(const pcl::Indices& indices, LabelDistributions& distributions)
-{
-#pragma omp parallel for schedule(static)
-  for (std::size_t k = 0; k < indices.size(); ++k) {
-    auto column = distributions.matrix().col(indices[k]);
-    const double sum = column.cast<double>().sum();
-    if (sum > 0.0)
-      column = (column.cast<double>() / sum).cast<float>();
-  }
-}
-
-struct ResultOptions {
-  double temperature;
-  std::vector<Label> kept; // what was measured as one of these mostly stays so
-};
-
-// The marginals, tempered, for the measurements. An element that is unlabelled and
-// receives no message has a uniform one, of which the first class would be the largest:
-// it stays unlabelled.
-void
-writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
-            const ResultOptions& options, LabelDistributions& distributions)
-{
-  // Unless messages outvote it by more than e^6; doc/crf.md.
-  const auto isKept = [&](const auto& measured, const auto& marginal) {
-    constexpr float e6 = 403.4288f;
-    Eigen::Index before = 0, after = 0;
-    const float largest = measured.maxCoeff(&before);
-    if (!(largest > 0.0f) ||
-        std::count(options.kept.begin(), options.kept.end(), Label(before + 1)) == 0)
-      return false;
-    const float winner = marginal.maxCoeff(&after);
-    const float unary_odds =
-        largest / std::max(measured[after], smallest_probability * measured.sum());
-    return winner * unary_odds <= e6 * marginal[before];
-  };
-  const int classes = int(marginals.rows());
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index k = 0; k < marginals.cols(); ++k) {
-    auto column = distributions.matrix().col(indices[std::size_t(k)]);
-    const auto marginal = marginals.col(k);
-    if (column.isZero(0.0f) && !(marginal.minCoeff() < marginal.maxCoeff()))
-      continue;
-    if (!isKept(column, marginal))
-      column = marginal;
-    else
-      column /= column.sum();
-    if (options.temperature == 1.0)
-      continue;
-    const auto winner = Eigen::Index(mapLabel(column.data(), classes)) - 1;
-    negateLogs(column.data(), std::size_t(classes), 1e-30f);
-    column *= float(-1.0 / options.temperature);
-    distributionFromLog(column.data(), classes, column.data());
-    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // rounding
-      column[winner] = std::nextafter(column.maxCoeff(), 1.0f);
-  }
-}
-
 } // namespace
 
-void
-LabelRefiner::setParameters(const SemanticCRFParameters& parameters)
+CrfModel
+buildModel(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
+           const LabelDistributions& measured, CRFReport& report)
 {
-  parameters.validate();
-  parameters_ = parameters;
-}
-
-void
-LabelRefiner::setCompatibility(const Eigen::MatrixXf& costs)
-{
-  compatibility_ = costs.size() > 0 ? LabelCompatibility(costs) : LabelCompatibility();
-}
-
-void
-LabelRefiner::addKernel(const Eigen::MatrixXf& features, float weight)
-{
-  if (!(weight >= 0.0f && weight <= greatest_weight))
-    badParameter("kernel weight is ", weight, ", expected 0 to ", greatest_weight);
-  if (features.rows() < 1 || !features.allFinite())
-    badParameter("the features of a kernel are ",
-                 (features.rows() < 1 ? "missing" : "not all finite"));
-  kernels_.push_back({weight, 1.0f, features});
-}
-
-void
-LabelRefiner::setCliques(const std::vector<pcl::PointIndices>& cliques)
-{
-  for (std::size_t c = 0; c < cliques.size(); ++c)
-    if (cliques[c].indices.empty())
-      badParameter("clique ", c, " is empty");
-  cliques_ = cliques;
-  has_cliques_ = true;
-}
-
-void
-LabelRefiner::setCliqueCosts(const Eigen::MatrixXf& costs)
-{
-  if (!costs.allFinite())
-    badParameter("a clique cost is not finite");
-  clique_costs_ = costs;
-}
-
-void
-LabelRefiner::refine(Elements& elements, LabelDistributions& distributions)
-{
-  const ThreadScope threads(threads_);
-  report_ = CRFReport();
-  report_.spacing = elements.spacing;
-  report_.unlabelled = checkMeasurements(distributions, elements.indices);
-  if (elements.indices.empty())
-    return;
-  requireLabels(thin_labels_, distributions.classes());
-  if (model_ == CRFModelType::unary)
-    return normalize(elements.indices, distributions);
-  Builder builder(*this, elements, distributions);
-  MeanField inference(builder.build());
-  inference.run(parameters_.iterations);
-  report_.updates = parameters_.iterations;
-  writeResult(inference.marginals(), elements.indices,
-              {parameters_.temperature,
-               parameters_.keep_thin ? thin_labels_ : std::vector<Label>()},
-              distributions);
+  return ModelBuilder(terms, cliques, elements, measured).build(report);
 }
 
 } // namespace pcl_semantic

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element_crf.h"
+
+#include "core/fail.h"
+#include "element_model.h"
+#include "negative_logs.h"
+
+#include <pcl_semantic/core/threads.h>
+#include <pcl_semantic/crf/mean_field.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_semantic {
+
+namespace {
+
+void
+requireLabels(const std::vector<Label>& labels, int classes)
+{
+  for (const Label label : labels)
+    if (label == kUnlabelled || int(label) > classes)
+      badParameter("thin labels: ", int(label), ", expected 1 to ", classes);
+}
+
+bool
+isDistribution(const Eigen::Ref<const Eigen::VectorXf>& column)
+{
+  return column.minCoeff() >= 0.0f &&
+         (std::isfinite(column.sum()) || column.allFinite());
+}
+
+// Refuses what is no distribution; counts the unlabelled ones.
+std::size_t
+checkMeasurements(const LabelDistributions& measured, const pcl::Indices& indices)
+{
+  const auto count = static_cast<Eigen::Index>(indices.size());
+  Eigen::Index bad = count, unlabelled = 0;
+#pragma omp parallel for schedule(static) reduction(min : bad) reduction(+ : unlabelled)
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto column = measured.matrix().col(indices[std::size_t(k)]);
+    if (!isDistribution(column))
+      bad = std::min(bad, k);
+    unlabelled += column.isZero(0.0f);
+  }
+  if (bad < count)
+    badInput("the label distribution of point ", indices[std::size_t(bad)],
+             " has a negative or "
+             "non-finite probability");
+  return std::size_t(unlabelled);
+}
+
+void
+normalize(const pcl::Indices& indices, LabelDistributions& distributions)
+{
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    auto column = distributions.matrix().col(indices[k]);
+    const double sum = column.cast<double>().sum();
+    if (sum > 0.0)
+      column = (column.cast<double>() / sum).cast<float>();
+  }
+}
+
+struct ResultOptions {
+  double temperature;
+  std::vector<Label> kept; // what was measured as one of these mostly stays so
+};
+
+// The marginals, tempered, for the measurements. An element that is unlabelled and
+// receives no message has a uniform one, of which the first class would be the largest:
+// it stays unlabelled.
+void
+writeResult(const MeanField::Marginals& marginals, const pcl::Indices& indices,
+            const ResultOptions& options, LabelDistributions& distributions)
+{
+  // Unless messages outvote it by more than e^6; doc/crf.md.
+  const auto isKept = [&](const auto& measured, const auto& marginal) {
+    constexpr float e6 = 403.4288f;
+    Eigen::Index before = 0, after = 0;
+    const float largest = measured.maxCoeff(&before);
+    if (!(largest > 0.0f) ||
+        std::count(options.kept.begin(), options.kept.end(), Label(before + 1)) == 0)
+      return false;
+    const float winner = marginal.maxCoeff(&after);
+    const float unary_odds =
+        largest / std::max(measured[after], smallest_probability * measured.sum());
+    return winner * unary_odds <= e6 * marginal[before];
+  };
+  const int classes = int(marginals.rows());
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index k = 0; k < marginals.cols(); ++k) {
+    auto column = distributions.matrix().col(indices[std::size_t(k)]);
+    const auto marginal = marginals.col(k);
+    if (column.isZero(0.0f) && !(marginal.minCoeff() < marginal.maxCoeff()))
+      continue;
+    if (!isKept(column, marginal))
+      column = marginal;
+    else
+      column /= column.sum();
+    if (options.temperature == 1.0)
+      continue;
+    const auto winner = Eigen::Index(mapLabel(column.data(), classes)) - 1;
+    negateLogs(column.data(), std::size_t(classes), 1e-30f);
+    column *= float(-1.0 / options.temperature);
+    distributionFromLog(column.data(), classes, column.data());
+    if (winner >= 0 && mapLabel(column.data(), classes) != winner + 1) // rounding
+      column[winner] = std::nextafter(column.maxCoeff(), 1.0f);
+  }
+}
+
+} // namespace
+
+void
+requireMembers(const Cliques& cliques)
+{
+  for (std::size_t c = 0; c < cliques.size(); ++c)
+    if (cliques[c].indices.empty())
+      badParameter("clique ", c, " is empty");
+}
+
+CRFReport
+refineElements(const CRFTerms& terms, const Cliques* cliques, CRFElements& elements,
+               LabelDistributions& distributions)
+{
+  const ThreadScope threads(terms.threads);
+  CRFReport report;
+  report.spacing = elements.spacing;
+  report.unlabelled = checkMeasurements(distributions, elements.indices);
+  if (elements.indices.empty())
+    return report;
+  requireLabels(terms.thin_labels, distributions.classes());
+  if (terms.model == CRFModelType::unary) {
+    normalize(elements.indices, distributions);
+    return report;
+  }
+  MeanField inference(buildModel(terms, cliques, elements, distributions, report));
+  const SemanticCRFParameters& parameters = terms.parameters;
+  inference.run(parameters.iterations);
+  report.updates = parameters.iterations;
+  writeResult(inference.marginals(), elements.indices,
+              {parameters.temperature,
+               parameters.keep_thin ? terms.thin_labels : std::vector<Label>()},
+              distributions);
+  return report;
+}
+
+} // namespace pcl_semantic
