@@ -19,19 +19,19 @@ struct StereoFrame : FrameTime {
   cv::Mat right; ///< as left
 };
 
-/** \brief The cloud of one moment, taken from one position, with its labels. */
+/** \brief A cloud taken at one time from one position, with its labels. */
 struct CloudFrame : FrameTime {
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< sensor frame [m]
-  LabelDistributions distributions; ///< L x points, or empty: a cloud without labels
-  bool has_colour = false;          ///< whether the cloud's colours mean anything
-  /// T_world_sensor as its file states it (VIEWPOINT of a .pcd).
+  LabelDistributions distributions;             ///< L x points; empty: no labels
+  bool has_colour = false; ///< false: the cloud's colours are undefined
+  /// T_world_sensor from the file (VIEWPOINT of a .pcd).
   Eigen::Isometry3d viewpoint = Eigen::Isometry3d::Identity();
 };
 
 /** \brief A frame of a sensor: a pair of images or a cloud. */
 using SensorFrame = std::variant<StereoFrame, CloudFrame>;
 
-/** \brief Number and time of either. */
+/** \brief Number and time of a frame. */
 inline const FrameTime&
 timeOf(const SensorFrame& frame)
 {
