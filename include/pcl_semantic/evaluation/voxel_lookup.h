@@ -98,15 +98,16 @@ struct RenderedLabels {
 /** \brief Renders voxels as solid cubes, the nearest along the ray of each pixel
  * centre.
  *
- * A cube covers [index, index + 1) times the voxel size in the world frame, minus a
- * fifth of a voxel at each face without a neighbour, because whole cubes are thicker
- * than the surfaces they represent. Its colour is the label of its point in the cloud.
- * The result depends neither on the number of threads nor on the order of the voxels,
- * with one exception: if two cubes touch exactly on a ray, the first in the cloud wins.
+ * A cube covers [index, index + 1) times the voxel size in the world frame. A face
+ * without a neighbour is drawn 0.2 voxels from the voxel's point, inside its cube,
+ * because whole cubes are thicker than the surfaces they represent. The colour of a
+ * cube is the label of its point in the cloud. The result depends neither on the number
+ * of threads nor on the order of the voxels, with one exception: if two cubes touch
+ * exactly on a ray, the first in the cloud wins.
  *
  * A cube with a corner nearer than z = 0.1 m is ignored: it would cover the image, and
  * it is noise or part of the vehicle.
- * \param[in] voxels indices, voxel size and the labels of the cloud are used
+ * \param[in] voxels points, indices, voxel size and the labels of the cloud are used
  * \param[in] camera pinhole with its image size
  * \param[in] T_world_camera pose of the camera (x right, y down, z forward)
  * \param[in] max_depth largest camera z of a rendered surface point [m]; may be
