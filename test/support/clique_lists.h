@@ -20,7 +20,7 @@ listsOf(const std::vector<pcl::PointIndices>& cliques)
   return lists;
 }
 
-/** \brief How many points are in cliques. */
+/** \brief Number of points in cliques. */
 inline std::size_t
 membersOf(const Cliques& cliques)
 {

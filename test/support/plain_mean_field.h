@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Mean-field updates straight from eqs. (10) and (11) of the paper, in double precision
-// and without any rearrangement.
+// Mean-field updates directly from eqs. (10) and (11) of the paper, in double
+// precision.
 
 #pragma once
 
