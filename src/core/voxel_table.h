@@ -35,7 +35,6 @@ public:
     return slots_[slotOf(voxel)];
   }
 
-  /** \brief Whether the list has duplicates. */
   bool
   hasTwins() const
   {

@@ -30,7 +30,6 @@ namespace {
 
 constexpr std::size_t largest = std::numeric_limits<std::int32_t>::max();
 
-// last_clique[i] is the last clique found with variable i.
 void
 validate(const std::vector<std::int32_t>& members, std::size_t clique,
          std::vector<std::int32_t>& last_clique)

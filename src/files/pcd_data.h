@@ -10,7 +10,6 @@
 
 namespace pcl_semantic {
 
-/** \brief The bytes of a file as text. */
 inline std::string_view
 textOf(const std::vector<std::uint8_t>& file)
 {

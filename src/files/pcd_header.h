@@ -12,7 +12,6 @@ namespace pcl_semantic {
 
 enum class PcdEncoding { ascii, binary, binary_compressed };
 
-/** \brief Header of a `.pcd` or `.ply` file. */
 struct PcdHeader {
   PcdTable table; ///< without data, but including padding fields
   PcdEncoding encoding = PcdEncoding::binary;

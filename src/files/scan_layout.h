@@ -29,7 +29,6 @@ public:
    * metres: the numbers are no float32. */
   bool isAbsurd(std::size_t columns) const;
 
-  /** \brief Whether the file is text. */
   bool isText() const;
 
   /** \brief Whether many numbers of a column are negative, so that it is no intensity.

@@ -47,7 +47,6 @@ public:
   /** \brief The mapping under a key. \throws BadInputException if it is missing */
   YamlMap requireMap(const std::string& key) const;
 
-  /** \brief All keys in the order of the file. */
   std::vector<std::string> keys() const;
 
   /** \brief "FILE line N" of a key, or of the mapping if the key is missing. */

@@ -10,8 +10,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Silences OpenCV during its lifetime: OpenCV prints in several lines what it
- * also throws. */
+/** \brief Silences OpenCV during its lifetime: OpenCV prints its exceptions in several
+ * lines. */
 class QuietOpenCv {
 public:
   QuietOpenCv();

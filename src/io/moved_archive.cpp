@@ -74,7 +74,7 @@ public:
     return blocksAround(block, inverse_, 0.5);
   }
 
-  // \return null if the block is unknown
+  // \return null if it is unknown
   std::unique_ptr<VoxelBlock>
   resample(const VoxelIndex& index, const Blocks& sources) const
   {

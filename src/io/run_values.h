@@ -9,7 +9,6 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The values of a run's description, by name. */
 std::map<std::string, std::string> runValues(const std::string& description);
 
 /** \brief Sets the parameters in a run's description; the others keep their values.

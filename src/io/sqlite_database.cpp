@@ -109,7 +109,6 @@ keepMark(sqlite3* connection)
   return keeping;
 }
 
-// Lets another process finish a short step.
 void
 waitALittle()
 {
@@ -198,7 +197,7 @@ SqliteDatabase::faultOfLog(const std::string& log)
 {
   static const char* const remedy =
       " (if it is lost, an empty file of that name lets the rest be read)";
-  constexpr int most = 1000; // commits of a log; FILE is behind if it was copied first
+  constexpr int most = 1000; // in one log; FILE is older if it was copied first
   std::error_code error;
   const FileMark file = readMark(connection_); // first: another program may commit
                                                // meanwhile

@@ -51,7 +51,7 @@ public:
     return state_;
   }
 
-  /** \brief Faults of the tiles, see verifyArchive(). */
+  /** \brief See verifyArchive(). */
   std::vector<std::string> faults(const BlockProgress& progress) const;
 
 private:

@@ -46,11 +46,9 @@ public:
    * else measured; kUnlabelled if there is neither. */
   Label label(const VoxelBlock& block, int offset) const;
 
-  /** \brief State of a voxel of a block. */
   VoxelState state(const VoxelIndex& block_index, const VoxelBlock& block,
                    int offset) const;
 
-  /** \brief Number of occupied voxels. */
   std::size_t countOccupied(const VoxelBlock& block) const;
 
   /** \brief Makes a cloud of \a count voxels.

@@ -59,7 +59,6 @@ public:
     return blocks_.size();
   }
 
-  /** \brief The slot of a block inside the window. */
   std::size_t
   slotOf(const BlockIndex& block) const
   {
@@ -69,7 +68,6 @@ public:
     return (z * std::size_t(size_.y()) + y) * std::size_t(size_.x()) + x;
   }
 
-  /** \brief The block in a slot, null if there is none. */
   std::unique_ptr<Block>&
   at(std::size_t slot)
   {

@@ -61,7 +61,6 @@ public:
    * lost. */
   bool newestBringsMuch(double flow) const;
 
-  /** \brief Removes the newest frame and its measurements. */
   void dropNewest();
 
   /** \brief Removes the oldest frames until \a count are left, and the tracks that are

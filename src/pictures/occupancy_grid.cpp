@@ -32,7 +32,6 @@ requireHeights(const OccupancyGridParameters& parameters)
     badParameter("the reach of the ground is ", parameters.reach, " m");
 }
 
-// Bounding box of a scene.
 Eigen::AlignedBox3i
 boxOf(const VoxelScene& scene)
 {

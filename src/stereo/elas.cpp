@@ -34,7 +34,6 @@ constexpr int gap_step = 6; // [px]
 constexpr int band_rows = 16;
 constexpr int largest_image = 16384; // up to here the triangulation is exact [px]
 
-/** \brief Left, right. */
 using Images = std::array<GradientImage, 2>;
 using Priors = std::array<PlanePrior, 2>;
 

@@ -74,7 +74,6 @@ makeVoxelPositions(Eigen::Index count, unsigned seed)
   return positions;
 }
 
-/** \brief Uniform random numbers. */
 inline Eigen::MatrixXf
 makeRandomMatrix(Eigen::Index rows, Eigen::Index columns, float low, float high,
                  unsigned seed)

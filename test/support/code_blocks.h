@@ -6,7 +6,6 @@
 
 namespace pcl_semantic {
 
-/** \brief A code block of a Markdown file. */
 struct CodeBlock {
   std::string language; ///< "bash"; empty if unspecified
   std::vector<std::string> lines;
@@ -48,7 +47,6 @@ commandsOf(const CodeBlock& block)
   return commands;
 }
 
-/** \brief All bash commands of a Markdown file. */
 inline std::vector<std::string>
 bashCommandsOf(const std::string& path)
 {

@@ -67,7 +67,6 @@ public:
     }
   }
 
-  // Label distributions of the occupied voxels.
   std::map<Key, std::vector<float>>
   occupied() const
   {

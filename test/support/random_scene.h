@@ -65,7 +65,6 @@ randomColours(const VoxelScene& scene, unsigned seed)
   return colours;
 }
 
-/** \brief Row of each occupied voxel. */
 inline std::map<VoxelIndex, std::size_t, VoxelIndexLess>
 rowsOf(const VoxelScene& scene)
 {

@@ -19,7 +19,6 @@ struct ToolResult {
   std::string text;
 };
 
-/** \brief Runs a shell command. */
 inline ToolResult
 runShell(const std::string& command)
 {

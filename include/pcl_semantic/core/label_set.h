@@ -21,7 +21,6 @@ using Label = std::uint8_t;
 /** \brief The label of points without a class. */
 constexpr Label kUnlabelled = 0;
 
-/** \brief Name, colour and properties of one class. */
 struct LabelClass {
   std::string name;
   std::array<std::uint8_t, 3> colour{}; ///< red, green, blue
@@ -57,7 +56,6 @@ public:
   /** \brief The label of a class name; kUnlabelled if there is no such class. */
   Label find(const std::string& name) const;
 
-  /** \brief The labels of the thin classes. */
   std::vector<Label> thinLabels() const;
 
 private:

@@ -174,8 +174,8 @@ struct CliquePotential {
    * its minimum over l is 0. */
   Eigen::MatrixXf unary;
 
-  /** \brief Kernels over the C cliques, Potts: y_c and y_d pay k_cd if both take labels
-   * and these differ; the free label is compatible with everything. */
+  /** \brief Kernels over the C cliques, Potts: y_c and y_d cost k_cd if both take
+   * labels and these differ; the free label is compatible with everything. */
   std::vector<std::shared_ptr<const PairwiseKernel>> kernels;
 
   /** \brief Cliques send the MAP label of Q(y_c) (the paper's algorithm text) instead

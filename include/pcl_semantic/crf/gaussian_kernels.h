@@ -36,7 +36,6 @@ enum class KernelMethod {
              ///< number of pairs
 };
 
-/** \brief Options of GaussianKernels. */
 struct GaussianKernelOptions {
   KernelMethod method = KernelMethod::automatic;
   float radius = 2.0f; ///< of truncated sums, in position deviations

@@ -25,7 +25,6 @@ public:
   MeanField(MeanField&&) noexcept;
   MeanField& operator=(MeanField&&) noexcept;
 
-  /** \brief Updates all variables once. */
   void update();
 
   /** \brief Runs several updates.

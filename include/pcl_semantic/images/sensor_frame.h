@@ -28,10 +28,8 @@ struct CloudFrame : FrameTime {
   Eigen::Isometry3d viewpoint = Eigen::Isometry3d::Identity();
 };
 
-/** \brief A frame of a sensor: a pair of images or a cloud. */
 using SensorFrame = std::variant<StereoFrame, CloudFrame>;
 
-/** \brief Number and time of a frame. */
 inline const FrameTime&
 timeOf(const SensorFrame& frame)
 {

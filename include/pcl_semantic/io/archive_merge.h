@@ -45,7 +45,6 @@ struct MapTile {
 
   int y = 0, x = 0; ///< [tiles]; its first blocks are y * tile_edge and x * tile_edge
 
-  /** \brief The tile of a block. */
   static MapTile of(const VoxelIndex& block);
 
   bool

@@ -12,7 +12,6 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A selection of voxels by position and label. */
 struct VoxelSelection {
   /// Contains the voxel centres, lower faces included, upper ones not; world frame [m].
   Eigen::AlignedBox3d box{Eigen::Vector3d::Constant(-1e300),
@@ -20,7 +19,6 @@ struct VoxelSelection {
   std::vector<Label> labels; ///< MAP labels, kUnlabelled too; empty = any
 };
 
-/** \brief Result of archiveExtent(). */
 struct ArchiveExtent {
   std::size_t voxels = 0;  ///< occupied
   Eigen::AlignedBox3d box; ///< of these voxels, world frame [m]; empty if there are

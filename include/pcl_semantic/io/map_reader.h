@@ -28,9 +28,9 @@ struct ArchiveState {
   Eigen::Vector3d cloud_origin = Eigen::Vector3d::Zero(); ///< world frame [m]
   bool finished = false;        ///< false: the run can be continued
   std::uint64_t blocks = 0;     ///< set by MapArchive::commit
-  std::uint64_t key_sum = 0;    ///< sum over the indices of the blocks; likewise
-  std::uint64_t frames = 0;     ///< likewise
-  std::int64_t last_frame = -1; ///< number of the last frame; likewise
+  std::uint64_t key_sum = 0;    ///< sum over the indices of the blocks; set by commit
+  std::uint64_t frames = 0;     ///< set by commit
+  std::int64_t last_frame = -1; ///< number of the last frame; set by commit
 };
 
 /** \brief Progress callback: number of finished blocks and of all blocks. */

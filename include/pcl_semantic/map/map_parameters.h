@@ -44,7 +44,6 @@ struct FusionParameters {
   void validate() const;
 };
 
-/** \brief Parameters of SemanticVoxelMap. */
 struct MapParameters {
   double voxel_size = 0.1; ///< edge of a voxel [m]
   /// Extent of the window around the sensor, world axes [m], rounded up to blocks;

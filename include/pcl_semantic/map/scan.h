@@ -68,7 +68,6 @@ struct Scan {
   const std::vector<float>* deviations = nullptr;
 };
 
-/** \brief Counts of points, rays and voxels of one scan. */
 struct ScanCounts {
   std::size_t points = 0; ///< in the cloud
   std::size_t rays = 0;   ///< cast

@@ -95,10 +95,8 @@ memoryOf(const VoxelBlock& block)
          (block.measured.capacity() + block.refined.capacity()) * sizeof(float);
 }
 
-/** \brief Occupancy of a point in space. */
 enum class Occupancy { unknown, free, occupied };
 
-/** \brief State of one voxel of a map. */
 struct VoxelState {
   VoxelIndex index = VoxelIndex::Zero(); ///< global
   Occupancy occupancy = Occupancy::unknown;

@@ -14,7 +14,7 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief A set of voxels, one bit each, for fast neighbour queries (millions per
  * second). */
 class VoxelSet {
-  using Bits = std::array<std::uint64_t, 8>; // 8 x 8 x 8 voxels, one word a layer
+  using Bits = std::array<std::uint64_t, 8>; // 8 x 8 x 8 voxels, one word per layer
 
 public:
   explicit VoxelSet(const std::vector<VoxelIndex>& voxels);

@@ -84,7 +84,6 @@ public:
    * each other or the camera, or are not 8 bit grey or BGR */
   const OdometryResult& process(const StereoFrame& frame);
 
-  /** \brief Number of lost frames since the beginning. */
   int lostFrames() const override;
 
 private:

@@ -20,7 +20,6 @@ struct DrawingTheme {
 extern const DrawingTheme dark_theme;
 extern const DrawingTheme light_theme;
 
-/** \brief Colour and text of a legend entry. */
 struct LegendEntry {
   std::string text;
   cv::Vec3b colour; ///< blue, green, red

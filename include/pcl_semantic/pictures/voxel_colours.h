@@ -13,7 +13,6 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The colours of voxels and their legend. */
 struct VoxelColours {
   std::vector<cv::Vec3b> colours; ///< one per voxel: blue, green, red
   std::vector<LegendEntry> legend;

@@ -19,7 +19,6 @@ enum class PairFault {
   unrelated  ///< rows do not match: another scene or time, or not rectified
 };
 
-/** \brief A fault and its description. */
 struct PairReport {
   PairFault fault = PairFault::none;
   std::string reason; ///< "left and right are swapped: ..."; empty if there is no fault

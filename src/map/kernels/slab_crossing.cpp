@@ -153,7 +153,6 @@ setCellsInside(const SlabView& slab, Ints row, Ints column, Mask wanted)
            all(wanted, greater(hn::Or(row, column), set(-1))));
 }
 
-// Appends the indices of the set lanes.
 HWY_INLINE std::size_t
 list(Mask wanted, std::size_t first, std::uint32_t* to)
 {
