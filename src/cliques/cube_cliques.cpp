@@ -17,14 +17,14 @@ namespace {
 
 constexpr int kNoCube = -1;
 
-// The points of a cloud by cube, cubes in the order of their first point.
+// Points by cube; cubes are in the order of their first point.
 struct Grouping {
   std::vector<int> cube_of_point; // kNoCube: not finite
   std::vector<VoxelIndex> cubes;
   std::vector<std::size_t> sizes;
 };
 
-// In double: a single-precision quotient would misplace points far from the origin.
+// Double precision: single precision would misplace points far from the origin.
 VoxelIndex
 cubeOf(const pcl::PointXYZRGB& point, const Eigen::Vector3d& origin, double edge,
        std::size_t index)
@@ -36,7 +36,8 @@ cubeOf(const pcl::PointXYZRGB& point, const Eigen::Vector3d& origin, double edge
     if (!(std::abs(cell) <= kMaxVoxelIndex))
       badInput("point ", index, " lies at ", position, " m, expected at most ",
                kMaxVoxelIndex, " cubes of ", edge, " m from the origin");
-    const auto truncated = static_cast<std::int32_t>(cell); // std::floor is a call
+    const auto truncated = static_cast<std::int32_t>(cell); // avoids a call of
+                                                            // std::floor
     cube[axis] = truncated - (truncated > cell ? 1 : 0);
   }
   return cube;
@@ -51,7 +52,7 @@ groupByCube(const CliqueGenerator::Cloud& cloud, const Eigen::Vector3d& origin,
   const PlaceTest has_place(cloud);
   std::unordered_map<VoxelIndex, int, VoxelIndexHash> numbers;
   VoxelIndex last_cube = VoxelIndex::Zero();
-  int last = kNoCube; // neighbours in a cloud are mostly neighbours in space
+  int last = kNoCube; // consecutive points are often in the same cube
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!has_place(cloud[i]))
       continue;

@@ -26,14 +26,14 @@ using Cloud = CliqueGenerator::Cloud;
 
 constexpr int kSeedsACube = 8;
 
-// Positions are rounded, so that supervoxels of a regular grid, in which many distances
-// are equal, do not change with the last bits of its coordinates: where the cloud lies.
+// Positions are rounded. Otherwise ties between the distances of a regular grid would
+// depend on the last bits of its coordinates, that is on the position of the cloud.
 constexpr int kStepsAVoxel = 256;
 
-// Two points beyond opposite corners of the cube. PCL lays its voxels by the extent of
-// the points: with these it is always the same, and the voxels of the cube are those
-// that begin at its corner, so that voxels of a map fall into the middle of PCL's. They
-// are too far off to touch another voxel, and take no part in the result.
+// Adds two points beyond opposite corners of the cube. PCL derives its voxel grid from
+// the extent of the points, so these fix the grid to the corner of the cube, and map
+// voxels are centred in PCL's voxels. They are too far away to touch another voxel and
+// do not affect the result.
 pcl::PointCloud<SupervoxelPoint>::Ptr
 withCorners(const Cloud& cloud, double resolution, int voxels)
 {
@@ -50,16 +50,16 @@ withCorners(const Cloud& cloud, double resolution, int voxels)
   return result;
 }
 
-/** \brief Supervoxels of the points in a cube [0, edge)^3, edge an even number of
- * voxels. The one place that sees pcl::SupervoxelClustering.
+/** \brief Supervoxels of the points in a cube [0, edge)^3; edge is an even number of
+ * voxels.
  * \param[in] cloud finite points of the cube [m]
  * \param[in] voxels edge of the cube in voxels
- * \return one label a point, 0 = none */
+ * \return one label per point, 0 = none */
 std::vector<std::uint32_t>
 clusterSupervoxels(const Cloud& cloud, const SupervoxelParameters& parameters,
                    int voxels)
 {
-  // A new object each time: used again it mixes its points with the earlier ones.
+  // A new object each time: a reused one mixes its points with the earlier ones.
   const auto resolution = float(parameters.voxel_resolution);
   SupervoxelClustering clustering(resolution, float(parameters.seed_resolution));
   clustering.setUseSingleCameraTransform(false);
@@ -73,8 +73,8 @@ clusterSupervoxels(const Cloud& cloud, const SupervoxelParameters& parameters,
   return labels;
 }
 
-/** \brief Gives the points without a label that of the nearest point with one, if it is
- * within \a reach [m]. */
+/** \brief Labels the remaining points as the nearest labelled point within \a reach
+ * [m]. */
 void
 labelTheRest(const Cloud& cloud, double reach, std::vector<std::uint32_t>& labels)
 {
@@ -101,7 +101,7 @@ labelTheRest(const Cloud& cloud, double reach, std::vector<std::uint32_t>& label
       labels[i] = known_labels[std::size_t(nearest[0])];
 }
 
-// Even, so that the middle of a cube is a border of voxels.
+// Even, so that the middle of a cube is a voxel boundary.
 int
 voxelsACube(const SupervoxelParameters& parameters)
 {
@@ -124,7 +124,7 @@ keyOf(const Point& point)
   return std::tie(point.z, point.y, point.x, point.rgb);
 }
 
-// A supervoxel: its cube's number and its label there, 0 = none.
+// A supervoxel: index of its cube and label in the cube, 0 = none.
 struct Name {
   std::size_t cube = 0;
   std::uint32_t label = 0;
@@ -133,7 +133,7 @@ struct Name {
 std::vector<pcl::PointIndices>
 cliquesOf(const std::vector<Name>& names, std::size_t cubes)
 {
-  std::vector<std::vector<std::size_t>> numbers(cubes); // by label, from 1; 0 = not met
+  std::vector<std::vector<std::size_t>> numbers(cubes); // by label, from 1; 0 = unused
   std::vector<pcl::PointIndices> cliques;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto& [cube, label] = names[i];
@@ -175,8 +175,8 @@ SupervoxelCliques::cubeEdge() const
   return voxelsACube(parameters_) * parameters_.voxel_resolution;
 }
 
-// Where the grid of cubes begins, in the cloud's coordinates. Positions on a grid then
-// keep off the borders of voxels.
+// Origin of the grid of cubes, in the cloud's coordinates. Positions on a grid then
+// avoid voxel boundaries.
 Eigen::Vector3d
 SupervoxelCliques::cornerOf(const Cloud& cloud) const
 {
@@ -239,8 +239,7 @@ SupervoxelCliques::cluster(const std::vector<Point>& points) const
   return labels;
 }
 
-// Puts the points in an order of their own, and takes over what the last call found if
-// they are the same.
+// Sorts the points and reuses the previous result if they are unchanged.
 SupervoxelCliques::Cube
 SupervoxelCliques::cubeOf(Members& members, char& changed) const
 {

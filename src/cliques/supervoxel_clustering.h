@@ -4,16 +4,16 @@
 #include <pcl/point_types.h>
 #include <pcl/segmentation/supervoxel_clustering.h>
 
-// PCL's own code of its templates, after their headers.
+// Implementation of PCL's templates.
 #include <pcl/segmentation/impl/supervoxel_clustering.hpp>
 
 #include <cstdint>
 
 namespace pcl_semantic {
 
-/** \brief PCL's supervoxels for a point type that libpcl_segmentation does not hold:
- * compiled here, they spare programs its 40 MB and 12 other libraries. PCL leaves the
- * sums of a voxel to specializations, which are below. */
+/** \brief PCL's supervoxels for a point type that libpcl_segmentation does not
+ * instantiate. Compiling them here avoids linking it: 40 MB and 12 further libraries.
+ * PCL leaves the sums of a voxel to specializations, which follow. */
 using SupervoxelPoint = pcl::PointXYZRGBL;
 using SupervoxelClustering = pcl::SupervoxelClustering<SupervoxelPoint>;
 using SupervoxelLeaf =

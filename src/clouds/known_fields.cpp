@@ -22,7 +22,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// The first of these that a cloud has is its labels.
+// In order of priority.
 const Words&
 labelNames()
 {
@@ -42,7 +42,7 @@ probabilityNames()
   return names;
 }
 
-// In lower case, without the prefix that CloudCompare writes.
+// Lower case, without CloudCompare's prefix.
 std::string
 spelled(const std::string& name)
 {
@@ -53,7 +53,7 @@ spelled(const std::string& name)
   return result;
 }
 
-// Whether a word of a name, between underscores and the like, is one of these.
+// Whether a word of a name (split at underscores and similar) is one of these.
 bool
 hasWord(const std::string& name, const Words& words)
 {
@@ -70,7 +70,7 @@ hasWord(const std::string& name, const Words& words)
   return false;
 }
 
-// Names one field that looks like what was not found, and how it may be spelled.
+// Warns of one field whose name resembles a missing one, and suggests the spelling.
 void
 doubtOfLookalike(const std::string& path, const char* what, const Words& words,
                  const std::string& understood, PcdTable& table)
@@ -81,7 +81,6 @@ doubtOfLookalike(const std::string& path, const char* what, const Words& words,
                                  what + "; understood are " + understood);
 }
 
-// The bytes of one column.
 std::vector<std::uint8_t>
 columnBytes(const PcdTable& table, const pcl::PCLPointField& field)
 {
@@ -96,7 +95,6 @@ columnBytes(const PcdTable& table, const pcl::PCLPointField& field)
   return bytes;
 }
 
-// The same of any type.
 template <typename T>
 T
 labelWithoutInstance(T value)
@@ -135,8 +133,8 @@ takeInstancesOff(PcdTable& table, const pcl::PCLPointField& field)
   });
 }
 
-// What a number of a field of single precision says of the others; empty if all are
-// held exactly, or are no labels anyway.
+// Error text for a single-precision label field with inexact numbers; empty if all
+// numbers are exact, or are no labels anyway.
 std::string
 textOfLostClass(const PcdColumn& column, std::size_t points)
 {
@@ -154,7 +152,7 @@ textOfLostClass(const PcdColumn& column, std::size_t points)
   return "";
 }
 
-// Names a second field of labels, unless it holds nothing or the same.
+// Warns of a second label field, unless it is empty or identical.
 void
 doubtOfOtherLabels(const std::string& path, const std::string& name, PcdTable& table)
 {
@@ -213,7 +211,7 @@ addLabels(const std::string& path, PcdTable& table)
   doubtOfOtherLabels(path, name, table);
 }
 
-// Whether L x points numbers are distributions, or all zero.
+// Whether L x points numbers are distributions or all zero.
 bool
 areDistributions(const std::vector<float>& values, std::size_t classes)
 {
@@ -230,8 +228,8 @@ areDistributions(const std::vector<float>& values, std::size_t classes)
   return true;
 }
 
-// The fields that together are probabilities: one of several elements, or one a
-// class, numbered from 0 or 1.
+// The probability fields: one with several elements, or one per class, numbered from 0
+// or 1.
 std::vector<int>
 probabilityFields(const PcdTable& table)
 {
@@ -262,7 +260,7 @@ probabilityFields(const PcdTable& table)
   return {};
 }
 
-// A numbered field behind the last of those that were found; empty if there is none.
+// The next numbered field after a gap in the numbering; empty if there is none.
 std::string
 fieldBehindGap(const PcdTable& table, const std::vector<int>& fields)
 {
@@ -310,8 +308,8 @@ addProbabilities(const std::string& path, PcdTable& table)
   table.setColumn("probability", values, classes);
 }
 
-// What the numbers of a channel are to be multiplied by to be 0 to 255; nothing if
-// they are no colours. Integers are of 8 or 16 bits, whatever their type.
+// Factor that scales a channel to 0..255; nothing if the numbers are no colours.
+// Integers have 8 or 16 bits, regardless of their stored type.
 std::optional<double>
 scaleOf(const std::array<PcdColumn, 3>& channels, std::size_t points)
 {
@@ -333,13 +331,13 @@ scaleOf(const std::array<PcdColumn, 3>& channels, std::size_t points)
   if (pcl::getFieldType(channels[0].field().datatype) == 'F' && largest <= 1.0)
     return 255.0;
   if (!are_whole && (largest <= 2.0 || to_one > beyond_one))
-    return 255.0; // some are brighter than white
+    return 255.0; // some exceed white
   if (largest <= 255.0)
     return 1.0;
   return are_whole ? std::optional(255.0 / 65535.0) : std::nullopt;
 }
 
-// Fields of red, green and blue; none if one is lacking.
+// Fields of red, green and blue; none if one is missing.
 std::optional<std::array<PcdColumn, 3>>
 colourChannels(const PcdTable& table)
 {

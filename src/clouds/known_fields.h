@@ -9,27 +9,26 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The field of a cloud that holds labels: `label`, or else another spelling of
- * it (doc/formats.md).
+/** \brief Finds the label field of a cloud: `label` or an alternative spelling
+ * (doc/formats.md).
  * \return its index; -1 if there is none */
 int findLabelField(const pcl::PCLPointCloud2& cloud);
 
-/** \brief The fields of a cloud that hold probabilities: `probability`, or else another
- * spelling of it, of several elements or one a class (doc/formats.md).
- * \return their indices; none if there is none */
+/** \brief Finds the probability fields of a cloud: `probability` or an alternative
+ * spelling, one field with several elements or one per class (doc/formats.md).
+ * \return their indices; empty if there are none */
 std::vector<int> findProbabilityFields(const PcdTable& table);
 
-/** \brief Brings what is known of points into the fields that are read: puts `label`,
- * `probability` and `rgba` behind the others where a table has them under other names
- * or as other numbers, and takes instances off `label` (classOf()). The fields that
- * they are made of stay. Adds to the doubts of the table what looks like one of these
- * and is not understood.
+/** \brief Converts alternative fields to the standard ones: appends `label`,
+ * `probability` and `rgba` if a table has them under other names or in other units, and
+ * removes instances from `label` (classOf()). The original fields stay. Fields that
+ * resemble these but are unsupported are added to the table's doubts.
  * \param[in] path of the file, for the doubts
- * \throws BadInputException if `label` is of single precision, which lost the class of
- * a point beside its instance */
+ * \throws BadInputException if `label` is of single precision and too large, so that
+ * instances have overwritten classes */
 void addKnownFields(const std::string& path, PcdTable& table);
 
-/** \brief Adds a doubt, unless it is there. */
+/** \brief Adds a doubt once. */
 void addDoubt(PcdTable& table, const std::string& doubt);
 
 } // namespace pcl_semantic

@@ -27,7 +27,7 @@ using Cloud = pcl::PointCloud<pcl::PointXYZRGBL>;
 constexpr double kLargest = std::numeric_limits<float>::max();
 constexpr const char* kCliqueField = "clique";
 
-// A field of a table with the name of its file, for messages.
+// A field of a table with its file name, for messages.
 struct NamedColumn : PcdColumn {
   NamedColumn(const std::string& path_, const PcdTable& table, int index)
       : PcdColumn(table, index), path(path_)
@@ -40,7 +40,7 @@ struct NamedColumn : PcdColumn {
              ", expected ", expected);
   }
 
-  // A value that has to be a whole number from 0 to `largest`.
+  // A value that must be an integer from 0 to `largest`.
   std::uint32_t
   wholeNumber(std::size_t point, std::uint32_t largest, const char* or_else = "") const
   {
@@ -54,7 +54,6 @@ struct NamedColumn : PcdColumn {
   const std::string& path;
 };
 
-// A field of one element.
 NamedColumn
 singleColumn(const std::string& path, const PcdTable& table, int field)
 {
@@ -65,7 +64,7 @@ singleColumn(const std::string& path, const PcdTable& table, int field)
   return column;
 }
 
-// The finite points of each number of the field `clique` but 0, in the order of the
+// The finite points of each non-zero number in the field `clique`, in the order of the
 // numbers; none without that field.
 std::vector<pcl::PointIndices>
 cliquesOfColumn(const std::string& path, const PcdTable& table, const Cloud& cloud)
@@ -76,8 +75,9 @@ cliquesOfColumn(const std::string& path, const PcdTable& table, const Cloud& clo
   const NamedColumn column = singleColumn(path, table, field);
   std::vector<std::pair<std::uint32_t, pcl::index_t>> members; // clique, point
   for (std::size_t i = 0; i < table.points(); ++i) {
-    const std::uint32_t number =
-        column.wholeNumber(i, std::numeric_limits<std::uint32_t>::max() - 1); // no -1
+    const std::uint32_t number = column.wholeNumber(
+        i, std::numeric_limits<std::uint32_t>::max() - 1); // excludes
+                                                           // -1
     if (number != 0 && pcl::isXYZFinite(cloud[i]))
       members.emplace_back(number, static_cast<pcl::index_t>(i));
   }
@@ -140,7 +140,7 @@ private:
     for (int axis = 0; axis < 3; ++axis) {
       const int field = table_.find(names[axis]);
       if (field < 0 && table_.points() == 0 && table_.fields.empty())
-        continue; // as PCL's filters leave a cloud of which nothing is left
+        continue; // PCL's filters return such an empty cloud
       if (field < 0)
         badInput(path_, ": has no field '", names[axis], "'");
       const NamedColumn column = singleColumn(path_, table_, field);
@@ -258,7 +258,7 @@ private:
     return true;
   }
 
-  // A field of another name need not be what it seems.
+  // A field with an alternative name may have another meaning.
   void
   dropLabels(std::uint32_t largest)
   {
@@ -268,10 +268,10 @@ private:
                                 ", which a label mapping would make of them");
     result_.table.label_source.clear();
     result_.table.removeColumns("label");
-    readLabels(); // of the probabilities, if there are some
+    readLabels(); // from the probabilities, if there are some
   }
 
-  // -1 is what other programs write for unlabelled; other numbers below 0 are told of.
+  // Other programs write -1 for unlabelled; other negative numbers are reported.
   std::uint32_t
   mapped(const NamedColumn& column, std::size_t i) const
   {
@@ -289,7 +289,7 @@ private:
   Cloud& cloud_ = *result_.cloud;
 };
 
-// Of a cloud that was in no file.
+// For a cloud that was not read from a file.
 PcdTable
 newTable(const LabelledCloud& labelled, const std::string& name)
 {

@@ -110,7 +110,7 @@ PcdTable::PcdTable(const pcl::PCLPointCloud2& cloud)
                    " and count ", field.count);
     if (find(field.name) >= 0)
       badParameter("cloud: has two fields '", field.name, "'");
-    // Filters that leave no point leave no point_step either.
+    // PCL's filters set point_step to 0 if no point is left.
     if (points() > 0 && !isWithin(field, cloud.point_step))
       badParameter("cloud: field '", field.name, "' ends beyond its point");
     addField(field.name, field.datatype, field.count);

@@ -50,7 +50,6 @@ distributionsOf(const PcdTable& table, const std::string& name)
   return distributions;
 }
 
-// A value that has to be a whole number.
 double
 wholeNumber(const PcdColumn& column, std::size_t i, double smallest, double largest,
             int element = 0)
@@ -62,7 +61,7 @@ wholeNumber(const PcdColumn& column, std::size_t i, double smallest, double larg
   return value;
 }
 
-// Clouds of two maps, or of one before and after it moved, have indices of two grids.
+// Voxel indices of two maps, or of one before and after a motion, refer to two grids.
 void
 requireOneGrid(const PcdColumn& size, const PcdColumn& origin, std::size_t voxels)
 {
@@ -114,7 +113,7 @@ fromPCLPointCloud2(const pcl::PCLPointCloud2& cloud, VoxelCloud& voxels)
   const PcdTable table(cloud);
   voxels = VoxelCloud();
   if (table.fields.empty() && table.points() == 0)
-    return; // as PCL's filters leave a cloud of which nothing is left
+    return; // PCL's filters return such an empty cloud
   voxels.refined = distributionsOf(table, "probability");
   voxels.measured = distributionsOf(table, "measured");
   voxels.cloud->header = cloud.header;

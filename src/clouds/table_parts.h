@@ -15,16 +15,16 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The name of PCL's padding, of which a table may have any number. */
+/** \brief Name of PCL's padding fields, which may occur several times. */
 constexpr const char* kPadding = "_";
 
-/** \brief Whether a table can be a file: fields of different names that can be, and as
- * many data as they need.
+/** \brief Checks that a table can be written: valid fields with unique names, and data
+ * of the right size.
  * \param[in] path for the message
  * \throws InvalidParameterException if it cannot */
 void checkTable(const std::string& path, const PcdTable& table);
 
-/** \brief Calls \a use with a zero of the type that a field holds. */
+/** \brief Calls \a use with a zero of the type of a field. */
 template <typename Use>
 auto
 withTypeOf(const pcl::PCLPointField& field, Use&& use)
@@ -54,9 +54,9 @@ withTypeOf(const pcl::PCLPointField& field, Use&& use)
   }
 }
 
-/** \brief A cloud of PCL with its viewpoint.
- * \param[in] offset where its positions begin [m]: unless it is zero, they are written
- * as doubles
+/** \brief Converts a PCL cloud with its viewpoint.
+ * \param[in] offset to add to the positions [m]; unless it is zero, they are written as
+ * doubles
  * \throws InvalidParameterException if its size is not that of its points */
 template <typename PointT>
 PcdTable
@@ -78,9 +78,9 @@ tableOfPoints(const pcl::PointCloud<PointT>& cloud, const Eigen::Vector3d& offse
   return table;
 }
 
-/** \brief Puts cliques into the field `clique`: the first is number 1.
+/** \brief Sets the field `clique` from cliques, numbered from 1.
  * \param[in] name of the cloud, for messages
- * \throws InvalidParameterException if they overlap, or a point is not there */
+ * \throws InvalidParameterException if they overlap, or an index is out of range */
 void setCliqueColumn(const std::string& name,
                      const std::vector<pcl::PointIndices>& cliques, PcdTable& table);
 

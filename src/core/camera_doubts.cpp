@@ -21,7 +21,7 @@ doubtsOf(const StereoCamera& camera)
          << camera.height << ": is the calibration of images of another size?";
     doubts.push_back(text.str());
   }
-  // An angle of view of 170 degrees, which no pinhole camera has.
+  // A field of view of 170 degrees, too wide for a pinhole camera.
   if (camera.fx < 0.04 * camera.width) {
     TextStream text;
     text << "the focal length, " << camera.fx << ", is short for images of "

@@ -9,9 +9,9 @@
 
 namespace pcl_semantic {
 
-/** \brief Refuses a cloud whose width and height are not those of its points, as
- * `cloud.points.push_back()` leaves them: what finds points by row and column would
- * read beyond them. \throws InvalidParameterException */
+/** \brief Refuses a cloud whose width x height is not its number of points, as after
+ * `cloud.points.push_back()`. Access by row and column would read out of bounds.
+ * \throws InvalidParameterException */
 inline void
 requireCloudSize(std::size_t width, std::size_t height, std::size_t points)
 {
@@ -20,7 +20,6 @@ requireCloudSize(std::size_t width, std::size_t height, std::size_t points)
                  ", but ", points, " points");
 }
 
-/** \brief The same. */
 template <typename PointT>
 void
 requireCloudSize(const pcl::PointCloud<PointT>& cloud)

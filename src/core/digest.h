@@ -7,8 +7,7 @@
 
 namespace pcl_semantic {
 
-/** \brief FNV-1a, by words of 64 bits: tells what was changed by mistake, not what was
- * forged. */
+/** \brief FNV-1a over 64-bit words: detects accidental changes, not forgery. */
 class Digest {
 public:
   void
@@ -30,10 +29,10 @@ public:
   addWord(std::uint64_t word)
   {
     value_ = (value_ ^ word) * 0x100000001B3ull;
-    value_ ^= value_ >> 32; // high bits would never reach the low ones
+    value_ ^= value_ >> 32; // otherwise high bits would never reach the low ones
   }
 
-  /** \brief Never 0, which says that nothing is known. */
+  /** \brief Never 0, which is reserved for "unknown". */
   std::uint64_t
   value() const
   {

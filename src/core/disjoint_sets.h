@@ -9,11 +9,11 @@
 
 namespace pcl_semantic {
 
-/** \brief Sets of the numbers 0, 1, ..., each with one member that stands for it, its
- * root (union-find). */
+/** \brief Disjoint sets of the numbers 0, 1, ..., each represented by its root
+ * (union-find). */
 class DisjointSets {
 public:
-  /** \brief Adds numbers, each a set of its own, until there are so many. */
+  /** \brief Adds single-element sets up to \a size numbers. */
   void
   grow(std::size_t size)
   {
@@ -28,19 +28,20 @@ public:
     int root = member;
     while (parents_[std::size_t(root)] != root)
       root = parents_[std::size_t(root)];
-    while (member != root) // the next search is short
+    while (member != root) // path compression
       member = std::exchange(parents_[std::size_t(member)], root);
     return root;
   }
 
-  /** \brief Joins the set of a root to that of another, which stays the root. */
+  /** \brief Merges the set of a root into that of another root, which stays the root.
+   */
   void
   join(int root, int other)
   {
     parents_[std::size_t(root)] = other;
   }
 
-  /** \brief Joins the sets of two members; the smaller root stands for both. */
+  /** \brief Merges the sets of two members; the smaller root stays the root. */
   void
   joinMembers(int a, int b)
   {

@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Throws an \a Error whose message is the \a parts, one after the other. */
+/** \brief Throws an \a Error with the concatenated \a parts as its message. */
 template <typename Error, typename... Parts>
 [[noreturn]] void
 fail(const Parts&... parts)
@@ -19,7 +19,7 @@ fail(const Parts&... parts)
   throw Error(message.str());
 }
 
-/** \brief The same: a file or a value in it cannot be used. */
+/** \brief Throws if a file or a value in it cannot be used. */
 template <typename... Parts>
 [[noreturn]] void
 badInput(const Parts&... parts)
@@ -27,7 +27,7 @@ badInput(const Parts&... parts)
   fail<BadInputException>(parts...);
 }
 
-/** \brief The same: a parameter or argument is outside its range. */
+/** \brief Throws if a parameter or argument is outside its range. */
 template <typename... Parts>
 [[noreturn]] void
 badParameter(const Parts&... parts)
@@ -35,8 +35,8 @@ badParameter(const Parts&... parts)
   fail<InvalidParameterException>(parts...);
 }
 
-/** \brief Returns the result of \a read; a value out of range is an error of its file.
- */
+/** \brief Calls \a read and turns InvalidParameterException into BadInputException of
+ * its file. */
 template <typename Read>
 auto
 readFrom(const std::string& path, Read&& read)

@@ -13,18 +13,18 @@ namespace pcl_semantic {
 
 namespace {
 
-// Scales a column to sum one; false if it holds a negative or non-finite value.
+// Scales a column to sum to one; false for a negative or non-finite value.
 bool
 normalizeColumn(float* column, int classes)
 {
-  double sum = 0.0; // the sum of large floats would overflow
+  double sum = 0.0; // double: the sum of large floats would overflow
   for (int k = 0; k < classes; ++k) {
     if (!(column[k] >= 0.0f) || !std::isfinite(column[k]))
       return false;
     sum += column[k];
   }
-  // A column that is normalised but for rounding to single precision stays as it is, so
-  // that files which are read and written again do not change.
+  // A column that sums to one within single precision stays unchanged, so that reading
+  // and writing a file preserves it.
   constexpr double rounding = 0x1p-20;
   if (sum > 0.0 && std::abs(sum - 1.0) > rounding)
     for (int k = 0; k < classes; ++k)
@@ -39,13 +39,13 @@ requireClasses(Eigen::Index classes)
     badParameter("distributions need 1 to 255 classes, not ", classes);
 }
 
-// e^x for x <= 0, to 2e-7 of itself; 0 below -87. No call and no branch, so that a
-// compiler makes the loop over the classes wide: 2^n e^r with |r| <= ln 2 / 2 and a
-// polynomial of Taylor's first terms.
+// e^x for x <= 0 with relative error 2e-7; 0 below -87. Without call and branch, so
+// that compilers vectorise the loop over the classes: 2^n e^r with |r| <= ln 2 / 2 and
+// a Taylor polynomial.
 float
 exponential(float x)
 {
-  constexpr float magic = 12582912.0f; // 1.5 * 2^23: a sum with it is rounded
+  constexpr float magic = 12582912.0f; // 1.5 * 2^23: adding it rounds to an integer
   const float bounded = x > -87.0f ? x : -87.0f;
   const float shifted = bounded * 1.44269504f + magic;
   const float n = shifted - magic;
@@ -97,7 +97,8 @@ LabelDistributions::setLabel(Eigen::Index j, Label label, float confidence)
 void
 LabelDistributions::normalize()
 {
-  // Exceptions must not leave a parallel loop: remember the first bad column instead.
+  // Exceptions must not leave a parallel loop, so only the first bad column is
+  // recorded.
   Eigen::Index bad = size();
 #pragma omp parallel for schedule(static) reduction(min : bad)
   for (Eigen::Index j = 0; j < size(); ++j)

@@ -11,11 +11,10 @@
 
 namespace pcl_semantic {
 
-/** \brief A number as it is read for a label, without the instance in its upper bits:
- * classOf() of one that has an instance, whether its 32 bits were read with a sign or
- * not. Others stay: small ones, and those beyond 32 bits, which are no labels. Negative
- * ones to -65280 are what other programs write for unlabelled: of a class to 255 their
- * bits are those of the largest instance from there on. */
+/** \brief Removes the instance in the upper bits of a label number, read as signed or
+ * unsigned 32 bits: gives its classOf(). Numbers without instance and numbers beyond 32
+ * bits stay unchanged. Negative numbers down to -65280 also stay, because other
+ * programs write them for unlabelled; their bits would be the largest instances. */
 constexpr std::int64_t
 withoutInstance(std::int64_t number)
 {
@@ -25,11 +24,11 @@ withoutInstance(std::int64_t number)
   return has_one ? std::int64_t(classOf(std::uint32_t(number))) : number;
 }
 
-/** \brief The first whole number that single precision need not hold exactly: of labels
- * with instances from 256 on, the class is lost. */
+/** \brief The first integer that single precision may not hold exactly. Labels with
+ * instances from 256 on lose their class. */
 constexpr double kFirstInexactFloat = 16777216.0;
 
-/** \brief The label of a voxel, which a cloud holds in 32 bits.
+/** \brief Converts a voxel label, stored with 32 bits in a cloud.
  * \throws BadInputException beyond 255 */
 inline Label
 requireLabel(std::uint32_t number)

@@ -9,7 +9,8 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr double kFarAway = 1024.0; // [m]; beyond it steps are of 1.2e-4 m
+constexpr double kFarAway = 1024.0; // [m]; single precision has steps of 1.2e-4 m
+                                    // beyond
 constexpr double kBesideGrids = 0.28125;
 
 } // namespace

@@ -6,11 +6,11 @@
 
 namespace pcl_semantic {
 
-/** \brief Carries an exception out of an OpenMP region, which none may leave by itself:
- * a lack of memory in a thread would end the program. */
+/** \brief Carries an exception out of an OpenMP region. An exception that leaves the
+ * region itself, such as std::bad_alloc, would terminate the program. */
 class ParallelGuard {
 public:
-  /** \brief Runs a part of the region that may throw; keeps one of the exceptions. */
+  /** \brief Runs a part of the region that may throw; keeps one exception. */
   template <typename Body>
   void
   run(Body&& body) noexcept
@@ -24,7 +24,7 @@ public:
     }
   }
 
-  /** \brief To be called after the region: throws what was kept, if anything. */
+  /** \brief Throws the kept exception, if any; call it after the region. */
   void
   rethrow() const
   {

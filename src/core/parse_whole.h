@@ -7,8 +7,9 @@
 
 namespace pcl_semantic {
 
-/** \brief Reads a number in the C locale. \return whether \a text is one, the whole of
- * it, and fits the type; else \a value stays */
+/** \brief Parses a number in the C locale.
+ * \return whether the whole \a text is a number that fits the type; otherwise \a value
+ * stays unchanged */
 template <typename Number>
 bool
 parseWhole(std::string_view text, Number& value)

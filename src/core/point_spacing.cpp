@@ -15,8 +15,8 @@ namespace {
 
 constexpr Eigen::Index neighbours = 4;
 
-// Of the position alone, so that the sample is the same in any order of the points, and
-// in steps that the last bits of single precision do not decide: wherever a cloud lies.
+// Hash of the position, so that the sample depends neither on the order of the points
+// nor, because positions are rounded to `step`, on the last bits of single precision.
 std::uint64_t
 hashOf(const Eigen::Ref<const Eigen::VectorXf>& position, float step)
 {
@@ -29,7 +29,7 @@ hashOf(const Eigen::Ref<const Eigen::VectorXf>& position, float step)
   return hash;
 }
 
-// A power of two, of which about 16,000 fit beside the farthest position.
+// A power of two; about 16,000 steps reach the farthest position.
 float
 stepOf(const Eigen::MatrixXf& positions)
 {
@@ -55,16 +55,15 @@ sampleOf(const Eigen::MatrixXf& positions, std::size_t count)
 }
 
 struct Reach {
-  float nearest, fourth; // distances of other points
+  float nearest, fourth; // distances to the nearest and fourth nearest other point
 };
 
-// Takes the coordinates along each axis as a column: many distances are computed at
-// once.
+// Coordinates are stored by axis so that the loop over distances vectorises.
 Reach
 reachOf(const Eigen::MatrixXf& axes, Eigen::Index point)
 {
   constexpr Eigen::Index chunk = 64;
-  std::array<float, neighbours + 1> nearest; // and the point itself
+  std::array<float, neighbours + 1> nearest; // including the point itself
   nearest.fill(std::numeric_limits<float>::max());
   Eigen::Array<float, chunk, 1> squares;
   for (Eigen::Index begin = 0; begin < axes.rows(); begin += chunk) {
@@ -99,7 +98,7 @@ pointSpacing(const Eigen::MatrixXf& positions)
 {
   if (positions.cols() <= neighbours)
     return 0.0f;
-  constexpr Eigen::Index distances = 1 << 25; // the time that it may take
+  constexpr Eigen::Index distances = 1 << 25; // limits the run time
   const std::vector<Eigen::Index> sample = sampleOf(
       positions,
       std::size_t(std::clamp<Eigen::Index>(distances / positions.cols(), 64, 256)));
@@ -111,7 +110,7 @@ pointSpacing(const Eigen::MatrixXf& positions)
     nearest[k] = reach.nearest;
     fourth[k] = reach.fourth;
   }
-  // The cells of a grid are where many nearest neighbours are equally far.
+  // In a regular grid many nearest neighbours are at the same distance.
   const float step = medianOf(nearest);
   const auto alike = std::count_if(nearest.begin(), nearest.end(), [&](float distance) {
     return std::abs(distance - step) <= 0.01f * step;

@@ -7,12 +7,12 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief How far apart points are: the step of their grid (voxels), or else the median
- * distance to the fourth nearest neighbour, which would be that step in a grid on a
- * surface. Measured at some of the points, chosen by their positions, so that their
- * order does not matter.
+/** \brief Estimates the spacing of points: the step of their grid (voxels), or
+ * otherwise the median distance to the fourth nearest neighbour, which equals that step
+ * for a grid on a surface. Uses a sample chosen by position, so the order of the points
+ * does not matter.
  * \param[in] positions finite
- * \return 0 if there are fewer than five points, or most of them lie on one another */
+ * \return 0 if there are fewer than five points, or most of them coincide */
 float pointSpacing(const Eigen::MatrixXf& positions);
 
 } // namespace pcl_semantic

@@ -15,8 +15,7 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr float kFine =
-    1e-5f; // [m]; no scanner's points are a tenth of a millimetre apart
+constexpr float kFine = 1e-5f; // [m]; no scanner resolves a tenth of a millimetre
 
 } // namespace
 
@@ -28,9 +27,9 @@ doubtOfSteps(const Eigen::Matrix3Xf& positions, const Eigen::Vector3d& origin,
   for (Eigen::Index i = 0; i < positions.cols(); ++i)
     if (positions.col(i).allFinite())
       measured.push_back(i);
-  if (measured.size() < 5) // they have no spacing
+  if (measured.size() < 5) // too few for a spacing
     return "";
-  std::vector<float> distances; // the largest coordinate of each point
+  std::vector<float> distances; // largest absolute coordinate of each point
   for (const Eigen::Index i : measured)
     distances.push_back(
         float((positions.col(i).cast<double>() + origin).lpNorm<Eigen::Infinity>()));

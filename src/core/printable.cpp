@@ -10,7 +10,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Of the UTF-8 at the beginning of a text; no bytes if there is none.
+// First UTF-8 character of a text; no bytes if it is invalid.
 struct Character {
   std::size_t bytes = 0;
   std::uint32_t number = 0;
@@ -32,14 +32,14 @@ firstOf(std::string_view text)
     number = number << 6 | (byte(i) & 0x3F);
   }
   constexpr std::uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
-  const bool is_half = number >= 0xD800 && number < 0xE000; // of UTF-16
+  const bool is_half = number >= 0xD800 && number < 0xE000; // UTF-16 surrogate
   if (number < smallest[length] || number > 0x10FFFF || is_half)
     return {};
   return {length, number};
 }
 
-// Control characters, and what changes lines or their direction: such a name would be
-// read as another one.
+// Control characters, and characters that change lines or their direction: they can
+// make one name look like another.
 bool
 isHidden(std::uint32_t c)
 {

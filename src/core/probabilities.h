@@ -10,9 +10,9 @@
 
 namespace pcl_semantic {
 
-/** \brief Refuses negative and non-finite numbers, as logarithms are, where
- * distributions come in: computed with, they would look like probabilities. One pass
- * over all. \throws BadInputException that names the first point */
+/** \brief Refuses negative and non-finite numbers, such as logarithms, at the input:
+ * after computations they would look like probabilities.
+ * \throws BadInputException that names the first point */
 inline void
 requireProbabilities(const LabelDistributions& distributions)
 {

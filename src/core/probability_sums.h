@@ -5,9 +5,9 @@
 
 namespace pcl_semantic {
 
-/** \brief Whether numbers that were read may be the probabilities of a point: they sum
- * to 1, as far as networks print it, or to 0 = unlabelled. Far off, they are something
- * else: logits, numbers of classes, counts. */
+/** \brief Whether a sum read from a file is plausible for a point's probabilities: 1
+ * within the precision of network output, or 0 = unlabelled. Other sums come from
+ * logits, class numbers or counts. */
 inline bool
 isSumOfProbabilities(double sum)
 {

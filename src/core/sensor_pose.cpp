@@ -11,7 +11,7 @@ requireRigid(const Eigen::Isometry3d& pose, const std::string& name)
   const Eigen::Matrix4d& matrix = pose.matrix();
   if (!matrix.allFinite())
     badInput(name, " is not finite");
-  constexpr double rounding = 1e-6; // of an inverse, of a text
+  constexpr double rounding = 1e-6; // rounding error of an inverse or of text
   if (!((matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() <=
         rounding))
     badInput(name, " has the last row ", matrix.row(3),

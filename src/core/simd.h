@@ -5,18 +5,17 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Instruction sets that the hot loops (`src/<module>/kernels/`) are compiled
- * for. plain is what every processor of its kind has: SSE2 on x86-64, NEON on ARM64.
- * Results are bit-identical in every tier and for any number of threads. */
+/** \brief Instruction sets for which the hot loops (`src/<module>/kernels/`) are
+ * compiled. plain is the baseline: SSE2 on x86-64, NEON on ARM64. Results are
+ * bit-identical in every tier and for any number of threads. */
 enum class SimdTier { plain, avx2, avx512 };
 
-/** \brief The widest tier of this processor, or the one that the environment variable
- * PCL_SEMANTIC_SIMD (plain, neon, avx2 or avx512; neon is plain on ARM64) asks for, if
- * the processor has it; decided once, at the first call.
- * \throws InvalidParameterException if the variable holds another word */
+/** \brief The widest tier of this processor, or the one requested by the environment
+ * variable PCL_SEMANTIC_SIMD (plain, neon, avx2 or avx512; neon is plain on ARM64) if
+ * the processor supports it. Decided at the first call.
+ * \throws InvalidParameterException if the variable has another value */
 SimdTier simdTier();
 
-/** \brief The widest tier of this processor. */
 SimdTier widestSimdTier();
 
 /** \brief "plain", "avx2" or "avx512". */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // How the hot loops (src/<module>/kernels/*.cpp) are compiled: Google Highway includes
-// such a file once a target, and PCL_SEMANTIC_OF_TIER chooses among what came of it.
+// such a file once per target, and PCL_SEMANTIC_OF_TIER selects one of the results.
 //
 //     //     #define HWY_TARGET_INCLUDE "module/kernels/this_file.cpp"
 //     #include <hwy/foreach_target.h>
@@ -19,24 +19,23 @@
 //     }
 //     #endif
 //
-// What is inlined there may be no function of std, Eigen or PCL: the linker would take
-// one target's copy for all callers.
+// Inlined code must not call functions of std, Eigen or PCL: the linker would use one
+// target's copy for all callers.
 
 #pragma once
 
 #include "simd.h"
 #include "simd_choice.h"
 
-// GCC before 12.3 can go wrong in Highway's emulated vectors, which are then replaced
-// by single values that know no shuffles. Our tests compare every kernel with a plain
-// loop.
+// GCC before 12.3 can miscompile Highway's emulated vectors. They are replaced by
+// scalars, which have no shuffles. Tests compare every kernel with a plain loop.
 #define HWY_BROKEN_EMU128 0
 
 #if defined(__x86_64__)
-// Two tiers above the baseline are enough: more would only take longer to compile.
+// Two tiers above the baseline are enough; more would only lengthen compilation.
 #define HWY_DISABLED_TARGETS ((HWY_AVX3 - 1) | HWY_SSE4 | HWY_SSSE3)
 #else
-#define HWY_COMPILE_ONLY_STATIC // NEON is ARM64's baseline
+#define HWY_COMPILE_ONLY_STATIC // ARM64's baseline is NEON
 #endif
 #include <hwy/detect_targets.h>
 
@@ -51,7 +50,7 @@
 #define PCL_SEMANTIC_OF_AVX512(name) HWY_STATIC_DISPATCH(name)
 #endif
 
-/** \brief Selects \a name (a function, or a table of them) in the namespace of a
+/** \brief Selects \a name (a function or a table of functions) in the namespace of a
  * tier. */
 #define PCL_SEMANTIC_OF_TIER(tier, name)                                               \
   ((tier) == SimdTier::avx512 ? PCL_SEMANTIC_OF_AVX512(name)                           \

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
-// Streams would take a lack of memory for the end of a text.
+// Without streams, which treat a lack of memory as the end of a text.
 
 namespace pcl_semantic {
 
-/** \brief Splits a text at separators; behind a last one there is nothing. */
+/** \brief Splits a text at separators; a trailing separator adds no empty part. */
 inline std::vector<std::string_view>
 splitAt(char separator, std::string_view text)
 {

@@ -17,7 +17,7 @@ StereoCamera::validate() const
     badParameter("focal lengths are ", fx, " and ", fy, " px, expected more than 0");
   if (baseline <= 0.0)
     badParameter("baseline is ", baseline, " m, expected more than 0");
-  // The smallest of cameras for hands has 50 mm, the widest on a car a few metres.
+  // Hand-held cameras have at least 50 mm, vehicle rigs at most a few metres.
   if (baseline < 1e-3 || baseline > 10.0)
     badParameter("baseline is ", baseline,
                  " m, expected 0.001 to 10 m; is it in millimetres?");

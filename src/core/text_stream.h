@@ -6,9 +6,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Makes a text of values, with a point in numbers whatever the locale. Where
- * std::ostringstream would leave out what it has no memory for, it throws
- * std::bad_alloc. */
+/** \brief Formats values as text with a decimal point in any locale. It throws
+ * std::bad_alloc, where std::ostringstream would silently drop text. */
 class TextStream : public std::ostringstream {
 public:
   TextStream()

@@ -7,8 +7,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 using ThreadLimit = void (*)(int threads);
 
-/** \brief Has setNumberOfThreads() limit the threads of another library, too: libraries
- * above add theirs as they are loaded. \return true */
+/** \brief Makes setNumberOfThreads() limit the threads of another library too. Higher
+ * libraries register at load time. \return true */
 bool addThreadLimit(ThreadLimit limit);
 
 } // namespace pcl_semantic

@@ -9,11 +9,11 @@
 
 namespace pcl_semantic {
 
-/** \brief Finds the index of a voxel in a list; of one that is there several times, the
- * first. Open addressing: many times faster to make than a std::unordered_map. */
+/** \brief Finds the index of a voxel in a list; for duplicates, the first. Open
+ * addressing: built many times faster than a std::unordered_map. */
 class VoxelTable {
 public:
-  /** \param[in] voxels fewer than 2^31; they have to live as long as the table */
+  /** \param[in] voxels fewer than 2^31; they must outlive the table */
   explicit VoxelTable(const std::vector<VoxelIndex>& voxels) : voxels_(voxels)
   {
     std::size_t slots = 16;
@@ -28,14 +28,13 @@ public:
         has_twins_ = true;
   }
 
-  /** \return kNone if it is not there */
+  /** \return kNone if it is missing */
   std::int32_t
   find(const VoxelIndex& voxel) const
   {
     return slots_[slotOf(voxel)];
   }
 
-  /** \brief Whether a voxel is there several times. */
   bool
   hasTwins() const
   {
@@ -45,7 +44,7 @@ public:
   static constexpr std::int32_t kNone = -1;
 
 private:
-  // Where it is, or would be.
+  // Slot of the voxel, or the free slot for it.
   std::size_t
   slotOf(const VoxelIndex& voxel) const
   {

@@ -13,9 +13,9 @@
 
 namespace pcl_semantic {
 
-/** \brief A fixed number of plain values from a multiple of 64 bytes on, which nobody
- * has written yet: the threads that fill them also fetch their pages, which a vector
- * would do on one of them. */
+/** \brief A fixed number of trivial values, aligned to 64 bytes and uninitialised. The
+ * threads that fill the array also allocate its pages; a std::vector would do this in
+ * one thread. */
 template <typename T> class AlignedArray {
   static_assert(std::is_trivial_v<T>);
 
@@ -24,7 +24,7 @@ public:
 
   explicit AlignedArray(std::size_t size) : size_(size)
   {
-    // Large arrays are read in a random order: huge pages, where there are any.
+    // Huge pages, if available, because large arrays are read in random order.
     constexpr std::size_t line = 64, huge_page = std::size_t(1) << 21;
     const std::size_t bytes = size * sizeof(T);
     const std::size_t unit = bytes >= 2 * huge_page ? huge_page : line;

@@ -12,8 +12,8 @@ namespace pcl_semantic {
 /** \brief The P^n Potts potential (Vineet, Warrell and Torr 2014): member i receives
  * k_c^l prod over the other members j of Q_j(l).
  *
- * Design and paper speak of logarithms; kernels/inference_loops.h says why double
- * precision does as well without. */
+ * The paper uses logarithms; kernels/inference_loops.h explains why double precision
+ * works without. */
 class PnPottsTerm : public CliqueTerm {
 public:
   PnPottsTerm(CliquePotential&& potential, const PaddedColumns& marginals)
@@ -64,13 +64,13 @@ private:
 
   Eigen::Index labels_;
   Eigen::Index stride_;
-  std::vector<double> products_; // k_c^l times those of kernels/inference_loops.h
+  std::vector<double> products_; // k_c^l times the products of multiplyColumns()
 };
 
 /** \brief The robust P^n potential with its variables y_c, eqs. (7)-(10).
  *
- * By eq. (11) a member's cost of label l is the sum over y != l of
- * k_c^y Q_c(y); up to a constant that is minus k_c^l Q_c(l), one column a clique. */
+ * By eq. (11) a member's cost of label l is the sum over y != l of k_c^y Q_c(y). Up to
+ * a constant this is -k_c^l Q_c(l), one column per clique. */
 class RobustTerm : public CliqueTerm {
 public:
   RobustTerm(CliquePotential&& potential, bool self_interaction,
@@ -128,7 +128,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t max_labels = 256; // with the free one
+  static constexpr std::size_t max_labels = 256; // including the free label
 
   void
   setCosts(Eigen::Index c, const PaddedColumns& costs)
@@ -172,8 +172,8 @@ private:
         std::size_t(marginals.stride()), sums);
   }
 
-  // Adds the mean costs of the labels of y_c: those of the members, from the sums of
-  // their marginals, and those between cliques, from the messages of the others.
+  // Adds the mean costs of the labels of y_c: from the members, by the sums of their
+  // marginals, and from other cliques, by their messages.
   void
   addCosts(Eigen::Index c, const double* sums, const float* messages,
            double* costs) const
@@ -187,8 +187,8 @@ private:
       costs[l] += double(weight[l]) * (size - sums[l]) + (all - double(messages[l]));
   }
 
-  // Eq. (10). The costs of a large clique are large, and their differences count: they
-  // are taken in double precision until the least is 0.
+  // Eq. (10). The costs of a large clique are large and only their differences matter,
+  // so they are in double precision until the minimum is 0.
   void
   updateClique(Eigen::Index c, const PaddedColumns& marginals)
   {
@@ -203,7 +203,7 @@ private:
       shifted[l] = float(std::min(costs[l] - least, double(kernels::padding_cost)));
     std::fill(shifted.begin() + rows, shifted.begin() + marginals_.stride(),
               kernels::padding_cost);
-    std::fill_n(messages_.column(c), messages_.stride(), 0.0f); // they are in the costs
+    std::fill_n(messages_.column(c), messages_.stride(), 0.0f); // consumed by the costs
     kernels::inferenceLoops().softMax(shifted.data(), messages_.column(c),
                                       marginals_.column(c), 1,
                                       std::size_t(marginals_.stride()));

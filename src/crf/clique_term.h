@@ -9,8 +9,8 @@
 
 namespace pcl_semantic {
 
-/** \brief One clique potential within mean-field inference: the messages from the
- * variables x to its cliques and back. */
+/** \brief One clique potential in mean-field inference: the messages between the
+ * variables x and its cliques. */
 class CliqueTerm {
 public:
   CliqueTerm(CliquePotential&& potential, Eigen::Index labels);
@@ -19,12 +19,12 @@ public:
   /** \brief Updates all cliques at once from Q(x). */
   virtual void update(const PaddedColumns& marginals) = 0;
 
-  /** \brief Adds the messages of the cliques to those of the variables begin..end-1:
-   * minus the mean cost of each label, up to a constant of the variable. */
+  /** \brief Adds the messages of the cliques to the variables begin..end-1: the
+   * negative mean cost of each label, up to a constant per variable. */
   virtual void addMessages(const PaddedColumns& marginals, Eigen::Index begin,
                            Eigen::Index end, PaddedColumns& messages) const = 0;
 
-  /** \brief Q(y), or null where there is no y. */
+  /** \brief Q(y), or null if the potential has no y. */
   virtual const PaddedColumns*
   cliqueMarginals() const
   {
@@ -42,7 +42,7 @@ protected:
   CliquePotential potential_;
 
 private:
-  PaddedColumns weights_; // of one clique or all
+  PaddedColumns weights_; // one column per clique, or one for all
 };
 
 /** \param[in] costs psi_i(l) up to a constant of the variable */

@@ -18,7 +18,7 @@ LabelCompatibility::LabelCompatibility(Eigen::MatrixXf costs) : costs_(std::move
                  ", expected L x L");
   for (Eigen::Index k = 0; k < labels(); ++k)
     for (Eigen::Index l = 0; l < labels(); ++l) {
-      // Beyond that sums of messages would leave the range of floats.
+      // Otherwise sums of messages could overflow floats.
       if (!(std::abs(costs_(l, k)) <= 1e9f))
         badParameter("the compatibility of labels ", l, " and ", k, " (from 0) is ",
                      costs_(l, k), ", expected -1e9 to 1e9");
@@ -30,7 +30,6 @@ namespace {
 
 constexpr std::size_t largest = std::numeric_limits<std::int32_t>::max();
 
-// last_clique[i] is the clique that variable i was last seen in.
 void
 validate(const std::vector<std::int32_t>& members, std::size_t clique,
          std::vector<std::int32_t>& last_clique)
@@ -47,7 +46,6 @@ validate(const std::vector<std::int32_t>& members, std::size_t clique,
   }
 }
 
-// The rows of each index instead of the indices of each row.
 IndexLists
 transpose(const IndexLists& lists, std::size_t rows)
 {
@@ -144,7 +142,7 @@ CliquePotential::validate(Eigen::Index labels, Eigen::Index variables) const
 
 namespace {
 
-// The first variable with a cost that is not finite; N if there is none.
+// N if there is none.
 Eigen::Index
 firstNotFinite(const Eigen::MatrixXf& unary)
 {

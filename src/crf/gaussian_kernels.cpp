@@ -23,7 +23,7 @@ inSpace(const Eigen::MatrixXf& positions)
   return padded;
 }
 
-// By rows, which the processor takes many at a time.
+// Row-major, for vectorised loops.
 using PointsByRow = Eigen::Matrix<float, 3, Eigen::Dynamic, Eigen::RowMajor>;
 
 // Points within a radius of one of them, itself included.
@@ -98,7 +98,7 @@ GaussianKernels::make(const Eigen::MatrixXf& positions,
   if (terms.size() != methods_.size())
     badParameter(terms.size(), " terms, expected ", methods_.size());
   List kernels;
-  // By deviation: a kernel is widened by what its radius cuts off.
+  // Grouped by deviation, because a kernel is widened to compensate its radius.
   std::map<float, std::vector<GaussianTerm>> truncated;
   for (std::size_t m = 0; m < terms.size(); ++m) {
     const GaussianTerm& term = terms[m];
@@ -128,8 +128,8 @@ GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
   const Eigen::Index count = positions.cols();
   if (count == 0)
     return 0.0;
-  // All points or some drawn at random: any regular choice would fall into step with
-  // the rows of an image.
+  // All points or a random sample: a regular sample would align with the rows of an
+  // image.
   PointsByRow others(3, std::min(count, max_others));
   std::minstd_rand random;
   for (Eigen::Index i = 0; i < others.cols(); ++i)
@@ -139,7 +139,8 @@ GaussianKernels::meanNeighbours(const Eigen::Matrix3Xf& positions, float reach)
   std::size_t found = 0, sampled = 0;
   for (Eigen::Index i = 0; i < others.cols(); i += step, ++sampled)
     found += countWithin(others, i, reach * reach);
-  // A point itself is one; the others found stand for as many as were not drawn.
+  // The point itself counts once; the other neighbours are extrapolated from the
+  // sample.
   return 1.0 + double(found - sampled) / double(sampled) * double(count) /
                    double(others.cols());
 }

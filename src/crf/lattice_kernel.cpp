@@ -8,19 +8,18 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr std::size_t widest = 16; // rows that are filtered at a time
+constexpr std::size_t widest = 16; // rows that are filtered at once
 // Below this number of rows, threading costs more than it saves.
 constexpr std::size_t few_rows = 2000;
 
-/** \brief The way of up to 16 rows of values over a lattice: every step in parts that
- * threads share. */
+/** \brief Filters up to 16 rows of values on a lattice; threads share every step. */
 struct LatticePass {
   const PermutohedralLattice& lattice;
   const kernels::LatticeColumns columns;
   const std::size_t width;
   const kernels::LatticeFilter& loops;
   float* const forward; // rows of width floats, blurred in the order of directions
-  float* const reverse; // behind them, blurred in the reverse order
+  float* const reverse; // blurred in the reverse order
 
   void
   run() const

@@ -10,17 +10,17 @@
 namespace pcl_semantic {
 
 /** \brief A weighted Gaussian over any features, w exp(-|f_i - f_j|^2 / 2), on a
- * permutohedral lattice: for features of many dimensions, and for wide kernels.
+ * permutohedral lattice: for high-dimensional features and wide kernels.
  *
- * The mean of blurring from the first direction to the last, as the paper has it, and
- * of the reverse is a symmetric map, and nearer to the Gaussian. Results do not depend
- * on the number of threads, nor on the SIMD tier; several threads that use one kernel
- * take turns. */
+ * Averages the blur from the first direction to the last (as in the paper) and the
+ * reverse order, which is symmetric and closer to the Gaussian. Results depend neither
+ * on the number of threads nor on the SIMD tier. Concurrent calls on one kernel are
+ * serialised. */
 class LatticeKernel : public PairwiseKernel {
 public:
   /** \param[in] features d x N, divided by their deviations; d is 1 to 16
    * \param[in] weight w, 0 or more
-   * \param[in] normalization with D_i as the lattice itself responds to ones
+   * \param[in] normalization with D_i as the lattice's response to ones
    * \param[in] tier instructions to use; for tests
    * \throws InvalidParameterException if the weight is negative or not finite, or as
    * PermutohedralLattice */
@@ -57,8 +57,8 @@ private:
   Eigen::ArrayXf slice_scale_; // of sums
   Eigen::ArrayXf diagonal_;    // of a point's own value, which is subtracted
 
-  // Rows on the lattice, kept from one product to the next: to get memory costs more
-  // than to fill it.
+  // Rows on the lattice, reused between products because allocation costs more than
+  // filling.
   mutable std::mutex mutex_;
   mutable AlignedArray<float> rows_;
 };

@@ -13,12 +13,12 @@ namespace pcl_semantic {
 
 __extension__ typedef unsigned __int128 LongLatticeKey;
 
-/** \brief Arithmetic on keys of 64 or 128 bits.
+/** \brief Arithmetic on 64-bit or 128-bit keys.
  *
- * The coordinates of a vertex are (d + 1) cell_j + remainder, with one remainder for
- * all; their sum is 0, so cell_0 need not be kept. A key holds the remainder in its
- * lowest bits, then the cells 1 ... d, each with a margin of a few cells, so that the
- * keys of neighbours never carry into each other's bits. */
+ * The coordinates of a vertex are (d + 1) cell_j + remainder with a common remainder.
+ * Their sum is 0, so cell_0 is not stored. A key has the remainder in its lowest bits,
+ * then the cells 1 ... d, each with a margin of a few cells, so that the keys of
+ * neighbours never carry into each other's bits. */
 template <typename Key> class LatticeKeys {
 public:
   /** \param[in] extents of the features from frame.low */
@@ -47,7 +47,7 @@ public:
     }
   }
 
-  /** \brief How many bits a key takes: keys are wrong if it has fewer. */
+  /** \brief Bits that a key needs: keys are wrong if it has fewer. */
   int
   bits() const
   {
@@ -64,7 +64,6 @@ public:
     return key;
   }
 
-  /** \brief The neighbour ahead in a direction. */
   Key
   ahead(Key key, int direction) const
   {
@@ -72,16 +71,15 @@ public:
     return remainder(key) == dimensions_ + 1 ? key + wrap_ : key;
   }
 
-  /** \brief The neighbour back in a direction. */
   Key
   back(Key key, int direction) const
   {
     return (remainder(key) == 0 ? key - wrap_ : key) - steps_[direction];
   }
 
-  /** \brief 32 bits that are the same for all vertices of a sheet, those that steps in
-   * the directions from begin to before end lead to: a hash of the differences of the
-   * other cells. Cell 0 is what the others and the remainder leave of 0. */
+  /** \brief A 32-bit hash that is the same for all vertices of a sheet, those reachable
+   * by steps in the directions from begin to before end: a hash of the differences of
+   * the other cells. Cell 0 follows from the others and the remainder. */
   std::uint64_t
   sheet(Key key, int begin, int end) const
   {
@@ -113,15 +111,15 @@ private:
   int shift_[kernels::max_dimensions + 1] = {};
   std::uint64_t cell_masks_[kernels::max_dimensions + 1] = {};
   Key steps_[kernels::max_dimensions + 1] = {};
-  Key wrap_ = 0; // from remainder d + 1 to 0
+  Key wrap_ = 0;
 };
 
-/** \brief Numbers keys in the order in which they come: a table with open addressing,
- * at most half full. A slot is 0 (free) or holds a number + 1 in its lower bits, and
- * bits of the hash above them, so that few keys are compared in vain. */
+/** \brief Numbers keys in the order of insertion: a hash table with open addressing, at
+ * most half full. A slot is 0 (free) or holds a number + 1 in its lower bits and bits
+ * of the hash above them, which avoids most key comparisons. */
 template <typename Key> class LatticeTable {
 public:
-  /** \brief Forgets all keys and makes room for some. */
+  /** \brief Removes all keys and reserves capacity. */
   void
   reset(std::size_t expected)
   {
@@ -130,7 +128,7 @@ public:
     setSlots(2 * expected);
   }
 
-  /** \brief The number of a key, which is new or not. */
+  /** \brief The number of a key, inserted if new. */
   std::int32_t
   insert(Key key)
   {
@@ -148,14 +146,13 @@ public:
     return numberIn(slot);
   }
 
-  /** \brief The number of a key, -1 if it is unknown. */
+  /** \brief The number of a key; -1 if it is missing. */
   std::int32_t
   find(Key key) const
   {
     return numberIn(slots_[search(key, hash(key))]);
   }
 
-  /** \brief By number. */
   const std::vector<Key>&
   keys() const
   {
@@ -184,7 +181,7 @@ private:
     return std::int32_t(slot & number_mask_) - 1;
   }
 
-  // The slot that has a key or is free for it.
+  // The slot of a key, or the free slot for it.
   std::size_t
   search(Key key, std::uint64_t hash) const
   {
@@ -209,7 +206,7 @@ private:
     number_mask_ = std::uint32_t(size - 1);
   }
 
-  int shift_ = 0; // from a hash to its slot
+  int shift_ = 0; // of hashes, to get slots
   std::uint32_t number_mask_ = 0;
   AlignedArray<std::uint32_t> slots_;
   std::vector<Key> keys_;

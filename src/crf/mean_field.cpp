@@ -12,10 +12,9 @@ namespace pcl_semantic {
 
 namespace {
 
-// Variables whose costs, messages and marginals stay in the fast cache together.
+// Variables per block: their costs, messages and marginals stay in the cache.
 constexpr Eigen::Index block_size = 64;
 
-// The costs less their minimum.
 void
 shiftCosts(const float* costs, Eigen::Index labels, Eigen::Index stride, float* shifted)
 {
@@ -31,7 +30,7 @@ shiftCosts(const float* costs, Eigen::Index labels, Eigen::Index stride, float* 
 } // namespace
 
 /** \brief Mean-field inference on padded columns. Messages are negative costs, -sum_j
- * K_ij Q_j(l), so that softMax() takes costs less messages. */
+ * K_ij Q_j(l), so that softMax() computes costs minus messages. */
 class MeanField::Engine {
 public:
   explicit Engine(CrfModel&& model)
@@ -66,7 +65,6 @@ public:
     return marginals_;
   }
 
-  /** \brief Null where there are none. */
   const PaddedColumns*
   cliqueMarginals(std::size_t potential) const
   {
@@ -74,7 +72,7 @@ public:
   }
 
 private:
-  // Costs and start, in one pass over memory that is new.
+  // Costs and start in one pass over new memory.
   void
   setUp(const Eigen::MatrixXf& unary)
   {
@@ -115,13 +113,13 @@ private:
         self_responses_[std::size_t(i)] += kernel->diagonal(i);
   }
 
-  // Q(x_i), eq. (11), for some variables, whose columns stay in the fast cache.
+  // Q(x_i), eq. (11), for a block of variables.
   void
   updateMarginals(Eigen::Index begin, Eigen::Index end)
   {
     const auto count = std::size_t(end - begin);
     const auto stride = std::size_t(messages_.stride());
-    if (!self_responses_.empty()) // j = i, which the kernels leave out
+    if (!self_responses_.empty()) // j = i, which the kernels omit
       for (Eigen::Index i = begin; i < end; ++i)
         for (std::size_t l = 0; l < stride; ++l)
           messages_.column(i)[l] +=
@@ -139,11 +137,11 @@ private:
 
   std::vector<std::shared_ptr<const PairwiseKernel>> kernels_;
   LabelCompatibility compatibility_;
-  PaddedColumns costs_;               // psi_i(l) less their minimum over l
+  PaddedColumns costs_;               // psi_i(l) minus their minimum over l
   PaddedColumns marginals_;           // Q(x)
   PaddedColumns messages_;            // zero between updates
   PaddedColumns mixing_;              // mu(l, k), column k; empty = Potts
-  std::vector<float> self_responses_; // sum of K_ii; empty = none are to be added
+  std::vector<float> self_responses_; // sum of K_ii; empty = none
   std::vector<std::unique_ptr<CliqueTerm>> terms_;
 };
 

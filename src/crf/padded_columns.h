@@ -11,14 +11,14 @@
 
 namespace pcl_semantic {
 
-/** \brief A matrix of floats whose columns start at multiples of 64 bytes (of 32, if
- * there are up to 8 rows) and are filled up with padding: what SIMD loops like. */
+/** \brief A matrix of floats for SIMD loops: columns start at multiples of 64 bytes (of
+ * 32 for up to 8 rows) and are padded. */
 class PaddedColumns {
 public:
   PaddedColumns() = default;
 
-  /** \brief Values are not initialised: memory belongs to the node of the thread that
-   * first writes it. */
+  /** \brief Leaves values uninitialised, so that memory is placed on the NUMA node of
+   * the first thread to write it. */
   PaddedColumns(Eigen::Index rows, Eigen::Index columns)
       : rows_(rows), stride_(rows <= 8 ? 8 : (rows + 15) / 16 * 16), columns_(columns),
         values_(std::size_t(stride_ * columns))
@@ -30,7 +30,7 @@ public:
     return rows_;
   }
 
-  /** \brief Rows with padding: floats from one column to the next. */
+  /** \brief Rows with padding: floats between columns. */
   Eigen::Index
   stride() const
   {
@@ -84,7 +84,6 @@ public:
       std::fill_n(column(i), stride_, 0.0f);
   }
 
-  /** \brief A copy without padding. */
   Eigen::MatrixXf
   matrix() const
   {

@@ -7,8 +7,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Calls work(i, local) for 0 <= i < count on all threads, each of which makes a
- * \a local of its own. Throws what one of the calls threw. */
+/** \brief Calls work(i, local) for 0 <= i < count on all threads; each thread makes its
+ * own \a local. Rethrows an exception of a call. */
 template <typename MakeLocal, typename Work>
 void
 forEachInParallel(std::size_t count, MakeLocal&& make_local, Work&& work)

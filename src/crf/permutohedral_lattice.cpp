@@ -15,10 +15,11 @@ namespace {
 using Features = Eigen::Ref<const Eigen::MatrixXf>;
 
 constexpr std::size_t tile_points = 2048;
-// Vertices of a bucket, about: their rows of 16 floats fill a quarter of a 1 MB cache.
+// Approximate vertices per bucket: their rows of 16 floats fill a quarter of a 1 MB
+// cache.
 constexpr std::size_t bucket_vertices = 4096;
 
-/** \brief The least features and the extents from there to the largest.
+/** \brief The minimum of the features and their extents.
  * \throws InvalidParameterException as PermutohedralLattice */
 kernels::LatticeFrame
 frameOf(const Features& features, double* extents)
@@ -39,8 +40,8 @@ frameOf(const Features& features, double* extents)
   kernels::LatticeFrame frame = {};
   frame.dimensions = int(d);
   for (int k = 0; k < frame.dimensions; ++k) {
-    // Features often lie on a grid: with its corner at that of the lattice they would
-    // lie between simplices, and rounding would choose.
+    // Features are often on a grid. If its corner were the lattice's corner, they would
+    // lie between simplices, and rounding would select one.
     const double offset = std::fmod(0.618033988749895 * double(k + 1), 1.0);
     frame.low[k] = double(lows[k]) - offset;
     extents[k] = double(highs[k]) - frame.low[k];
@@ -53,8 +54,8 @@ frameOf(const Features& features, double* extents)
   return frame;
 }
 
-/** \brief Numbers 0 ... N - 1 sorted by their bucket, those of one bucket in their
- * order. \param[out] begins of each bucket, with an end */
+/** \brief Numbers 0 ... N - 1 sorted by bucket, stable within a bucket.
+ * \param[out] begins of each bucket, with an end */
 std::vector<std::int32_t>
 sortedByBucket(const std::vector<std::int32_t>& bucket_of, std::size_t buckets,
                std::vector<std::size_t>& begins)
@@ -71,9 +72,9 @@ sortedByBucket(const std::vector<std::int32_t>& bucket_of, std::size_t buckets,
   return sorted;
 }
 
-/** \brief An order in which points that lie together follow each other: tiles of the
- * first two features (an image's pixels would come row by row), where those of a tile
- * keep their order. */
+/** \brief An order in which neighbouring points are consecutive: by tiles of the first
+ * two features (pixels of an image would otherwise come row by row), stable within a
+ * tile. */
 std::vector<std::int32_t>
 orderInTiles(const Features& features, const kernels::LatticeFrame& frame,
              const double* extents)
@@ -104,7 +105,7 @@ orderInTiles(const Features& features, const kernels::LatticeFrame& frame,
   return sortedByBucket(tile_of, std::size_t(across * down), begins);
 }
 
-// So many that what points share is found in a chunk, so few that threads find work.
+// A compromise: large chunks share more vertices, small chunks balance the threads.
 std::size_t
 chunkPoints(std::size_t points)
 {
@@ -112,7 +113,7 @@ chunkPoints(std::size_t points)
   return std::min<std::size_t>(4096, std::max<std::size_t>(256, chunk));
 }
 
-/** \brief Fills in what a lattice with frame and columns lacks, step by step. */
+/** \brief Builds a lattice from its frame and columns, step by step. */
 template <typename Key> class Builder {
 public:
   Builder(const LatticeKeys<Key>& keys, SimdTier tier, PermutohedralLattice& lattice)
@@ -136,7 +137,7 @@ public:
   }
 
 private:
-  // Up to that the sets of directions are few enough to keep for every vertex.
+  // Up to this, all sets of directions can be stored for every vertex.
   static constexpr std::size_t max_corners_of_sets = 8;
   static constexpr std::size_t batch = kernels::batch_points;
 
@@ -146,8 +147,8 @@ private:
     return std::min(lattice_.points, (chunk + 1) * lattice_.chunk_points);
   }
 
-  // Fills in weights and directions; corner_rows with numbers of keys of the chunk.
-  // Then numbers the vertices, chunk by chunk.
+  // Computes weights, directions and corner_rows (with the chunk's key numbers), then
+  // numbers the vertices chunk by chunk.
   void
   embed(const Features& features)
   {
@@ -197,7 +198,7 @@ private:
     kernels::LatticeBatch simplices;
     embed_(lattice_.frame, features.data(), columns, simplices);
     const std::size_t corners = lattice_.corners;
-    // Points often share vertices with the one before. No key has all bits.
+    // Consecutive points often share vertices. No key has all bits set.
     Key before[kernels::max_dimensions + 1];
     std::int32_t numbers[kernels::max_dimensions + 1];
     std::fill_n(before, corners, ~Key(0));
@@ -217,7 +218,7 @@ private:
     }
   }
 
-  // From numbers of keys of a chunk to rows.
+  // Converts key numbers of a chunk to rows.
   void
   writeRows()
   {
@@ -247,7 +248,7 @@ private:
   void
   findRuns()
   {
-    // Directions of a group: so few that a sheet is small against the lattice.
+    // Directions per group: so few that a sheet is small compared with the lattice.
     const int corners = int(lattice_.corners), d = corners - 1;
     const int size = d < 6 ? std::max(1, d - 2) : (d + 2) / 2;
     const std::size_t buckets = lattice_.vertices / bucket_vertices + 1;
@@ -277,10 +278,10 @@ private:
   makeBucket(const std::int32_t* members, std::size_t count, int first, int end,
              LatticeTable<Key>& table) const
   {
-    std::vector<Key> keys(count); // all at first, as they come from anywhere
+    std::vector<Key> keys(count); // initially all, because they are in no order
     for (std::size_t m = 0; m < count; ++m)
       keys[m] = vertices_.keys()[std::size_t(members[m])];
-    table.reset(4 * count); // most keys are found or missed at once
+    table.reset(4 * count); // most look-ups end at the first slot
     for (const Key& key : keys)
       table.insert(key);
     PermutohedralLattice::Bucket bucket;
@@ -291,7 +292,7 @@ private:
       std::fill(has_back.begin(), has_back.end(), 0);
       for (std::size_t m = 0; m < count; ++m) {
         ahead[m] = table.find(keys_.ahead(keys[m], j));
-        has_back[std::size_t(ahead[m] + 1)] = 1; // of 0 = none, no branch
+        has_back[std::size_t(ahead[m] + 1)] = 1; // of 0 = none; avoids a branch
       }
       appendRuns(members, ahead, has_back, bucket);
     }
@@ -300,7 +301,8 @@ private:
     return bucket;
   }
 
-  // The runs of one direction, from the neighbour ahead of every member (-1 = none).
+  // Appends the runs of one direction, from the neighbour ahead of every member (-1 =
+  // none).
   static void
   appendRuns(const std::int32_t* members, const std::vector<std::int32_t>& ahead,
              const std::vector<std::uint8_t>& has_back,
@@ -319,9 +321,9 @@ private:
     bucket.begins.push_back(bucket.steps.size());
   }
 
-  // Finds the paths from every vertex: bit S of the first (second) half of its sets
-  // tells whether the vertices of the path exist that steps ahead (back) from there in
-  // every direction j of the set S, S = sum of 2^(d - j), in their order.
+  // Finds the paths from every vertex. Bit S of the first (second) half of its sets is
+  // 1 if the path from there exists that steps ahead (back) in every direction j of the
+  // set S, in their order; S = sum of 2^(d - j).
   void
   findPaths()
   {
@@ -331,7 +333,7 @@ private:
     for (std::size_t v = 0; v < 2 * lattice_.vertices; ++v)
       for (std::size_t w = 0; w < words_; ++w)
         sets_[v * words_ + w] = w == 0 ? 1 : 0;
-    // From the last direction to the first, as a path takes the first one first.
+    // From the last direction to the first, because a path starts with the first one.
     for (auto group = lattice_.groups.rbegin(); group != lattice_.groups.rend();
          ++group) {
 #pragma omp parallel for schedule(dynamic, 1)
@@ -345,9 +347,9 @@ private:
     }
   }
 
-  // Adds to every row of a direction the sets of later directions that its neighbours
-  // have, with this direction. In place: the neighbour that is read is not changed yet.
-  // No branches at the ends of runs, as none could be predicted.
+  // Adds to every row of a direction the sets of later directions of its neighbours,
+  // extended by this direction. Works in place: the neighbour that is read has not
+  // changed yet. Without branches at the ends of runs, which would be mispredicted.
   void
   addDirection(const std::int32_t* steps, std::size_t count, std::size_t direction)
   {
@@ -374,9 +376,9 @@ private:
       add(steps[t - 1], steps[t - 1] >= 0, steps[t], 1);
   }
 
-  // A value gets from vertex k of a simplex to vertex k + m (modulo d + 1) by one step
-  // ahead in m directions, or one step back in the d + 1 - m others, each of half
-  // weight.
+  // A value moves from vertex k of a simplex to vertex k + m (modulo d + 1) by one step
+  // ahead in m directions, or one step back in the d + 1 - m others, each of weight
+  // 1/2.
   float
   respond(std::size_t i) const
   {
@@ -402,14 +404,14 @@ private:
         weight_ahead *= 0.5f;
         weight_back *= 2.0f;
       }
-      response += weights[k] * weights[k] * // no step at all is counted once
+      response += weights[k] * weights[k] * // the empty path counts once
                   (weight_ahead * float(paths(vertex, all, 0)));
     }
     return response;
   }
 
-  // 1 if the path from a vertex exists (half 1: back), else 0. Beyond some dimensions
-  // by walking it, as there are too many sets of directions to keep, and few paths.
+  // 1 if the path from a vertex exists (half 1: back), else 0. In high dimensions there
+  // are too many sets to store and few paths, so the path is followed instead.
   std::int32_t
   paths(std::size_t vertex, std::uint32_t set, std::size_t half) const
   {
@@ -431,9 +433,10 @@ private:
   const kernels::LatticeEmbedding embed_;
   PermutohedralLattice& lattice_;
   LatticeTable<Key> vertices_;
-  // By number of a key in its chunk: its vertex, or -1 less its partial row.
+  // By key number in its chunk: its vertex, or -1 minus its partial row.
   std::vector<std::vector<std::int32_t>> chunk_numbers_;
-  AlignedArray<std::uint8_t> directions_; // from each corner to the next, d + 1 a point
+  AlignedArray<std::uint8_t> directions_; // from each corner to the next, d + 1 per
+                                          // point
   AlignedArray<std::uint64_t> sets_;      // of directions, by vertex
   std::size_t words_ = 0;                 // of half of the sets of a vertex
 };
@@ -466,8 +469,8 @@ PermutohedralLattice::PermutohedralLattice(const Features& features, SimdTier ti
 float
 PermutohedralLattice::gain() const
 {
-  // The taps sum to 2 in each of d + 1 directions; a vertex stands for the volume
-  // (3/2)^(d/2) / (d + 1)^(1/2) of the space of features.
+  // The taps sum to 2 in each of d + 1 directions; a vertex represents the volume
+  // (3/2)^(d/2) / (d + 1)^(1/2) of the feature space.
   const double d = frame.dimensions, pi = 3.14159265358979323846;
   return float(std::pow(4.0 * pi / 3.0, d / 2.0) * std::sqrt(d + 1.0) /
                std::exp2(d + 1.0));

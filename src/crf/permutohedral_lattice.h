@@ -15,31 +15,32 @@
 
 namespace pcl_semantic {
 
-/** \brief The permutohedral lattice of Adams, Baek and Davis (2010) around N points:
- * where LatticeKernel sums with the Gaussian exp(-|f_i - f_j|^2 / 2) in time linear in
- * N, near enough.
+/** \brief The permutohedral lattice of Adams, Baek and Davis (2010) around N points,
+ * with which LatticeKernel approximates sums with the Gaussian exp(-|f_i - f_j|^2 / 2)
+ * in time linear in N.
  *
  * Values are splatted to the vertices of the simplex around their point, blurred with
- * the taps 1/2 1 1/2 along every direction in turn, and sliced where they are asked
- * for. Vertices around no point do not exist: values that would pass through them are
- * lost, and which ones depends on the order of the directions. The lattice lies the
- * same way around the least features of the points, wherever these are.
+ * the taps 1/2 1 1/2 along every direction in turn, and sliced at the points. Only
+ * vertices of a simplex around a point exist. Values that would pass through other
+ * vertices are lost, and which ones depends on the order of the directions. The lattice
+ * is placed relative to the minimum of the features, so translating all features
+ * changes nothing.
  *
- * The points are sorted into chunks that lie together. Vertices are numbered by the
- * chunk that touches them first, so that the sums of a chunk go to rows of its own:
- * those of its vertices, and partial rows (numbered after the vertices) for those of
- * earlier chunks. No number depends on the threads. */
+ * The points are sorted into chunks of neighbours. Vertices are numbered by the first
+ * chunk that uses them, so that a chunk accumulates into its own rows: those of its
+ * vertices, and partial rows (numbered after the vertices) for vertices of earlier
+ * chunks. Numbers do not depend on the threads. */
 struct PermutohedralLattice {
   /** \param[in] features d x N, divided by their deviations; d is 1 to 16
    * \param[in] tier instructions to use; for tests
    * \throws InvalidParameterException if a feature is not finite, d is not 1 to 16, or
-   * features span so many deviations that the keys of vertices (128 bits) cannot tell
-   * them apart: not below 50 at d = 16, more at fewer */
+   * features span too many deviations for unique vertex keys (128 bits). The limit is
+   * at least 50 for d = 16 and larger for smaller d. */
   explicit PermutohedralLattice(const Eigen::Ref<const Eigen::MatrixXf>& features,
                                 SimdTier tier = simdTier());
 
-  /** \brief Factor of the sums of the lattice: the integral of the Gaussian by that of
-   * splat, blur and slice. */
+  /** \brief Scale of the lattice's sums: the integral of the Gaussian divided by that
+   * of splat, blur and slice. */
   float gain() const;
 
   std::size_t
@@ -48,27 +49,27 @@ struct PermutohedralLattice {
     return (points + chunk_points - 1) / chunk_points;
   }
 
-  /** \brief Vertices whose rows a thread takes at a time. */
+  /** \brief Rows of vertices per task of a thread. */
   static constexpr std::size_t part_rows = 1024;
 
-  /** \brief The runs of some vertices, in each direction of a group: their rows one
-   * after the other, the last of a run marked (kernels::run_end). */
+  /** \brief The runs of some vertices, in each direction of a group: their consecutive
+   * rows, the last of a run marked (kernels::run_end). */
   struct Bucket {
     std::vector<std::int32_t> steps;
-    /** \brief Of each direction, with an end. After its steps comes one that is not its
-     * own, as a loop looks one step ahead. */
+    /** \brief Begins of each direction, with an end. One foreign step follows the steps
+     * of a direction, because a loop reads one step ahead. */
     std::vector<std::size_t> begins;
   };
 
-  /** \brief Directions that are blurred one after the other without a look at more than
-   * a bucket of vertices, which stays in the fast cache: a bucket holds whole sheets,
-   * sets of all vertices that can be reached by steps in these directions. */
+  /** \brief Directions that are blurred one after the other within a bucket of
+   * vertices, which stays in the cache. A bucket contains whole sheets, sets of all
+   * vertices reachable by steps in these directions. */
   struct Group {
     std::size_t first_direction;
     std::vector<Bucket> buckets;
   };
 
-  kernels::LatticeFrame frame = {}; ///< a vertex lies at its low
+  kernels::LatticeFrame frame = {}; ///< a vertex lies at its minimum
   std::size_t points = 0;           ///< N
   std::size_t corners = 0;          ///< of a simplex, d + 1
   std::size_t vertices = 0;
@@ -82,11 +83,12 @@ struct PermutohedralLattice {
   std::vector<std::size_t> first_rows;     ///< by chunk, with an end
   std::vector<std::size_t> first_partials; ///< by chunk, with an end
   std::vector<std::int32_t> represents;    ///< vertex of each partial row
-  std::vector<std::int32_t> merged;        ///< partial rows by part of their vertices
+  std::vector<std::int32_t> merged;        ///< partial rows, by part of their vertices
   std::vector<std::size_t> merged_begins;  ///< of parts, with an end
 
   std::vector<Group> groups;
-  Eigen::ArrayXf self_responses; ///< what a one at every point sends back, no gain()
+  Eigen::ArrayXf self_responses; ///< response of each point to a one at itself, without
+                                 ///< gain()
 };
 
 } // namespace pcl_semantic

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t max_points = std::size_t(1) << (32 - kernels::run_length_bits);
 constexpr double max_cells = 1 << 20; // along an axis
 
-// Sorts numbers 0..N-1 by their keys, equal ones in order: a radix sort.
+// Stable radix sort of the numbers 0..N-1 by key.
 std::vector<std::int32_t>
 sortByKey(std::vector<std::uint64_t> keys, std::uint64_t largest)
 {
@@ -45,7 +45,7 @@ sortByKey(std::vector<std::uint64_t> keys, std::uint64_t largest)
   return order;
 }
 
-// Low and high corner of the points, of which there are some.
+// Bounding box of the points, at least one.
 std::pair<Eigen::Array3f, Eigen::Array3f>
 boundsOf(const Eigen::Matrix3Xf& positions)
 {
@@ -60,7 +60,8 @@ boundsOf(const Eigen::Matrix3Xf& positions)
 } // namespace
 
 PointRows::PointRows(float reach, float cell)
-    // On a grid many pairs lie at the reach exactly: rounding must not decide on them.
+    // On a grid many pairs lie exactly at the reach; the margin avoids rounding
+    // decisions.
     : cell_(cell), reach_(reach / cell * 1.0001f)
 {}
 
@@ -112,7 +113,7 @@ void
 PointRows::sortPoints(const Eigen::Matrix3Xf& positions, const Eigen::Array3f& high)
 {
   const auto count = static_cast<std::size_t>(positions.cols());
-  // Half a cell aside, so that points of a grid lie in the middle of their cells.
+  // Shifted by half a cell, so that points of a grid lie in the middle of their cells.
   const auto cellOf = [&](const auto& position) -> Eigen::Vector3i {
     return ((position.array() - low_) / cell_ + 0.5f).template cast<int>().matrix();
   };
@@ -136,7 +137,7 @@ PointRows::sortPoints(const Eigen::Matrix3Xf& positions, const Eigen::Array3f& h
   sortWithinCells(positions);
 }
 
-// Sums must not depend on the order that the points came in.
+// Sums must not depend on the input order of the points.
 void
 PointRows::sortWithinCells(const Eigen::Matrix3Xf& positions)
 {
@@ -157,10 +158,11 @@ PointRows::sortWithinCells(const Eigen::Matrix3Xf& positions)
 void
 PointRows::buildRows(const Eigen::Matrix3Xf& positions)
 {
-  constexpr int widest_gap = 256; // as long as that, a table costs less than a row more
+  constexpr int widest_gap = 256; // up to this width, a table is cheaper than another
+                                  // row
   row_of_.resize(size());
   starts_.reserve(4 * size());
-  // Of points in their cells; on a grid they all have the same position.
+  // Positions within the cells; on a grid they are all the same.
   Eigen::Array3f lowest = Eigen::Array3f::Ones(), highest = -lowest;
   for (std::size_t i = 0; i < size(); ++i) {
     const Eigen::Vector3i& cell = cells_[i];
@@ -183,7 +185,7 @@ PointRows::buildRows(const Eigen::Matrix3Xf& positions)
   findWidths(highest - lowest);
 }
 
-// slack: how much less than their cells points may lie apart [cells]
+// slack: difference between the distance of cells and of their points, at most [cells]
 void
 PointRows::findWidths(const Eigen::Array3f& slack)
 {
@@ -197,7 +199,6 @@ PointRows::findWidths(const Eigen::Array3f& slack)
     }
 }
 
-// The rows near a row.
 class PointRows::NearRows {
 public:
   explicit NearRows(const PointRows& points) : points_(points) {}
@@ -221,14 +222,14 @@ public:
       }
       widths += 2 * reach + 1;
     }
-    for (int k = 0; k < 16; ++k) // loops go by as many rows at a time
+    for (int k = 0; k < 16; ++k) // loops process 16 rows at once
       append(Row{}, 0);
     return {points_.starts_.data(), arrays_[0].data(), arrays_[1].data(),
             arrays_[2].data(),      arrays_[3].data(), count_ - 16};
   }
 
 private:
-  // The first row that may be near, of those with some z.
+  // The first row, of those with the same z, that may be near.
   struct First {
     std::int32_t z;
     std::size_t row;
@@ -239,7 +240,7 @@ private:
   {
     const std::vector<Row>& all = points_.rows_;
     const auto before = [&](const Row& r) { return r.z < z || (r.z == z && r.y < y); };
-    if (first.z != z) // else rows come in order: the one sought cannot be far
+    if (first.z != z) // otherwise rows are in order, and the next one is close
       first = {z, std::size_t(std::partition_point(all.begin(), all.end(), before) -
                               all.begin())};
     while (first.row < all.size() && before(all[first.row]))
@@ -291,12 +292,13 @@ appendLongRuns(const kernels::NearRowsView& rows, std::int32_t first, std::int32
 PointRows::Groups
 PointRows::findRuns(std::size_t begin, std::size_t end) const
 {
-  constexpr int widest_group = 4; // wider, too many pairs would lie beyond the reach
+  constexpr int widest_group = 4; // wider groups would contain too many pairs beyond
+                                  // the reach
   const kernels::TruncatedLoops& loops = kernels::truncatedLoops();
   NearRows search(*this);
   kernels::NearRowsView near{};
   Groups groups;
-  groups.runs.reserve(16 * (end - begin)); // of surfaces
+  groups.runs.reserve(16 * (end - begin)); // estimate for surfaces
   std::vector<Run> found;
   for (std::size_t i = begin, last = i; i < end; i = last) {
     const std::int32_t cell = cells_[i].x();

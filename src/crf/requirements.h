@@ -12,11 +12,11 @@
 
 namespace pcl_semantic {
 
-/** \brief As Eigen's allFinite(), many values at once. */
+/** \brief As Eigen's allFinite(), vectorised. */
 inline bool
 areFinite(const float* values, Eigen::Index count)
 {
-  unsigned bad = 0; // bits put together instead of an early exit
+  unsigned bad = 0; // combined bits, without early exit
   for (Eigen::Index i = 0; i < count; ++i) {
     unsigned bits = 0;
     std::memcpy(&bits, values + i, sizeof(bits));

@@ -38,13 +38,13 @@ validate(const Eigen::Matrix3Xf& positions, const std::vector<GaussianTerm>& ter
   }
 }
 
-constexpr std::size_t padding = 16; // the loops read as many values behind the last
+constexpr std::size_t padding = 16; // the loops read this many values beyond the last
 constexpr float log2_e = 1.44269504f;
 
-/** \brief Memory of a thread that its next task may use again. */
+/** \brief Memory of a thread, reused by its next task. */
 class Scratch {
 public:
-  /** \brief At least so many floats; what they hold is not defined. */
+  /** \brief At least \a count floats, uninitialised. */
   float*
   floats(std::size_t count)
   {
@@ -60,11 +60,11 @@ private:
 } // namespace
 
 /** \brief Positions and features of points in some order, and the scales of the terms,
- * as the arrays that the inner loops take. */
+ * in the arrays of the inner loops. */
 class SortedPoints {
 public:
-  /** \param[in] order numbers of the columns of \a positions
-   * \param[in] squared_radius pairs farther apart are none
+  /** \param[in] order indices of the columns of \a positions
+   * \param[in] squared_radius pairs farther apart are omitted
    * \param[in] variance of positions, in all terms */
   SortedPoints(const Eigen::Matrix3Xf& positions,
                const std::vector<std::int32_t>& order,
@@ -109,8 +109,8 @@ public:
     return view_;
   }
 
-  /** \brief Factors of a term's values, on the side of the point and of its neighbour:
-   * weight / D, or its root on both sides. */
+  /** \brief Factors of a term's values, for the point and for its neighbour: weight /
+   * D, or its square root on both sides. */
   float*
   left(std::size_t term)
   {
@@ -132,7 +132,7 @@ private:
   kernels::PointsView view_;
 };
 
-/** \brief The neighbours of some sorted points, by groups of these. */
+/** \brief The neighbours of some sorted points, by groups of points. */
 struct TruncatedKernel::Chunk {
   static constexpr std::size_t max_points = 256;
 
@@ -158,7 +158,7 @@ struct TruncatedKernel::Chunk {
       lengths.push_back(std::uint32_t(length));
       longest = std::max(longest, length);
       pairs += std::size_t(view(g).points) * kernels::strideOf(length);
-      pair_ends.push_back(std::uint32_t(pairs)); // a chunk with more is refused
+      pair_ends.push_back(std::uint32_t(pairs)); // chunks with more pairs are refused
     }
   }
 
@@ -195,7 +195,7 @@ TruncatedKernel::TruncatedKernel(const Eigen::Matrix3Xf& positions,
   const float deviation = terms[0].position_deviation;
   const PointRows rows(positions, radius * deviation, deviation / 2.0f);
   order_ = rows.order();
-  const float reach = radius * deviation * 1.0001f; // as that of the rows
+  const float reach = radius * deviation * 1.0001f; // as in PointRows
   SortedPoints points(positions, order_, terms, reach * reach,
                       deviation * deviation * widening(radius, normalization));
   sumTerms(rows, points, terms, normalization);
@@ -221,7 +221,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
         if (pairs < max_pairs)
           chunk.find(rows, c * Chunk::max_points);
         if ((pairs += chunk.pairs) >= max_pairs)
-          return; // it is refused below
+          return; // refused below
         chunk.weights.reset(new std::uint32_t[chunk.pairs / 2]);
         float* const gathered = scratch.floats(
             kernels::scratchSize(chunk.longest, 1 + points.view().features_end));
@@ -240,7 +240,7 @@ TruncatedKernel::sumTerms(const PointRows& rows, SortedPoints& points,
                  max_pairs, ": take a smaller radius or fewer points");
 }
 
-// Divides by D_i, the sums over all j of k_ij, i included, of each term.
+// Divides by D_i of each term.
 void
 TruncatedKernel::normalize(SortedPoints& points, const std::vector<GaussianTerm>& terms,
                            std::size_t point, const float* sums,
@@ -277,7 +277,7 @@ TruncatedKernel::makeWeights(const SortedPoints& points)
 float
 TruncatedKernel::widening(float radius, Normalization normalization)
 {
-  // Without normalisation a wider kernel would be a heavier one.
+  // Without normalisation a wider kernel would also have a larger weight.
   return normalization == Normalization::none
              ? 1.0f
              : 1.0f + std::exp(-0.84f * (radius * radius - 4.0f));
@@ -301,7 +301,7 @@ void
 TruncatedKernel::addProduct(const Eigen::Ref<const Eigen::MatrixXf>& values,
                             Eigen::Ref<Eigen::MatrixXf> result) const
 {
-  constexpr std::size_t block = 16; // of rows that the loops take at once
+  constexpr std::size_t block = 16; // rows that the loops process at once
   const auto rows = std::size_t(values.rows());
   const std::size_t stride = (rows + block - 1) / block * block;
   const bool sorted = order_.empty();

@@ -59,8 +59,8 @@ scoresOf(const ConfusionMatrix& confusion, Label label,
   return scores;
 }
 
-// Over the classes for which `present` holds; a figure that is no number (the precision
-// of a class never predicted) counts as 0.
+// Mean over the classes for which `present` holds; NaN (the precision of a class that
+// was never predicted) counts as 0.
 template <typename Present>
 double
 meanOf(const std::vector<ClassScores>& classes, double ClassScores::*figure,
@@ -159,7 +159,6 @@ computeScores(const ConfusionMatrix& confusion, const std::vector<Label>& evalua
 
 namespace {
 
-// In percent; "-" if there is none.
 std::string
 percent(double ratio)
 {
@@ -176,7 +175,6 @@ tableLine(const std::string& name, int name_width, const ClassScores& scores)
   return line + cv::format("%12s\n", std::to_string(scores.pixels).c_str());
 }
 
-// NaN becomes null.
 nlohmann::ordered_json
 jsonOf(const ClassScores& scores)
 {
@@ -226,7 +224,8 @@ scoresMarkdownRow(const Scores& scores, const std::string& name)
 {
   std::string text = "| ";
   for (const char letter : name)
-    text += letter == '|' ? std::string("\\|") : std::string(1, letter); // of a cell
+    text += letter == '|' ? std::string("\\|") : std::string(1, letter); // escapes cell
+                                                                         // separators
   text += " |";
   for (const ClassScores& row : scores.classes)
     text += " " + percent(row.iou_exclusive) + " |";
@@ -248,7 +247,6 @@ scoresJson(const Scores& scores, const LabelSet& label_set)
     json["classes"].push_back(entry);
   }
   json["mean"] = jsonOf(scores.mean);
-  // NaN becomes null.
   json["global_accuracy"] = scores.global_accuracy;
   json["frequency_weighted_iou"] = scores.frequency_weighted_iou;
   json["coverage"] = scores.coverage;

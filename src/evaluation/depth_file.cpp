@@ -52,7 +52,7 @@ writeDepthImage(const std::string& path, const cv::Mat& depth)
   depth.convertTo(image, CV_16U, steps_per_metre); // rounds and saturates
   for (std::uint16_t& value : cv::Mat1w(image))
     if (value != 0 && !isMeasuredDepth(value))
-      --value; // as far as the format goes
+      --value; // largest depth of the format
   writePng(path, image);
 }
 

@@ -32,7 +32,8 @@ visitBox(const VoxelIndex& first, const VoxelIndex& last, const Visit& visit)
 bool
 isNear(const Eigen::Vector3d& point, double voxel_size)
 {
-  return (point.array().abs() < (kMaxVoxelIndex - 1) * voxel_size).all(); // not for NaN
+  return (point.array().abs() < (kMaxVoxelIndex - 1) * voxel_size).all(); // false for
+                                                                          // NaN
 }
 
 VoxelIndex
@@ -41,7 +42,7 @@ indexOf(const Eigen::Vector3d& point, double voxel_size)
   return voxelOf(quantize(point, voxel_size));
 }
 
-// Of a point to the cube of a voxel, squared.
+// From a point to the cube of a voxel.
 double
 squaredDistance(const Eigen::Vector3d& point, const VoxelIndex& index,
                 double voxel_size)
@@ -92,7 +93,7 @@ VoxelLookup::nearest(const Eigen::Vector3d& point, double within) const
   double least = std::nextafter(within * within, 1e300);
   VoxelIndex best = VoxelIndex::Constant(std::numeric_limits<int>::max());
   visitBox(blockOf(first), blockOf(last), [&](const VoxelIndex& block) {
-    if (blocks_.count(block)) // most are empty
+    if (blocks_.count(block)) // most blocks are empty
       nearestInBlock(
           point, first.cwiseMax(block * kBlockEdge),
           last.cwiseMin(block * kBlockEdge + VoxelIndex::Constant(kBlockEdge - 1)),

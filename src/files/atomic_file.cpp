@@ -29,7 +29,7 @@ folderOf(const std::string& path)
   return folder.empty() ? fs::path(".") : folder;
 }
 
-// Brings a file or a folder's entries to the disk.
+// Flushes a file or the entries of a folder to disk.
 bool
 synchronize(const fs::path& path, int flags)
 {
@@ -52,8 +52,9 @@ temporaryNameOf(const std::string& path)
   return (folderOf(path) / name).string();
 }
 
-// Whoever writes a temporary file holds its lock, on whatever machine, to the end of
-// the process. \return -1 if another one does, or there are no locks
+// The writer of a temporary file holds its lock until the process ends; this works
+// across machines. \return -1 if another process holds it, or the file system has no
+// locks
 int
 lock(const std::string& path)
 {
@@ -67,7 +68,7 @@ lock(const std::string& path)
 bool
 isAbandoned(const fs::directory_entry& entry)
 {
-  // Between its first moment and its lock a file is neither.
+  // A new file is briefly unlocked.
   constexpr std::chrono::seconds settled{10};
   std::error_code error;
   return entry.path().filename().string()[0] == '.' &&
@@ -114,7 +115,7 @@ AtomicFile::AtomicFile(const std::string& path)
 AtomicFile::~AtomicFile()
 {
   stream_.close();
-  ::unlink(temporary_path_.c_str()); // without memory, too
+  ::unlink(temporary_path_.c_str()); // does not allocate
   if (lock_ >= 0)
     ::close(lock_);
 }

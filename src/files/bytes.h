@@ -14,7 +14,7 @@ namespace pcl_semantic {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/** \brief The unsigned integer that has the bits of a number. */
+/** \brief The unsigned integer with the same bits. */
 template <typename T>
 auto
 bitsOf(T value)
@@ -30,7 +30,7 @@ bitsOf(T value)
   return bits;
 }
 
-/** \brief A whole number of up to eight bytes, in the order of another's format. */
+/** \brief An unsigned integer of up to eight bytes in a given byte order. */
 inline std::uint64_t
 wholeNumber(const std::uint8_t* bytes, std::size_t size, bool is_big_endian = true)
 {
@@ -40,11 +40,10 @@ wholeNumber(const std::uint8_t* bytes, std::size_t size, bool is_big_endian = tr
   return value;
 }
 
-/** \brief Writes numbers and texts one after the other, little-endian on any machine.
- */
+/** \brief Writes numbers and texts consecutively, little-endian on any machine. */
 class ByteWriter {
 public:
-  /** \param[in] expected bytes, so that memory is taken once */
+  /** \param[in] expected bytes, to allocate once */
   explicit ByteWriter(std::size_t expected = 0) { bytes_.reserve(expected); }
 
   template <typename T>
@@ -56,7 +55,7 @@ public:
       bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * b)));
   }
 
-  /** \brief The number of bytes as 32 bits, then the bytes. */
+  /** \brief Writes the number of bytes as 32 bits, then the bytes. */
   void
   putText(const std::string& text)
   {
@@ -70,7 +69,7 @@ public:
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
 
-  /** \brief Numbers of one kind, one after the other. */
+  /** \brief Writes numbers of one type consecutively. */
   template <typename T>
   void
   putColumn(const std::vector<T>& values)
@@ -95,8 +94,8 @@ private:
   Bytes bytes_;
 };
 
-/** \brief Reads what ByteWriter wrote; never beyond the end.
- * Every method throws BadInputException if there are too few bytes. */
+/** \brief Reads the output of ByteWriter. Every method throws BadInputException if
+ * there are too few bytes. */
 class ByteReader {
 public:
   explicit ByteReader(const Bytes& bytes)
@@ -137,7 +136,7 @@ public:
     return values;
   }
 
-  /** \brief Everything that is left. */
+  /** \brief All remaining bytes. */
   Bytes
   getRest()
   {

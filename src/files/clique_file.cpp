@@ -42,7 +42,7 @@ readCliques(const std::string& path, std::size_t points)
   for (const TextLine& line : readLines(path)) {
     pcl::PointIndices clique = parseClique(line.text.substr(0, line.text.find('#')),
                                            points, atLine(path, line.number));
-    if (!clique.indices.empty()) // a line may hold blanks alone, or a comment
+    if (!clique.indices.empty()) // a line may contain only blanks or a comment
       cliques.push_back(std::move(clique));
   }
   return cliques;

@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The fields as they are in the file.
 PcdTable
 readFields(const std::string& path, const ScanColumns& columns)
 {

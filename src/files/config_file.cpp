@@ -15,7 +15,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// The text of a value in a YAML file; a triple may also be written as a list.
+// The text of a value in a YAML file; a triple may also be a list.
 std::string
 yamlText(const YamlMap& file, const std::string& key, bool is_triple)
 {
@@ -34,7 +34,7 @@ yamlText(const YamlMap& file, const std::string& key, bool is_triple)
   return text;
 }
 
-// Parameters of earlier versions and their names now; empty = removed.
+// Parameters of earlier versions and their current names; empty = removed.
 const std::map<std::string, std::string> removed_parameters = {
     {"clique_appearance_deviation", ""},
     {"clique_colour_deviation", ""},

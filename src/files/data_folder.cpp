@@ -15,8 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The folders of the running program and of the library that holds this code; empty for
-// one that cannot be told.
+// The folders of the running program and of this library; empty if unknown.
 std::vector<fs::path>
 homes()
 {
@@ -35,7 +34,7 @@ homes()
 std::string
 findDataFile(const std::string& name)
 {
-  // beside bin or lib; beside lib/<architecture>; in a build
+  // relative to bin or lib; to lib/<architecture>; in a build
   const char* const folders[] = {"../share/pcl_semantic", "../../share/pcl_semantic",
                                  "../../data"};
   std::error_code error;

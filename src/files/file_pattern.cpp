@@ -29,7 +29,7 @@ isDigit(char c)
   return c >= '0' && c <= '9';
 }
 
-// The number that begins at `at`, without leading zeros; `at` moves behind it.
+// Parses the number at `at`, without leading zeros, and advances `at`.
 std::string
 takeNumber(const std::string& text, std::size_t& at)
 {
@@ -42,7 +42,7 @@ takeNumber(const std::string& text, std::size_t& at)
   return text.substr(first, at - first);
 }
 
-// A folder that is not there holds nothing; one that cannot be read may hold files.
+// A missing folder contains no files, but an unreadable one may.
 int
 isTrouble(const char*, int error)
 {
@@ -73,7 +73,7 @@ filesIn(const std::string& folder, const std::vector<std::string>& extensions)
     const fs::path& path = entry.path();
     const std::string extension =
         boost::algorithm::to_lower_copy(path.extension().string());
-    if (path.filename().string()[0] == '.' || // as the shell passes over them
+    if (path.filename().string()[0] == '.' || // hidden, as in the shell
         !std::count(extensions.begin(), extensions.end(), extension))
       continue;
     const auto [other, is_new] = files.emplace(path.stem().string(), path.string());
@@ -122,7 +122,7 @@ naturalLess(const std::string& a, const std::string& b)
     else
       ++i, ++j;
   }
-  // Equal but for zeros in front of numbers: any order will do that is one.
+  // Equal except for leading zeros: any total order will do.
   return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
 }
 

@@ -11,15 +11,15 @@
 
 namespace pcl_semantic {
 
-/** \brief Keeps a second process, or object, from writing to a folder at the same time;
- * it ends with its owner, however that ends. */
+/** \brief Locks a folder against other processes or objects that write to it. The lock
+ * ends with its process, even after a crash. */
 class FolderLock {
 public:
-  /** \throws OutputException if another one holds it */
+  /** \throws OutputException if the folder is locked */
   explicit FolderLock(const std::string& folder)
       : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC))
   {
-    // Not every network file system can lock: then nothing keeps others out.
+    // Some network file systems have no locks; then the folder is unprotected.
     if (descriptor_ < 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 ||
         errno != EWOULDBLOCK)
       return;

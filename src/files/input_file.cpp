@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Streams hide that memory lacks, and would wait for the other end of a pipe.
+// Not a stream: streams hide std::bad_alloc, and opening a pipe would block.
 struct OpenedFile {
   explicit OpenedFile(const std::string& path)
       : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))
@@ -91,7 +91,7 @@ readLines(const std::string& path)
 {
   const std::vector<std::uint8_t> bytes = readBytes(path);
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  constexpr std::string_view mark = "\xEF\xBB\xBF"; // of UTF-8
+  constexpr std::string_view mark = "\xEF\xBB\xBF"; // UTF-8 byte-order mark
   if (text.substr(0, mark.size()) == mark)
     text.remove_prefix(mark.size());
   std::vector<TextLine> lines;

@@ -5,8 +5,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Whether a path exists; opening it may still fail, as of a loop of links.
- * Throws nothing, unlike std::filesystem::exists(). */
+/** \brief Whether a path exists; opening it may still fail, for example for a loop of
+ * links. Does not throw, unlike std::filesystem::exists(). */
 inline bool
 isThere(const std::filesystem::path& path)
 {
@@ -15,7 +15,7 @@ isThere(const std::filesystem::path& path)
          std::filesystem::file_type::not_found;
 }
 
-/** \brief Whether a path leads to a folder; throws nothing. */
+/** \brief Whether a path leads to a folder; does not throw. */
 inline bool
 isFolder(const std::filesystem::path& path)
 {

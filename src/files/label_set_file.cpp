@@ -96,7 +96,7 @@ readLabelMapping(const std::string& path, const LabelSet& label_set)
 {
   LabelMapping mapping;
   if (path == "zero_based") {
-    constexpr std::uint32_t ignored = 255; // as networks are trained: no class
+    constexpr std::uint32_t ignored = 255; // usual training convention: no class
     for (int label = 1; label <= label_set.size(); ++label)
       mapping.set(std::uint32_t(label - 1), Label(label));
     mapping.set(ignored, kUnlabelled);

@@ -38,7 +38,7 @@ readHeader(const std::string& path, const std::vector<std::uint8_t>& bytes)
   }
   if (length > bytes.size() - offset)
     badInput(path, ": the NumPy header is longer than the file");
-  // NumPy writes 128 bytes; the regular expressions recurse once a character.
+  // NumPy writes 128 bytes; the regular expressions recurse per character.
   constexpr std::size_t longest = 1024;
   if (length > longest)
     badInput(path, ": the NumPy header has ", length, " bytes, expected at most ",

@@ -63,7 +63,7 @@ firstBytes(const std::string& path)
   return bytes;
 }
 
-// A conversion with the names of the files.
+// The conversion command with the file names filled in.
 std::string
 commandOf(const Format& format, const fs::path& path)
 {
@@ -94,7 +94,7 @@ refuseOtherFormats(const std::string& path)
     badInput(path, ": is a pointer of Git LFS, not the cloud itself: git lfs pull "
                    "fetches it; .pcd, .ply and .bin are read");
   if (begins(bytes, "# .PCD") || begins(bytes, "VERSION"))
-    return; // whatever it is called
+    return; // regardless of its name
   const auto refuse = [&](const Format& format) {
     badInput(path, ": is ", format.name,
              ", expected .pcd, .ply or .bin; convert it: ", commandOf(format, path));

@@ -7,9 +7,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Refuses a cloud in a format that is not read: says which one it is and how to
- * convert it.
- * \throws BadInputException if the name of an existing file, or its first bytes, are of
+/** \brief Refuses a cloud in an unsupported format and suggests a conversion command.
+ * \throws BadInputException if the name of an existing file, or its first bytes, match
  * such a format */
 PCL_SEMANTIC_EXPORT void refuseOtherFormats(const std::string& path);
 

@@ -20,8 +20,7 @@ namespace {
 
 enum class Outcome { done, no_number, out_of_range };
 
-// A number too small for its type is the type's zero, one too large is refused: the two
-// are told apart in double.
+// Underflow becomes zero, overflow is refused; the double value distinguishes them.
 Outcome
 parseTiny(std::string_view word, float& value)
 {
@@ -97,8 +96,8 @@ parsePoint(std::string_view line, const std::vector<Element>& elements,
 std::vector<std::uint8_t>
 decodeAscii(const std::string& path, const PcdHeader& header, std::string_view file)
 {
-  // At least two characters an element: what a false number of points asks for is no
-  // reason to allocate.
+  // An element takes at least two characters, so a wrong number of points does not
+  // cause a large allocation.
   const std::vector<Element> elements = elementsOf(header.table);
   const std::size_t possible =
       (file.size() - header.data_offset + 1) / (2 * elements.size());
@@ -119,7 +118,7 @@ decodeAscii(const std::string& path, const PcdHeader& header, std::string_view f
   return data;
 }
 
-// PCL fills the last page of a file; pages have up to 64 KiB.
+// PCL pads the last page of a file with zeros; pages have up to 64 KiB.
 void
 checkBehindData(const std::string& path, std::string_view rest)
 {
@@ -128,8 +127,8 @@ checkBehindData(const std::string& path, std::string_view rest)
     badInput(path, ": has ", rest.size(), " bytes behind the data of its points");
 }
 
-// Bytes of all points, which fit 64 bits: points < 2^64 and what the file has are
-// compared before they are multiplied.
+// Bytes of all points. No overflow: points < 2^64 and the file size are compared before
+// multiplication.
 std::size_t
 dataSize(const std::string& path, const PcdTable& table, std::size_t available)
 {
@@ -148,10 +147,10 @@ readUint32(std::string_view bytes)
   return value;
 }
 
-// Unpacks LZF: a control byte c < 32 is followed by c + 1 bytes as they are; any other
-// repeats earlier ones: length (c >> 5) + 2, where 7 + 2 is lengthened by the next
-// byte, from (c & 31) * 256 + next byte + 1 bytes back. False unless `packed` is whole
-// and gives exactly `size` bytes.
+// Decompresses LZF. A control byte c < 32 precedes c + 1 literal bytes. Any other
+// repeats earlier output: length (c >> 5) + 2, where 7 + 2 is extended by the next
+// byte, from (c & 31) * 256 + next byte + 1 bytes back. False unless `packed` is
+// complete and gives exactly `size` bytes.
 bool
 unpackLzf(std::string_view packed, std::size_t size, std::vector<std::uint8_t>& result)
 {
@@ -176,13 +175,13 @@ unpackLzf(std::string_view packed, std::size_t size, std::vector<std::uint8_t>& 
         (control & 31) * 256 + static_cast<std::uint8_t>(packed[i++]) + 1;
     if (back > result.size() || length > size - result.size())
       return false;
-    for (std::size_t k = 0; k < length; ++k) // may read what it has just written
+    for (std::size_t k = 0; k < length; ++k) // may overlap its own output
       result.push_back(result[result.size() - back]);
   }
   return result.size() == size;
 }
 
-// Field by field to point by point.
+// Converts fields to rows of points.
 std::vector<std::uint8_t>
 toRows(const PcdTable& table, const std::vector<std::uint8_t>& columns)
 {

@@ -16,7 +16,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// The fields in their order, without the gaps between them.
+// Writes the fields in their order, without the gaps between them.
 void
 writeRows(std::ostream& stream, const PcdTable& table)
 {

@@ -74,7 +74,7 @@ private:
     badInput(atLine(path_, line(keyword).number), ": ", keyword, parts...);
   }
 
-  // The lines up to DATA, by their first words.
+  // Collects the lines up to DATA by their first words.
   void
   collectLines()
   {
@@ -109,7 +109,7 @@ private:
     badInput(path_, ": the header ends without DATA");
   }
 
-  // A comment of anybody else may begin like ours: what does not fit says nothing.
+  // Comments of other programs may begin the same way, so invalid ones are ignored.
   void
   parseVoxelGrid(std::string_view rest)
   {
@@ -169,13 +169,13 @@ private:
     std::set<std::string_view> seen;
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (names[i] == kPadding && counts[i] == "0")
-        continue; // PCL writes padding of no bytes between fields that touch
+        continue; // PCL writes padding of zero bytes between adjacent fields
       if (names[i] != kPadding && !seen.insert(names[i]).second)
         refuse("FIELDS", " names ", inQuotes(names[i]), " for the second time");
       const int size = int(number("SIZE", sizes[i], 1, 8));
       const std::size_t count = number("COUNT", counts[i], 1, kMaxPcdCount);
       const int datatype = pcl::getFieldType(size, types[i][0]);
-      // Sizes and counts are checked, and words have no blank.
+      // Sizes and counts are already checked, and words contain no blank.
       if (types[i] != std::string(1, pcl::getFieldType(datatype)) ||
           !isPcdField({std::string(names[i]), 0, std::uint8_t(datatype), 1}))
         refuse("TYPE", ": field ", inQuotes(names[i]), " is ", inQuotes(types[i]),
@@ -241,7 +241,7 @@ writePcdHeader(std::ostream& stream, const PcdTable& table)
   };
   stream << "# .PCD v0.7 - Point Cloud Data file format\n";
   if (table.voxel_grid[0] > 0.0) {
-    stream.precision(15); // 0.1 is to be read as such
+    stream.precision(15); // 0.1 is written as 0.1
     stream << "# voxel_grid";
     for (const double value : table.voxel_grid)
       stream << ' ' << value;

@@ -78,7 +78,7 @@ private:
     has_format_ = true;
   }
 
-  // Ours say where their coordinates begin, see writePly().
+  // Files of this library contain their origin, see writePly().
   void
   parseComment(std::string_view line)
   {
@@ -141,7 +141,7 @@ private:
   bool has_format_ = false, has_vertices_ = false, in_vertex_ = false;
 };
 
-// Where what follows the vertices begins: faces, mostly.
+// Offset of the data after the vertices, usually faces.
 std::size_t
 endOfVertices(const PcdHeader& header, std::string_view file)
 {
@@ -154,7 +154,7 @@ endOfVertices(const PcdHeader& header, std::string_view file)
   return end;
 }
 
-// Red, green and blue of their own into PCL's packed colour.
+// Packs separate fields for red, green and blue into PCL's colour.
 void
 packColours(PcdTable& table)
 {
@@ -165,7 +165,7 @@ packColours(PcdTable& table)
       return;
     const PcdColumn column(table, field);
     if (column.field().datatype != Field::UINT8)
-      return; // it means something else
+      return; // it has another meaning
     for (std::size_t i = 0; i < colours.size(); ++i)
       colours[i] = colours[i] << 8 | std::uint32_t(column(i));
   }

@@ -7,8 +7,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Reads the vertices of a `.ply` file as readCloudTable() says.
- * \throws BadInputException that names the file, and the line where there is one */
+/** \brief Reads the vertices of a `.ply` file, see readCloudTable().
+ * \throws BadInputException that names the file and, if possible, the line */
 PcdTable readPly(const std::string& path);
 
 } // namespace pcl_semantic

@@ -12,7 +12,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// How upright each pose is: the cosine between the sensor's up and the world's.
+// Cosine between the sensor's up axis and the world's, for each pose.
 using Uprights = std::vector<double>;
 
 double
@@ -32,7 +32,7 @@ medianOf(std::vector<double> values)
   return *middle;
 }
 
-// Of those tilted by less than 60 degrees.
+// Fraction of poses that are tilted by less than 60 degrees.
 double
 uprightFraction(const Uprights& uprights)
 {
@@ -47,7 +47,7 @@ inWorld(const Eigen::Matrix3d& R, PoseFrame frame)
   return frame == PoseFrame::first_camera ? worldFromFirstCamera().linear() * R : R;
 }
 
-// A sensor's up may be its z axis or, of a camera, -y: the one that fits better.
+// The up axis of a sensor may be z or, for a camera, -y: the more upright one is used.
 Uprights
 uprightsOf(const std::vector<Eigen::Matrix3d>& rotations, PoseFrame frame)
 {
@@ -61,7 +61,7 @@ uprightsOf(const std::vector<Eigen::Matrix3d>& rotations, PoseFrame frame)
   return is_scanner ? of_scanners : of_cameras;
 }
 
-// The rotation if the numbers of its quaternion are not x y z w but w x y z.
+// The rotation if its quaternion was stored as w x y z instead of x y z w.
 Eigen::Matrix3d
 withWFirst(const Eigen::Matrix3d& R)
 {
@@ -115,7 +115,7 @@ doubtsOfWay(const Trajectory& poses, PoseFrame frame)
   if (highest - lowest > highest_room && climbed > 0.4 * way)
     doubts.push_back("the way climbs as a road does not: expected poses in a world "
                      "with z up, or of camera 0 with y down");
-  constexpr double around_the_earth = 4e7; // [m]; beyond it maps refuse the pose
+  constexpr double around_the_earth = 4e7; // [m]; maps refuse poses beyond it
   if (!steps.empty() && medianOf(steps) > longest_step &&
       medianOf(steps) < around_the_earth) {
     TextStream text;

@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief A field of a CSV file; quoted if it has to be (RFC 4180). */
+/** \brief A field of a CSV file, quoted if necessary (RFC 4180). */
 inline std::string
 csvField(const std::string& text)
 {
@@ -21,9 +21,8 @@ csvField(const std::string& text)
   return quoted + "\"";
 }
 
-/** \brief A JSON value as indented text with a last line break. Bytes that are not
- * UTF-8, as paths may hold, appear as U+FFFD: JSON has no others. Control characters
- * are escaped. */
+/** \brief A JSON value as indented text with a trailing line break. Bytes that are not
+ * UTF-8, which paths may contain, appear as U+FFFD. Control characters are escaped. */
 template <typename Json>
 std::string
 jsonText(const Json& json)

@@ -34,7 +34,7 @@ isOfNuScenes(const fs::path& scan)
   return scan.stem().extension() == ".pcd";
 }
 
-// The working folder by the name under which it was entered, which may be a link.
+// The working folder under the name by which it was entered, which may be a link.
 fs::path
 workingFolder()
 {
@@ -45,7 +45,7 @@ workingFolder()
   return fs::current_path(error);
 }
 
-// The folder that holds the one of a scan, as its path is written: a symbolic link may
+// The parent of a scan's folder, from the path as written, because a symbolic link may
 // lead elsewhere.
 fs::path
 folderAbove(const fs::path& scan)
@@ -60,7 +60,7 @@ folderAbove(const fs::path& scan)
   return folder.parent_path();
 }
 
-// The labels that belong to a scan; empty if there are none.
+// Path of the labels of a scan; empty if there are none.
 std::string
 labelsOfScan(const fs::path& scan)
 {
@@ -85,7 +85,7 @@ textOf(const ScanColumns& columns)
   return text;
 }
 
-// How to name other columns.
+// Tells in an error message how to specify other columns.
 std::string
 hintOf(std::size_t columns)
 {
@@ -96,7 +96,7 @@ hintOf(std::size_t columns)
                          : std::to_string(columns) + " or their names");
 }
 
-// \param[in] is_known whether the columns were given
+// \param[in] is_known whether the caller specified the columns
 void
 checkLayout(const std::string& path, const std::vector<std::uint8_t>& bytes,
             const ScanColumns& columns, bool is_known, PcdTable& table)

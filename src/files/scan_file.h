@@ -8,13 +8,13 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Reads the points of a scan without header, as readCloudTable() does.
+/** \brief Reads the points of a scan without header, see readCloudTable().
  * \throws BadInputException that names the file */
 PcdTable readScanPoints(const std::string& path, const ScanColumns& columns);
 
-/** \brief Likewise with the labels of the `.label` file that belongs to it, if there is
- * one: beside it, or in the folder `labels` beside the folder that \a path names, be it
- * a symbolic link or not. */
+/** \brief Reads a scan with the labels of its `.label` file, if there is one: in the
+ * same folder, or in the folder `labels` beside the folder in \a path, even if that is
+ * a symbolic link. */
 PcdTable readScan(const std::string& path, const ScanColumns& columns);
 
 } // namespace pcl_semantic

@@ -10,7 +10,7 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr std::size_t kFewest = 16; // points that say something
+constexpr std::size_t kFewest = 16; // points needed for a decision
 constexpr std::size_t kTurns = 8;
 
 float
@@ -31,7 +31,7 @@ ScanLayout::ScanLayout(const std::vector<std::uint8_t>& bytes)
     const std::size_t begin =
         count_ <= parts * size ? p * size : p * (count_ - size) / (parts - 1);
     std::vector<float> part;
-    // Columns differ by orders of magnitude.
+    // asinh, because columns differ by orders of magnitude.
     for (std::size_t i = begin; i < std::min(begin + size, count_); ++i)
       part.push_back(std::asinh(numberAt(bytes_, i)));
     parts_.push_back(std::move(part));
@@ -60,16 +60,17 @@ ScanLayout::columnsInsteadOf(std::size_t assumed) const
   const std::size_t points = count_ / std::max<std::size_t>(assumed, 1);
   if (points < kFewest)
     return 0;
-  // Lasers may take turns: of the points before and after it one is of the same.
+  // Scanners may interleave lasers, so one of the nearest points is of the same laser.
   const auto differenceHere = [&](std::size_t other) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 1; k <= kTurns; ++k)
-      if (assumed * k % other != 0) // else it is one column of the others, too
+      if (assumed * k % other != 0) // otherwise it would be the same column in the
+                                    // other layout
         least = std::min(least, difference(assumed * k));
     return least;
   };
   const double clearly = std::min(0.8, 1.0 - 2.0 / std::sqrt(double(points)));
-  constexpr double more = 0.9; // twice three columns are six, too
+  constexpr double more = 0.9; // margin for multiples of the right number of columns
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t columns = 3; columns <= 7; ++columns) {
@@ -84,8 +85,8 @@ ScanLayout::columnsInsteadOf(std::size_t assumed) const
   return best == 0 && isTwice(assumed) ? 2 * assumed : best;
 }
 
-// Lasers that take turns may see different things, but all to both sides: every second
-// point has columns of another kind if its x or y is never negative.
+// Interleaved lasers may see different surfaces, but all on both sides. If x or y of
+// every second point is never negative, its columns have another meaning.
 bool
 ScanLayout::isTwice(std::size_t assumed) const
 {

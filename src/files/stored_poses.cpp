@@ -64,7 +64,7 @@ StoredPoses::lackOf(const FrameTime& frame) const
 {
   const TimedTrajectory& poses = trajectory_.poses;
   TextStream text;
-  text.precision(15); // times may be of the Unix clock
+  text.precision(15); // enough for Unix time
   text << trajectory_.path << ": has ";
   if (trajectory_.format == TrajectoryFormat::kitti) {
     text << poses.size() << " poses, none for frame " << frame.number

@@ -17,12 +17,12 @@ namespace {
 
 using RowMajor34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
-constexpr double kRounding = 1e-6;     // numbers as they are
+constexpr double kRounding = 1e-6;     // of double precision
 constexpr double kTextRounding = 1e-4; // of numbers with few digits
 constexpr double kTolerance = 1e-2;
-constexpr double kNanoseconds = 1e17; // as seconds that would be 3 billion years
+constexpr double kNanoseconds = 1e17; // as seconds, 3 billion years
 
-// What was made right on the way through a file, one doubt for all of it.
+// Corrections while reading a file, reported in one warning.
 struct Repairs {
   std::size_t count = 0;
   int first_line = 0;
@@ -53,8 +53,8 @@ isComment(const std::string& text)
   return first != std::string::npos && text[first] == '#';
 }
 
-// Without comments before the first row and empty lines after the last: elsewhere they
-// would shift the frames' numbers.
+// Without comments before the first row and empty lines after the last; elsewhere they
+// would shift the frame numbers.
 std::vector<TextLine>
 rowsOf(const std::string& path)
 {
@@ -149,7 +149,7 @@ trajectoryFormatOf(const std::string& path)
     const std::size_t count = parseNumbers(line.text, atLine(path, line.number)).size();
     if (count == 8)
       return TrajectoryFormat::tum;
-    if (count >= 11 && count <= 13) // near 12: the reader says what is wrong with it
+    if (count >= 11 && count <= 13) // near 12: the reader reports the error
       return TrajectoryFormat::kitti;
     badInput(atLine(path, line.number), ": has ", count,
              " numbers, expected 12 (a KITTI trajectory) or 8 (TUM)");

@@ -22,7 +22,7 @@ struct YamlMap::Impl {
     return atLine(path, at.Mark().line + 1);
   }
 
-  // The key's own node, for its line; yaml-cpp's lookup gives only the value.
+  // The key's own node, for its line number; yaml-cpp's lookup returns only the value.
   YAML::Node
   keyNode(const std::string& key) const
   {
@@ -54,7 +54,7 @@ struct YamlMap::Impl {
 
 namespace {
 
-// The text of a file for yaml-cpp. It would pass over a second document in silence.
+// The text of a file for yaml-cpp, which would silently ignore a second document.
 std::string
 readDocument(const std::string& path)
 {
@@ -84,7 +84,7 @@ YamlMap::load(const std::string& path)
   const std::string text = readDocument(path);
   try {
     const YAML::Node document = YAML::Load(text);
-    if (document.IsNull()) // has no line
+    if (document.IsNull()) // has no line number
       badInput(path, ": expected 'key: value' lines");
     return YamlMap(Impl::make(path, document));
   }
@@ -107,7 +107,7 @@ YamlMap::get(const std::string& key, T& value) const
   if (!has(key))
     return false;
   try {
-    // yaml-cpp would give the word "null" for a value that is not there.
+    // yaml-cpp would convert a missing value to the word "null".
     const YAML::Node node = impl_->node[key];
     if (node.IsNull())
       throw YAML::TypedBadConversion<T>(node.Mark());

@@ -10,9 +10,9 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief A mapping of a YAML file, read strictly: unknown and duplicate keys, and
- * values of another type than asked for, are refused with file and line.
+ * values of another type than requested, are refused with file and line.
  *
- * Ask for every key that may occur, then call refuseUnknownKeys(). */
+ * Call get() or require() for every allowed key, then refuseUnknownKeys(). */
 class YamlMap {
 public:
   /** \brief Reads a file, with or without OpenCV's `%YAML:1.0` line.
@@ -21,13 +21,13 @@ public:
 
   bool has(const std::string& key) const;
 
-  /** \brief Sets \a value if the key is there. T is bool, int, double, std::string or a
+  /** \brief Sets \a value if the key exists. T is bool, int, double, std::string or a
    * vector of int, double or std::string.
-   * \return whether the key is there
+   * \return whether the key exists
    * \throws BadInputException if the value cannot be read as T */
   template <typename T> bool get(const std::string& key, T& value) const;
 
-  /** \brief The value of a key that has to be there. \throws BadInputException */
+  /** \brief The value of a required key. \throws BadInputException */
   template <typename T>
   T
   require(const std::string& key) const
@@ -41,19 +41,18 @@ public:
   /** \brief The mappings in a list. \throws BadInputException if the key is missing */
   std::vector<YamlMap> requireList(const std::string& key) const;
 
-  /** \brief Whether the key is there and its value a mapping. */
+  /** \brief Whether the key exists and its value is a mapping. */
   bool isMap(const std::string& key) const;
 
   /** \brief The mapping under a key. \throws BadInputException if it is missing */
   YamlMap requireMap(const std::string& key) const;
 
-  /** \brief All keys in the order of the file. */
   std::vector<std::string> keys() const;
 
-  /** \brief "FILE line N" of a key, or of the mapping itself if it is not there. */
+  /** \brief "FILE line N" of a key, or of the mapping if the key is missing. */
   std::string where(const std::string& key) const;
 
-  /** \throws BadInputException at the first key that was never asked for */
+  /** \throws BadInputException for the first key that was not requested */
   void refuseUnknownKeys() const;
 
 private:

@@ -62,7 +62,7 @@ readIds(const std::string& path, int width, int height, int classes, float confi
   return distributions;
 }
 
-// Networks print sums a little off one; far off, the file holds something else.
+// Networks print sums slightly off one; far off, the file contains other data.
 void
 checkSums(const LabelDistributions::Matrix& values, const std::string& path, int width)
 {
@@ -84,7 +84,6 @@ checkSums(const LabelDistributions::Matrix& values, const std::string& path, int
            values.col(bad).sum(), ", expected 1");
 }
 
-// Rows of the image whose pixels these are.
 int
 rowsOf(const LabelDistributions& distributions, int width)
 {

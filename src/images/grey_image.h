@@ -5,9 +5,9 @@
 
 namespace pcl_semantic {
 
-/** \brief A grey image as it is, a colour one (BGR) as grey.
+/** \brief Converts a colour image (BGR) to grey; a grey image is returned unchanged.
  * \param[in] image CV_8UC1 or CV_8UC3
- * \return CV_8UC1; the same memory if it was grey */
+ * \return CV_8UC1; shares memory with a grey \a image */
 inline cv::Mat
 greyImage(const cv::Mat& image)
 {

@@ -35,13 +35,13 @@ crc32(const std::uint8_t* bytes, std::size_t size)
   return crc.checksum();
 }
 
-// Follows the chunks of a PNG image to the last one: OpenCV would print libpng's
-// complaint about a damaged file, and keep the rows above the damage of some.
+// Follows the chunks of a PNG image to the last one. OpenCV would print libpng's
+// message about a damaged file, and keep the rows above the damage in some cases.
 bool
 isWhole(const Bytes& bytes)
 {
-  constexpr std::size_t frame = 12; // length, name and check sum around the data
-  std::size_t at = 8;               // behind the signature
+  constexpr std::size_t frame = 12; // length, name and checksum around the data
+  std::size_t at = 8;               // after the signature
   while (at + frame <= bytes.size()) {
     const std::size_t length = wholeNumber(&bytes[at], 4);
     if (length > bytes.size() - at - frame ||
@@ -55,12 +55,12 @@ isWhole(const Bytes& bytes)
   return false;
 }
 
-// Of one that is cut off OpenCV would print a complaint and make up the rest.
+// OpenCV would print a message for a truncated file and invent the missing rows.
 void
 requireWholeJpeg(const Bytes& bytes, const std::string& path)
 {
-  // All three, by which OpenCV knows one: it would try other formats, and GDCM ends the
-  // program where a file names DICOM and is damaged.
+  // All three bytes, by which OpenCV detects JPEG. Otherwise it would try other
+  // formats, and GDCM terminates the program for a damaged DICOM file.
   if (bytes.size() < 4 || !beginsWith(bytes, {0xFF, 0xD8, 0xFF}))
     badInput(path, ": is not a JPEG image");
   std::size_t end = bytes.size();
@@ -101,7 +101,7 @@ sizeOf(const cv::Mat& image)
   return {std::uint64_t(image.cols), std::uint64_t(image.rows)};
 }
 
-// A small file may unpack to gigabytes.
+// A small file may decompress to gigabytes.
 void
 requireSize(const StatedSize& stated, cv::Size size, const std::string& like,
             const std::string& path)
@@ -113,7 +113,6 @@ requireSize(const StatedSize& stated, cv::Size size, const std::string& like,
              size.width, " x ", size.height, like);
 }
 
-// Empty if the image is damaged, or larger than OpenCV's limit.
 cv::Mat
 decode(const Bytes& bytes, int flags)
 {
@@ -156,7 +155,8 @@ readImage(const std::string& path, cv::Size size, const std::string& like)
                             : cv::IMREAD_UNCHANGED);
   if (image.cols < 2 || image.rows < 2)
     badInput(path, ": the ", is_jpeg ? "JPEG" : "TIFF", " image is damaged");
-  requireSize(sizeOf(image), size, like, path); // headers of these are not always found
+  requireSize(sizeOf(image), size, like, path); // the header check does not cover all
+                                                // of these files
   requireKind(image, ImageKind::grey_or_colour, path);
   return image;
 }
@@ -174,7 +174,7 @@ readPng(const std::string& path, ImageKind kind, cv::Size size, const std::strin
     badInput(path, ": the PNG image is damaged or not complete");
   requirePlausibleSize(bytes, path);
   requireSize(statedSize(bytes), size, like, path);
-  // Decoders stretch fewer bits to 0..255, which makes other class ids of them.
+  // Decoders scale fewer bits to 0..255, which would change class ids.
   if ((kind == ImageKind::labels || kind == ImageKind::segments) &&
       bytes[bit_depth] < 8)
     badInput(path, ": has ", int(bytes[bit_depth]), " bit(s) a pixel, expected ",

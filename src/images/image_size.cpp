@@ -11,7 +11,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// A whole number of some bytes; 0 behind the end.
+// An integer of `size` bytes; 0 beyond the end.
 std::uint64_t
 number(const Bytes& bytes, std::size_t at, std::size_t size, bool is_little_endian)
 {
@@ -19,15 +19,15 @@ number(const Bytes& bytes, std::size_t at, std::size_t size, bool is_little_endi
   return is_there ? wholeNumber(&bytes[at], size, !is_little_endian) : 0;
 }
 
-// In the chunk IHDR, which comes first.
+// From the chunk IHDR, which is first.
 StatedSize
 sizeOfPng(const Bytes& bytes)
 {
   return {number(bytes, 16, 4, false), number(bytes, 20, 4, false)};
 }
 
-// In the segment "start of frame"; what lies between segments is passed over, as
-// decoders do.
+// From the segment "start of frame"; bytes between segments are ignored, as decoders
+// do.
 StatedSize
 sizeOfJpeg(const Bytes& bytes)
 {
@@ -46,7 +46,7 @@ sizeOfJpeg(const Bytes& bytes)
   return {};
 }
 
-// In the first directory of tags.
+// From the first directory of tags.
 StatedSize
 sizeOfTiff(const Bytes& bytes)
 {
@@ -61,8 +61,7 @@ sizeOfTiff(const Bytes& bytes)
     const std::uint64_t tag = number(bytes, entry, 2, little);
     if (tag != width && tag != length)
       continue;
-    // Of the types the first three are bytes, text and 16 bits; others have 32 and
-    // more.
+    // Types 1 to 3 are bytes, text and 16 bits; the others have at least 32 bits.
     const std::uint64_t type = number(bytes, entry + 2, 2, little);
     const std::size_t value_size = type == 1 || type == 2 ? 1 : type == 3 ? 2 : 4;
     std::uint64_t& stated = tag == width ? size.columns : size.rows;

@@ -7,18 +7,17 @@
 
 namespace pcl_semantic {
 
-/** \brief Columns and rows that an image file states in its header; 0 if it does not.
- */
+/** \brief Image size in the header of a file; 0 if unknown. */
 struct StatedSize {
   std::uint64_t columns = 0, rows = 0;
 };
 
-/** \brief That of a PNG, JPEG or TIFF file (of its first image), without decoding it.
- */
+/** \brief Reads the size of a PNG, JPEG or TIFF file (of its first image) without
+ * decoding. */
 StatedSize statedSize(const std::vector<std::uint8_t>& bytes);
 
-/** \brief Makes sure that a file could hold what it states, before a decoder takes
- * memory for it: beyond 10^8 pixels no more than ten thousand a byte.
+/** \brief Checks before decoding that a file could contain its stated size: images of
+ * more than 10^8 pixels have at most ten thousand pixels per byte.
  * \param[in] path for the message
  * \throws BadInputException */
 void requirePlausibleSize(const std::vector<std::uint8_t>& bytes,

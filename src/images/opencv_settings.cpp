@@ -11,8 +11,8 @@ namespace pcl_semantic {
 
 namespace {
 
-// TBB complains on standard error when asked for more than there are; and OpenCV's
-// number is of the process, and must not be changed while another thread uses it.
+// TBB prints an error if more threads are requested than exist. OpenCV's number of
+// threads is global to the process, and must not change while another thread uses it.
 void
 limitOpenCv(int threads)
 {

@@ -5,13 +5,13 @@
 
 #include <opencv2/core/utils/logger.hpp>
 
-// Settings that OpenCV has once a process. setNumberOfThreads() limits its threads,
-// too, where this library is loaded.
+// Settings that OpenCV has once per process. Loading this library makes
+// setNumberOfThreads() limit OpenCV's threads too.
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief As long as it lives OpenCV prints nothing: it reports in several lines of its
- * own what it also throws. */
+/** \brief Silences OpenCV during its lifetime: OpenCV prints its exceptions in several
+ * lines. */
 class QuietOpenCv {
 public:
   QuietOpenCv();

@@ -46,8 +46,8 @@ void
 requireReadableFile(const std::string& path)
 {
   requireRegularFile(path);
-  // Not by opening it: closing it again would drop the locks that SQLite holds on the
-  // file in this process.
+  // access() instead of opening: closing another descriptor would drop SQLite's locks
+  // of this process.
   if (::access(path.c_str(), R_OK) != 0)
     badInput(path, ": cannot be read: ", std::strerror(errno));
 }
@@ -64,7 +64,8 @@ refuseExisting(const std::string& path)
                                            "name; remove it");
 }
 
-// Never over a file that has appeared meanwhile; some file systems cannot promise that.
+// Never replaces a file that another process created meanwhile, where the file system
+// supports this.
 void
 rename(const std::string& from, const std::string& to)
 {
@@ -78,7 +79,7 @@ rename(const std::string& from, const std::string& to)
     fail<OutputException>(to, ": cannot be written: ", std::strerror(errno));
 }
 
-// Removes what was made if it has not got its name.
+// Removes a file that was not renamed.
 struct Temporary {
   explicit Temporary(const fs::path& path)
       : name(path.parent_path() / ("." + path.filename().string() + "." +
@@ -92,7 +93,7 @@ struct Temporary {
     try {
       remove();
     }
-    catch (const std::bad_alloc&) { // it stays
+    catch (const std::bad_alloc&) { // leave the file
     }
   }
 
@@ -139,7 +140,7 @@ makeArchiveFile(const std::string& path,
   catch (const OutputException& error) {
     fail<OutputException>(named(error.what()));
   }
-  catch (const BadInputException& error) { // it cannot be read back, say
+  catch (const BadInputException& error) { // for example if it cannot be read back
     badInput(named(error.what()));
   }
   rename(temporary.name, path);
@@ -216,7 +217,8 @@ ArchiveDatabase::checkTables()
 void
 ArchiveDatabase::commit()
 {
-  // The next transaction begins at once: nobody else may write in between.
+  // The next transaction begins immediately, so that no other program writes in
+  // between.
   database_.commit();
   database_.run("BEGIN IMMEDIATE");
 }
@@ -352,7 +354,7 @@ ArchiveDatabase::integrityFaults()
   std::vector<std::string> faults;
   check.forEachRow([&] {
     for (const std::string_view line : splitAt('\n', check.bytes(0)))
-      if (line != "ok" && line.rfind("***", 0) != 0) // a title
+      if (line != "ok" && line.rfind("***", 0) != 0) // not a heading
         faults.emplace_back(line);
   });
   if (const int lost = database_.lostCommits(); lost > 0)

@@ -15,36 +15,36 @@
 
 namespace pcl_semantic {
 
-/** \brief The tables of a map archive: sealed values under a name, a frame number or a
- * block index. Every value holds its own key, which reading compares, so that neither a
- * value nor the place it lies at can change unnoticed.
+/** \brief The tables of a map archive: sealed values by name, frame number or block
+ * index. Every value contains its own key, which is verified on reading, so that damage
+ * to values and exchanged rows are detected.
  *
- * Writers have the file to themselves from beginning to end; readers see it as it was
- * last committed. Everything throws as SqliteDatabase does, with the key in the
- * message. */
+ * A writer has exclusive access; readers see the last commit. Everything throws as
+ * SqliteDatabase does, with the key in the message. */
 class ArchiveDatabase {
 public:
   using Access = SqliteDatabase::Access;
 
-  /** \brief Makes an empty archive, and only with all its tables in the place.
-   * \param[in] fill puts values into it
-   * \throws OutputException also if there is one already */
+  /** \brief Makes an empty archive, which appears only when all its tables are
+   * complete.
+   * \param[in] fill adds values to it
+   * \throws OutputException also if the file exists */
   static void create(const std::string& path,
                      const std::function<void(ArchiveDatabase&)>& fill);
 
   ArchiveDatabase(const std::string& path, Access access);
   ~ArchiveDatabase();
 
-  /** \brief Ends the transaction, and begins the next. */
+  /** \brief Ends the transaction and begins the next one. */
   void commit();
 
-  /** \brief Drops what was not committed; brings all into one file.
-   * \return false if readers were in the way: FILE-wal then still belongs to it */
+  /** \brief Discards uncommitted changes and moves the log into the file.
+   * \return false if readers prevented it: FILE-wal then still belongs to the file */
   bool close();
 
   void putMeta(const std::string& name, const Bytes& content);
 
-  /** \brief Calls \a decode with what was put. */
+  /** \brief Calls \a decode with a stored value. */
   void getMeta(const std::string& name,
                const std::function<void(const Bytes&)>& decode);
 
@@ -52,27 +52,25 @@ public:
   void forEachFrame(const std::function<void(int, const Bytes&)>& visit);
   std::uint64_t countFrames();
 
-  /** \brief The largest number of a frame; -1 without any. */
+  /** \brief The largest frame number; -1 if there are no frames. */
   std::int64_t lastFrame();
 
   /** \param[in] sealed an encoded block, which begins with its index */
   void putBlock(const VoxelIndex& index, const Bytes& sealed);
 
-  /** \brief A stored block; nothing if there is no such block. */
+  /** \brief A stored block, sealed; nothing if there is none. */
   std::optional<std::string> getBlock(const VoxelIndex& index);
 
   /** \brief Visits the keys of the blocks in the order z, y, x. */
   void forEachBlockKey(const std::function<void(const VoxelIndex&)>& visit);
 
-  /** \brief Visits the blocks in that order, each with what was put. */
+  /** \brief Visits the sealed blocks in the order z, y, x. */
   void
   forEachBlock(const std::function<void(const VoxelIndex&, std::string_view)>& visit);
 
-  /** \brief Decodes a sealed block. */
   Bytes unsealBlock(const VoxelIndex& index, std::string_view sealed) const;
 
-  /** \brief Faults of the file that SQLite finds, and faults of its log, a line each.
-   */
+  /** \brief Faults of the file and its log that SQLite finds, one per line. */
   std::vector<std::string> integrityFaults();
 
   const std::string&
@@ -93,18 +91,18 @@ private:
   std::unique_ptr<Statements> statements_;
 };
 
-/** \brief Makes an archive that appears under its name whole or not at all.
- * \param[in] make makes a file of the name that it is given
- * \throws OutputException if there is one already, or remains of one, which SQLite
- * would take for a part of the new one; of what \a make throws, the name is put right
- */
+/** \brief Makes an archive that appears under its name complete or not at all.
+ * \param[in] make makes a file with the given name
+ * \throws OutputException if the file exists, or remains of one, which SQLite would
+ * treat as part of the new one; in exceptions of \a make the file name is replaced by
+ * \a path */
 void makeArchiveFile(const std::string& path,
                      const std::function<void(const std::string&)>& make);
 
 /** \brief Text of a key for messages: "block 1 -2 3" (x y z). */
 std::string nameOfBlock(const VoxelIndex& index);
 
-/** \brief Runs \a read, and puts \a where in front of what it finds wrong. */
+/** \brief Runs \a read and prepends \a where to its error messages. */
 template <typename Read>
 auto
 readAt(const std::string& where, Read&& read)

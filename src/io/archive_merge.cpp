@@ -28,7 +28,7 @@ namespace {
 
 using Archives = std::vector<std::unique_ptr<MovedArchive>>;
 
-// What a merge is made of, a line each.
+// Description of a merge's inputs, one per line.
 std::string
 describeMerge(std::vector<PlacedArchive> inputs)
 {
@@ -49,7 +49,7 @@ describeMerge(std::vector<PlacedArchive> inputs)
   return text.str();
 }
 
-// What the result does not depend on is that of the first name.
+// The header of the first input by name, independent of the input order.
 ArchiveHeader
 headerOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
 {
@@ -66,7 +66,7 @@ headerOf(const Archives& archives, const std::vector<PlacedArchive>& inputs)
   }
   header.configuration = describeMerge(inputs);
   for (const std::string_view line : splitAt('\n', first->header().configuration))
-    if (line.rfind("crf", 0) == 0) // with which a merge of this one is refined
+    if (line.rfind("crf", 0) == 0) // parameters to refine a later merge of the result
       header.configuration += std::string(line) + "\n";
   return header;
 }
@@ -95,9 +95,9 @@ tileAt(int block)
   return int(std::floor(double(block) / MapTile::tile_edge));
 }
 
-// Of each tile, by archive, the blocks of it and of its halo.
+// By archive, the blocks of a tile and its halo.
 struct TileBlocks {
-  bool is_reached = false; // by some archive, and not only its halo
+  bool is_reached = false; // by an archive, not only in its halo
   std::map<std::size_t, std::vector<VoxelIndex>> of;
 };
 
@@ -117,7 +117,7 @@ tilesOf(const Archives& archives, int halo)
   return tiles;
 }
 
-// What the archives know together of the blocks of a tile.
+// The merged blocks of a tile.
 MapBlocks
 knownIn(const Archives& archives, const TileBlocks& tile, const ArchiveHeader& header)
 {
@@ -173,7 +173,6 @@ putTile(const Archives& archives, const MapTile& tile, const TileBlocks& reached
   }
 }
 
-// The blocks of one tile and its halo.
 TileBlocks
 blocksOf(const Archives& archives, const MapTile& tile, int halo)
 {
@@ -231,7 +230,7 @@ differenceOf(const ArchiveHeader& first, const ArchiveHeader& other)
     return "voxel size";
   if (!areSame(first.label_set, other.label_set))
     return "label set";
-  // These say how far what was added can go, and what the result means.
+  // The clamps limit the sums and determine the meaning of the result.
   const auto clamps = [](const FusionParameters& fusion) {
     return std::tie(fusion.min_probability, fusion.max_probability,
                     fusion.occupied_probability, fusion.label_max_ratio);

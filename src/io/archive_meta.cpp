@@ -37,7 +37,7 @@ requireEnd(const ByteReader& reader)
     badInput("has ", reader.left(), " bytes behind its end");
 }
 
-// What cannot be is the file's fault here, not the caller's.
+// An invalid value here is an error of the file, not of the caller.
 template <typename Make>
 auto
 makeOrRefuse(Make&& make)
@@ -109,7 +109,7 @@ decodeParameters(const Bytes& bytes)
   MapParameters parameters;
   NamedValues missing = valuesOf(parameters);
   double pixel_fusion = 0.0, per_ray_counting = 0.0;
-  auto clearing = static_cast<double>(Clearing::full); // of older archives
+  auto clearing = static_cast<double>(Clearing::full); // default of older archives
   missing["pixel_fusion"] = &pixel_fusion;
   missing["per_ray_counting"] = &per_ray_counting;
   missing["clearing"] = &clearing;

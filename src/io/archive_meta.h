@@ -13,9 +13,9 @@
 
 namespace pcl_semantic {
 
-/** \brief Which blocks are there: one bit a position in cubes of 16 x 16 x 16 blocks
- * that hold any. A window that scrolls asks for thousands of positions that no scan has
- * reached; this answers without the disk. */
+/** \brief A set of block indices: one bit per position in non-empty cubes of 16 x 16 x
+ * 16 blocks. A scrolling window queries thousands of positions without a block; this
+ * answers without disk access. */
 class BlockIndexSet {
 public:
   /** \return whether it is new */
@@ -27,7 +27,7 @@ public:
       return false;
     bit = true;
     ++size_;
-    key_sum_ += VoxelIndexHash()(block) + 1; // a sum knows no order
+    key_sum_ += VoxelIndexHash()(block) + 1; // independent of the order
     return true;
   }
 
@@ -44,7 +44,7 @@ public:
     return size_;
   }
 
-  /** \brief Sum of a hash of the indices, modulo 2^64: another set has another sum. */
+  /** \brief Sum of a hash of the indices, modulo 2^64: a checksum of the set. */
   std::uint64_t
   keySum() const
   {
@@ -83,17 +83,17 @@ ArchiveState readState(ArchiveDatabase& database);
 
 void writeState(ArchiveDatabase& database, const ArchiveState& state);
 
-/** \brief Which blocks there are. A block whose row is lost would look like one that
- * never was: the keys have to be those that were committed, in order.
+/** \brief Reads the block indices and compares them with those of the last commit.
+ * Otherwise a block whose row is lost would look like one that never existed.
  * \throws BadInputException */
 BlockIndexSet readBlockKeys(ArchiveDatabase& database, const ArchiveState& state);
 
-/** \brief Whether blocks are those that were committed.
+/** \brief Checks that blocks are those of the last commit.
  * \throws BadInputException */
 void checkBlockKeys(const std::string& path, const BlockIndexSet& blocks,
                     const ArchiveState& state);
 
-/** \brief Whether the frames are as many as were committed.
+/** \brief Checks that the number of frames is that of the last commit.
  * \throws BadInputException */
 void checkFrameCount(ArchiveDatabase& database, const ArchiveState& state);
 

@@ -131,7 +131,6 @@ getRecords(ByteReader& reader, std::size_t records, int classes, VoxelBlock& blo
   block.refined = getDistributions(reader, records, classes);
 }
 
-// Of so many records.
 std::size_t
 encodedBlockSize(std::size_t records, int classes)
 {
@@ -144,7 +143,7 @@ encodedBlockSize(std::size_t records, int classes)
                     2 * std::size_t(classes) * sizeof(float));
 }
 
-// As measured (doc/map.md): level 5 takes twice the time for 3 % less.
+// Measured (doc/map.md): level 5 takes twice the time for 3 % less.
 constexpr int kCompressionLevel = 3;
 
 [[noreturn]] void
@@ -153,7 +152,7 @@ failDamaged(const char* why)
   badInput("is damaged: ", why);
 }
 
-// The frame's descriptor is its fifth byte; bit 2 says that a checksum follows.
+// The fifth byte of a frame is its descriptor; bit 2 means that a checksum follows.
 bool
 hasChecksum(const void* data, std::size_t size)
 {
@@ -236,7 +235,7 @@ Sealer::seal(const Bytes& content)
   Bytes frame(ZSTD_compressBound(content.size()));
   const std::size_t size = ZSTD_compress2(context_->zstd, frame.data(), frame.size(),
                                           content.data(), content.size());
-  if (ZSTD_isError(size)) // the frame is large enough: only memory can lack
+  if (ZSTD_isError(size)) // the frame is large enough, so this is a lack of memory
     throw std::bad_alloc();
   frame.resize(size);
   return frame;

@@ -9,21 +9,22 @@
 
 namespace pcl_semantic {
 
-/** \brief A block as bytes, without loss: index, occupancy of all voxels, mask of those
- * with records, and the records column by column in the order of offset; doc/map.md has
- * the layout. The same voxels give the same bytes, in whatever order they were hit.
+/** \brief Encodes a block without loss: index, occupancy of all voxels, mask of those
+ * with records, and the records column by column in the order of offset; doc/map.md
+ * describes the layout. The bytes do not depend on the order in which voxels were hit.
  * \param[in] classes L
- * \throws InvalidParameterException if the block's vectors do not fit each other */
+ * \throws InvalidParameterException if the sizes of the block's vectors are
+ * inconsistent */
 Bytes encodeBlock(const VoxelIndex& index, const VoxelBlock& block, int classes);
 
-/** \brief Reads what encodeBlock() wrote.
- * \throws BadInputException if it is another block's, or of another number of classes,
- * or not what encodeBlock() writes */
+/** \brief Decodes the output of encodeBlock().
+ * \throws BadInputException if the bytes are of another block or number of classes, or
+ * invalid */
 std::unique_ptr<VoxelBlock> decodeBlock(const Bytes& bytes, const VoxelIndex& index,
                                         int classes);
 
-/** \brief Compresses bytes into one zstd frame that holds their size and a checksum of
- * them. The same bytes give the same frame. For one thread at a time. */
+/** \brief Compresses bytes into one zstd frame with their size and checksum.
+ * Deterministic. Not thread-safe. */
 class Sealer {
 public:
   Sealer();
@@ -37,11 +38,11 @@ private:
   std::unique_ptr<Context> context_;
 };
 
-/** \brief The bytes that were sealed.
+/** \brief Decompresses sealed bytes.
  * \param[in] data, size the frame
- * \param[in] most bytes that the content may have; no more memory is taken
- * \throws BadInputException if the frame is damaged, lacks its size or checksum, or
- * something lies behind it */
+ * \param[in] most maximum size of the content, which limits the memory
+ * \throws BadInputException if the frame is damaged, has no size or checksum, or is
+ * followed by other bytes */
 Bytes unseal(const void* data, std::size_t size, std::size_t most);
 
 } // namespace pcl_semantic

@@ -16,9 +16,9 @@ namespace {
 // Fixed point of log-probabilities, so that sums do not depend on the order.
 constexpr double kLogScale = double(std::int64_t(1) << 40);
 
-constexpr std::uint32_t kMaxColourCount = 1u << 22; // as when pixels are fused
+constexpr std::uint32_t kMaxColourCount = 1u << 22; // as for pixels
 
-// What one map knows of a voxel that it has hit.
+// A voxel that one map has hit.
 struct Source {
   const VoxelRecord* record;
   const float *measured, *refined; // L values
@@ -108,7 +108,7 @@ mergeVoxel(const std::vector<Source>& sources, int offset, int classes,
   for (const Source& source : sources)
     if (source.record->label_observations > 0)
       labelled.push_back(source);
-  if (labelled.size() == 1) // without rounding
+  if (labelled.size() == 1) // avoids rounding
     std::copy_n(labelled[0].measured, count, measured);
   else if (labelled.size() > 1)
     mergeMeasured(labelled, classes, std::log(fusion.label_max_ratio), measured);
@@ -126,7 +126,8 @@ mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,
   const auto have_hits =
       std::count_if(blocks.begin(), blocks.end(),
                     [](const auto* block) { return !block->records.empty(); });
-  const bool keeps_refined = have_hits == 1; // else voxels have other neighbours now
+  const bool keeps_refined = have_hits == 1; // otherwise the voxels have other
+                                             // neighbours now
   std::vector<Source> sources;
   for (int offset = 0; offset < kBlockVoxels; ++offset) {
     merged.log_odds[std::size_t(offset)] =

@@ -8,9 +8,9 @@
 
 namespace pcl_semantic {
 
-/** \brief Merges the same block of several maps, see mergeArchives();
- * it does not depend on their order. Refined distributions are left out where several
- * have hits: a CRF would no longer conclude them.
+/** \brief Merges the same block of several maps, independent of their order; see
+ * mergeArchives(). Refined distributions are dropped if several maps have hits, because
+ * a CRF would give other results.
  *
  * \param[in] classes L */
 VoxelBlock mergeBlocks(const std::vector<const VoxelBlock*>& blocks, int classes,

@@ -28,14 +28,14 @@ namespace {
 
 using IndexedBlocks = std::vector<std::pair<VoxelIndex, const VoxelBlock*>>;
 
-// More than this waiting for a commit goes into the open transaction, so that memory
-// stays flat. [bytes]
+// Beyond this size, pending blocks are written to the open transaction, which limits
+// memory. [bytes]
 constexpr std::size_t kMaxPending = std::size_t(32) << 20;
 
 constexpr std::size_t kBlocksAtATime =
-    256; // are read, and then unpacked by all threads
+    256; // blocks that are read, and then decompressed in parallel
 
-// A sealed frame for each block, made by all threads; how many there are changes none.
+// Seals each block, in parallel; the result does not depend on the number of threads.
 std::vector<Bytes>
 sealBlocks(const IndexedBlocks& blocks, int classes)
 {
@@ -43,7 +43,7 @@ sealBlocks(const IndexedBlocks& blocks, int classes)
   ParallelGuard guard;
 #pragma omp parallel
   {
-    std::optional<Sealer> sealer; // one a thread
+    std::optional<Sealer> sealer; // one per thread
 #pragma omp for schedule(dynamic, 16)
     for (std::size_t i = 0; i < blocks.size(); ++i)
       guard.run([&] {
@@ -78,8 +78,8 @@ struct MapArchive::Implementation {
       fail<OutputException>(database.path(), ": is not, or no more, open for writing");
   }
 
-  // Runs what writes; after a failure the transaction may be gone, so that a later
-  // commit would take part of it only.
+  // Runs a write. After a failure the transaction may be gone, and a later commit would
+  // store only a part of it.
   template <typename Write>
   void
   write(Write&& body)
@@ -135,7 +135,7 @@ struct MapArchive::Implementation {
     return std::move(*found);
   }
 
-  // The blocks that were read, by all threads.
+  // Decompresses blocks in parallel.
   std::vector<std::unique_ptr<VoxelBlock>>
   open(const std::vector<std::pair<VoxelIndex, std::string>>& sealed) const
   {
@@ -158,7 +158,7 @@ struct MapArchive::Implementation {
   std::unordered_map<VoxelIndex, VoxelBlock, VoxelIndexHash> pending;
   std::size_t pending_bytes = 0;
   bool writable = false;
-  std::recursive_mutex mutex; // a visitor may ask for other blocks
+  std::recursive_mutex mutex; // recursive, because a visitor may request other blocks
 };
 
 std::unique_ptr<MapReader>
@@ -189,7 +189,7 @@ MapArchive::~MapArchive()
     if (implementation_->writable)
       close();
   }
-  catch (const std::exception&) { // the file is as it was last committed all the same
+  catch (const std::exception&) { // the file stays at the last commit anyway
   }
 }
 
@@ -199,12 +199,12 @@ MapArchive::put(const VoxelIndex& block, const VoxelBlock& content)
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   my.requireWritable();
-  VoxelBlock copy = content; // first: without memory nothing changes
+  VoxelBlock copy = content; // first, so that std::bad_alloc changes nothing
   const std::size_t bytes = memoryOf(copy);
   const auto [found, is_new] = my.pending.try_emplace(block, std::move(copy));
   if (!is_new) {
     my.pending_bytes -= memoryOf(found->second);
-    found->second = std::move(copy); // try_emplace left it alone
+    found->second = std::move(copy); // try_emplace has not moved from it
   }
   my.pending_bytes += bytes;
   if (my.pending_bytes > kMaxPending)
@@ -231,7 +231,7 @@ MapArchive::get(const std::vector<VoxelIndex>& blocks) const
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
   std::vector<std::unique_ptr<VoxelBlock>> found(blocks.size());
   std::vector<std::pair<VoxelIndex, std::string>> read;
-  std::vector<std::size_t> places; // of what is read
+  std::vector<std::size_t> places; // of the blocks that are read
   for (std::size_t i = 0; i < blocks.size(); ++i)
     if (my.pending.count(blocks[i]) > 0)
       found[i] = get(blocks[i]);
@@ -275,7 +275,7 @@ MapArchive::forEach(
 {
   Implementation& my = *implementation_;
   const std::lock_guard<std::recursive_mutex> lock(my.mutex);
-  // Two ordered lists become one; what waits is newer.
+  // Merges two ordered lists; pending blocks are newer.
   const IndexedBlocks waiting = my.pendingInOrder();
   auto next = waiting.begin();
   std::vector<std::pair<VoxelIndex, std::string>> read;

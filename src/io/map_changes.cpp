@@ -32,7 +32,7 @@ forEachBlock(const MovedArchive& archive,
   }
 }
 
-// What a map has seen free, and what occupied.
+// The free and the occupied voxels of a map.
 struct KnownVoxels {
   VoxelSet free, occupied;
 };
@@ -52,8 +52,8 @@ knownIn(const MovedArchive& archive, const BlockReader& reader)
   return {VoxelSet(free), VoxelSet(occupied)};
 }
 
-// Blocks of a map of which nothing is left but what another has seen free, with all
-// around it.
+// Blocks of a map reduced to the voxels that another map has observed as free,
+// including all neighbours.
 MapBlocks
 seenFreeBy(const KnownVoxels& other, const MovedArchive& archive,
            const BlockReader& reader)

@@ -12,7 +12,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Visits the blocks that hold occupied voxels, and these as a cloud.
+// Visits the blocks with occupied voxels, and these voxels as a cloud.
 template <typename Visit>
 void
 forEachCloud(const MapReader& archive, const std::function<void()>& step, Visit&& visit)

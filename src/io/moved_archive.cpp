@@ -16,12 +16,12 @@ namespace pcl_semantic {
 
 namespace {
 
-using BlockBox = Eigen::AlignedBox<int, 3>; // both corners are in it
+using BlockBox = Eigen::AlignedBox<int, 3>; // both corners inclusive
 
 using Blocks =
     std::unordered_map<VoxelIndex, std::unique_ptr<VoxelBlock>, VoxelIndexHash>;
 
-// The blocks that hold, after a motion, points of a block or all its centres.
+// The blocks that a moved block, or the centres of its voxels, may reach.
 // \param[in] inset 0 for the block's corners, 0.5 for the centres of its outer voxels
 BlockBox
 blocksAround(const VoxelIndex& block, const Eigen::Isometry3d& motion, double inset)
@@ -51,7 +51,7 @@ forEachIn(const BlockBox& box, Visit&& visit)
         visit(VoxelIndex(x, y, z));
 }
 
-// Where a hit of a voxel lies in another one, as VoxelRecord::position.
+// Position of a hit in a voxel, as VoxelRecord::position, clamped to it.
 std::array<std::uint16_t, 3>
 positionIn(const VoxelIndex& voxel, const Eigen::Vector3d& position)
 {
@@ -62,7 +62,6 @@ positionIn(const VoxelIndex& voxel, const Eigen::Vector3d& position)
           std::uint16_t(stored.z())};
 }
 
-// Resamples one block.
 class Resampler {
 public:
   Resampler(const Eigen::Isometry3d& motion, int classes)
@@ -75,7 +74,7 @@ public:
     return blocksAround(block, inverse_, 0.5);
   }
 
-  // \return null if nothing is known there
+  // \return null if it is unknown
   std::unique_ptr<VoxelBlock>
   resample(const VoxelIndex& index, const Blocks& sources) const
   {
@@ -132,7 +131,7 @@ MovedArchive::MovedArchive(const std::string& path, const Eigen::Isometry3d& mot
 {
   requireRigid(motion, path + ": its motion");
   motion_.translation() /= archive_->header().parameters.voxel_size;
-  // A voxel at the far end of the diagonal still has an index of 32 bits.
+  // The indices of voxels at the far end of the diagonal still fit 32 bits.
   constexpr double farthest = 0.25 * kMaxVoxelIndex;
   if (!(motion_.translation().cwiseAbs().maxCoeff() <= farthest)) // or NaN
     badInput(path, ": is moved by ", motion.translation().transpose(),
@@ -171,7 +170,7 @@ MovedArchive::read(const std::vector<VoxelIndex>& blocks) const
         needed.insert(source);
     });
   std::vector<VoxelIndex> order(needed.begin(), needed.end());
-  std::sort(order.begin(), order.end(), VoxelIndexLess()); // as they lie in the file
+  std::sort(order.begin(), order.end(), VoxelIndexLess()); // file order
   auto read = archive_->get(order);
   Blocks sources;
   for (std::size_t i = 0; i < order.size(); ++i)

@@ -13,11 +13,9 @@
 
 namespace pcl_semantic {
 
-/** \brief The blocks of an archive after a rigid motion. Each voxel is a copy of the
- * one that its centre comes from, with the hits where they are now (but no further than
- * its walls); so surfaces get no holes. Without a motion the blocks are those of the
- * archive.
- */
+/** \brief The blocks of an archive after a rigid motion. Each voxel copies the source
+ * voxel that contains its transformed centre, so surfaces get no holes. Hits are moved
+ * too, clamped to the voxel. Without a motion the blocks are unchanged. */
 class MovedArchive {
 public:
   /** \param[in] motion from the world frame of the archive to that of the blocks [m] */
@@ -29,13 +27,13 @@ public:
     return *archive_;
   }
 
-  /** \brief Blocks that may hold something, in the order z, y, x.
-   * \param[in] is_wanted leaves out the others; null = all */
+  /** \brief Indices of blocks that may be non-empty, in the order z, y, x.
+   * \param[in] is_wanted filter; null = all */
   std::vector<VoxelIndex>
   indices(const std::function<bool(const VoxelIndex&)>& is_wanted = nullptr) const;
 
-  /** \brief Blocks, by all threads; null where nothing is known.
-   * \throws BadInputException if one that is needed is damaged */
+  /** \brief Reads blocks in parallel; null for unknown ones.
+   * \throws BadInputException if a required block is damaged */
   std::vector<std::unique_ptr<VoxelBlock>>
   read(const std::vector<VoxelIndex>& blocks) const;
 
@@ -45,8 +43,8 @@ private:
   Eigen::Isometry3d motion_; // [voxels]
 };
 
-/** \brief Makes sure that two maps have voxels, labels and fusion in common.
- * \throws BadInputException that names what differs */
+/** \brief Requires that two maps have the same voxel size, labels and fusion.
+ * \throws BadInputException that names the difference */
 void requireSameKind(const MapReader& first, const MapReader& other);
 
 } // namespace pcl_semantic

@@ -5,7 +5,7 @@
 
 #include <pcl_semantic/files/atomic_file.h>
 
-// Else a build with assertions tells standard error of every tree that it writes.
+// Otherwise debug builds print a message for every written tree.
 #ifndef OCTOMAP_NODEBUGOUT
 #define OCTOMAP_NODEBUGOUT
 #endif
@@ -17,7 +17,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// The voxel of an octree in which cube 0 of the scene lies.
+// The octree's voxel at voxel 0 of the scene.
 VoxelIndex
 firstVoxel(const VoxelScene& scene)
 {
@@ -54,8 +54,8 @@ fill(octomap::OcTree& tree, const VoxelScene& scene)
   tree.prune();
 }
 
-// What the library's own writing begins with. That talks on standard error, and gives
-// the size of the voxels six digits, which are too few for some.
+// Header of an OctoMap file. OctoMap's own function prints messages and rounds the
+// voxel size to six digits, too few for some sizes.
 void
 writeHeader(std::ostream& stream, const octomap::OcTree& tree)
 {

@@ -9,11 +9,10 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The values of a run's description, by name. */
 std::map<std::string, std::string> runValues(const std::string& description);
 
-/** \brief Sets the parameters that a run's description names; the others keep their
- * values. \throws BadInputException if a value cannot be */
+/** \brief Sets the parameters in a run's description; the others keep their values.
+ * \throws BadInputException if a value is invalid */
 void setFromRun(const std::map<std::string, std::string>& values,
                 ConfigParameters parameters);
 

@@ -18,15 +18,14 @@ namespace pcl_semantic {
 
 namespace {
 
-// No row of ours is larger; a damaged file may claim so.
+// Larger than any row of an archive; a damaged file may claim more.
 constexpr int kMaxRow = 1 << 25;
 
-// A reader may have to wait until a writer has found its feet; a second writer is
-// refused at once.
+// A reader waits until a starting writer is ready; a second writer is refused soon.
 constexpr int kReaderPatience = 5000; // [ms]
 constexpr int kWriterPatience = 100;  // [ms]
 
-// What keeps a writer from writing, not what is wrong with the file.
+// Whether a code means that writing is impossible, not that the file is bad.
 bool
 isOutputFailure(int code)
 {
@@ -39,7 +38,7 @@ isOutputFailure(int code)
                   {SQLITE_IOERR_READ, SQLITE_IOERR_SHORT_READ, SQLITE_IOERR_CORRUPTFS});
 }
 
-// Where a mark is, big-endian: https://www.sqlite.org/fileformat.html
+// Position of the mark, big-endian: https://www.sqlite.org/fileformat.html
 constexpr int kMarkAt = 68, kMarkEnd = 72; // [bytes]
 
 sqlite3_file&
@@ -50,7 +49,7 @@ fileOf(sqlite3* connection)
   return *file;
 }
 
-// How SQLite reaches a file, but for writing.
+// SQLite's file methods, except for writing.
 struct KeepingMethods : sqlite3_io_methods {
   explicit KeepingMethods(const sqlite3_io_methods& usual)
       : sqlite3_io_methods(usual), usual_write(usual.xWrite)
@@ -74,8 +73,8 @@ struct KeepingMethods : sqlite3_io_methods {
   decltype(xWrite) usual_write;
 };
 
-// The mark in FILE, by SQLite's own handle: closing another would drop the locks of
-// this process. \return 0 if the file is too short
+// The mark in FILE, read by SQLite's own handle: closing another descriptor would drop
+// the locks of this process. \return 0 if the file is too short
 FileMark
 readMark(sqlite3* connection)
 {
@@ -99,8 +98,8 @@ writeMark(sqlite3* connection, FileMark mark, bool is_flushed)
              : code;
 }
 
-// From now on SQLite leaves the mark in FILE alone when it writes page 1.
-// \return what has to last as long as the connection
+// Makes SQLite preserve the mark in FILE when it writes page 1. \return an object that
+// must live as long as the connection
 std::shared_ptr<const sqlite3_io_methods>
 keepMark(sqlite3* connection)
 {
@@ -110,7 +109,6 @@ keepMark(sqlite3* connection)
   return keeping;
 }
 
-// Gives another process time to finish a short step.
 void
 waitALittle()
 {
@@ -122,24 +120,24 @@ waitALittle()
 SqliteDatabase::SqliteDatabase(const std::string& path, Access access)
     : path_(path), access_(access)
 {
-  // A reader, too, undoes what a killed writer left half done, where it may.
+  // Readers also roll back an unfinished transaction of a killed writer, if permitted.
   const int flags = SQLITE_OPEN_READWRITE |
                     (access == Access::create ? SQLITE_OPEN_CREATE : 0) |
                     SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
-  // Some relative names (":memory:") mean something else to SQLite.
+  // Some relative names (":memory:") are special in SQLite.
   const std::string absolute = std::filesystem::absolute(path).string();
   const int code = sqlite3_open_v2(absolute.c_str(), &connection_, flags, nullptr);
   try {
     if (code != SQLITE_OK)
       throwError(code);
-    // FILE-wal goes with the last connection otherwise, and nobody can tell any more
-    // whether it was lost.
+    // Otherwise closing the last connection removes FILE-wal, and a lost log could no
+    // longer be detected.
     sqlite3_db_config(connection_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
     sqlite3_busy_timeout(connection_,
                          access == Access::read ? kReaderPatience : kWriterPatience);
     sqlite3_limit(connection_, SQLITE_LIMIT_LENGTH, kMaxRow);
     requireOwnLog();
-    // SQLite opens what it may not write without a word.
+    // SQLite silently opens a write-protected file as read-only.
     if (access != Access::read && sqlite3_db_readonly(connection_, "main") == 1)
       throwError(SQLITE_READONLY);
     run("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON");
@@ -182,7 +180,7 @@ SqliteDatabase::mark()
 void
 SqliteDatabase::requireOwnLog()
 {
-  // Another program may have been beginning or ending to write.
+  // Another program may be starting or stopping to write.
   for (int attempt = 0;; ++attempt) {
     const std::string fault = faultOfLog(path_ + "-wal");
     if (fault.empty())
@@ -193,16 +191,17 @@ SqliteDatabase::requireOwnLog()
   }
 }
 
-// SQLite reads the log; what it finds is compared with what FILE says.
+// SQLite reads the log; its mark is compared with that of FILE.
 std::string
 SqliteDatabase::faultOfLog(const std::string& log)
 {
   static const char* const remedy =
       " (if it is lost, an empty file of that name lets the rest be read)";
-  constexpr int most = 1000; // commits of a log; FILE is behind if it was copied first
+  constexpr int most = 1000; // in one log; FILE is older if it was copied first
   std::error_code error;
-  const FileMark file = readMark(connection_); // first: a commit may come in between
-  const bool has_log = std::filesystem::exists(log, error); // first: SQLite makes one
+  const FileMark file = readMark(connection_); // first: another program may commit
+                                               // meanwhile
+  const bool has_log = std::filesystem::exists(log, error); // first: SQLite creates one
   if ((file.is(FileMark::with_log) || file.is(FileMark::old_log)) && !has_log)
     return "lacks " + log + ", which holds what was written last: copy both" + remedy;
   const FileMark seen = mark();
@@ -214,7 +213,9 @@ SqliteDatabase::faultOfLog(const std::string& log)
   if (file.is(FileMark::with_log) && seen.is(FileMark::with_log) &&
       std::filesystem::file_size(log, error) > 0)
     return log + " is damaged: nothing is found in it" + remedy;
-  const int behind = std::int32_t((file.value - seen.value) << 8) >> 8; // in 24 bits
+  const int behind = std::int32_t((file.value - seen.value) << 8) >> 8; // difference of
+                                                                        // 24-bit
+                                                                        // counters
   if (std::abs(behind) > most || seen.is(FileMark::old_log))
     return "has beside it " + log + " of another archive, and not its own: copy both" +
            remedy;
@@ -257,10 +258,11 @@ SqliteDatabase::splitLog()
 {
   const FileMark seen = mark();
   if (seen.is(FileMark::whole) || seen.is(FileMark::old_log))
-    sqlite3_randomness(sizeof commits_, &commits_); // unlike any other log's
+    sqlite3_randomness(sizeof commits_, &commits_); // random, unlike that of any other
+                                                    // log
   else
     commits_ = seen.value;
-  // Not yet with_log: there is no log that could be lacking.
+  // Not yet with_log, because no log exists that could be missing.
   if ((seen.is(FileMark::whole) &&
        !(runUnlessBusy("PRAGMA journal_mode = DELETE") &&
          runUnlessBusy(markingAs(markOf(FileMark::logged))))) ||
@@ -278,7 +280,7 @@ SqliteDatabase::splitLog()
   return true;
 }
 
-// The log's mark is on the disk before FILE says that there is a log.
+// Flushes the log's mark before FILE states that there is a log.
 void
 SqliteDatabase::beginLog()
 {
@@ -291,11 +293,11 @@ SqliteDatabase::commit()
 {
   ++commits_;
   run(markingAs(markOf(FileMark::logged)) + "; COMMIT");
-  // Also if another program has brought the log's mark into FILE.
+  // Also if another program has moved the log's mark into FILE.
   write(FileMark::with_log, false);
   if (log_pages_ < max_log || !moveLogToFile())
     return;
-  // SQLite begins the log anew: until our mark is in it nothing is lacking in FILE.
+  // SQLite restarts the log. Until it contains our mark, FILE is complete.
   write(FileMark::logged, true);
   beginLog();
 }
@@ -305,17 +307,16 @@ SqliteDatabase::joinLog()
 {
   sqlite3_busy_timeout(connection_, 0);
   std::error_code error;
-  // A reader is done soon, as a rule.
+  // Readers usually finish soon.
   for (int attempt = 0; attempt < 40; ++attempt, waitALittle()) {
     if (!moveLogToFile())
       continue;
     write(FileMark::logged, true);
-    // SQLite does not say whether the disk let it remove the log.
+    // SQLite does not report whether it could remove the log.
     if (!runUnlessBusy("PRAGMA journal_mode = DELETE") ||
         std::filesystem::exists(path_ + "-wal", error))
       continue;
-    // Without the last mark, if a reader has just come, FILE has everything all the
-    // same.
+    // If a new reader prevents the last mark, FILE is complete anyway.
     if (runUnlessBusy(markingAs({FileMark::whole})))
       if (const int code = writeMark(connection_, {FileMark::whole}, true))
         throwError(code);

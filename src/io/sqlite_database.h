@@ -15,15 +15,16 @@ namespace pcl_semantic {
 
 /** \brief State of an archive's log, FILE-wal, from the application_id in page 1.
  *
- * Page 1 lies in FILE and, with another mark, in the log, where SQLite reads it. FILE's
- * we write ourselves; only another SQLite program brings the log's into FILE, with all
- * that is in the log. So FILE says whether a log that is not there was lost. */
+ * Page 1 is in FILE and, with another mark, in the log, where SQLite reads it. This
+ * library writes the mark in FILE. Only another SQLite program would move the log's
+ * mark into FILE, together with the whole log. Therefore FILE tells whether a missing
+ * log was lost. */
 struct FileMark {
   enum Kind : std::uint32_t {
     whole = 0x50434C53,   //!< "PCLS": there is no log
-    old_log = 0x50434C57, //!< "PCLW": said by FILE and by the log of older archives
-    logged = 0x51000000,  //!< said by the log, with a number: that of its last commit
-    with_log = 0x52000000 //!< said by FILE, with that number
+    old_log = 0x50434C57, //!< "PCLW": in FILE and log of older archives
+    logged = 0x51000000,  //!< in the log, plus the number of its last commit
+    with_log = 0x52000000 //!< in FILE, plus the same number
   };
 
   std::uint32_t value = 0;
@@ -37,14 +38,14 @@ struct FileMark {
 
 /** \brief A connection to an SQLite file; for one thread at a time.
  *
- * What SQLite reports becomes an exception that names the file: OutputException where
- * the disk or another program keeps a writer from its work, BadInputException where
- * the file cannot be used, std::bad_alloc where memory lacks. */
+ * SQLite's errors become exceptions with the file name: OutputException if the disk or
+ * another program prevents writing, BadInputException if the file cannot be used,
+ * std::bad_alloc if memory is exhausted. */
 class SqliteDatabase {
 public:
   enum class Access { read, write, create };
 
-  /** \brief A log that is longer goes into the file; less in tests. [pages] */
+  /** \brief A longer log is moved into the file; smaller in tests. [pages] */
   static inline int max_log = 1000;
 
   /** \throws BadInputException, OutputException */
@@ -53,37 +54,37 @@ public:
   SqliteDatabase(const SqliteDatabase&) = delete;
   SqliteDatabase& operator=(const SqliteDatabase&) = delete;
 
-  /** \brief Runs statements that give nothing. */
+  /** \brief Runs statements without result. */
   void run(const std::string& sql);
 
-  /** \brief The mark that SQLite sees, be it the file's or the log's. */
+  /** \brief The mark that SQLite reads, from the file or the log. */
   FileMark mark();
 
-  /** \brief The statement that changes it. */
+  /** \brief The statement that sets the mark. */
   static std::string markingAs(FileMark mark);
 
-  /** \brief From now on commits go to FILE-wal first, so that readers are not in the
-   * way; outside of a transaction.
-   * \return false if another program was in the way */
+  /** \brief Makes commits go to FILE-wal first, so that readers do not block them; call
+   * it outside of a transaction.
+   * \return false if another program prevented it */
   bool splitLog();
 
-  /** \brief Ends a transaction after splitLog(); brings a long FILE-wal into the file
+  /** \brief Commits a transaction after splitLog(); moves a long FILE-wal into the file
    * as far as readers allow. */
   void commit();
 
-  /** \brief Brings FILE-wal into the file, outside of a transaction.
-   * \return false if readers were in the way for two seconds: both then stay */
+  /** \brief Moves FILE-wal into the file; call it outside of a transaction.
+   * \return false if readers prevented it for two seconds: both files then stay */
   bool joinLog();
 
-  /** \brief Commits that FILE-wal had when the file was opened, or before, and that
-   * SQLite does not find in it. */
+  /** \brief Number of commits that were in FILE-wal when the file was opened or before,
+   * and that SQLite no longer finds. */
   int
   lostCommits() const
   {
     return lost_commits_;
   }
 
-  /** \brief The first number that a statement gives; 0 if it gives none. */
+  /** \brief The first number of a statement's result; 0 if it is empty. */
   std::int64_t number(const std::string& sql);
 
   const std::string&
@@ -95,13 +96,13 @@ public:
 private:
   friend class SqliteStatement;
 
-  /** \brief Throws what belongs to a result code of SQLite. */
+  /** \brief Throws the exception for a result code of SQLite. */
   [[noreturn]] void throwError(int code) const;
 
-  /** \brief As run(), but says whether a lock of another program was in the way. */
+  /** \brief As run(); returns false if a lock of another program prevented it. */
   bool runUnlessBusy(const std::string& sql);
 
-  /** \brief Makes sure that FILE-wal is there if it belongs to FILE, and only then. */
+  /** \brief Requires that FILE-wal exists if and only if it belongs to FILE. */
   void requireOwnLog();
   std::string faultOfLog(const std::string& log);
 
@@ -114,7 +115,7 @@ private:
   Access access_;
   sqlite3* connection_ = nullptr;
   std::shared_ptr<const sqlite3_io_methods> keeping_mark_;
-  std::uint32_t commits_ = 0; // the number in marks
+  std::uint32_t commits_ = 0; // number in marks
   int lost_commits_ = 0;
   int log_pages_ = 0; // after the last commit
 };
@@ -127,7 +128,7 @@ public:
   SqliteStatement(const SqliteStatement&) = delete;
   SqliteStatement& operator=(const SqliteStatement&) = delete;
 
-  /** \brief Runs it with numbers, texts or bytes as its parameters. */
+  /** \brief Runs the statement with numbers, texts or bytes as parameters. */
   template <typename... Values>
   void
   run(const Values&... values)
@@ -135,7 +136,7 @@ public:
     forEachRow([] {}, values...);
   }
 
-  /** \brief The same; \a visit may ask for the columns of the row it is called at. */
+  /** \brief Does the same; \a visit may read the columns of the current row. */
   template <typename Visit, typename... Values>
   void
   forEachRow(Visit&& visit, const Values&... values)

@@ -44,8 +44,8 @@ anchorOf(const MapArchive& submap)
   return frames[frames.size() / 2];
 }
 
-// The parameters of a run's CRF; those that its description lacks have the defaults of
-// maps. None: the run had no CRF.
+// The parameters of a run's CRF; parameters missing in its description have the
+// defaults of maps. nullopt: the run had no CRF.
 std::optional<SemanticCRFParameters>
 crfOfRun(const std::string& description)
 {
@@ -58,7 +58,7 @@ crfOfRun(const std::string& description)
   return crf;
 }
 
-// Refines the voxels of a merged map that are not refined any more.
+// Refines the voxels of a merged map without a refined distribution.
 class MergedRefiner {
 public:
   MergedRefiner(const MapArchive& map, const SemanticCRFParameters& parameters)
@@ -67,11 +67,11 @@ public:
         reader_(label_set_.size(), map.header().parameters)
   {}
 
-  /** \brief How far around a square the voxels are that take part [blocks]. */
+  /** \brief Width of the halo whose voxels influence a tile [blocks]. */
   int
   halo() const
   {
-    // Wider ones are of kernels that smooth whole streets.
+    // Only kernels that smooth whole streets need more.
     constexpr int widest = 4 * MapTile::tile_edge;
     return std::min(2 * blocksWithin(reach(), voxel_size_), widest);
   }
@@ -106,7 +106,7 @@ private:
     return reader_.readAll(pointers, originOf(blocks));
   }
 
-  // Near the voxels: their points are single precision.
+  // Near the voxels, because their points are single precision.
   Eigen::Vector3d
   originOf(const MapBlocks& blocks) const
   {
@@ -147,7 +147,7 @@ submapStarts(const std::vector<Eigen::Vector3d>& positions, const SubmapLength& 
     badParameter("a submap of ", length.metres, " m or ", length.frames,
                  " frames, expected one of both");
   std::vector<std::size_t> starts;
-  double driven = 0.0; // since the last start [m]
+  double driven = 0.0; // distance since the last start [m]
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (i > 0)
       driven += (positions[i] - positions[i - 1]).norm();
@@ -204,13 +204,13 @@ placed(const Submap& submap, std::vector<std::string>* doubts)
 
 namespace {
 
-// How submaps are merged, and where each of them lies.
+// Parameters of the merge and poses of the submaps.
 struct Merge {
   std::vector<PlacedArchive> archives;
   MergeOptions options;
 };
 
-// How submaps are merged, as the first of them by name was mapped.
+// Takes the parameters from the first submap by name.
 Merge
 mergeOf(const std::vector<Submap>& submaps)
 {
@@ -253,7 +253,7 @@ tilesOf(const Submap& submap)
 
 namespace {
 
-// All that the bytes of a tile depend on, but its place.
+// Everything that determines the bytes of a tile, except for its position.
 std::string
 describe(const std::set<Submap>& submaps, const Merge& merge)
 {
@@ -273,7 +273,7 @@ describe(const std::set<Submap>& submaps, const Merge& merge)
   return text.str();
 }
 
-// With what lies at the path of a tile now.
+// Adds the checksum of the current file of a tile.
 std::string
 withBytes(const std::string& description, const std::string& tile)
 {
@@ -291,7 +291,7 @@ isMade(const std::string& tile, const std::string& text_path,
     const std::vector<std::uint8_t> text = readBytes(text_path);
     return std::string(text.begin(), text.end()) == withBytes(description, tile);
   }
-  catch (const BadInputException&) { // one of both is missing, or cannot be read
+  catch (const BadInputException&) { // a file is missing or unreadable
     return false;
   }
 }
@@ -312,7 +312,7 @@ mergeTile(const SubmapTiles& tiles, const MapTile& tile, const std::string& outp
   };
   Merge merge = mergeWith(1);
   const int halo = merge.options.halo;
-  if (halo > MapTile::tile_edge) // kernels that few use
+  if (halo > MapTile::tile_edge) // rare, wide kernels
     merge = mergeWith((halo + MapTile::tile_edge - 1) / MapTile::tile_edge);
   const std::string description = describe(near, merge);
   const std::string made = fs::path(output).replace_extension(".made").string();

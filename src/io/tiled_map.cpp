@@ -21,7 +21,7 @@ constexpr int version = 1;
 
 constexpr std::size_t max_open = 16; // archives
 
-// "tiles/3_-1.map", as writeTileIndex() names it.
+// "tiles/3_-1.map", as in writeTileIndex().
 std::string
 nameOf(const MapTile& tile)
 {
@@ -44,7 +44,7 @@ writeTileIndex(const std::string& index, const std::vector<MapTile>& tiles)
   for (const MapTile& tile : tiles) {
     const MapArchive archive(tilePath(index, tile), ArchiveAccess::read);
     if (archive.state().blocks == 0)
-      continue; // what reached it was moved, and had nothing there
+      continue; // its moved inputs had no content here
     blocks += archive.state().blocks;
     ++tiles_with_blocks;
     lines << tile.x << " " << tile.y << " " << archive.state().blocks << " "
@@ -62,7 +62,7 @@ TiledMap::isIndex(const std::string& path)
 {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
-    return false; // a pipe would have to be waited for
+    return false; // opening a pipe would block
   std::ifstream file(path, std::ios::binary);
   std::string begin(std::string(first_word).size(), ' ');
   file.read(begin.data(), std::streamsize(begin.size()));
@@ -105,7 +105,7 @@ TiledMap::TiledMap(const std::string& path) : path_(path)
   state_.finished = true;
 }
 
-// Its blocks have to be those that the index was written for.
+// Verifies that its blocks are those in the index.
 std::unique_ptr<MapArchive>
 TiledMap::open(const MapTile& tile) const
 {

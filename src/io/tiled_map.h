@@ -13,11 +13,11 @@
 
 namespace pcl_semantic {
 
-/** \brief A map in tiles: an archive each, named by an index, which is a text file that
- * writeTileIndex() writes. Few of them are open at a time. */
+/** \brief A tiled map: one archive per tile, listed in a text file of writeTileIndex().
+ * Only a few are open at a time. */
 class TiledMap : public MapReader {
 public:
-  /** \brief Whether a file says that it is such an index. */
+  /** \brief Whether a file is such an index. */
   static bool isIndex(const std::string& path);
 
   /** \throws BadInputException with the line, or if a tile cannot be read */
@@ -51,7 +51,7 @@ public:
     return state_;
   }
 
-  /** \brief Faults of the tiles, see verifyArchive(). */
+  /** \brief See verifyArchive(). */
   std::vector<std::string> faults(const BlockProgress& progress) const;
 
 private:
@@ -63,7 +63,7 @@ private:
 
   std::unique_ptr<MapArchive> open(const MapTile& tile) const;
 
-  /** \brief The archive that holds a block if any does; null: there is none. */
+  /** \brief The archive whose tile contains a block; null: there is none. */
   const MapArchive* archiveOf(const VoxelIndex& block) const;
 
   std::map<MapTile, Tile> tiles_;

@@ -56,7 +56,7 @@ VoxelCloudWriter::VoxelCloudWriter(const std::string& path, const LabelSet& labe
     : file_(path), label_set_(label_set), colour_(colour), missing_(count)
 {
   PcdTable table = makeTable(label_set.size(), count, colour);
-  const Eigen::Vector3d corner = Eigen::Vector3d::Zero() - origin; // not -0
+  const Eigen::Vector3d corner = Eigen::Vector3d::Zero() - origin; // avoids -0
   table.voxel_grid = {voxel_size, corner.x(), corner.y(), corner.z()};
   writePcdHeader(file_.stream(), table);
   row_.resize(table.point_step);

@@ -20,8 +20,8 @@ namespace pcl_semantic {
 
 namespace {
 
-// Positions of the finite points relative to an origin, in the double precision that
-// the file may have.
+// Positions of the finite points relative to an origin, in double precision, which the
+// file may have.
 struct FinitePoints {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::size_t> rows; // of the file
@@ -30,7 +30,7 @@ struct FinitePoints {
 FinitePoints
 finitePoints(const PcdTable& table, const Eigen::Vector3d& origin)
 {
-  if (table.points() == 0) // it may have no fields
+  if (table.points() == 0) // may have no fields
     return {};
   const PcdColumn x(table, table.find("x")), y(table, table.find("y")),
       z(table, table.find("z"));
@@ -72,8 +72,8 @@ smallestStep(const std::vector<Eigen::Vector3d>& positions)
   return step;
 }
 
-// The step, refined by ever larger distances: rounding of single precision spoils a
-// single one.
+// Refines the step by increasingly long distances, because single precision rounds
+// short ones.
 double
 refinedStep(const std::vector<Eigen::Vector3d>& positions, double step)
 {
@@ -86,7 +86,7 @@ refinedStep(const std::vector<Eigen::Vector3d>& positions, double step)
       step = distance / std::round(distance / step);
       longest = distance;
     }
-  // Sizes are round numbers of metres.
+  // Voxel sizes are round numbers of metres.
   const double rounded = std::round(step * 1e4) / 1e4;
   return std::abs(rounded - step) < 1e-3 * step * step / longest ? rounded : step;
 }
@@ -108,7 +108,7 @@ findGrid(const std::string& path, const std::vector<Eigen::Vector3d>& positions,
       badInput(path, ": its points are not the centres of voxels; say "
                      "how large they are, with --voxel-size");
   }
-  // As our maps lie, as far as single precision tells.
+  // Aligned as maps of this library, within single precision.
   const Eigen::Array3d first = (grid.corner + origin).array() / grid.size;
   if (((first - first.round()).abs() < 0.01).all())
     grid.corner = -origin;
@@ -131,7 +131,7 @@ indicesOf(const std::string& path, const std::vector<Eigen::Vector3d>& positions
   return indices;
 }
 
-// The point that stands for those of one voxel, and its colour.
+// The representative point of a voxel, and the mean colour.
 std::size_t
 standIn(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
         const std::size_t* begin, const std::size_t* end, pcl::PointXYZRGBL& point)
@@ -161,7 +161,7 @@ standIn(const LabelledCloud& labelled, const std::vector<std::size_t>& rows,
   return *first;
 }
 
-// The distributions of the rows of the file that are kept.
+// The distributions of the selected rows.
 LabelDistributions
 distributionsOf(const LabelDistributions& all, const std::vector<std::size_t>& rows)
 {
@@ -178,7 +178,7 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid,
                const VoxelGrid& otherwise)
 {
   const LabelledCloud labelled = readLabelledCloud(path);
-  // Points, and so the grid, are relative to what was taken off them.
+  // Points, and thus the grid, are relative to the subtracted origin.
   const FinitePoints points = finitePoints(labelled.table, labelled.origin);
   VoxelScene scene;
   scene.origin = labelled.origin;
@@ -189,7 +189,7 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid,
   if (grid.size > 0.0)
     scene.grid = {grid.size, grid.corner - scene.origin};
   else if (size > 0.0) {
-    // Voxel 0 of a map begins at the world's zero: that is where the file's points are.
+    // Voxel 0 of a map begins at the world's origin, which locates the file's points.
     scene.grid = {size, Eigen::Vector3d(x, y, z) - labelled.origin};
     scene.origin = labelled.origin - Eigen::Vector3d(x, y, z);
   }
@@ -202,7 +202,7 @@ readVoxelScene(const std::string& path, const VoxelGrid& grid,
   const std::vector<VoxelIndex> indices = indicesOf(path, points.positions, scene.grid);
   std::vector<std::size_t> order(indices.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
-  // A map has each voxel once: its order stays.
+  // A map has each voxel once, so its order stays.
   if (VoxelSet(indices).size() < indices.size())
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return VoxelIndexLess()(indices[a], indices[b]);
@@ -229,7 +229,7 @@ sceneOf(const SemanticVoxelMap& map, bool with_free)
   scene.has_colour = scene.has_labels = true;
   scene.voxels = map.occupiedEverywhere();
   scene.origin = map.cloudOrigin();
-  // Cube 0 begins at the world's origin, the points are relative to that of the map.
+  // Voxel 0 begins at the world's origin; the points are relative to the map's origin.
   scene.grid = {scene.voxels.voxel_size, -scene.origin};
   if (std::string doubt = doubtOfSteps(*scene.voxels.cloud, "the map"); !doubt.empty())
     scene.doubts.push_back(std::move(doubt));

@@ -9,7 +9,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// Measured and refined distribution of a record; all zero where it has no label.
+// Reads measured and refined distribution of a record; all zero without a label.
 // Returns whether a refined one is stored.
 bool
 readDistributions(const VoxelBlock& block, int record, int classes, float* measured,
@@ -36,7 +36,7 @@ meanColour(const VoxelRecord& record)
   return colour;
 }
 
-// Where the hits of a voxel lie, world frame [voxels].
+// Mean hit position of a voxel, world frame [voxels].
 Eigen::Vector3d
 positionOf(const VoxelIndex& voxel, const VoxelRecord& record)
 {
@@ -45,8 +45,8 @@ positionOf(const VoxelIndex& voxel, const VoxelRecord& record)
   return voxel.cast<double>() + unit * Eigen::Vector3d(x, y, z);
 }
 
-// Relative to the cloud's origin [m]. Where single precision would take it out of its
-// voxel, far from the origin, the centre.
+// Relative to the cloud's origin [m]. Far from the origin, single precision may move it
+// out of its voxel; then the centre.
 Eigen::Vector3f
 pointOf(const VoxelIndex& voxel, const VoxelRecord& record, const VoxelCloud& voxels)
 {
@@ -108,7 +108,7 @@ BlockReader::countOccupied(const VoxelBlock& block) const
 {
   if (block.records.empty())
     return 0;
-  std::size_t count = 0; // not by isOccupied(): this loop compilers make wide
+  std::size_t count = 0; // isOccupied() would prevent vectorisation
   for (std::size_t offset = 0; offset < kBlockVoxels; ++offset)
     count += int(block.record_of[offset] != VoxelBlock::kNoRecord) &
              int(occupancy_.isOccupied(block.log_odds[offset]));
@@ -120,7 +120,7 @@ BlockReader::makeCloud(std::size_t count, double voxel_size,
                        const Eigen::Vector3d& origin) const
 {
   VoxelCloud voxels;
-  // Without values: read() writes all of them, by all threads.
+  // Uninitialised: read() writes all values, in parallel.
   voxels.measured.matrix().resize(classes_, Eigen::Index(count));
   voxels.refined.matrix().resize(classes_, Eigen::Index(count));
   voxels.is_refined.resize(count);

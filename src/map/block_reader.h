@@ -17,7 +17,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Reads the voxels of blocks as a map gives them out. */
+/** \brief Reads the voxels of blocks as a map returns them. */
 class BlockReader {
 public:
   /** \param[in] classes L */
@@ -26,7 +26,7 @@ public:
         occupancy_(parameters.fusion)
   {}
 
-  /** \brief Whether a voxel is occupied: what no scan has hit never is. */
+  /** \brief Whether a voxel is occupied; a voxel without a hit never is. */
   bool
   isOccupied(const VoxelBlock& block, int offset) const
   {
@@ -46,14 +46,12 @@ public:
    * else measured; kUnlabelled if there is neither. */
   Label label(const VoxelBlock& block, int offset) const;
 
-  /** \brief All that is known of a voxel of a block. */
   VoxelState state(const VoxelIndex& block_index, const VoxelBlock& block,
                    int offset) const;
 
-  /** \brief Number of occupied voxels. */
   std::size_t countOccupied(const VoxelBlock& block) const;
 
-  /** \brief A cloud with room for \a count voxels.
+  /** \brief Makes a cloud of \a count voxels.
    * \param[in] voxel_size [m]
    * \param[in] origin of the points, world frame [m] */
   VoxelCloud makeCloud(std::size_t count, double voxel_size,
@@ -64,7 +62,7 @@ public:
   void read(const VoxelIndex& index, const VoxelBlock& block, std::size_t first,
             VoxelCloud& voxels) const;
 
-  /** \brief The occupied voxels of blocks, by all threads.
+  /** \brief Reads the occupied voxels of blocks in parallel.
    * \param[in] origin of the points, world frame [m] */
   VoxelCloud
   readAll(const std::vector<std::pair<VoxelIndex, const VoxelBlock*>>& blocks,

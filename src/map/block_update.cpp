@@ -36,7 +36,7 @@ BlockUpdate::run(const std::uint64_t* crossed, const RayHit* first, const RayHit
 {
   block.changed = true;
   sortByOffset(first, last);
-  if (!per_ray_) // else it has been updated ray by ray
+  if (!per_ray_) // otherwise updated ray by ray
     updateOccupancy(crossed, block);
   std::size_t hit_voxels = 0;
   std::size_t begin = 0;
@@ -67,7 +67,7 @@ BlockUpdate::sortByOffset(const RayHit* first, const RayHit* last)
   hits_.resize(std::size_t(last - first));
   for (const RayHit* hit = first; hit != last; ++hit) {
     hits_[end_[hit->offset]++] = *hit;
-    // Neighbours in the map are none in the scan.
+    // Voxels that are adjacent in the map are scattered in the scan.
     if (!scan_.rgb.empty())
       __builtin_prefetch(scan_.rgb.address(hit->point));
     if (scan_.distributions)
@@ -81,7 +81,7 @@ BlockUpdate::updateOccupancy(const std::uint64_t* crossed, VoxelBlock& block) co
   for (std::size_t w = 0; w < CrossedVoxels::kWords; ++w) {
     const std::uint64_t missed = crossed[w] & ~hit_[w];
     StoredLogOdds* const layer = block.log_odds.data() + 64 * w;
-    if (missed == ~std::uint64_t(0)) // the loop that compilers make wide
+    if (missed == ~std::uint64_t(0)) // vectorised loop
       for (int i = 0; i < 64; ++i)
         occupancy_.miss(layer[i]);
     else
@@ -96,7 +96,7 @@ BlockUpdate::updateOccupancy(const std::uint64_t* crossed, VoxelBlock& block) co
   });
 }
 
-// That of the surest point: their order does not matter.
+// Weight of the most certain point, because the order of points must not matter.
 float
 BlockUpdate::weightOf(std::size_t begin, std::size_t end) const
 {
@@ -123,7 +123,7 @@ BlockUpdate::fuse(int offset, std::size_t begin, std::size_t end, VoxelBlock& bl
   const int record = block.makeRecord(offset, classes_);
   const bool labelled = measurement_.fuseInto(
       block.records[std::size_t(record)], block.measured.data() + record * classes_);
-  // What was concluded from older measurements does not hold any more.
+  // The refined distribution came from older measurements.
   if (labelled)
     std::fill_n(block.refined.begin() + record * classes_, classes_, 0.0f);
 }

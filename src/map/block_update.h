@@ -13,8 +13,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Brings what one scan says into a block: one update of occupancy a voxel, a
- * hit wins over a miss; colours and labels of the voxels that were hit. */
+/** \brief Integrates one scan into a block: one occupancy update per voxel, in which a
+ * hit wins over a miss, and colours and labels of the hit voxels. */
 class BlockUpdate {
 public:
   /** \param[in] classes L */
@@ -22,7 +22,7 @@ public:
 
   /** \param[in] crossed voxels, see CrossedVoxels::layers
    * \param[in] first, last hits in the block, in any order
-   * \return number of voxels that were hit */
+   * \return number of hit voxels */
   std::size_t run(const std::uint64_t* crossed, const RayHit* first, const RayHit* last,
                   VoxelBlock& block);
 
@@ -41,20 +41,20 @@ private:
   const double voxel_size_;
   const Scan& scan_;
   VoxelMeasurement measurement_;
-  std::array<std::uint64_t, CrossedVoxels::kWords> hit_{}; // a bit a voxel
+  std::array<std::uint64_t, CrossedVoxels::kWords> hit_{}; // one bit per voxel
   std::array<std::uint32_t, kBlockVoxels> end_{};          // of its hits, by voxel
   std::vector<RayHit> hits_;                               // by voxel
 };
 
-/** \brief Takes FusionParameters::dynamic_decay off every occupied voxel of the window
- * whose MAP label is of a dynamic class. */
+/** \brief Subtracts FusionParameters::dynamic_decay from every occupied voxel of the
+ * window whose MAP label is a dynamic class. */
 void decayDynamicVoxels(const LabelSet& label_set, const MapParameters& parameters,
                         RayCaster::Grid& grid);
 
-/** \brief Counts every ray of a scan in the occupancy of its voxels, as the
- * paper does: one after the other by a single thread, for here their order matters.
+/** \brief Counts every ray of a scan in the occupancy of its voxels, as in the paper.
+ * Sequential, because the order of rays matters.
  * \param[in] scan that \a caster has cast last
- * \param[in,out] grid that the rays were cast through; all crossed blocks are there */
+ * \param[in,out] grid that the rays were cast through; contains all crossed blocks */
 void countRays(const RayCaster& caster, const MapParameters& parameters,
                const Scan& scan, RayCaster::Grid& grid);
 

@@ -8,7 +8,7 @@ namespace pcl_semantic {
 void
 CrossedVoxels::begin(const Grid& grid)
 {
-  // The window may have moved since, but a slot's bits stay where they are.
+  // Bits are stored by slot, so they stay valid if the window has moved.
   for (std::size_t slot = 0; slot < touched_.size(); ++slot)
     if (touched_[slot]) {
       std::fill_n(bits_.begin() + long(slot * kWords), kWords, 0);
@@ -20,7 +20,7 @@ CrossedVoxels::begin(const Grid& grid)
     parts_[axis].resize(std::size_t(grid.size()[axis]));
     VoxelIndex block = first_;
     for (std::size_t& part : parts_[axis]) {
-      // Differences may be negative: they wrap, and so does their sum.
+      // Unsigned differences may wrap, and so does their sum.
       part = grid.slotOf(block) - (axis == 0 ? 0 : corner);
       ++block[axis];
     }

@@ -11,18 +11,18 @@
 
 namespace pcl_semantic {
 
-/** \brief The voxels of a window that the rays of one scan cross: a bit a voxel.
- * Several threads may add voxels, in any order. */
+/** \brief The voxels of a window that the rays of one scan cross, one bit each.
+ * Thread-safe; the result does not depend on the order of calls. */
 class CrossedVoxels {
 public:
   using Grid = ScrollingVoxelGrid<VoxelBlock>;
 
-  /** \brief Words of 64 bits a block: one for each of its layers in z. */
+  /** \brief 64-bit words per block: one for each layer in z. */
   static constexpr std::size_t kWords = kBlockVoxels / 64;
 
   explicit CrossedVoxels(std::size_t slots) : bits_(slots * kWords), touched_(slots) {}
 
-  /** \brief Forgets the last scan and takes the window as it lies now. */
+  /** \brief Clears the previous scan and adopts the current window. */
   void begin(const Grid& grid);
 
   /** \brief Adds voxels of a block.
@@ -39,7 +39,7 @@ public:
     __atomic_store_n(&touched_[slot], std::uint8_t(1), __ATOMIC_RELAXED);
   }
 
-  /** \brief Adds a voxel; gives false if it lies outside the window. */
+  /** \brief Adds a voxel; returns false outside the window. */
   bool
   add(const VoxelIndex& voxel)
   {
@@ -51,7 +51,6 @@ public:
     return true;
   }
 
-  /** \brief First and last block of the window along an axis. */
   int
   firstBlock(int axis) const
   {
@@ -64,7 +63,6 @@ public:
     return first_[axis] + int(parts_[axis].size()) - 1;
   }
 
-  /** \brief The slot of a block inside the window. */
   std::size_t
   slotOf(const VoxelIndex& block) const
   {
@@ -101,8 +99,8 @@ public:
   }
 
 private:
-  std::vector<std::uint64_t> bits_;               // kWords a slot
-  std::vector<std::uint8_t> touched_;             // a byte a slot
+  std::vector<std::uint64_t> bits_;               // kWords per slot
+  std::vector<std::uint8_t> touched_;             // one byte per slot
   VoxelIndex first_ = VoxelIndex::Zero();         // block of the window
   std::array<std::vector<std::size_t>, 3> parts_; // of a slot, by axis and block
 };

@@ -9,14 +9,14 @@ namespace pcl_semantic {
 
 namespace {
 
-// Of these, doc/map.md has the measurements.
+// Measured, see doc/map.md.
 constexpr double spared_voxels = 1.0;    // before every end
-constexpr double spared_fraction = 0.03; // of the way, where the surface is not level
+constexpr double spared_fraction = 0.03; // of the ray, if the surface is not level
 constexpr double spared_layers = 2.0;    // above level ground, or below a ceiling
-constexpr double most_for_layers = 0.25; // of the way
+constexpr double most_for_layers = 0.25; // of the ray
 constexpr int level_reach = 4;           // voxels above and below
 
-// The bits of a column and those around it, as CrossedVoxels::layers() has them.
+// Bits of a column and its neighbours, in the layout of CrossedVoxels::layers().
 std::uint64_t
 columnsAround(int offset)
 {

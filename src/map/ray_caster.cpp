@@ -16,10 +16,9 @@ namespace pcl_semantic {
 
 namespace {
 
-// Further away nothing can be meant; it also keeps the arithmetic exact [m].
+// Limit of plausible distances; it also keeps the arithmetic exact [m].
 constexpr float max_reach = 1e6f;
 
-// The largest coordinate of a point; NaN if one is.
 float
 reachOf(const Eigen::Vector3f& point)
 {
@@ -40,7 +39,7 @@ hasDeviation(const Scan& scan, std::size_t i)
          ((*scan.deviations)[i] >= 0.0f && (*scan.deviations)[i] < max_reach);
 }
 
-// The fraction of a ray before two deviations of its end.
+// The fraction of a ray that ends two deviations before its end point.
 double
 sureFraction(const Scan& scan, std::size_t i)
 {
@@ -88,17 +87,17 @@ setRay(const kernels::RayBatch& batch, std::size_t k, DirectedRay& ray)
   ray.leaf = std::uint16_t(batch.leaf[k]);
 }
 
-// In the place of an end: the point casts no ray.
+// Marks a point that casts no ray.
 constexpr std::int32_t no_ray = std::numeric_limits<std::int32_t>::min();
 
-// Points that a thread takes at a time.
+// Points per task of a thread.
 constexpr std::size_t part_size = 1 << 14;
 
 constexpr std::size_t tiles = 6 * kTilesAFace;
 
 } // namespace
 
-// The hits come first: where a ray may clear depends on those around its end.
+// Hits are found first, because free-space clearing depends on neighbouring hits.
 void
 RayCaster::findHits(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                     const Settings& settings, std::size_t begin, std::size_t end,
@@ -166,13 +165,13 @@ RayCaster::addRays(const kernels::RayStart& start, kernels::RayBatch& batch, Par
   kernels::findDirections(tier_)(start, batch);
   for (std::size_t k = 0; k < batch.count; ++k) {
     ends_[batch.point[k]] = {batch.end[0][k], batch.end[1][k], batch.end[2][k]};
-    setRay(batch, k, part.rays.emplace_back()); // in place: a copy would wait
+    setRay(batch, k, part.rays.emplace_back()); // in place, without a copy
     ++part.next[part.rays.back().tile];
   }
   batch.count = 0;
 }
 
-// Orders hits by slot: counts those of each, then puts them in their offsets.
+// Counting sort of the hits by slot.
 void
 RayCaster::sortHits()
 {
@@ -198,7 +197,7 @@ RayCaster::sortHits()
       hits_[first_hit_[hit.slot] + hit_count_[hit.slot]++] = hit.hit;
 }
 
-// Brings the rays into the order of their tiles; gives where each tile begins.
+// Sorts the rays by tile; returns the begin of each tile.
 std::vector<std::uint32_t>
 RayCaster::sortRays()
 {
@@ -225,7 +224,7 @@ RayCaster::crossVoxels()
   ParallelGuard guard;
 #pragma omp parallel
   {
-#pragma omp single nowait // meanwhile the others begin
+#pragma omp single nowait // the other threads start meanwhile
     guard.run([&] { sortHits(); });
     std::optional<TileSweep> sweep;
     guard.run([&] { sweep.emplace(tier_, start_, ends_, crossed_); });

@@ -25,19 +25,19 @@ struct RayStart;
 
 /** \brief An end point of a ray in a block of the window. */
 struct RayHit {
-  std::uint32_t point;                   ///< its number in the scan
-  std::uint16_t offset;                  ///< voxel of the block
+  std::uint32_t point;                   ///< its index in the scan
+  std::uint16_t offset;                  ///< of its voxel in the block
   std::array<std::uint16_t, 3> position; ///< in the voxel [2^-10 voxel]
 };
 
-/** \brief Casts the rays of a scan through a window and notes which voxels were hit and
- * which were crossed: as sets, so that neither the order of the points nor the number
- * of threads matters. */
+/** \brief Casts the rays of a scan through a window and collects the hit and the
+ * crossed voxels. These are sets, so they depend neither on the order of the points nor
+ * on the number of threads. */
 class RayCaster {
 public:
   using Grid = ScrollingVoxelGrid<VoxelBlock>;
 
-  /** \param[in] slots of the grid it will be used on */
+  /** \param[in] slots of the grid */
   explicit RayCaster(std::size_t slots, SimdTier tier = simdTier())
       : tier_(tier), crossed_(slots), first_hit_(slots), hit_count_(slots)
   {}
@@ -45,15 +45,15 @@ public:
   struct Settings {
     double voxel_size = 0.0;  ///< [m]
     double max_range = 0.0;   ///< SemanticVoxelMap::Parameters::max_range [m]
-    std::vector<bool> is_sky; ///< by label; these pixels cast no ray
+    std::vector<bool> is_sky; ///< by label; these points cast no ray
     Clearing clearing = Clearing::full;
   };
 
-  /** \brief Forgets the last scan and casts the rays of this one. */
+  /** \brief Clears the previous scan and casts the rays of this one. */
   ScanCounts cast(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                   const Grid& grid, const Settings& settings);
 
-  /** \brief End points inside a block, as first and behind the last, in no order. */
+  /** \brief End points inside a block, as [first, last), unordered. */
   std::pair<const RayHit*, const RayHit*>
   hitsIn(std::size_t slot) const
   {
@@ -67,8 +67,8 @@ public:
     RayHit hit;
   };
 
-  /** \brief Visits the rays one by one in the order of the points, as (start, end of
-   * what it clears, its SlotHit or null). */
+  /** \brief Visits the rays in the order of the points, as (start, end of its cleared
+   * part, its SlotHit or null). */
   template <typename Visit>
   void
   forEachRay(Visit&& visit) const
@@ -91,29 +91,29 @@ public:
     return crossed_;
   }
 
-  /** \brief Memory of the marks and of what is kept of the last scan [bytes]. */
+  /** \brief Memory, including data of the last scan [bytes]. */
   std::size_t memory() const;
 
 private:
-  // What a thread finds in its part of the scan.
+  // Results of one thread.
   struct Part {
     std::vector<DirectedRay> rays;
-    std::vector<std::uint32_t> next; // number of rays by tile, then where they go
+    std::vector<std::uint32_t> next; // number of rays by tile, then their target index
     std::vector<SlotHit> hits;
     std::size_t invalid = 0, sky = 0;
   };
 
-  // The voxels of the ends in reach, and which points cast a ray.
+  // Finds the voxels of the ends within range, and the points that cast a ray.
   void findHits(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                 const Settings& settings, std::size_t begin, std::size_t end,
                 Part& part);
 
-  // The rays, once all hits are known.
+  // Requires all hits.
   void findRays(const Scan& scan, const Eigen::Isometry3d& T_world_sensor,
                 const Settings& settings, std::size_t begin, std::size_t end,
                 Part& part);
 
-  // Adds the rays of a batch to a part, and empties it.
+  // Moves the rays of a batch to a part.
   void addRays(const kernels::RayStart& start, kernels::RayBatch& batch, Part& part);
 
   void sortHits();
@@ -125,10 +125,10 @@ private:
   SimdTier tier_;
   CrossedVoxels crossed_;
   QuantizedPoint start_ = QuantizedPoint::Zero();
-  std::vector<RayDelta> ends_; // by point: voxel it lies in, then end of its ray
-  std::vector<Part> parts_;    // kept from scan to scan: memory is not free
-  std::vector<const DirectedRay*> rays_;             // by tile
-  std::vector<RayHit> hits_;                         // by slot
+  std::vector<RayDelta> ends_;           // by point: its voxel, then the end of its ray
+  std::vector<Part> parts_;              // reused, to avoid allocations
+  std::vector<const DirectedRay*> rays_; // by tile
+  std::vector<RayHit> hits_;             // by slot
   std::vector<std::uint32_t> first_hit_, hit_count_; // by slot
   std::vector<std::uint32_t> hit_slots_;             // slots with a hit
 };

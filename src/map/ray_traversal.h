@@ -11,7 +11,7 @@ namespace detail {
 
 __extension__ typedef __int128 Int128;
 
-// One axis of the traversal. Times along the segment are integers: in units of the
+// One axis of the traversal. Times along the segment are integers, in units of the
 // whole segment divided by twice the product of all extents. A step in the negative
 // direction leaves its half-open voxel only after the boundary: half a unit later.
 template <typename Integer> struct TraversalAxis {
@@ -34,7 +34,7 @@ template <typename Integer> struct TraversalAxis {
     step = unit * Integer(edge);
   }
 
-  // Passes the boundaries up to a time; gives their number.
+  // Passes the boundaries up to a time; returns their number.
   int
   skipTo(Integer time)
   {
@@ -46,7 +46,8 @@ template <typename Integer> struct TraversalAxis {
   }
 };
 
-// Voxels that are entered at the same time as slab \a slab along \a axis or later.
+// Visits voxels that are entered at the same time as slab \a slab along \a axis or
+// later.
 template <typename Integer, typename Visit>
 bool
 traverse(const QuantizedPoint& from, const QuantizedPoint& delta, int axis, int slab,
@@ -99,9 +100,9 @@ traverse(const QuantizedPoint& from, const QuantizedPoint& delta, int axis, int 
 
 } // namespace detail
 
-/** \brief Visits the voxels that the closed segment crosses, from that on which enters
- * slab \a slab: the one that lies \a slab voxels from the start along \a axis. In
- * order, and exact as traverseSegment(); nothing if the segment ends before.
+/** \brief Visits the voxels that the closed segment crosses, starting with the first
+ * one in slab \a slab, \a slab voxels from the start along \a axis. Ordered and exact
+ * as traverseSegment(); visits nothing if the segment ends before.
  * \param[in] axis 0, 1 or 2; the segment has an extent along it unless \a slab is 0
  * \param[in] visit called with a VoxelIndex; returns false to stop
  * \return false if \a visit stopped it */
@@ -111,18 +112,18 @@ traverseSegmentFrom(const QuantizedPoint& from, const QuantizedPoint& to, int ax
                     int slab, Visit&& visit)
 {
   const QuantizedPoint delta = to - from;
-  // Twice the product of the extents and one more edge has to fit.
+  // Twice the product of the extents, and one further edge, must fit 64 bits.
   constexpr std::int64_t max_short = std::int64_t(1) << 20;
   if ((delta.array().abs() < max_short).all())
     return detail::traverse<std::int64_t>(from, delta, axis, slab, visit);
   return detail::traverse<detail::Int128>(from, delta, axis, slab, visit);
 }
 
-/** \brief Visits every voxel that the closed segment crosses and no other, in order, by
- * exact integer arithmetic (Amanatides and Woo 1987 with rational times).
+/** \brief Visits exactly the voxels that the closed segment crosses, in order, by
+ * integer arithmetic (Amanatides and Woo 1987 with rational times).
  *
  * Voxels are half open: a segment through an edge or a corner enters only the voxels
- * that hold one of its points.
+ * that contain one of its points.
  * \param[in] visit called with a VoxelIndex; returns false to stop
  * \return false if \a visit stopped it */
 template <typename Visit>

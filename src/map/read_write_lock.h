@@ -6,8 +6,8 @@
 
 namespace pcl_semantic {
 
-/** \brief One writer or any number of readers. Readers that come while a writer waits
- * stand behind it: however often they look, they cannot hold it up. */
+/** \brief One writer or any number of readers. New readers queue behind a waiting
+ * writer, so frequent readers cannot starve it. */
 class ReadWriteLock {
 public:
   std::shared_lock<std::shared_mutex>

@@ -14,10 +14,8 @@
 
 namespace pcl_semantic {
 
-/** \brief A window of blocks that moves through an unbounded grid without copying what
- * stays: a block keeps its place in a ring of slots for as long as it is inside.
- *
- * The grid knows nothing of what a block holds. */
+/** \brief A window of blocks that moves through an unbounded grid without copying: a
+ * block keeps its slot in a ring buffer while it is inside. */
 template <typename Block> class ScrollingVoxelGrid {
 public:
   using BlockIndex = Eigen::Vector3i;
@@ -40,8 +38,8 @@ public:
     return size_;
   }
 
-  /** \brief The smallest block index inside the window; before the first scrollTo() the
-   * window lies where no block is. */
+  /** \brief The smallest block index inside the window. Before the first scrollTo() the
+   * window contains no valid block index. */
   const BlockIndex&
   origin() const
   {
@@ -61,7 +59,6 @@ public:
     return blocks_.size();
   }
 
-  /** \brief The slot of a block inside the window. */
   std::size_t
   slotOf(const BlockIndex& block) const
   {
@@ -71,7 +68,6 @@ public:
     return (z * std::size_t(size_.y()) + y) * std::size_t(size_.x()) + x;
   }
 
-  /** \brief The block in a slot, null if there is none. */
   std::unique_ptr<Block>&
   at(std::size_t slot)
   {
@@ -85,11 +81,12 @@ public:
     return contains(block) ? blocks_[slotOf(block)].get() : nullptr;
   }
 
-  /** \brief Moves the window so that its smallest block is \a origin; the cost is that
-   * of what leaves and enters. If a call throws, the window stays where it is.
+  /** \brief Moves the window so that its smallest block is \a origin; the cost is
+   * proportional to the blocks that leave and enter. If a callback throws, the window
+   * stays.
    * \param[in] leave called with (index, block) for each block that leaves
-   * \param[in] enter called with (index) for each position that enters; gives the block
-   * that lies there or null */
+   * \param[in] enter called with (index) for each position that enters; returns its
+   * block or null */
   template <typename Leave, typename Enter>
   void scrollTo(const BlockIndex& origin, Leave&& leave, Enter&& enter);
 
@@ -102,8 +99,8 @@ public:
     forEachIn(origin_, size_, visit);
   }
 
-  /** \brief Calls \a visit(index, block) for every block of the window, in that order.
-   */
+  /** \brief Calls \a visit(index, block) for every block of the window, in the order of
+   * forEachSlot(). */
   template <typename Visit>
   void
   forEach(Visit&& visit) const
@@ -115,7 +112,7 @@ public:
   }
 
 private:
-  // So far from kMaxVoxelIndex / 8 that the first scrollTo() is a jump to a new window.
+  // So far from kMaxVoxelIndex / 8 that the first scrollTo() does not overlap.
   static constexpr int nowhere = -kMaxVoxelIndex;
 
   static std::size_t
@@ -130,7 +127,7 @@ private:
   void forEachIn(const BlockIndex& first, const BlockIndex& extent,
                  Visit&& visit) const;
 
-  // Visits the window at one origin where the window at another does not reach.
+  // Visits the window at one origin, except for its overlap with that at another.
   template <typename Visit>
   void forEachOutside(const BlockIndex& origin, const BlockIndex& other,
                       Visit&& visit) const;
@@ -155,7 +152,7 @@ ScrollingVoxelGrid<Block>::scrollTo(const BlockIndex& origin, Leave&& leave,
     if (std::unique_ptr<Block> content = enter(block))
       entering.emplace_back(slot, std::move(content));
   });
-  // From here on nothing fails.
+  // Nothing throws from here on.
   forEachOutside(origin_, origin,
                  [&](const BlockIndex&, std::size_t slot) { blocks_[slot].reset(); });
   origin_ = origin;
@@ -163,8 +160,7 @@ ScrollingVoxelGrid<Block>::scrollTo(const BlockIndex& origin, Leave&& leave,
     blocks_[slot] = std::move(content);
 }
 
-// The part outside falls into boxes: what is outside along x; of the rest, what is
-// outside along y; of the rest of that, along z.
+// Splits the outside into boxes: along x; of the rest along y; of the rest along z.
 template <typename Block>
 template <typename Visit>
 void

@@ -21,21 +21,20 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZRGB>;
 
-constexpr double smallest_gap = 0.5;   // between a voxel and what lies behind it [m]
-constexpr double sensor_height = 2.0;  // above the ground, for rays that graze it [m]
+constexpr double smallest_gap = 0.5;   // between a voxel and a point behind it [m]
+constexpr double sensor_height = 2.0;  // above the ground, for grazing rays [m]
 constexpr double nearest_corner = 0.1; // of a cube that can be projected [m]
-constexpr float farthest = 1e4f;       // no stereo camera measures that [m]
+constexpr float farthest = 1e4f;       // beyond the range of stereo cameras [m]
 
-/** \brief The voxels that hold points of a cloud. */
 struct HitVoxels {
   std::vector<VoxelIndex> voxels;
-  std::vector<int> points;   // in each of them
-  std::vector<int> voxel_of; // of each point of the cloud; -1 = none
+  std::vector<int> points;   // number of points in each
+  std::vector<int> voxel_of; // for each point of the cloud; -1 = none
 };
 
 constexpr int none = -1;
 
-// The voxel of each point; those without depth, or too far, are in none.
+// No voxel for points without depth or too far away.
 std::vector<std::optional<VoxelIndex>>
 voxelsOfPoints(const Cloud& cloud, const Eigen::Isometry3d& T_world_camera,
                double voxel_size)
@@ -44,7 +43,7 @@ voxelsOfPoints(const Cloud& cloud, const Eigen::Isometry3d& T_world_camera,
 #pragma omp parallel for
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f point = cloud[i].getVector3fMap();
-    if (point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < farthest) // not if NaN
+    if (point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < farthest) // false for NaN
       voxels[i] = voxelOf(quantize(T_world_camera * point.cast<double>(), voxel_size));
   }
   return voxels;
@@ -57,7 +56,8 @@ findHitVoxels(const Cloud& cloud, const Eigen::Isometry3d& T_world_camera,
   const auto voxels = voxelsOfPoints(cloud, T_world_camera, voxel_size);
   HitVoxels hit;
   hit.voxel_of.assign(cloud.size(), none);
-  std::vector<VoxelIndex> runs; // neighbours in the image are so in the world
+  std::vector<VoxelIndex> runs; // deduplicated runs: neighbours in the image often
+                                // share a voxel
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (voxels[i]) {
       if (runs.empty() || *voxels[i] != runs.back())
@@ -79,7 +79,8 @@ findHitVoxels(const Cloud& cloud, const Eigen::Isometry3d& T_world_camera,
   return hit;
 }
 
-/** \brief Pixels that a cube may cover; none if it is behind the camera or too near. */
+/** \brief Pixels that a cube may cover; empty if it is behind the camera or too near.
+ */
 struct PixelBox {
   Eigen::Array2i first{0, 0}, last{-1, -1};
 };

@@ -49,7 +49,7 @@ struct SemanticVoxelMap::State {
   bool has_cloud_origin = false;
   std::optional<int> threads;
   ReadWriteLock lock;               // of everything above
-  mutable std::mutex store_reading; // a store need not bear several readers
+  mutable std::mutex store_reading; // a store need not support several readers
 };
 
 namespace {
@@ -58,18 +58,18 @@ Eigen::Vector3i
 windowInBlocks(const SemanticVoxelMap::Parameters& parameters)
 {
   parameters.validate();
-  // One more block: the window moves by whole blocks and still holds its extent.
+  // One more block: the window moves by whole blocks and must still contain its extent.
   const double block = parameters.voxel_size * kBlockEdge;
   return ((parameters.window / block).array().min(1e6).ceil().cast<int>() + 1);
 }
 
-// A cloud's points are single precision: far from the world's origin they are given
-// relative to a multiple of a kilometre.
+// Clouds have single precision, so far from the world's origin their origin is a
+// multiple of a kilometre near the sensor.
 Eigen::Vector3d
 nearbyOrigin(const Eigen::Vector3d& sensor)
 {
   constexpr double step = 1000.0;
-  return (sensor / step).array().round() * step + 0.0; // no -0
+  return (sensor / step).array().round() * step + 0.0; // avoids -0
 }
 
 void
@@ -88,7 +88,7 @@ checkScan(const Scan& scan, int classes)
                  scan.points.size());
 }
 
-// Puts a block into the store unless that has it as it is.
+// Stores a block if it has changed.
 void
 keep(const VoxelIndex& index, VoxelBlock& block, BlockStore& store)
 {
@@ -98,8 +98,8 @@ keep(const VoxelIndex& index, VoxelBlock& block, BlockStore& store)
   block.changed = false;
 }
 
-// Replaces a fused distribution, see VoxelBlock::measured; one that says nothing, of a
-// voxel without labels, leaves it.
+// Replaces a fused distribution, see VoxelBlock::measured, unless the new one is all
+// zero.
 void
 replaceMeasured(const float* distribution, int classes, double max_ratio,
                 float* log_distribution)
@@ -175,7 +175,7 @@ SemanticVoxelMap::State::updateBlocks(const Scan& scan)
 {
   const std::vector<VoxelIndex> blocks = ray_caster.crossed().blocks();
   std::size_t hit_voxels = 0;
-  ParallelGuard guard; // blocks and records are made, which takes memory
+  ParallelGuard guard; // allocates blocks and records
 #pragma omp parallel reduction(+ : hit_voxels)
   {
     std::optional<BlockUpdate> update;
@@ -206,7 +206,7 @@ SemanticVoxelMap::State::addLabels(const Scan& scan,
     int offset;
     std::uint32_t point;
   };
-  std::vector<End> ends; // in voxels that some scan has hit
+  std::vector<End> ends; // in voxels that a scan has hit
   for (std::uint32_t i = 0; i < scan.points.size(); ++i) {
     const Eigen::Vector3f point = scan.points[i];
     const Label label = scan.distributions->mapLabel(i);
@@ -246,7 +246,7 @@ SemanticVoxelMap::State::addLabels(const Scan& scan,
   return voxels;
 }
 
-// Of some voxels, all in one block.
+// Voxels of one block.
 void
 SemanticVoxelMap::State::setRefined(const VoxelCloud& voxels,
                                     const LabelDistributions& refined,
@@ -261,7 +261,7 @@ SemanticVoxelMap::State::setRefined(const VoxelCloud& voxels,
     const float* const distribution = refined.column(Eigen::Index(i));
     float* const stored = block.refined.data() + record * classes;
     if (!as_measured && std::equal(distribution, distribution + classes, stored))
-      continue; // a store need not write the block again
+      continue; // so that the store need not write the block again
     std::copy_n(distribution, classes, stored);
     if (as_measured)
       replaceMeasured(distribution, classes, parameters.fusion.label_max_ratio,
@@ -285,7 +285,7 @@ void
 SemanticVoxelMap::State::visitBlocks(const VisitBlock& visit) const
 {
   const std::lock_guard<std::mutex> alone(store_reading);
-  // Two ordered lists become one; of a block in both, the window has the newer state.
+  // Merges two ordered lists; for a block in both, the window has the newer state.
   std::vector<std::pair<VoxelIndex, const VoxelBlock*>> window;
   grid.forEach([&](const VoxelIndex& index, const VoxelBlock& block) {
     window.emplace_back(index, &block);
@@ -377,7 +377,7 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
   const auto writing = state_->lock.write();
   const ThreadScope threads(state_->threads);
   const auto blockAt = [&](std::size_t i) { return blockOf(voxels.indices[i]); };
-  std::vector<std::size_t> firsts; // of each block's voxels, which lie side by side
+  std::vector<std::size_t> firsts; // start of each block's consecutive voxels
   for (std::size_t i = 0; i < voxels.size(); ++i)
     if (i == 0 || blockAt(i) != blockAt(i - 1))
       firsts.push_back(i);
@@ -387,7 +387,7 @@ SemanticVoxelMap::setRefined(const VoxelCloud& voxels,
     if (VoxelBlock* const block = state_->grid.find(blockAt(firsts[b])))
       state_->setRefined(voxels, refined, firsts[b], firsts[b + 1], as_measured,
                          *block);
-  // Else it has left the window since.
+  // Otherwise it has left the window.
 }
 
 const LabelSet&
@@ -411,18 +411,17 @@ labelOf(const BlockReader& reader, const VoxelBlock* block, int offset)
                                                     : kUnlabelled;
 }
 
-// Where a segment is still before a box, or has just come to it: the last of the walls
-// that it comes through to be inside.
+// Where a segment enters a box: the wall that it passes last.
 struct Entry {
   int axis = 0;
   int slab = 0; ///< voxels from the start along the axis
 };
 
-// In 64 bits: a window that lies nowhere is far beyond all voxels.
+// 64 bits: an empty window is far beyond all voxels.
 using WideIndex = Eigen::Matrix<std::int64_t, 3, 1>;
 
 // \param[in] low, high the first and the last voxel of the box
-// \return nothing if the segment does not come to it
+// \return nothing if the segment does not reach the box
 std::optional<Entry>
 entryOf(const QuantizedPoint& from, const QuantizedPoint& to, const WideIndex& low,
         const WideIndex& high)
@@ -430,7 +429,7 @@ entryOf(const QuantizedPoint& from, const QuantizedPoint& to, const WideIndex& l
   const WideIndex start = voxelOf(from).cast<std::int64_t>();
   const WideIndex end = voxelOf(to).cast<std::int64_t>();
   Entry entry;
-  double latest = 0.0; // in lengths of the segment
+  double latest = 0.0; // as fraction of the segment
   for (int axis = 0; axis < 3; ++axis) {
     if (std::max(start[axis], end[axis]) < low[axis] ||
         std::min(start[axis], end[axis]) > high[axis])
@@ -567,7 +566,7 @@ SemanticVoxelMap::firstOccupied(const Eigen::Vector3d& from,
   bool inside = false;
   const auto visit = [&](const VoxelIndex& voxel) {
     if (!state_->grid.contains(blockOf(voxel)))
-      return !inside; // it does not come back
+      return !inside; // it cannot enter again
     inside = true;
     const VoxelBlock* const block = state_->grid.find(blockOf(voxel));
     const int offset = voxelInBlock(voxel);

@@ -56,7 +56,7 @@ RayTile::sortByLeaf(const DirectedRay* const* rays, std::size_t count)
 inline void
 RayTile::Outermost::take(const Outermost& other)
 {
-  for (std::size_t k = 0; k < directions; ++k) { // the loop that compilers make wide
+  for (std::size_t k = 0; k < directions; ++k) { // vectorised loop
     const bool further = other.outward[k] > outward[k];
     outward[k] = further ? other.outward[k] : outward[k];
     row_slope[k] = further ? other.row_slope[k] : row_slope[k];
@@ -70,7 +70,7 @@ void
 RayTile::makeLevels()
 {
   outermost_.resize(std::size_t(1) << (2 * kLeafBits));
-  std::size_t count = rays_.count; // of parts: at first each ray is one
+  std::size_t count = rays_.count; // of parts: initially one per ray
   for (BundleRows& level : levels_) {
     const bool of_rays = &level == &levels_.front();
     const int shift = of_rays ? 0 : 2;
@@ -184,7 +184,7 @@ SlabBuffer::begin(const VoxelIndex& start, const FaceAxes& axes, const Extent& e
   lines_ = (rows + kBlockEdge - 1) / kBlockEdge;
   columns_ = extent.last_column - extent.first_column + 1;
   const std::size_t size = std::size_t(columns_) * std::size_t(lines_) * line_size;
-  if (cells_.size() < size + line_size) // one more line for what lies nowhere
+  if (cells_.size() < size + line_size) // one more line for cells outside
     cells_.resize(size + line_size);
 }
 
@@ -245,13 +245,13 @@ SlabBuffer::flushLine(const std::uint8_t* line, std::size_t slot, int column,
 
 namespace {
 
-// Bundles are taken apart where they become wider than this [voxels].
+// Bundles are split where they become wider than this [voxels].
 constexpr float widest = 1.0f;
 
-// What has ended is removed now and then only: that costs more than to pass over it.
+// Ended rays are removed rarely, because removing costs more than skipping.
 constexpr int groups_between_cleanings = 4;
 
-// The widest bundles that are still narrow enough at a distance; -1: rays.
+// The level of the widest bundles that are narrow enough at a distance; -1: rays.
 int
 levelAt(float distance)
 {
@@ -261,8 +261,8 @@ levelAt(float distance)
   return level;
 }
 
-// A slope, a distance, their product, its sum with the start and that less a half are
-// each rounded: at most five halves of the last place of the distance, 2^-23 of it.
+// A slope, a distance, their product, its sum with the start, and that minus a half are
+// each rounded: in total at most five half-ulps of the distance, 2^-23 of it each.
 float
 marginAt(float distance)
 {
@@ -276,7 +276,7 @@ inVoxel(std::int64_t coordinate)
   return float(coordinate & (edge - 1)) / float(edge);
 }
 
-// Cells between two slopes, at distances from near to far, and one more on each side.
+// Cells between two slopes at distances from near to far, plus a margin of one.
 std::pair<int, int>
 cellsBetween(float low, float high, float start, float near, float far)
 {
@@ -284,7 +284,7 @@ cellsBetween(float low, float high, float start, float near, float far)
           int(std::floor(start + std::max(high * near, high * far))) + 1};
 }
 
-// The parts of some bundles.
+// Appends the parts of some bundles.
 template <typename Rows>
 void
 takeApart(const BundleRows& bundles, const std::vector<std::uint32_t>& wanted,
@@ -320,7 +320,7 @@ TileSweep::run(int face, const DirectedRay* const* rays, std::size_t count)
     group.block = voxel >> kBlockBits;
     group.last = group.first + (axes_.step > 0 ? kBlockEdge - 1 - layer : layer);
     if (!beginGroup(group))
-      return; // the window is convex: rays that have left it do not come back
+      return; // the window is convex, so rays that have left it do not return
     group.last = std::min(group.last, longest);
     if (level_ >= 0)
       for (int slab = group.first; slab <= group.last; ++slab)

@@ -15,28 +15,28 @@
 
 namespace pcl_semantic {
 
-/** \brief Rays or bundles of rays, column by column, as wide loops want them. The first
- * column of numbers is the slab that none of their rays goes beyond. */
+/** \brief Rays or bundles of rays as a struct of arrays, for vectorised loops. The
+ * first column of numbers is the last slab that any of their rays reaches. */
 template <std::size_t Slopes, std::size_t Numbers> struct RayTable {
   std::array<std::vector<float>, Slopes> slopes;
   std::array<std::vector<std::int32_t>, Numbers> numbers;
-  std::size_t count = 0; ///< of rows; the columns have kernels::slab_lanes more
+  std::size_t count = 0; ///< number of rows; the columns have kernels::slab_lanes more
 
-  /** \brief Makes room for some rows in all. */
+  /** \brief Reserves capacity for a total number of rows. */
   void
   reserve(std::size_t rows)
   {
-    // The last one to grow: without memory the others may be ahead of it.
+    // The last column to grow: after std::bad_alloc others may be larger.
     if (numbers.back().size() >= rows + kernels::slab_lanes)
       return;
     forEachColumn([&](auto& column) { column.resize(2 * rows + kernels::slab_lanes); });
   }
 
-  /** \brief Adds some rows of another table, for which there is room. */
+  /** \brief Appends rows of another table, within the capacity. */
   void
   add(const RayTable& from, std::size_t begin, std::size_t end)
   {
-    constexpr std::size_t step = 4; // what is copied beyond the end counts for nothing
+    constexpr std::size_t step = 4; // values copied beyond the end are ignored
     for (std::size_t i = begin; i < end; i += step) {
       const std::size_t to = count + (i - begin);
       for (std::size_t c = 0; c < Slopes; ++c)
@@ -47,7 +47,7 @@ template <std::size_t Slopes, std::size_t Numbers> struct RayTable {
     count += end - begin;
   }
 
-  /** \brief Removes the rows of which all rays end before a slab. */
+  /** \brief Removes the rows whose rays all end before a slab. */
   void
   removeEnded(int slab)
   {
@@ -77,15 +77,16 @@ using RayRows = RayTable<2, 4>;
 enum RaySlope : std::size_t { kRowSlope, kColumnSlope };
 enum RayNumber : std::size_t { kEndSlab, kEndRow, kEndColumn, kPoint };
 
-/** \brief Bundles of rays of neighbouring directions: the slopes of kernels::BundleView
- * in its order, its numbers, and the range of their parts: smaller bundles, or rays. */
+/** \brief Bundles of rays of similar directions: the slopes and numbers of
+ * kernels::BundleView in its order, and the range of their parts: smaller bundles, or
+ * rays. */
 using BundleRows = RayTable<12, 4>;
 enum BundleSlope : std::size_t {
   kRowLow,
   kRowHigh,
   kColumnLow,
   kColumnHigh,
-  kCornerRow,                     ///< of the first of four corners
+  kCornerRow,                     ///< first of four corners
   kCornerColumn = kCornerRow + 4, ///< likewise
 };
 enum BundleNumber : std::size_t { kLongest, kReach, kBegin, kEnd };
@@ -106,17 +107,18 @@ public:
     return float(1 << level) / float(1 << (kTileBits + kLeafBits - 1));
   }
 
-  /** \brief Takes the rays of a tile, in any order; there is at least one. */
+  /** \brief Sets the rays of a tile, in any order; at least one. */
   void set(const DirectedRay* const* rays, std::size_t count);
 
-  /** \brief The parts of level 0 are rays, those of level l are bundles of l - 1. */
+  /** \brief The bundles of a level. Parts of level 0 are rays, those of level l are
+   * bundles of level l - 1. */
   const BundleRows&
   bundles(int level) const
   {
     return levels_[std::size_t(level)];
   }
 
-  /** \brief The one bundle of all rays. */
+  /** \brief The bundle of all rays. */
   const BundleRows&
   all() const
   {
@@ -129,8 +131,8 @@ public:
     return rays_;
   }
 
-  /** \brief Removes the rays that end before a slab; the parts of the bundles of level
-   * 0 do not hold any more. */
+  /** \brief Removes the rays that end before a slab. The parts of the bundles of level
+   * 0 become invalid. */
   void
   removeEnded(int slab)
   {
@@ -138,12 +140,12 @@ public:
   }
 
 private:
-  // The outermost of some rays in eight directions: low and high row, low and high
-  // column, and the four corners.
+  // The extreme rays in eight directions: low and high row, low and high column, and
+  // the four corners.
   struct Outermost {
     static constexpr std::size_t directions = 8;
 
-    std::array<float, directions> outward; // how far they go
+    std::array<float, directions> outward; // their extent in each direction
     std::array<float, directions> row_slope, column_slope;
     std::array<std::int32_t, directions> end_slab;
     std::int32_t longest;
@@ -166,21 +168,21 @@ private:
   std::vector<Outermost> outermost_; // of their rays
 };
 
-/** \brief The axes of a face of directions: rays are longest along one axis; their
- * cells have a row and a column along the two others. */
+/** \brief The axes of a face of directions: rays are longest along one axis; rows and
+ * columns of cells are along the other two. */
 struct FaceAxes {
   int along, row, column; ///< 0, 1 or 2
   int step;               ///< 1 or -1: direction along the axis
 
-  /** \param[in] face 0..5: twice the axis, and one for its negative direction */
+  /** \param[in] face 0..5: 2 axis, plus 1 for its negative direction */
   explicit FaceAxes(int face);
 };
 
-/** \brief A byte for each cell of up to eight slabs: those in one layer of blocks. Rays
- * set bytes, which costs little; then they become bits of CrossedVoxels. */
+/** \brief One byte per cell for up to eight slabs, those in one layer of blocks.
+ * Setting bytes is cheap; flush() converts them to bits of CrossedVoxels. */
 class SlabBuffer {
 public:
-  /** \brief Range of cells, from the voxel of the start; inside the window. */
+  /** \brief Range of cells relative to the start voxel; inside the window. */
   struct Extent {
     int first_row, last_row, first_column, last_column;
   };
@@ -192,8 +194,8 @@ public:
    * \param[in] layer of the slab in its block, 0..7 */
   void show(int layer, kernels::SlabView& slab);
 
-  /** \brief Adds the set cells to the crossed voxels, and clears them.
-   * \param[in] block_along of the slabs, along the axis */
+  /** \brief Moves the set cells to the crossed voxels.
+   * \param[in] block_along block index of the slabs along the axis */
   void flush(int block_along, CrossedVoxels& crossed);
 
 private:
@@ -203,22 +205,22 @@ private:
   std::vector<std::uint8_t> cells_; // by column, row and layer
   FaceAxes axes_{0};
   VoxelIndex corner_ = VoxelIndex::Zero(); // voxel of the first row and column
-  int first_row_ = 0, first_column_ = 0;   // from the voxel of the start
-  int lines_ = 0, columns_ = 0;            // of eight rows
+  int first_row_ = 0, first_column_ = 0;   // relative to the start voxel
+  int lines_ = 0, columns_ = 0;            // number of lines (eight rows each) and
+                                           // columns
 };
 
 /** \brief Finds the voxels that the rays of a tile cross: the same set as traversing
- * each of them, but many rays at a time.
+ * each ray, but many rays at a time.
  *
- * Goes outward slab by slab (layers of voxels across the axis along which the rays are
- * longest). Near the start a bundle of rays is narrower than a voxel: where its
- * outermost rays show which voxels it crosses, these are set. Bundles of which that is
- * not certain are taken apart, in the end into rays; what single precision cannot
- * decide of a ray goes to the exact traversal. */
+ * Proceeds outward slab by slab (layers of voxels across the longest axis of the rays).
+ * Near the start a bundle of rays is narrower than a voxel. Where its outermost rays
+ * determine the voxels that it crosses, these are set. Undecided bundles are split,
+ * finally into rays. Rays that single precision cannot decide are traversed exactly. */
 class TileSweep {
 public:
   /** \param[in] start of all rays
-   * \param[in] ends of all rays of the scan from there, by point */
+   * \param[in] ends of all rays of the scan relative to it, by point */
   TileSweep(SimdTier tier, const QuantizedPoint& start,
             const std::vector<RayDelta>& ends, CrossedVoxels& crossed);
 
@@ -259,11 +261,11 @@ private:
   RayTile tile_;
   SlabBuffer buffer_;
   int level_ = 0;     // of the bundles of a group; -1: rays
-  int groups_ = 0;    // that were begun
+  int groups_ = 0;    // number of started groups
   BundleRows active_; // of the group
   std::array<BundleRows, RayTile::kLevels> parts_; // of a slab: of bundles of a level
   RayRows rays_;                                   // of a slab
-  std::vector<std::uint32_t> left_;                // what needs a closer look
+  std::vector<std::uint32_t> left_;                // undecided rays or bundles
   std::vector<kernels::RaySlab> undecided_;
 };
 

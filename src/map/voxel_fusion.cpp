@@ -21,7 +21,7 @@ requireBetween(double value, double low, double high, const char* name)
                  high);
 }
 
-// A power of two and a polynomial for 2/3 to 4/3 (Chebyshev).
+// Splits off a power of two; a Chebyshev polynomial for 2/3 to 4/3.
 inline std::int32_t
 fixedPointLog(float value)
 {
@@ -49,7 +49,7 @@ fixedPointLog(float value)
 void
 FusionParameters::validate() const
 {
-  // Beyond these the log-odds would not fit their 16 bits.
+  // Otherwise the log-odds would exceed 16 bits.
   constexpr double least = 4e-4, most = 1.0 - least;
   requireBetween(hit_probability, 0.5, most, "hit_probability");
   requireBetween(miss_probability, least, 0.5, "miss_probability");
@@ -138,7 +138,8 @@ VoxelMeasurement::addDistribution(const float* distribution)
   ++labelled_;
 }
 
-// The mean over the scans; after many the oldest fade, for surfaces move.
+// Mean over the scans. After many scans the oldest lose weight, because surfaces may
+// move.
 void
 VoxelMeasurement::fusePosition(VoxelRecord& record) const
 {
@@ -148,7 +149,7 @@ VoxelMeasurement::fusePosition(VoxelRecord& record) const
   const auto scans = std::int64_t(std::min(record.observations, max_scans));
   const auto count = std::int64_t(position_count_);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // From units of 2^-10, whose middle is meant, to 2^-16.
+    // From units of 2^-10, at their middle, to 2^-16.
     const std::int64_t mean =
         (64 * std::int64_t(position_sum_[axis]) + 32 * count) / count;
     const std::int64_t change = mean - record.position[axis];
@@ -161,7 +162,7 @@ VoxelMeasurement::fuseInto(VoxelRecord& record, float* log_distribution)
 {
   ++record.observations;
   fusePosition(record);
-  // Halving sums and count keeps the mean, and makes room long before 32 bits are full.
+  // Halving sums and count keeps the mean and avoids overflow of 32 bits.
   constexpr std::uint32_t max_count = 1u << 22;
   const auto halve = [](auto& sums, std::uint32_t& count) {
     for (; count > max_count; count /= 2)

@@ -15,8 +15,8 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Log-odds of a probability, in stored units. */
 StoredLogOdds storedLogOdds(double probability);
 
-/** \brief Probability that a point lies within half a voxel of where it was measured:
- * the weight of its hit.
+/** \brief Weight of a hit: the probability that the true point is within half a voxel
+ * of its measurement.
  * \param[in] voxel_size [m]
  * \param[in] deviation standard deviation of its distance [m]; 0 = exact */
 float hitWeight(double voxel_size, float deviation);
@@ -27,7 +27,7 @@ class OccupancyUpdate {
 public:
   explicit OccupancyUpdate(const FusionParameters& parameters);
 
-  /** \param[in] weight 0..1, of a hit whose offset is uncertain */
+  /** \param[in] weight 0..1, of a hit with an uncertain position */
   void
   hit(StoredLogOdds& voxel, float weight = 1.0f) const
   {
@@ -35,7 +35,7 @@ public:
     add(voxel, change > 1 ? change : 1);
   }
 
-  /** \brief Takes some stored units off an occupied voxel, which may free it. */
+  /** \brief Subtracts stored units from an occupied voxel, which may become free. */
   void
   decay(StoredLogOdds& voxel, int units) const
   {
@@ -69,17 +69,18 @@ private:
   int occupied_;
 };
 
-/** \brief Units of a summed logarithm: 2^-24 is finer than single precision keeps. */
+/** \brief Fixed-point resolution of a summed logarithm: 2^-24 is finer than single
+ * precision. */
 constexpr int kLogFractionBits = 24;
 
-/** \brief Adds to each of \a count sums the logarithm of max(value, smallest), to five
- * units. Whole numbers: the order of the points does not matter.
+/** \brief Adds the logarithm of max(value, smallest) to each of \a count sums, with an
+ * error of at most five units. Integers, so that the order of points does not matter.
  * \param[in] smallest positive and normal */
 void addLogs(const float* values, std::size_t count, float smallest,
              std::int64_t* sums);
 
-/** \brief Gathers what one scan says of one voxel. Sums are in fixed point, so that the
- * order of the points does not matter. */
+/** \brief Accumulates the measurements of one scan for one voxel, in fixed point, so
+ * that the order of points does not matter. */
 class VoxelMeasurement {
 public:
   VoxelMeasurement(int classes, const FusionParameters& parameters);
@@ -92,15 +93,15 @@ public:
   /** \param[in] rgb packed as in pcl::PointXYZRGB */
   void addColour(std::uint32_t rgb);
 
-  /** \param[in] distribution L probabilities; all zero (unlabelled) is passed over */
+  /** \param[in] distribution L probabilities; all zero (unlabelled) is ignored */
   void addDistribution(const float* distribution);
 
   /** \brief Fuses the scan into a voxel: mean position and colour, labels by eq. (1).
    * \param[in,out] log_distribution L values, see VoxelBlock::measured
-   * \return whether the scan had a label for it */
+   * \return whether the scan had a label for the voxel */
   bool fuseInto(VoxelRecord& record, float* log_distribution);
 
-  /** \brief Fuses the labels alone, of a scan whose points are in the map already.
+  /** \brief Fuses only the labels of a scan whose points were already integrated.
    * \return as fuseInto() */
   bool fuseLabels(VoxelRecord& record, float* log_distribution);
 

@@ -15,18 +15,19 @@ namespace pcl_semantic::odometry {
 
 namespace {
 
-constexpr int kCornerBorder = 12; // windows are compared whole [px]
-constexpr int kThreshold = 10;    // of FAST, grey levels
-constexpr int kCornerHalf = 3;    // window of the eigenvalue
+constexpr int kCornerBorder = 12; // comparison windows must be inside the image [px]
+constexpr int kThreshold = 10;    // of FAST [grey levels]
+constexpr int kCornerHalf = 3;    // half width of the eigenvalue window
 constexpr double kMinEigenvalue = 100.0;
 
 constexpr int kSearchHalf = 5;
 constexpr int kPixels = (2 * kSearchHalf + 1) * (2 * kSearchHalf + 1);
-constexpr double kClear = 0.8; // of the second best, elsewhere on the row
+constexpr double kClear = 0.8; // ratio to the second-best cost elsewhere on the row
 
-constexpr int kLevels = 3;        // above the images themselves
+constexpr int kLevels = 3;        // pyramid levels above the image
 const cv::Size kWindow(11, 11);   // [px]
-constexpr float kCircle = 1.0f;   // how far from the start a circle may end [px]
+constexpr float kCircle = 1.0f;   // maximum distance of a circle's end from its start
+                                  // [px]
 constexpr float kRowError = 1.5f; // between left and right [px]
 constexpr float kBorder = 8.0f;   // [px]
 
@@ -116,7 +117,7 @@ searchDisparity(const cv::Mat& left, const cv::Mat& right, const cv::Point2f& co
       y >= left.rows - kSearchHalf)
     return -1;
   const int count = std::min(max_disparity, x - kSearchHalf) + 1;
-  // costs[k] belongs to disparity count - 1 - k, so that both are read forwards.
+  // costs[k] belongs to disparity count - 1 - k, so that both arrays are read forwards.
   std::vector<std::uint16_t> costs(std::size_t(count), 0);
   for (int dy = -kSearchHalf; dy <= kSearchHalf; ++dy)
     for (int dx = -kSearchHalf; dx <= kSearchHalf; ++dx) {
@@ -143,8 +144,8 @@ CircleTracker::push(const cv::Mat& left, const cv::Mat& right)
   std::swap(before_, now_);
   cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
-      // A copy: the caller may use the image's memory for the next one. Every second
-      // matrix holds the derivatives of the one before it.
+      // Copies, because the caller may reuse the image's memory. Every second matrix
+      // contains the derivatives of the previous one.
       Pyramid pyramid;
       cv::buildOpticalFlowPyramid(i ? right : left, pyramid, kWindow, kLevels, true,
                                   cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);

@@ -7,18 +7,19 @@
 
 namespace pcl_semantic::odometry {
 
-/** \brief New corners, at most one in each cell of a grid that holds no old one.
+/** \brief Detects new corners, at most one in each grid cell without an old one.
  *
- * Candidates come from FAST; of a cell's candidates the one is taken whose window
- * localises best (largest smaller eigenvalue of the gradients, Shi and Tomasi 1994).
- * \param[in] image CV_8UC1 \param[in] old points that are followed already
- * \param[in] wanted about how many cells the grid has */
+ * Candidates come from FAST. In each cell, the candidate that localises best wins
+ * (largest smaller eigenvalue of the gradients, Shi and Tomasi 1994).
+ * \param[in] image CV_8UC1
+ * \param[in] old points that are already tracked
+ * \param[in] wanted approximate number of grid cells */
 std::vector<cv::Point2f> detectCorners(const cv::Mat& image,
                                        const std::vector<cv::Point2f>& old, int wanted);
 
-/** \brief Whole-pixel disparity of a corner of the left image: the smallest sum of
- * absolute differences of 11 x 11 pixels along the row of the right image.
- * \return -1 if there is no clear one */
+/** \brief Integer disparity of a corner of the left image: the smallest sum of absolute
+ * differences of 11 x 11 pixels along the row of the right image.
+ * \return -1 if there is no unique minimum */
 int searchDisparity(const cv::Mat& left, const cv::Mat& right,
                     const cv::Point2f& corner, int max_disparity);
 
@@ -28,21 +29,22 @@ struct StereoFeature {
   bool is_found = false;
 };
 
-/** \brief Follows features around the circle left before, left now, right now, right
- * before by pyramidal Lucas-Kanade; one that does not come back to where it started is
- * not found (Geiger et al., StereoScan, 2011). */
+/** \brief Tracks features around the circle left before, left now, right now, right
+ * before by pyramidal Lucas-Kanade. A feature that does not return to its start is
+ * rejected (Geiger et al., StereoScan, 2011). */
 class CircleTracker {
 public:
-  /** \brief Takes the next pair, CV_8UC1; the one that was there becomes "before". */
+  /** \brief Adds the next pair, CV_8UC1; the current pair becomes "before". */
   void push(const cv::Mat& left, const cv::Mat& right);
 
-  /** \brief \param[in] before where features were \param[in,out] now where they are
-   * expected, then where they are */
+  /** \brief Tracks features into the current pair.
+   * \param[in] before positions in the previous pair
+   * \param[in,out] now predicted, then tracked positions */
   void track(const std::vector<StereoFeature>& before,
              std::vector<StereoFeature>& now) const;
 
-  /** \brief Finds features of the left image now in the right one.
-   * \param[in,out] features left, and the expected right; is_found is set */
+  /** \brief Matches features of the current left image in the right one.
+   * \param[in,out] features left, and predicted right position; sets is_found */
   void matchStereo(std::vector<StereoFeature>& features) const;
 
   const cv::Mat&

@@ -9,11 +9,12 @@ namespace pcl_semantic::odometry {
 
 namespace {
 
-constexpr double kOutlier = 16.0; // squared whitened length
-constexpr double kFewLeft = 0.7;  // of the last keyframe's tracks
-constexpr double kMedian = 2.366; // of the chi-squared distribution of three
+constexpr double kOutlier = 16.0; // squared whitened residual
+constexpr double kFewLeft = 0.7;  // fraction of the last keyframe's tracks
+constexpr double kMedian = 2.366; // of the chi-squared distribution with 3 degrees of
+                                  // freedom
 
-// The upper one of an even number, which is not 0.
+// The upper median; \a values must not be empty.
 double
 median(std::vector<double> values)
 {
@@ -33,7 +34,7 @@ KeyframeWindow::indexOf(int number) const
   return -1;
 }
 
-// Points with what saw them; anchors that have left the window stay where they are.
+// Collects points and their measurements; anchors outside the window are fixed.
 std::vector<std::size_t>
 KeyframeWindow::collect(WindowAdjustment& adjustment) const
 {

@@ -8,23 +8,23 @@
 
 namespace pcl_semantic::odometry {
 
-/** \brief A feature through the frames that saw it. */
+/** \brief A tracked feature and its measurements. */
 struct FeatureTrack {
   struct Sighting {
-    int frame = 0; ///< its position in the order of frames
+    int frame = 0;                                 ///< index in the order of frames
     Eigen::Vector3d uvd = Eigen::Vector3d::Zero(); ///< column, row, disparity [px]
   };
 
   AnchoredPoint position;
-  int anchor = 0; ///< frame that saw it first
+  int anchor = 0; ///< first frame with the feature
   Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
   double anchor_disparity = 0.0;   ///< measured [px]
   std::vector<Sighting> sightings; ///< later ones, in keyframes and the newest frame
-  StereoFeature now;               ///< where it was followed to
-  StereoFeature next;              ///< while a frame is worked on
-  bool is_alive = true;            ///< still followed
+  StereoFeature now;               ///< current position
+  StereoFeature next;              ///< position while a frame is processed
+  bool is_alive = true;            ///< still tracked
 
-  /** \brief For scaledPoint() with T_camera_world. */
+  /** \brief The point for scaledPoint() with T_camera_world. */
   AnchoredPoint
   inWorld() const
   {
@@ -32,11 +32,11 @@ struct FeatureTrack {
   }
 };
 
-/** \brief The last keyframes and the newest frame, and the tracks that tie them. */
+/** \brief The last keyframes, the newest frame and the tracks that connect them. */
 class KeyframeWindow {
 public:
   struct Frame {
-    int number = 0; ///< position in the order of frames
+    int number = 0; ///< index in the order of frames
     Eigen::Isometry3d T_camera_world = Eigen::Isometry3d::Identity();
   };
 
@@ -47,23 +47,24 @@ public:
   std::vector<Frame> frames; ///< the newest last
   std::vector<FeatureTrack> tracks;
   double offset = 0.0;            ///< of measured disparities [px]
-  double offset_deviation = 1e-6; ///< how far it may move in one adjustment [px]
+  double offset_deviation = 1e-6; ///< its maximum change in one adjustment, standard
+                                  ///< deviation [px]
 
-  /** \brief Adjusts all frames but the oldest, the depths of all tracks and the offset;
-   * tracks that do not fit then are given up.
-   * \return covariance of the newest frame's T_camera_world, the others exact, with the
-   * noise that the residuals show */
+  /** \brief Adjusts all frames except the oldest, the depths of all tracks and the
+   * offset. Tracks that do not fit afterwards are dropped.
+   * \return covariance of the newest frame's T_camera_world, given the other poses,
+   * with the noise estimated from the residuals */
   Matrix6d adjust(int iterations);
 
-  /** \brief Whether the features have moved since the frame before the newest, by more
-   * than \a flow [px] in the median, or many have gone. */
+  /** \brief Whether the newest frame should become a keyframe: the median feature
+   * displacement since the previous frame exceeds \a flow [px], or many features are
+   * lost. */
   bool newestBringsMuch(double flow) const;
 
-  /** \brief Forgets the newest frame and what it saw. */
   void dropNewest();
 
-  /** \brief Forgets the oldest frames until \a count are left, and the tracks that no
-   * frame of the window needs. */
+  /** \brief Removes the oldest frames until \a count are left, and the tracks that are
+   * no longer needed. */
   void shrink(std::size_t count);
 
 private:

@@ -22,7 +22,7 @@ public:
       : camera_(camera), noise_(noise), measurements_(measurements)
   {}
 
-  // The pose of the sample that most measurements agree with; the predicted one counts
+  // The pose of the sample with the most inliers; the predicted pose is a candidate
   // too.
   Eigen::Isometry3d
   bestOfSamples(const Eigen::Isometry3d& predicted) const
@@ -47,7 +47,7 @@ public:
         most = number;
         best = pose;
       }
-      // Enough when a sample without outliers has been drawn with near certainty.
+      // Stops when a sample without outliers has been drawn with near certainty.
       const double fraction = double(most) / double(n);
       if (most > 0 &&
           trial + 1 >= std::log(1e-4) / std::log1p(-fraction * fraction * fraction))
@@ -56,7 +56,7 @@ public:
     return best;
   }
 
-  // A flag for each measurement: whether it agrees with a pose.
+  // One flag per measurement: whether it agrees with a pose.
   std::vector<char>
   agreeing(const Eigen::Isometry3d& T_camera_world) const
   {

@@ -7,17 +7,17 @@
 
 namespace pcl_semantic::odometry {
 
-/** \brief A point in the world and where the frame sees it. */
+/** \brief A point in the world and its measurement in the frame. */
 struct PoseMeasurement {
   AnchoredPoint
-      position; ///< its ray in the world's axes, of any length, times 1 / depth
+      position; ///< ray of any length in the world's axes, and inverse depth along it
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero(); ///< column, row, disparity [px]
 };
 
-/** \brief The pose that most measurements agree with (RANSAC over three points, each
- * tried by Gauss-Newton from the predicted pose), refined over those.
- * \param[in,out] T_camera_world the predicted pose, then the one found
- * \return a flag for each measurement: whether it agrees */
+/** \brief Estimates the pose with the most inliers (RANSAC over three points, each
+ * sample solved by Gauss-Newton from the predicted pose) and refines it over them.
+ * \param[in,out] T_camera_world predicted, then estimated pose
+ * \return one flag per measurement: whether it is an inlier */
 std::vector<char> estimatePose(const StereoCamera& camera,
                                const MeasurementNoise& noise,
                                const std::vector<PoseMeasurement>& measurements,

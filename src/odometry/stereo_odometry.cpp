@@ -20,8 +20,8 @@ using namespace odometry;
 
 namespace {
 
-constexpr double kUsualStep = 0.1;      // where times do not tell [s]
-constexpr double kMinInlierRatio = 0.3; // of the tracks that have to agree with a pose
+constexpr double kUsualStep = 0.1;      // without timestamps [s]
+constexpr double kMinInlierRatio = 0.3; // of the tracks, for a valid pose
 constexpr double kMinDisparity = 0.01;  // of a point at infinity [px]
 
 Eigen::Vector3d
@@ -30,7 +30,7 @@ measurementOf(const StereoFeature& feature)
   return {feature.left.x, feature.left.y, double(feature.left.x) - feature.right.x};
 }
 
-// How wrong a predicted motion may be: half of it, and a little more.
+// Standard deviation: half of the predicted motion, plus a small constant.
 Matrix6d
 covarianceOfPrediction(const Vector6d& motion)
 {
@@ -44,8 +44,8 @@ covarianceOfPrediction(const Vector6d& motion)
 
 } // namespace
 
-/** \brief The work behind StereoOdometry; its own world is the first frame's left
- * camera ("first"). */
+/** \brief Implementation of StereoOdometry; its world is the first frame's left camera
+ * ("first"). */
 class StereoOdometry::Engine {
 public:
   Engine(const StereoCamera& camera, const Eigen::Isometry3d& T_camera0_camera,
@@ -86,7 +86,7 @@ public:
     return result;
   }
 
-  OdometryResult result; ///< of the frame that came last
+  OdometryResult result; ///< of the last frame
   int lost_frames = 0;
 
 private:
@@ -105,7 +105,7 @@ private:
         (camera_.height > 0 && left.rows != camera_.height))
       badInput("frame ", frame.number, ": the images have ", left.cols, " x ",
                left.rows, " pixels, expected ", camera_.width, " x ", camera_.height);
-    camera_.width = left.cols; // the next frames' size, where it was not known
+    camera_.width = left.cols; // size of the next frames, if it was unknown
     camera_.height = left.rows;
     tracker_.push(greyImage(left), greyImage(right));
   }
@@ -118,8 +118,8 @@ private:
     timestamp_ = frame.timestamp;
   }
 
-  // From the predicted pose; where that leads nowhere from standing still; and once
-  // more from what was found where nothing could be predicted.
+  // Starts from the predicted pose and, if that fails, from the previous pose. Without
+  // a prediction, the result is the start of a second attempt.
   bool
   findPose()
   {
@@ -141,7 +141,7 @@ private:
     return alive;
   }
 
-  // Where the features of tracks are now, seen from about a pose.
+  // Current positions of the features of tracks, given an approximate pose.
   std::vector<StereoFeature>
   follow(const std::vector<FeatureTrack*>& tracks, const Eigen::Isometry3d& guess) const
   {
@@ -162,8 +162,8 @@ private:
     return now;
   }
 
-  // Follows all tracks and finds the pose they agree on; nothing changes without one,
-  // nor with one that fewer agree on than with the one there is.
+  // Tracks all features and estimates the pose. Nothing changes if this fails, or if
+  // the current estimate has more inliers.
   bool
   tryFrom(const Eigen::Isometry3d& guess)
   {
@@ -193,7 +193,7 @@ private:
     return true;
   }
 
-  // Pose and depths are adjusted over the window; the rest follows from them.
+  // Adjusts poses and depths of the window and updates the result.
   void
   continueFrom(const Eigen::Isometry3d& T_camera_before)
   {
@@ -219,7 +219,7 @@ private:
       window_.dropNewest();
   }
 
-  // The prediction is kept, and what comes is measured against it.
+  // Keeps the prediction and continues relative to it.
   void
   restart()
   {
@@ -281,11 +281,11 @@ private:
   CircleTracker tracker_;
   KeyframeWindow window_;
   Eigen::Isometry3d T_camera_first_ = Eigen::Isometry3d::Identity(); ///< newest frame
-  Vector6d velocity_ = Vector6d::Zero(); ///< a second, see log
+  Vector6d velocity_ = Vector6d::Zero(); ///< per second, see logMotion()
   double timestamp_ = 0.0;
-  double step_ = 0.0;           ///< time since the frame before [s]
+  double step_ = 0.0;           ///< time since the previous frame [s]
   int count_ = 0;               ///< frames so far
-  bool knows_velocity_ = false; ///< measured, so that it predicts
+  bool knows_velocity_ = false; ///< a measured velocity is available for prediction
 };
 
 void

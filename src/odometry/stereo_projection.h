@@ -18,7 +18,7 @@ crossMatrix(const Eigen::Vector3d& v)
   return matrix;
 }
 
-/** \brief The motion that a constant velocity makes in one unit of time.
+/** \brief Motion for one unit of time at constant velocity.
  * \param[in] velocity translation [m], then rotation [rad] */
 inline Eigen::Isometry3d
 expMotion(const Vector6d& velocity)
@@ -55,8 +55,8 @@ logMotion(const Eigen::Isometry3d& motion)
   return velocity;
 }
 
-/** \brief How a small motion in front of \a motion becomes one behind it: the adjoint,
- * translation first. */
+/** \brief Adjoint of \a motion, translation first: a small motion xi on its right
+ * equals the motion adjoint * xi on its left. */
 inline Matrix6d
 adjoint(const Eigen::Isometry3d& motion)
 {
@@ -67,13 +67,12 @@ adjoint(const Eigen::Isometry3d& motion)
   return matrix;
 }
 
-/** \brief How exact a stereo measurement is, standard deviations [px]. */
+/** \brief Standard deviations of a stereo measurement [px]. */
 struct MeasurementNoise {
-  double pixel = 0.15; ///< of a feature's position in the left image, each way
-  double disparity =
-      0.3; ///< of its disparity, which errs independently of its position
+  double pixel = 0.15;    ///< of a feature's column and row in the left image
+  double disparity = 0.3; ///< of its disparity, independent of the position
 
-  /** \brief Factors that make all three deviations 1. */
+  /** \brief Factors that normalise all three standard deviations to 1. */
   Eigen::Vector3d
   whitening() const
   {
@@ -81,15 +80,15 @@ struct MeasurementNoise {
   }
 };
 
-/** \brief A point as it was seen first: direction with z = 1, and 1 / depth [1/m]. A
- * point far away has an inverse depth near 0, which costs nothing. */
+/** \brief A point in its first frame: direction with z = 1, and inverse depth [1/m].
+ * The inverse depth of a far point is near 0 and stays well conditioned. */
 struct AnchoredPoint {
   Eigen::Vector3d ray = Eigen::Vector3d::UnitZ();
   double inverse_depth = 0.0;
 };
 
-/** \brief The point times its inverse depth, in a camera that moved by \a motion (from
- * the anchor's frame to the camera's). */
+/** \brief The point times its inverse depth, in a camera at \a motion (from the
+ * anchor's frame to the camera's). */
 inline Eigen::Vector3d
 scaledPoint(const AnchoredPoint& point, const Eigen::Isometry3d& motion)
 {
@@ -105,7 +104,7 @@ projectStereo(const StereoCamera& camera, const Eigen::Vector3d& q,
           camera.fx * camera.baseline * inverse_depth / q.z()};
 }
 
-/** \brief Its derivative by q. */
+/** \brief Derivative of projectStereo() by q. */
 inline Eigen::Matrix3d
 projectionByPoint(const StereoCamera& camera, const Eigen::Vector3d& q,
                   double inverse_depth)
@@ -118,8 +117,8 @@ projectionByPoint(const StereoCamera& camera, const Eigen::Vector3d& q,
   return J;
 }
 
-/** \brief Derivative of q by a small motion of the camera (in its own frame, in front
- * of T_camera_anchor). */
+/** \brief Derivative of q by a small motion of the camera (in its own frame, left of
+ * T_camera_anchor). */
 inline Eigen::Matrix<double, 3, 6>
 pointByCamera(const Eigen::Vector3d& q, double inverse_depth)
 {

@@ -10,10 +10,10 @@ namespace pcl_semantic::odometry {
 
 namespace {
 
-constexpr double kHuber = 2.0;       // whitened length from which cost grows linearly
+constexpr double kHuber = 2.0;       // whitened residual from which cost grows linearly
 constexpr double kNearest = 1e-3;    // z of a scaled point in front of the camera
 constexpr double kBehindCost = 1e6;  // of a point behind the camera
-constexpr double kMinInverse = 1e-6; // inverse depth of what is at infinity [1/m]
+constexpr double kMinInverse = 1e-6; // inverse depth of a point at infinity [1/m]
 
 struct Robust {
   double cost, weight;
@@ -28,7 +28,7 @@ huber(double squared)
   return {2.0 * kHuber * length - kHuber * kHuber, kHuber / length};
 }
 
-// Whitened, of a scaled point in front of the camera.
+// Whitened residual of a scaled point in front of the camera.
 Eigen::Vector3d
 residualOf(const WindowAdjustment& window,
            const WindowAdjustment::Measurement& measurement, const Eigen::Vector3d& q)
@@ -41,8 +41,8 @@ residualOf(const WindowAdjustment& window,
   return residual.cwiseProduct(window.noise.whitening());
 }
 
-/** \brief The normal equations of a window as it is: poses, then the offset; inverse
- * depths apart. */
+/** \brief The normal equations of a window: poses, then the offset; inverse depths
+ * separately. */
 class NormalEquations {
 public:
   explicit NormalEquations(const WindowAdjustment& window) : window_(window)
@@ -65,7 +65,7 @@ public:
     return cost_;
   }
 
-  /** \brief To be called when the window has changed. */
+  /** \brief Updates the equations after a change of the window. */
   void
   linearize()
   {
@@ -89,7 +89,8 @@ public:
     }
   }
 
-  /** \brief Eliminates the inverse depths; fills the upper triangle. */
+  /** \brief Eliminates the inverse depths (Schur complement); fills the upper triangle.
+   */
   Eigen::MatrixXd
   reduce(double damping, Eigen::VectorXd& right) const
   {
@@ -124,8 +125,8 @@ public:
     return H;
   }
 
-  /** \brief Moves the window, which is that of the constructor.
-   * \param[in] delta solution of what reduce() gave */
+  /** \brief Moves the window of the constructor.
+   * \param[in] delta solution of the system of reduce() */
   void
   step(double damping, const Eigen::VectorXd& delta, WindowAdjustment& window) const
   {
@@ -150,7 +151,7 @@ public:
             expMotion(delta.segment<6>(unknown_[f])) * window.frames[f].T_camera_world;
   }
 
-  /** \brief Where the six unknowns of a frame are, or -1. */
+  /** \brief Index of the six unknowns of a frame, or -1. */
   int
   unknownOf(int frame) const
   {
@@ -158,12 +159,13 @@ public:
   }
 
 private:
-  /** \brief Its inverse depth with itself, the residuals and the offset. */
+  /** \brief Derivatives by a point's inverse depth: with itself, the residual and the
+   * offset. */
   struct ByPoint {
     double H = 0.0, b = 0.0, offset = 0.0;
   };
 
-  // The disparity where it was seen first.
+  // Adds the disparity measured in the anchor frame.
   void
   addPoint(std::size_t i)
   {
@@ -235,14 +237,14 @@ private:
   }
 
   const WindowAdjustment& window_;
-  std::vector<int> unknown_;       ///< of a frame
-  int offset_ = 0;                 ///< behind the unknowns of the poses
+  std::vector<int> unknown_;       ///< by frame
+  int offset_ = 0;                 ///< after the unknowns of the poses
   std::vector<std::size_t> begin_; ///< first measurement of each point, and the end
   double cost_ = 0.0;
   Eigen::MatrixXd H_; ///< upper triangle
   Eigen::VectorXd b_;
   std::vector<ByPoint> by_points_;
-  std::vector<Vector6d> by_frame_, by_anchor_; ///< of a measurement: with its point
+  std::vector<Vector6d> by_frame_, by_anchor_; ///< by measurement, with its point
 };
 
 } // namespace

@@ -7,14 +7,15 @@
 
 namespace pcl_semantic::odometry {
 
-/** \brief Poses and inverse depths that explain a window of stereo measurements best.
+/** \brief Bundle adjustment of a window: the poses and inverse depths that fit its
+ * stereo measurements best.
  *
- * A point has one unknown, its inverse depth along the ray of the frame that saw it
- * first; the ray itself is exact by definition: it is what the later frames look for.
- * One more unknown is the offset that all measured disparities share: rectification is
- * never perfect, and how points near and far move tells. Minimises the sum of Huber's
- * cost of the whitened residuals (column, row, disparity) by Levenberg-Marquardt,
- * inverse depths eliminated by the Schur complement. */
+ * A point has one unknown, its inverse depth along the ray of its first frame. The ray
+ * itself is exact by definition, because later frames track its image. A further
+ * unknown is the offset that all measured disparities share because of rectification
+ * errors; the motions of near and far points determine it. Minimises the sum of Huber's
+ * cost of the whitened residuals (column, row, disparity) by Levenberg-Marquardt; the
+ * Schur complement eliminates inverse depths. */
 struct WindowAdjustment {
   struct Frame {
     Eigen::Isometry3d T_camera_world = Eigen::Isometry3d::Identity();
@@ -29,7 +30,7 @@ struct WindowAdjustment {
 
   struct Measurement {
     int point = 0;
-    int frame = 0;                                 ///< another than the anchor
+    int frame = 0;                                 ///< not the anchor
     Eigen::Vector3d uvd = Eigen::Vector3d::Zero(); ///< column, row, disparity [px]
   };
 
@@ -37,22 +38,21 @@ struct WindowAdjustment {
   MeasurementNoise noise;
   std::vector<Frame> frames;
   std::vector<Point> points;
-  std::vector<Measurement> measurements; ///< those of a point one after the other
+  std::vector<Measurement> measurements; ///< grouped by point
 
-  double offset = 0.0;            ///< measured disparity minus the true one [px]
-  double offset_before = 0.0;     ///< what is known of it already
-  double offset_deviation = 1e-6; ///< and how well [px]
+  double offset = 0.0;            ///< measured minus true disparity [px]
+  double offset_before = 0.0;     ///< its prior mean
+  double offset_deviation = 1e-6; ///< its prior standard deviation [px]
 
-  /** \brief Changes poses, inverse depths and the offset. \return the cost reached */
+  /** \brief Optimises poses, inverse depths and the offset. \return the final cost */
   double solve(int iterations);
 
-  /** \brief Squared length of a whitened residual, about 3 for a good measurement;
-   * infinite behind the camera. */
+  /** \brief Squared whitened residual, about 3 for a good measurement; infinite behind
+   * the camera. */
   double squaredError(const Measurement& measurement) const;
 
-  /** \brief After solve(): covariance of the small motion in front of the
-   * T_camera_world of a free frame, all other poses taken for exact, for the noise as
-   * it was given. */
+  /** \brief Covariance, after solve(), of a small motion left of the T_camera_world of
+   * a free frame, given all other poses and the nominal noise. */
   Matrix6d covariance(int frame) const;
 };
 

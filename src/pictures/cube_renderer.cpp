@@ -17,28 +17,30 @@ namespace pcl_semantic {
 namespace {
 
 constexpr double near_plane = 0.1; ///< [m]
-// Of what is drawn around a surface [voxels]; doc/map.md has the measurements.
+// Distance of drawn faces from the surface [voxels]; measured, see doc/map.md.
 constexpr double half_depth = 0.2;
-constexpr int rows_of_band = 16; ///< rows of the image that one thread fills at a time
+constexpr int rows_of_band = 16; ///< image rows per task of a thread
 
-/** \brief The pixels a cube may cover, borders included. */
+/** \brief The pixels that a cube may cover, borders included. */
 struct Footprint {
   double min_z = 0.0; ///< camera z of the nearest corner [m]
   int first_row = 0, last_row = -1;
   int first_column = 0, last_column = -1;
 };
 
-/** \brief The world seen from the camera's centre, axes of the world. */
+/** \brief The scene relative to the camera's centre, in world axes. */
 struct View {
   const std::vector<VoxelIndex>& voxels;
   double voxel_size;
   const StereoCamera& camera;
   Eigen::Isometry3d T_world_camera;
   double max_depth;
-  const std::vector<Eigen::Array3f>& surface; ///< in each voxel; empty: whole cubes
+  const std::vector<Eigen::Array3f>& surface; ///< position in each voxel; empty: whole
+                                              ///< cubes
 
-  /** \brief Lower corner of a voxel relative to the camera's centre [m]. Its upper one
-   * is the lower one of the next, to the bit: no crack between neighbours. */
+  /** \brief Lower corner of a voxel relative to the camera's centre [m]. Its upper
+   * corner is bit-identical to the lower one of the next voxel, so there are no cracks.
+   */
   Eigen::Vector3d
   lowerCorner(const VoxelIndex& index) const
   {
@@ -46,7 +48,7 @@ struct View {
   }
 };
 
-/** \brief The footprint of a cube; one without pixels if it cannot be seen. */
+/** \brief The footprint of a cube; empty if it is invisible. */
 Footprint
 footprintOf(const View& view, const VoxelIndex& voxel)
 {
@@ -67,8 +69,8 @@ footprintOf(const View& view, const VoxelIndex& voxel)
     lowest = lowest.min(pixel);
     highest = highest.max(pixel);
   }
-  // A little more than the exact rectangle: rounding must not cost a pixel. The clamps
-  // come first, for a pixel far outside may not fit an int.
+  // A little more than the exact rectangle, so that rounding loses no pixel. Clamped
+  // first, because a pixel far outside may not fit an int.
   const Eigen::Array2d size(view.camera.width, view.camera.height);
   const Eigen::Array2d first = (lowest - 1e-6).max(0.0).min(size).ceil();
   const Eigen::Array2d last = (highest + 1e-6).max(-1.0).min(size - 1.0).floor();
@@ -79,13 +81,13 @@ footprintOf(const View& view, const VoxelIndex& voxel)
   return result;
 }
 
-/** \brief Whether the neighbours towards the camera hide a cube, whatever the ray:
- * those at faces, edges and the corner, for a ray may come along any of them. */
+/** \brief Whether the neighbours towards the camera hide a cube for every ray: all
+ * those at faces, edges and the corner. */
 bool
 isHidden(const View& view, const VoxelIndex& voxel, double min_z,
          VoxelSet::Reader& reader)
 {
-  // Its neighbours have to be drawn themselves.
+  // The neighbours must be drawn themselves.
   if (min_z < near_plane + 4.0 * view.voxel_size)
     return false;
   const Eigen::Vector3d lower = view.lowerCorner(voxel);
@@ -106,8 +108,8 @@ isHidden(const View& view, const VoxelIndex& voxel, double min_z,
   return true;
 }
 
-/** \brief Whether the voxels all around hide a cube even if their free faces are inset:
- * those that they turn to each other are not. */
+/** \brief Whether the surrounding voxels hide a cube even if their free faces are
+ * inset: the faces between them are not. */
 bool
 isEnclosed(const VoxelIndex& voxel, VoxelSet::Reader& reader)
 {
@@ -119,8 +121,8 @@ isEnclosed(const VoxelIndex& voxel, VoxelSet::Reader& reader)
   return true;
 }
 
-/** \brief The faces of a cube with no voxel on their other side: a bit each, that of
- * the lower end of an axis before that of the upper one. */
+/** \brief The faces of a cube without a neighbour, one bit each; the lower end of an
+ * axis comes before the upper one. */
 std::uint8_t
 freeFaces(const VoxelIndex& voxel, VoxelSet::Reader& reader)
 {
@@ -134,8 +136,8 @@ freeFaces(const VoxelIndex& voxel, VoxelSet::Reader& reader)
   return static_cast<std::uint8_t>(faces);
 }
 
-/** \brief The work of a rendering: the footprint of every voxel, and for every band of
- * rows the voxels that reach into it. */
+/** \brief The footprint of every voxel, and the voxels that reach into each band of
+ * rows. */
 struct Plan {
   std::vector<Footprint> footprints;
   std::vector<std::uint8_t> free_faces; ///< empty if they are not inset
@@ -181,7 +183,7 @@ planOf(const View& view)
   return plan;
 }
 
-/** \brief Some rows of the image: the nearest cube of each pixel. */
+/** \brief The nearest cube of each pixel in some rows of the image. */
 class Band {
 public:
   Band(const View& view, int first_row, int end_row)
@@ -192,13 +194,13 @@ public:
   {
     for (int row = first_row_; row < end_row_; ++row)
       for (int column = 0; column < width_; ++column) {
-        // With a direction of camera z = 1 the ray parameter is the depth.
+        // With z = 1 in the camera frame, the ray parameter is the depth.
         const Eigen::Vector3d direction =
             view_.T_world_camera.linear() * view_.camera.unproject(column, row, 1.0);
         for (int axis = 0; axis < 3; ++axis)
           inverse_directions_[pixelOf(row, column)][axis] =
-              // Finite, so that 0 times it is 0: a ray along the border of two cubes
-              // belongs to the upper one, as the half-open cubes say.
+              // Finite, so that 0 times it is 0: a ray along the border of two
+              // half-open cubes belongs to the upper one.
               std::abs(direction[axis]) < 1e-200 ? 1e200 : 1.0 / direction[axis];
       }
   }
@@ -260,7 +262,7 @@ private:
     return std::size_t(row - first_row_) * width_ + column;
   }
 
-  /** \brief Depth at which a ray enters a box; infinite if it passes by. */
+  /** \brief Depth at which a ray enters a box; infinite if it misses. */
   static double
   hit(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
       const std::array<double, 3>& inverse_direction)
@@ -282,7 +284,7 @@ private:
   std::vector<std::array<double, 3>> inverse_directions_;
 };
 
-/** \brief Draws the voxels of a band, the nearest first. */
+/** \brief Renders the voxels of a band, the nearest first. */
 void
 renderBand(const View& view, Plan& plan, std::size_t number, CubeImage& result)
 {
@@ -331,7 +333,7 @@ renderCubes(const std::vector<VoxelIndex>& voxels, double voxel_size,
   result.depth = cv::Mat::zeros(camera.height, camera.width, CV_64FC1);
   const auto count = static_cast<std::ptrdiff_t>(plan.bands.size());
   ParallelGuard guard;
-  // Each band is one thread's alone: nothing depends on their number.
+  // One thread per band, so the result does not depend on the number of threads.
 #pragma omp parallel for schedule(dynamic)
   for (std::ptrdiff_t i = 0; i < count; ++i)
     guard.run([&] { renderBand(view, plan, std::size_t(i), result); });

@@ -11,34 +11,36 @@
 
 namespace pcl_semantic {
 
-/** \brief Which voxel each pixel sees, and how far away it is. */
+/** \brief The visible voxel of each pixel and its depth. */
 struct CubeImage {
-  cv::Mat voxel; ///< CV_32SC1, offset in the list of voxels; -1 = none
+  cv::Mat voxel; ///< CV_32SC1, index in the list of voxels; -1 = none
   cv::Mat depth; ///< CV_64FC1, camera z of the surface [m]; 0 = no voxel
 };
 
-/** \brief Renders voxels as solid cubes of their own size, the nearest along the ray of
- * each pixel centre, without a graphics card.
+/** \brief Renders voxels as solid cubes, the nearest along the ray of each pixel
+ * centre, without a graphics card.
  *
  * A cube covers [index, index + 1) times the voxel size in the world frame. The result
- * does not depend on the number of threads nor on the order of the voxels, but where
- * two cubes touch exactly on a ray, the first in the list is seen. All is computed
- * relative to the camera in double precision: nothing is lost far from the origin.
+ * depends neither on the number of threads nor on the order of the voxels, with one
+ * exception: if two cubes touch exactly on a ray, the first in the list wins.
+ * Computations are relative to the camera in double precision, so accuracy does not
+ * depend on the distance from the origin.
  *
- * A cube with a corner nearer than z = 0.1 m is passed over: it would cover the picture
- * and is the camera's own car or noise.
+ * A cube with a corner nearer than z = 0.1 m is ignored: it would cover the image, and
+ * it is noise or part of the vehicle.
  * \param[in] voxels each once, fewer than 2^31
  * \param[in] voxel_size edge of a voxel [m]
  * \param[in] camera pinhole with its image size
  * \param[in] T_world_camera pose of the camera (x right, y down, z forward)
- * \param[in] max_depth surface points of larger camera z are not seen [m]; may be
+ * \param[in] max_depth largest camera z of a rendered surface point [m]; may be
  * infinite
- * \param[in] surface where the surface lies in each voxel, 0..1 along each axis, or
- * empty for whole cubes. A face with no voxel on its other side is drawn 0.3 voxels
- * from there, inside its cube: whole cubes are fatter than what they stand for \return
- * images of height x width \throws InvalidParameterException unless voxel size, image
- * size and \a max_depth are positive, and \a surface is empty or has one entry a voxel
- */
+ * \param[in] surface position of the surface in each voxel, 0..1 along each axis, or
+ * empty for whole cubes. A face without a neighbour is drawn 0.2 voxels from the
+ * surface, inside its cube, because whole cubes are thicker than the surfaces they
+ * represent
+ * \return images of height x width
+ * \throws InvalidParameterException unless voxel size, image size and \a max_depth are
+ * positive, and \a surface is empty or has one entry per voxel */
 CubeImage renderCubes(const std::vector<VoxelIndex>& voxels, double voxel_size,
                       const StereoCamera& camera,
                       const Eigen::Isometry3d& T_world_camera, double max_depth,

@@ -9,7 +9,7 @@ namespace pcl_semantic {
 
 namespace {
 
-// OpenCV's strokes are ragged when small: they are drawn large, and made small.
+// Small strokes of OpenCV are ragged, so text is drawn large and reduced.
 constexpr int kOversampling = 4;
 constexpr double kFontScale = 0.47;
 
@@ -46,7 +46,7 @@ drawText(cv::Mat& picture, const std::string& text, cv::Point at,
 {
   int base_line = 0;
   const cv::Size large = largeTextSize(text, size, base_line);
-  const int margin = cvCeil(3.0 * size); // for the width of the strokes
+  const int margin = cvCeil(3.0 * size); // for the stroke width
   const cv::Size small(large.width / kOversampling + 2 * margin,
                        (large.height + base_line) / kOversampling + 2 * margin);
   const int above = large.height / kOversampling + margin;

@@ -16,12 +16,12 @@ namespace pcl_semantic {
 
 namespace {
 
-// The plane of a top view: which pixel shows which column of voxels.
+// Mapping between the pixels of a top view and columns of voxels.
 struct TopViewGrid {
   VoxelIndex low = VoxelIndex::Zero();
   VoxelIndex high = VoxelIndex::Zero();
-  int scale = 1; // pixels a cell
-  int step = 1;  // voxels a cell
+  int scale = 1; // pixels per cell
+  int step = 1;  // voxels per cell
 
   TopViewGrid(const std::vector<VoxelIndex>& indices,
               const std::vector<Eigen::Vector2d>& path) // in voxels
@@ -81,7 +81,7 @@ drawColumns(cv::Mat& picture, const TopViewGrid& grid, const VoxelCloud& voxels,
   }
 }
 
-// A line, and a dot where the sensor is now.
+// A line, and a dot at the current position.
 void
 drawPath(cv::Mat& picture, const TopViewGrid& grid,
          const std::vector<Eigen::Vector2d>& path)

@@ -32,7 +32,6 @@ requireHeights(const OccupancyGridParameters& parameters)
     badParameter("the reach of the ground is ", parameters.reach, " m");
 }
 
-// The box of voxels that a scene fills.
 Eigen::AlignedBox3i
 boxOf(const VoxelScene& scene)
 {
@@ -49,7 +48,7 @@ boxOf(const VoxelScene& scene)
   return box;
 }
 
-// Gives every column the height of the nearest one that has one, and smooths them.
+// Assigns to every column the height of the nearest known one, and smooths the heights.
 cv::Mat
 spread(const cv::Mat& height, const cv::Mat& label, float reach)
 {
@@ -70,7 +69,8 @@ spread(const cv::Mat& height, const cv::Mat& label, float reach)
   return smooth;
 }
 
-// A grid of the columns of a scene, and what tells which of them are free or occupied.
+// A grid of the columns of a scene, and the data that classify them as free or
+// occupied.
 class GridMaker {
 public:
   GridMaker(const VoxelScene& scene, const OccupancyGridParameters& parameters)
@@ -87,8 +87,7 @@ public:
     findGround();
   }
 
-  // Of each column, whether one of the voxels lies between the heights above the
-  // ground.
+  // For each column, whether a voxel is between the heights above ground.
   cv::Mat
   betweenHeights(const std::vector<VoxelIndex>& voxels) const
   {
@@ -101,13 +100,13 @@ public:
       const double centre = double(voxel.z()) - box_.min().z() + 0.5;
       const double above = (centre - height_.at<float>(pixel)) * scene_.grid.size;
       if (above >= parameters_.min_height && above < parameters_.max_height)
-        found.at<std::uint8_t>(pixel) = 255; // never where there is no ground: NaN
+        found.at<std::uint8_t>(pixel) = 255; // false without ground: NaN
     }
     return found;
   }
 
-  OccupancyGrid grid; // all unknown
-  cv::Mat label;      // CV_8UC1: class of the column's own ground, 0 = none is seen
+  OccupancyGrid grid; // initially unknown
+  cv::Mat label;      // CV_8UC1: class of the column's own ground, 0 = none
 
 private:
   cv::Point
@@ -124,7 +123,7 @@ private:
     const std::vector<std::size_t> rows = groundVoxels();
     if (rows.empty())
       badInput("the map has no voxel of the classes of the ground");
-    // The top of the lowest stretch of ground in each column.
+    // The top of the lowest run of ground in each column.
     for (const std::size_t row : rows) {
       const VoxelIndex& voxel = scene_.voxels.indices[row];
       float& height = own.at<float>(pixelOf(voxel));
@@ -136,12 +135,13 @@ private:
           requireLabel((*scene_.voxels.cloud)[row].label);
     }
     height_ = spread(own, label, float(parameters_.reach / scene_.grid.size));
-    // Ground above or below that around it is none: a roof, or noise under the road.
+    // Ground far above or below its surroundings is rejected: a roof, or noise below
+    // the road.
     const auto max_step = float(parameters_.min_height / scene_.grid.size);
     label.setTo(0, cv::abs(own - height_) > max_step);
   }
 
-  // The voxels of the ground's classes, from below.
+  // The voxels of ground classes, in ascending order of height.
   std::vector<std::size_t>
   groundVoxels() const
   {
@@ -159,7 +159,7 @@ private:
   const VoxelScene& scene_;
   const OccupancyGridParameters& parameters_;
   const Eigen::AlignedBox3i box_; // of the voxels
-  cv::Mat height_; // CV_32F: voxels below the ground's upper side; NaN = no ground
+  cv::Mat height_; // CV_32F: voxels below the top of the ground; NaN = no ground
 };
 
 } // namespace
@@ -193,7 +193,7 @@ writeOccupancyGrid(const std::string& path, const OccupancyGrid& grid)
   yaml << YAML::Key << "origin" << YAML::Value << YAML::Flow
        << std::vector<double>{grid.origin.x(), grid.origin.y(), 0.0};
   yaml << YAML::Key << "negate" << YAML::Value << 0;
-  // As map_saver writes them: 205 is then unknown.
+  // As written by map_saver; 205 then means unknown.
   yaml << YAML::Key << "occupied_thresh" << YAML::Value << 0.65;
   yaml << YAML::Key << "free_thresh" << YAML::Value << 0.196;
   yaml << YAML::EndMap;

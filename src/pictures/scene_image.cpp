@@ -19,12 +19,12 @@ namespace pcl_semantic {
 
 namespace {
 
-// A position on the surface: the face of a voxel, and where on it.
+// A position on the face of a voxel.
 struct Face {
   VoxelIndex voxel = VoxelIndex::Zero();
   VoxelIndex normal = VoxelIndex::Zero();
   int axis = 0;                                     // of the normal
-  Eigen::Vector3d within = Eigen::Vector3d::Zero(); // the voxel, 0 to 1
+  Eigen::Vector3d within = Eigen::Vector3d::Zero(); // position in the voxel, 0 to 1
 };
 
 class Shader {
@@ -86,8 +86,8 @@ private:
     return 0.55 + 0.62 * std::max(0.0, light_.dot(face.normal.cast<double>()));
   }
 
-  // How open the sky over a position is: voxels beside the cell in front of the face
-  // take some of it away, more the nearer the position is to their corner.
+  // Ambient occlusion: voxels beside the cell in front of the face reduce the light,
+  // the more the closer the position is to their corner.
   double
   openness(const Face& face)
   {
@@ -114,7 +114,7 @@ private:
            c * ((1.0 - b) * corners_[2] + b * corners_[3]);
   }
 
-  // Darker where neighbouring pixels see something nearer: outlines of things.
+  // Darkens pixels beside nearer ones, which outlines objects.
   double
   edge(int row, int column) const
   {
@@ -139,11 +139,11 @@ private:
   const SceneView& view_;
   VoxelSet::Reader reader_;
   Eigen::Vector3d light_;
-  Face last_; // the zero normal belongs to no face
+  Face last_; // a zero normal is no valid face
   std::array<double, 4> corners_{};
 };
 
-// How bright each pixel of a rendering is, about 0.3 to 1; 1 where there is no voxel.
+// Brightness of each pixel of a rendering, about 0.3 to 1; 1 without a voxel.
 cv::Mat
 shadeCubes(const VoxelScene& scene, const CubeImage& cubes, const SceneView& view)
 {
@@ -170,7 +170,7 @@ enlarged(SceneView view, int factor)
   StereoCamera& camera = view.camera;
   camera.fx *= factor;
   camera.fy *= factor;
-  // Centres of pixels lie at whole numbers.
+  // Pixel centres are at integer coordinates.
   camera.cx = (camera.cx + 0.5) * factor - 0.5;
   camera.cy = (camera.cy + 0.5) * factor - 0.5;
   camera.width *= factor;
@@ -178,7 +178,7 @@ enlarged(SceneView view, int factor)
   return view;
 }
 
-// The plane on which the grid is drawn, a little under most voxels.
+// Height of the grid's plane, slightly below most voxels.
 double
 groundHeight(const VoxelScene& scene)
 {
@@ -190,8 +190,8 @@ groundHeight(const VoxelScene& scene)
   return *low * scene.grid.size;
 }
 
-// Metres between the lines: about a tenth of the map's longer side, 1, 2 or 5 times a
-// power of ten.
+// Grid spacing in metres: about a tenth of the map's longer side, rounded to 1, 2 or 5
+// times a power of ten.
 double
 gridStep(const VoxelScene& scene)
 {
@@ -204,10 +204,10 @@ gridStep(const VoxelScene& scene)
   return power * (wanted / power >= 5.0 ? 5.0 : wanted / power >= 2.0 ? 2.0 : 1.0);
 }
 
-// The ground with its grid, where no voxel is in front of it.
+// The ground grid, visible where no voxel is in front of it.
 struct Ground {
   const SceneView& view;
-  Eigen::Vector3d corner; // of cube 0: lines lie at whole numbers of the file
+  Eigen::Vector3d corner; // of voxel 0: lines are at integer coordinates of the file
   double height, step;    // [m]
 
   cv::Vec3f
@@ -220,7 +220,7 @@ struct Ground {
     if (!(depth > 0.0) || !std::isfinite(depth))
       return sky_colour;
     const Eigen::Vector3d position = eye + depth * ray;
-    // What a pixel covers of the ground, along the ray and across it [m].
+    // Extent of a pixel on the ground, along the ray and across it [m].
     const double across = depth / view.camera.fx;
     const double along =
         across * ray.norm() / std::max(1e-9, std::abs(ray.z()) / ray.norm());
@@ -262,7 +262,7 @@ paint(const VoxelScene& scene, const VoxelColours& colours, const SceneView& vie
   return picture;
 }
 
-// The way of the sensor: red, with a white border so that it shows on anything.
+// The sensor's path: red, with a white border for contrast.
 void
 drawPath(cv::Mat& picture, const SceneView& view, const SensorPath& path)
 {
@@ -288,7 +288,7 @@ drawPath(cv::Mat& picture, const SceneView& view, const SensorPath& path)
   }
 }
 
-// A line in the lower right corner, on a plate so that it can be read on anything.
+// A caption in the lower right corner, on a background for contrast.
 void
 drawNote(cv::Mat& picture, const std::string& note)
 {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Some of the voxels, evenly over the list, that show where the map lies.
+// A sample of the voxels, evenly spaced in the list, that represents the map's extent.
 std::vector<Eigen::Vector3d>
 sampleOf(const VoxelScene& scene)
 {
@@ -27,7 +27,7 @@ sampleOf(const VoxelScene& scene)
   return sample;
 }
 
-// The direction in which points spread most, horizontally.
+// Horizontal direction of the largest variance.
 Eigen::Vector3d
 mainDirection(const std::vector<Eigen::Vector3d>& points)
 {
@@ -43,7 +43,7 @@ mainDirection(const std::vector<Eigen::Vector3d>& points)
     return Eigen::Vector3d::UnitX();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(spread);
   const Eigen::Vector2d direction = solver.eigenvectors().col(1);
-  // The sign is free: forward, as the world's axes say.
+  // The sign is arbitrary: forward along the world's axes.
   const double sign = direction.x() + 1e-3 * direction.y() < 0.0 ? -1.0 : 1.0;
   return {sign * direction.x(), sign * direction.y(), 0.0};
 }
@@ -58,12 +58,12 @@ freeDirectionOf(const std::vector<Eigen::Vector3d>& sample, const SensorPath& pa
     return mainDirection(sample);
   Eigen::Vector3d way = path.back() - path.front();
   way.z() = 0.0;
-  // A path that comes back has no way from its first to its last place.
+  // A closed path has no direction from first to last position.
   return way.norm() > 0.4 * length ? way.normalized() : mainDirection(path);
 }
 
-// The way along which a picture is taken: an axis of the world if one is near, so that
-// cubes and grid lie straight.
+// The viewing direction of a render: a world axis if one is close, so that cubes and
+// grid are axis-aligned.
 Eigen::Vector3d
 directionOf(const std::vector<Eigen::Vector3d>& sample, const SensorPath& path)
 {
@@ -74,7 +74,7 @@ directionOf(const std::vector<Eigen::Vector3d>& sample, const SensorPath& path)
   return direction;
 }
 
-// Whether a path bends to the right, seen from above.
+// Whether a path, seen from above, bends to the right.
 bool
 bendsToTheRight(const SensorPath& path)
 {
@@ -86,7 +86,7 @@ bendsToTheRight(const SensorPath& path)
   return first.cross(last).z() < -0.05 * first.norm() * last.norm();
 }
 
-// What all but a few of some numbers lie within.
+// The range of values without outliers.
 struct Range {
   double low = 0.0, high = 0.0;
 
@@ -112,7 +112,7 @@ struct Range {
   }
 };
 
-// Camera whose columns point right, down and forward.
+// Camera axes as columns: right, down and forward.
 Eigen::Matrix3d
 axesOf(const Eigen::Vector3d& forward, const Eigen::Vector3d& right)
 {
@@ -137,7 +137,7 @@ pinhole(double focal_length, cv::Size size)
   return camera;
 }
 
-// Where a sample lies in the picture of a view; how far its nearest part is.
+// Extent of a sample in the image, and the depth of its nearest part.
 struct Extent {
   Range column, row;
   double nearest;
@@ -145,7 +145,7 @@ struct Extent {
 
 constexpr double kLeftOut = 0.015;
 
-// The path may not be left out.
+// The path must be inside completely.
 Extent
 extentOf(const SceneView& view, const std::vector<Eigen::Vector3d>& sample,
          const SensorPath& path)
@@ -194,7 +194,7 @@ lookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target, double field_
     badParameter("the position to look from is the one to look at");
   const Eigen::Vector3d forward = way.normalized();
   Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ());
-  if (right.norm() < 1e-6) // straight down: the world's x is up in the picture
+  if (right.norm() < 1e-6) // vertical view: the world's x points up in the image
     right = -Eigen::Vector3d::UnitY();
   SceneView view;
   view.camera = pinhole(0.5 * size.width / std::tan(0.5 * field_of_view), size);
@@ -208,7 +208,7 @@ angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
 {
   constexpr double elevation = 21.0 * kPi / 180.0, turn = 13.0 * kPi / 180.0;
   const std::vector<Eigen::Vector3d> sample = sampleOf(scene);
-  // A little from the side, and into the bend.
+  // Slightly from the side, into the bend.
   const Eigen::Vector3d along = Eigen::AngleAxisd(bendsToTheRight(path) ? -turn : turn,
                                                   Eigen::Vector3d::UnitZ()) *
                                 directionOf(sample, path);
@@ -225,7 +225,7 @@ angleView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
   const auto setDistance = [&](double distance) {
     view = lookAt(centre - distance * forward, centre, 58.0 * kPi / 180.0, size);
     const Extent extent = extentOf(view, sample, path);
-    // The lens is shifted, so that the map lies in the middle and verticals stay so.
+    // Shifts the principal point, which centres the map and keeps verticals upright.
     view.camera.cx += 0.5 * (size.width - 1) - extent.column.middle();
     view.camera.cy += 0.51 * (size.height - 1) - extent.row.middle();
     return extent.nearest > 0.15 * distance && fits(extent, size);
@@ -264,7 +264,7 @@ aboveView(const VoxelScene& scene, const SensorPath& path, cv::Size size)
   SceneView view;
   view.pixels_per_metre =
       std::min(0.96 * size.width / width, 0.9 * size.height / height);
-  // From so far that nothing leans by a tenth of a pixel.
+  // A distance at which perspective is below a tenth of a pixel.
   const double distance = 1e5 * (width + height + z.high - z.low);
   view.camera = pinhole(view.pixels_per_metre * distance, size);
   view.T_world_camera.linear() = axesOf(-Eigen::Vector3d::UnitZ(), right);

@@ -16,7 +16,7 @@ namespace {
 const cv::Vec3b grey_of_unlabelled(165, 165, 165);
 const cv::Vec3b grey_of_unchanged(226, 224, 222);
 
-// Label sets have dark colours, meant to be seen flat. Shaded ones have to be lighter.
+// Label sets have dark colours for flat images; shaded images need lighter ones.
 cv::Vec3b
 lighter(const cv::Vec3b& colour)
 {
@@ -34,7 +34,7 @@ solidColour(const LabelSet& label_set, Label label)
                               : lighter(classColour(label_set, label));
 }
 
-// 1234567 as 1 234 567.
+// Formats 1234567 as 1 234 567.
 std::string
 grouped(std::size_t number)
 {
@@ -61,13 +61,13 @@ labelsOf(const VoxelScene& scene)
   return labels;
 }
 
-// How often one label became another.
+// Number of voxels with a label change.
 struct LabelChange {
   Label from = kUnlabelled, to = kUnlabelled;
   std::size_t count = 0;
 };
 
-// The most frequent first, then by numbers. Where one label is not known, none changed.
+// The most frequent first, then by label. Unlabelled voxels are not compared.
 std::vector<LabelChange>
 changesOf(const std::vector<Label>& before, const std::vector<Label>& after)
 {
@@ -85,7 +85,7 @@ changesOf(const std::vector<Label>& before, const std::vector<Label>& after)
   return changes;
 }
 
-// The ramp of entropy: 256 colours from pale yellow to dark violet.
+// Colour map of entropy: 256 colours from pale yellow to dark violet.
 cv::Mat
 uncertaintyRamp()
 {
@@ -171,7 +171,7 @@ changeColours(const VoxelScene& scene, const std::vector<Label>& before,
     badParameter(before.size(), " labels before of ", scene.voxels.size(), " voxels");
   const std::vector<Label> after = labelsOf(scene);
   VoxelColours result = classColours(scene, label_set);
-  result.shading = 0.6; // what is grey stays pale, so that the colours stand out
+  result.shading = 0.6; // grey voxels stay pale, so that the colours stand out
   std::size_t compared = 0;
   for (std::size_t i = 0; i < after.size(); ++i) {
     const bool is_known = before[i] != kUnlabelled && after[i] != kUnlabelled;

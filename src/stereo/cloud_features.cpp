@@ -15,7 +15,7 @@ namespace {
 using Cloud = pcl::PointCloud<pcl::PointXYZRGB>;
 
 constexpr std::size_t min_points = 200;
-constexpr std::size_t max_points = 20000; // more do not sharpen it
+constexpr std::size_t max_points = 20000; // more points do not improve the result
 constexpr double scale = 0.05;            // of the Cauchy weights [m]
 constexpr int rounds = 15;
 
@@ -49,8 +49,8 @@ levelAtMedian(const std::vector<Eigen::Vector3d>& points)
   return {0.0, 0.0, *median};
 }
 
-// Residuals shrink from round to round, and the scale with them: far from the ground
-// at first nothing would weigh.
+// The scale shrinks with the residuals from round to round. With the final scale,
+// points far from the initial plane would have no weight.
 Eigen::Vector3d
 refit(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& plane,
       double width)
@@ -68,9 +68,9 @@ refit(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& plane,
 }
 
 constexpr int window = 7; // of the smoothing [px]
-constexpr int reach = 5;  // of the differences, to each side [px]
+constexpr int reach = 5;  // half width of the differences [px]
 
-// Sums of xyz and of the points there are, over the window: their quotient is the mean.
+// Sums of xyz and the number of points in the window; their quotient is the mean.
 cv::Mat
 windowSums(const Cloud& cloud)
 {
@@ -93,7 +93,7 @@ windowSums(const Cloud& cloud)
 Eigen::Vector3f
 meanOf(const cv::Vec4f& sum)
 {
-  return Eigen::Vector3f(sum[0], sum[1], sum[2]) / sum[3]; // NaN if nothing is there
+  return Eigen::Vector3f(sum[0], sum[1], sum[2]) / sum[3]; // NaN without points
 }
 
 float
@@ -108,7 +108,7 @@ levelOf(const cv::Mat& sums, int u, int v, const Eigen::Vector3f& up)
   const Eigen::Vector3f down =
       meanOf(sums.at<cv::Vec4f>(below, u)) - meanOf(sums.at<cv::Vec4f>(above, u));
   const Eigen::Vector3f normal = along.cross(down);
-  return std::abs(normal.dot(up)) / normal.norm(); // NaN if there is none
+  return std::abs(normal.dot(up)) / normal.norm(); // NaN without a normal
 }
 
 void

@@ -15,14 +15,14 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The plane of the ground before a camera, its normal towards the camera: least
- * squares with Cauchy weights of 5 cm, begun from the median height, so that kerbs and
- * what is wrongly called ground hardly count.
+/** \brief Fits the ground plane in front of a camera, its normal towards the camera:
+ * least squares with Cauchy weights of 5 cm, started at the median height, so that
+ * kerbs and wrongly labelled points have little influence.
  * \param[in] cloud camera frame (x right, y down, z forward) [m]
- * \param[in] is_ground of each point, 0 = no
- * \param[in] max_distance points with a larger z do not count: their depth is noise [m]
- * \return nothing if fewer than 200 points of the ground lie there, or the plane is
- * more than 30 degrees off the camera's own level
+ * \param[in] is_ground one flag per point
+ * \param[in] max_distance points with a larger z are ignored: their depth is noise [m]
+ * \return nothing if there are fewer than 200 ground points, or the plane is inclined
+ * by more than 30 degrees to the camera's horizontal plane
  * \throws InvalidParameterException if the sizes differ */
 std::optional<Eigen::Hyperplane<double, 3>>
 fitGroundPlane(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
@@ -32,13 +32,14 @@ fitGroundPlane(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
  * \param[in] ground normal towards the camera, camera frame */
 Eigen::Vector3d rightAlong(const Eigen::Hyperplane<double, 3>& ground);
 
-/** \brief Colour, and above a ground height, distance, levelness and side of the points
- * of an organized cloud; the same for any number of threads.
+/** \brief Computes colour features and, relative to the ground, height, distance, level
+ * and side of the points of an organized cloud. The result does not depend on the
+ * number of threads.
  *
- * Normals are those of the differences, five pixels to each side, of the cloud smoothed
- * over 7 x 7 pixels: coarse, but unbothered by the steps of a disparity.
- * \param[in] cloud organized, camera frame [m]; NaN = no depth: colour is known alone
- * \param[in] ground normal towards the camera; nothing: colours are known alone
+ * Normals come from differences over five pixels to each side in the cloud smoothed
+ * over 7 x 7 pixels: coarse, but insensitive to disparity quantisation.
+ * \param[in] cloud organized, camera frame [m]; NaN = no depth: only colour features
+ * \param[in] ground normal towards the camera; nothing: only colour features
  * \throws InvalidParameterException if the cloud is not organized */
 std::vector<PointFeatures>
 cloudFeatures(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,

@@ -8,8 +8,8 @@ namespace pcl_semantic {
 namespace {
 
 /** \brief The paper's edges without the dual: edge e and its reverse e ^ 1, each in a
- * ring of the edges that leave the same point, counterclockwise (if u points right and
- * v up). */
+ * ring of the edges from the same origin, counterclockwise (if u points right and v
+ * up). */
 class Subdivision {
 public:
   explicit Subdivision(const std::vector<GridPoint>& points) : points_(points)
@@ -18,8 +18,8 @@ public:
   }
 
   /** \brief Triangulates points [begin, end), at least two.
-   * \return the hull's edge, counterclockwise, from the first point and the one,
-   * clockwise, from the last */
+   * \return edges of the hull: counterclockwise from the first point, clockwise from
+   * the last */
   std::array<int, 2>
   triangulate(int begin, int end)
   {
@@ -87,7 +87,7 @@ private:
     return edges_[std::size_t(edge)].previous;
   }
 
-  /** \brief The edge that follows around the face on the left. */
+  /** \brief The next edge around the left face. */
   int
   leftNext(int edge) const
   {
@@ -113,8 +113,8 @@ private:
     edges_[std::size_t(after_a)].previous = b;
   }
 
-  /** \brief An edge from the target of \a a to the origin of \a b, with both on the
-   * same face at its left. */
+  /** \brief Adds an edge from the target of \a a to the origin of \a b, both on the
+   * same left face. */
   int
   connect(int a, int b)
   {
@@ -189,7 +189,7 @@ private:
   std::array<int, 2>
   merge(int outer_left, int inner_left, int inner_right, int outer_right)
   {
-    for (;;) // to the lowest edge between the two halves
+    for (;;) // finds the lowest edge between the two halves
       if (isLeft(origin(inner_right), inner_left))
         inner_left = leftNext(inner_left);
       else if (isRight(origin(inner_left), inner_right))
@@ -206,7 +206,7 @@ private:
     return {outer_left, outer_right};
   }
 
-  /** \brief Puts the next triangle on the edge between the halves; false at the top. */
+  /** \brief Adds the next triangle on the edge between the halves; false at the top. */
   bool
   riseBase(int& base)
   {

@@ -17,12 +17,13 @@ constexpr int segment_range = kernels::disparity_steps;
 constexpr int smoothing_radius = 5; // [px]
 constexpr int smoothing_range = 4 * kernels::disparity_steps;
 
-// 68 % of all errors lie within, gross ones included, on KITTI (doc/stereo.md) [px].
+// 68 % quantiles of the absolute errors on KITTI, gross errors included (doc/stereo.md)
+// [px].
 constexpr float deviation_matched = 0.53f;
-constexpr float deviation_between = 0.94f; // like ends of a gap
-constexpr float deviation_beyond = 5.4f;   // behind a step, or at the border
+constexpr float deviation_between = 0.94f; // between similar ends of a gap
+constexpr float deviation_beyond = 5.4f;   // at a depth discontinuity or the border
 
-/** \brief Pixels [first, last] of a row that belong together. */
+/** \brief Connected pixels [first, last] of a row. */
 struct Run {
   std::int16_t* row;
   int first, last;
@@ -40,7 +41,7 @@ findRuns(std::int16_t* row, int width, int range, std::vector<Run>& runs)
     }
 }
 
-// Of neighbouring rows.
+// Runs of neighbouring rows.
 bool
 belongTogether(const Run& a, const Run& b, int range)
 {
@@ -58,7 +59,7 @@ fillRow(const std::int16_t* row, int width, int step, float* disparity,
     disparity[u] = value / float(kernels::disparity_steps);
     deviation[u] = value > 0.0f ? how_sure : 0.0f;
   };
-  // Pixels between two, of which at least one holds something.
+  // Fills the pixels between two others, of which at least one has a disparity.
   const auto fill = [&](int before, int after) {
     const bool has_ends = before >= 0 && after < width;
     const float from = float(row[before >= 0 ? before : after]);
@@ -90,7 +91,7 @@ removeSmallSegments(int size, int range, cv::Mat& disparity)
 {
   std::vector<Run> runs;
   DisjointSets segments;
-  std::size_t above = 0; // first run of the row above
+  std::size_t above = 0; // first run of the previous row
   for (int v = 0; v < disparity.rows; ++v) {
     const std::size_t current = runs.size();
     findRuns(disparity.ptr<std::int16_t>(v), disparity.cols, range, runs);
@@ -102,7 +103,7 @@ removeSmallSegments(int size, int range, cv::Mat& disparity)
     }
     above = current;
   }
-  std::vector<int> sizes(runs.size(), 0); // of the segments, by their roots [px]
+  std::vector<int> sizes(runs.size(), 0); // of the segments, by root [px]
   for (std::size_t i = 0; i < runs.size(); ++i)
     sizes[std::size_t(segments.rootOf(int(i)))] += runs[i].last - runs[i].first + 1;
   for (std::size_t i = 0; i < runs.size(); ++i)
@@ -119,7 +120,7 @@ smoothDisparity(cv::Mat& disparity)
   const kernels::Smooth smooth = kernels::smoothing(simdTier());
   const int width = disparity.cols;
   cv::Mat result(disparity.size(), CV_16SC1);
-  // Of one row, with a margin that holds nothing.
+  // One row with an empty margin.
   const auto makeRow = [&] {
     return std::vector<std::int16_t>(std::size_t(width + 2 * radius),
                                      kernels::no_disparity);

@@ -17,8 +17,8 @@ namespace pcl_semantic {
 
 namespace {
 
-/** \brief Semi-global matching (H. Hirschmueller, PAMI 2008) as OpenCV implements it,
- * along three directions. */
+/** \brief OpenCV's semi-global matching (H. Hirschmueller, PAMI 2008) along three
+ * directions. */
 class Sgbm : public DisparityEstimator {
 public:
   explicit Sgbm(int disparities)
@@ -41,7 +41,7 @@ public:
     for (int v = 0; v < disparity.rows; ++v)
       for (int u = 0; u < disparity.cols; ++u)
         if (float& d = disparity(v, u); !(d > 0.0f && d <= float(u)))
-          d = 0.0f; // none, or left of the right image
+          d = 0.0f; // none, or beyond the left border of the right image
     return {disparity, cv::Mat1f(disparity.size(), deviation)};
   }
 
@@ -50,14 +50,14 @@ private:
   static constexpr int small_step_penalty = 16 * block_size * block_size; // P1
   static constexpr int large_step_penalty = 64 * block_size * block_size; // P2
   static constexpr int left_right_tolerance = 1;                          // [px]
-  static constexpr int gradient_cap = 63;  // gradients are compared up to this
-  static constexpr int uniqueness = 10;    // the best cost beats others by this [%]
-  static constexpr int speckle_size = 200; // smaller regions are dropped [px]
+  static constexpr int gradient_cap = 63;  // gradients are clamped to this
+  static constexpr int uniqueness = 10;    // margin of the best cost over others [%]
+  static constexpr int speckle_size = 200; // smaller regions are removed [px]
   static constexpr int speckle_range = 2;  // disparity step within a region [px]
-  // Of its matches in KITTI's streets, gross errors aside (doc/stereo.md). [px]
+  // On KITTI, gross errors excluded (doc/stereo.md). [px]
   static constexpr float deviation = 0.5f;
 
-  // So that the first columns are matched too. Isolated: not what lies beside a view.
+  // Padding allows matching the first columns. Isolated: without pixels around a view.
   cv::Mat
   padded(const cv::Mat& image) const
   {
@@ -80,7 +80,7 @@ make(int disparities)
 
 struct Engine {
   const char *name, *title;
-  int step, largest; // disparities are a multiple of one, up to the other
+  int step, largest; // step and maximum of the disparities
   const char* expected;
   std::unique_ptr<DisparityEstimator> (*make)(int disparities);
 };
@@ -99,7 +99,7 @@ drawDisparity(const cv::Mat& disparity, double nearest)
   if (disparity.type() != CV_32FC1 || !(nearest > 0.0))
     badParameter("drawDisparity: expected an image of floats and a disparity "
                  "of more than 0");
-  // The root, so that the far half of a street is not all of one colour.
+  // The square root spreads the colours of far points.
   cv::Mat fraction, levels, image;
   cv::sqrt(cv::max(disparity, 0.0) / nearest, fraction);
   fraction.convertTo(levels, CV_8UC1, 255.0);

@@ -21,25 +21,23 @@ namespace pcl_semantic {
 
 namespace {
 
-// As the paper names them; the values are those that were best for our gradients on
-// KITTI.
-constexpr double beta = 0.06; // weight of a grey level of gradient
-constexpr double gamma = 0.5; // fraction of what is far from the plane
+// Names from the paper; values tuned for these gradients on KITTI.
+constexpr double beta = 0.06; // weight per grey level of gradient
+constexpr double gamma = 0.5; // fraction of pixels far from the plane
 constexpr double sigma = 1.0; // of the prior around the plane [px]
 
 constexpr int steps = kernels::disparity_steps;
-constexpr double max_energy = 8192.0;   // well below that of no candidate
+constexpr double max_energy = 8192.0;   // well below no_energy
 constexpr int left_right_tolerance = 9; // 0.6 px [1 / steps px]
 constexpr int smoothing_rounds = 2;
 constexpr int gap_step = 6; // [px]
 constexpr int band_rows = 16;
-constexpr int largest_image = 16384; // the triangulation is exact up to here [px]
+constexpr int largest_image = 16384; // up to here the triangulation is exact [px]
 
-/** \brief Left, right. */
 using Images = std::array<GradientImage, 2>;
 using Priors = std::array<PlanePrior, 2>;
 
-/** \brief -log(gamma + likeness) in units of a descriptor's distance, 0 at best. */
+/** \brief -log(gamma + likelihood) in units of a descriptor's distance, minimum 0. */
 std::uint16_t
 priorEnergy(double likeness)
 {
@@ -62,8 +60,8 @@ priorEnergies(int direction)
   return energies;
 }
 
-/** \brief Matches rows of two images in both directions, one thread's; refers to what
- * it is given. */
+/** \brief Matches rows of two images in both directions; one per thread. Refers to its
+ * arguments. */
 class BandMatcher {
 public:
   BandMatcher(const Images& images, const Priors& priors, int disparities)
@@ -71,8 +69,8 @@ public:
         right_(std::size_t(images[0].width()))
   {}
 
-  /** \brief Disparities of rows [begin, end) of the left image that the right one
-   * agrees with (CV_16SC1, [1 / disparity_steps px], no_disparity = none). */
+  /** \brief Disparities of rows [begin, end) of the left image that pass the left-right
+   * check (CV_16SC1, [1 / disparity_steps px], no_disparity = none). */
   void
   match(int begin, int end, cv::Mat& disparity)
   {
@@ -160,7 +158,7 @@ Elas::estimate(const cv::Mat& left, const cv::Mat& right)
                          GradientImage(greyImage(right))};
   const std::vector<SupportPoint> points =
       findSupportPoints(images[0], images[1], disparities_);
-  if (points.size() < 3) // nothing to go by
+  if (points.size() < 3) // too few for a triangle
     return {cv::Mat1f(left.size(), 0.0f), cv::Mat1f(left.size(), 0.0f)};
   const Priors priors = makePriors(points, left.size(), disparities_);
   cv::Mat disparity(left.size(), CV_16SC1);

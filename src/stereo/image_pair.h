@@ -6,8 +6,8 @@
 namespace pcl_semantic {
 
 /** \brief Checks the two images of an estimator.
- * \throws BadInputException unless both are 8-bit grey or colour, of one size and type
- */
+ * \throws BadInputException unless both are 8-bit grey or colour, of the same size and
+ * type */
 void requireImagePair(const cv::Mat& left, const cv::Mat& right);
 
 } // namespace pcl_semantic

@@ -15,23 +15,25 @@ namespace pcl_semantic {
 
 namespace {
 
-constexpr int working_width = 640; // images are reduced, by a whole number, to about it
-constexpr int block_width = 16;    // [px of the reduced image], as all that follows
+constexpr int working_width = 640; // images are reduced by an integer factor to about
+                                   // this width
+constexpr int block_width = 16;    // [px of the reduced image], as below
 constexpr int block_height = 8;
 constexpr int grid_columns = 20;
 constexpr int grid_rows = 10;
-constexpr int range_fraction = 8; // disparities up to the width by this
-constexpr int min_gradient = 3;   // of a textured block, on average
-constexpr int min_disparity = 2;  // below, a point may be far or badly rectified
+constexpr int range_fraction = 8; // the maximum disparity is the width divided by this
+constexpr int min_gradient = 3;   // mean over a textured block
+constexpr int min_disparity = 2;  // smaller disparities are ambiguous: far points or
+                                  // rectification errors
 
-// What separates the pairs of doc/stereo.md, in the middle of wide gaps.
+// Thresholds in the middle of wide gaps between the pairs of doc/stereo.md.
 constexpr double blank_contrast = 2.0;
 constexpr double alike_fraction = 0.4;
 constexpr double matched_fraction = 0.03;
 constexpr int enough_matches = 12;
 constexpr int enough_textured = 60;
 
-// The textured blocks of an image are sought in such rows only; stacked.
+// Rows with the searched blocks, stacked.
 using Bands = cv::Mat1b;
 
 Bands
@@ -51,7 +53,7 @@ reducedBands(const cv::Mat& image)
   return bands;
 }
 
-// Of means over positions so large that noise is gone.
+// Contrast of averages over areas, which suppress noise.
 double
 contrastOf(const cv::Mat& image, const Bands& bands)
 {
@@ -72,7 +74,7 @@ isIdentical(const cv::Mat& left, const cv::Mat& right)
   return true;
 }
 
-// Differences along rows, 128 = none: a camera that is brighter changes nothing.
+// Differences along rows, 128 = none: independent of brightness.
 Bands
 gradientOf(const Bands& grey)
 {
@@ -110,8 +112,8 @@ differenceOf(const Bands& a, int ua, const Bands& b, int ub, int v)
 
 struct BlockMatch {
   int u = 0;
-  bool is_alike = false;  // far better than the average position
-  bool is_unique = false; // clearly better than any other position
+  bool is_alike = false;  // far better than the mean over all positions
+  bool is_unique = false; // clearly better than all other positions
 };
 
 BlockMatch
@@ -134,11 +136,11 @@ findBlock(const Bands& from, const Bands& to, int u, int v)
 }
 
 struct Matches {
-  int textured = 0; // blocks that were sought
-  int alike = 0;    // of those, how many look like some position of their row
-  int matched = 0;  // like one position only, and are found again from there
-  int forward = 0;  // of those, clearly further left in the right image
-  int backward = 0; // same, clearly further right
+  int textured = 0; // number of searched blocks
+  int alike = 0;    // of these, blocks similar to some position of their row
+  int matched = 0;  // unique, and confirmed from the right image
+  int forward = 0;  // of these, clearly further left in the right image
+  int backward = 0; // of these, clearly further right
 };
 
 Matches
@@ -146,7 +148,7 @@ countMatches(const Bands& left, const Bands& right)
 {
   Matches matches;
   const int range = left.cols / range_fraction;
-  // Both directions have all their positions in the image.
+  // In both directions, all positions are inside the image.
   const int columns = left.cols - 2 * range - block_width;
   for (int j = 0; j < grid_rows * grid_columns && columns > 0; ++j) {
     const int v = j / grid_columns * block_height;
@@ -180,8 +182,7 @@ checkPair(const cv::Mat& left, const cv::Mat& right)
     found = countMatches(gradientOf(left_bands), gradientOf(right_bands));
   const double contrast[] = {contrastOf(left, left_bands),
                              contrastOf(right, right_bands)};
-  // A fence has no coarse contrast either, but is in both images and alike; noise is
-  // not.
+  // A fence has no coarse contrast either, but is similar in both images; noise is not.
   const auto [low, high] = std::minmax(contrast[0], contrast[1]);
   if (low < blank_contrast &&
       (high > 2.0 * blank_contrast || found.alike <= alike_fraction * found.textured))
@@ -192,7 +193,7 @@ checkPair(const cv::Mat& left, const cv::Mat& right)
                                         " image is blank: a covered lens?"};
   if (isIdentical(left, right))
     return {PairFault::identical, "left and right are the same image"};
-  // Repeated texture is alike in many positions, but matched nowhere.
+  // Repeated texture is similar at many positions and matched nowhere.
   if (found.textured >= enough_textured &&
       found.alike < alike_fraction * found.textured &&
       found.matched < matched_fraction * found.textured)

@@ -8,9 +8,9 @@
 
 namespace pcl_semantic {
 
-/** \brief Works on the rows of an image in bands. Every thread makes a worker of its
- * own, with which it calls use(worker, begin, end) for bands [begin, end) until none is
- * left. Lets exceptions out. */
+/** \brief Processes the rows of an image in bands. Every thread makes its own worker
+ * and calls use(worker, begin, end) for bands [begin, end) until none is left.
+ * Exceptions pass through. */
 template <typename Make, typename Use>
 void
 forBandsOfRows(int rows, int band_rows, const Make& make, const Use& use)

@@ -34,7 +34,7 @@ PlanePrior::markSeen(const std::vector<SupportPoint>& points)
     const int d =
         (point.disparity + kernels::disparity_steps / 2) / kernels::disparity_steps;
     const int column = point.u / cell_size, row = point.v / cell_size;
-    // Near is within half a cell of the border, too.
+    // Near includes half a cell beyond the border.
     for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows_ - 1); ++y)
       for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns_ - 1);
            ++x) {
@@ -78,7 +78,7 @@ PlanePrior::addTriangle(const SupportPoint& a, const SupportPoint& b,
 void
 PlanePrior::fillRows(int begin, int end, std::vector<std::int16_t>& expected) const
 {
-  // Pixels on an edge belong to both sides, whose planes agree there.
+  // Pixels on an edge belong to both triangles, whose planes agree there.
   constexpr float on_edge = 1e-3f;
   expected.assign(std::size_t(width_) * std::size_t(end - begin),
                   kernels::no_disparity);

@@ -10,14 +10,13 @@
 namespace pcl_semantic {
 
 /** \brief Prior of every pixel of one of the two images, from the support points: the
- * disparity of the plane through the corners of its triangle, and the disparities seen
- * near its cell. */
+ * disparity of the plane through the corners of its triangle, and the disparities of
+ * support points near its cell. */
 class PlanePrior {
 public:
   static constexpr int cell_size = 10; // [px]
 
-  /** \param[in] points with their coordinates in this image, their disparities within
-   * the range
+  /** \param[in] points in coordinates of this image, with disparities within the range
    * \param[in] disparities a multiple of 8 */
   PlanePrior(std::vector<SupportPoint> points, int width, int height, int disparities);
 
@@ -34,7 +33,7 @@ public:
 private:
   struct Triangle {
     std::array<int, 3> u, v;                 ///< corners, from top to bottom
-    float long_edge, upper_edge, lower_edge; ///< columns a row
+    float long_edge, upper_edge, lower_edge; ///< columns per row
     float at_zero, along_u, along_v;         ///< of the plane
   };
 
@@ -44,13 +43,13 @@ private:
 
   int width_;
   int columns_, rows_; // of the cells
-  int bytes_;          // a cell
+  int bytes_;          // per cell
   std::vector<Triangle> triangles_;
   std::vector<std::uint8_t> seen_;
 };
 
-/** \brief The points where the right image has them; of two at one pixel the nearer
- * one. */
+/** \brief Converts the points to coordinates of the right image; of two at the same
+ * pixel the nearer one is kept. */
 std::vector<SupportPoint> seenFromRight(const std::vector<SupportPoint>& points);
 
 } // namespace pcl_semantic

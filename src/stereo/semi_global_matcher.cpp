@@ -17,21 +17,21 @@ namespace {
 
 constexpr int half_width = 4, half_height = 3; // of the census [px]
 constexpr int block_radius = 2;
-constexpr int small_step = 24; // P1, in differing bits of a pixel's 31 x 25 / 16
-// P2 where the image is smooth. With the costs of a block it stays below
-// kernels::max_path_cost.
+constexpr int small_step = 24; // P1; a cost is at most 31 x 25 / 16
+// P2 in smooth areas. With the costs of a block it stays below kernels::max_path_cost.
 constexpr int large_step = 120;
-constexpr int edge = 6;       // P2 falls from so many grey levels between pixels on
-constexpr int uniqueness = 5; // the best sum has to beat the others by this [%]
-constexpr int left_right_tolerance = 1; // between the images' disparities [px]
+constexpr int edge = 6;       // P2 decreases from this grey level difference on
+constexpr int uniqueness = 5; // minimum margin of the best sum over the others [%]
+constexpr int left_right_tolerance = 1; // left-right check [px]
 constexpr int smoothing_rounds = 1;
 constexpr int gap_step = 1; // [px]
 
 // Fixed, so that the result does not depend on the number of threads.
 constexpr int band_rows = 96;
-constexpr int rows_before = 16; // of a band: paths that are longer matter little
+constexpr int rows_before = 16; // before a band, because longer paths have little
+                                // influence
 
-// Sets a bit where one pixel is darker than another.
+// Sets a bit where pixels of one row are darker than those of the other.
 void
 setDarker(const std::uint8_t* one, const std::uint8_t* other, int count,
           std::uint8_t bit, std::uint8_t* __restrict__ bytes)
@@ -60,7 +60,7 @@ CensusImage::CensusImage(const cv::Mat& grey, Order order, int padding)
     : stride_(std::size_t(grey.cols + padding))
 {
   cv::Mat padded;
-  // Of a view, too, the border is its own, not what lies around it.
+  // Isolated: without pixels around a view.
   cv::copyMakeBorder(grey, padded, half_height, half_height, half_width, half_width,
                      cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
   for (auto& bytes : bytes_)
@@ -194,7 +194,7 @@ SemiGlobalBand::clearMatches()
           {right_disparity_[0].data(), right_disparity_[1].data()}};
 }
 
-// The disparity of a pixel, if both images agree about it.
+// The disparity of a pixel that passes the left-right check.
 std::int16_t
 SemiGlobalBand::matchOf(int u) const
 {

@@ -17,9 +17,9 @@ namespace pcl_semantic {
  * matching and mutual information, PAMI 2008) of census signatures in blocks of 5 x 5
  * pixels, along three directions: from the left, from the right, from above.
  *
- * Small segments are dropped, disparities smoothed and gaps filled as Elas does. The
- * image is matched in bands of rows, whose paths begin some rows above: the result does
- * not depend on the number of threads nor on the instruction set. */
+ * Small segments are removed, disparities smoothed and gaps filled as in Elas. The
+ * image is matched in bands of rows, whose paths begin some rows above. The result
+ * depends neither on the number of threads nor on the instruction set. */
 class SemiGlobalMatcher : public DisparityEstimator {
 public:
   /** \param[in] disparities largest disparity + 1 [px]; 64, 128, 192 or 256 */
@@ -31,16 +31,16 @@ private:
   int disparities_;
 };
 
-/** \brief Which pixels around a pixel are darker than it, for all pixels of an image:
- * every other one of 9 x 7, 31 bits (R. Zabih and J. Woodfill, Non-parametric local
- * transforms for computing visual correspondence, ECCV 1994). Beyond the border the
- * image goes on as it ends. */
+/** \brief Census transform: for each pixel, which pixels around it are darker, every
+ * other one of 9 x 7, 31 bits (R. Zabih and J. Woodfill, Non-parametric local
+ * transforms for computing visual correspondence, ECCV 1994). Border pixels are
+ * replicated. */
 class CensusImage {
 public:
   enum class Order { forwards, backwards }; ///< of the pixels in a row
 
   /** \param[in] grey CV_8UC1
-   * \param[in] padding copies of the last pixel behind each row */
+   * \param[in] padding copies of the last pixel after each row */
   CensusImage(const cv::Mat& grey, Order order, int padding);
 
   /** \brief One byte of each pixel's census in a row. */
@@ -57,10 +57,10 @@ private:
   std::array<std::vector<std::uint8_t>, kernels::census_bytes> bytes_;
 };
 
-/** \brief Matches bands of rows, one after the other; one a thread. */
+/** \brief Matches bands of rows sequentially; one per thread. */
 class SemiGlobalBand {
 public:
-  /** \brief The images of a pair; they have to stay. */
+  /** \brief The images of a pair, which must outlive this object. */
   struct Pair {
     const cv::Mat& grey; ///< the left one
     const CensusImage &left, &right;
@@ -69,8 +69,8 @@ public:
   SemiGlobalBand(const Pair& pair, int disparities, SimdTier tier = simdTier());
 
   /** \brief Matches the rows begin <= v < end. Paths from above begin at most 16 rows
-   * before.
-   * \param[out] disparity CV_16SC1 as of disparity_cleaning.h; below 0 = none */
+   * earlier.
+   * \param[out] disparity CV_16SC1, see disparity_cleaning.h; below 0 = none */
   void match(int begin, int end, cv::Mat& disparity);
 
 private:
@@ -85,9 +85,9 @@ private:
   const Pair pair_;
   const kernels::SemiGlobal& loops_;
   const int width_, disparities_;
-  std::array<std::uint8_t, 256> large_step_; // by difference of grey levels
-  std::array<Bytes, 5> rows_;                // costs of pixels; row v in place v % 5
-  int next_row_ = 0;                         // the first that is not in there
+  std::array<std::uint8_t, 256> large_step_; // by grey level difference
+  std::array<Bytes, 5> rows_;                // costs of pixels; row v has index v % 5
+  int next_row_ = 0;                         // first row that is not yet included
   Bytes added_row_, row_sums_, quarters_, costs_, steps_down_, steps_along_;
   Bytes down_, smallest_down_, along_;
   Shorts sums_;

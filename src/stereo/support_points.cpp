@@ -22,17 +22,19 @@ constexpr Element elements[kernels::descriptor_bytes] = {
     {false, 2, 2},   {false, -1, 0}, {false, 1, 0},  {true, 0, 0},
 };
 
-constexpr int corner = 2; // four descriptors this far off make one of 9 x 9 pixels [px]
-constexpr int grid_step = 5;      // one pixel in so many is matched [px]
+constexpr int corner = 2;    // a 9 x 9 pixel descriptor consists of four at this offset
+                             // [px]
+constexpr int grid_step = 5; // distance of matched pixels [px]
 constexpr int min_texture = 1;    // mean gradient [0-127]
-constexpr double max_ratio = 0.9; // of the best distance to the second, tau
-constexpr int tolerance = kernels::disparity_steps; // between the two images: 1 px
-constexpr int neighbourhood = 25; // where others have to be like it [px]
-constexpr int min_neighbours = 2; // so many
+constexpr double max_ratio = 0.9; // best distance / second-best distance, tau
+constexpr int tolerance = kernels::disparity_steps; // left-right check: 1 px
+constexpr int neighbourhood = 25;                   // window for similar points [px]
+constexpr int min_neighbours = 2; // similar points required in the window
 constexpr int alike = 5 * kernels::disparity_steps;
 constexpr int none = kernels::no_disparity;
 
-// Costs have 15 bits: signed ones are what every processor finds the least of.
+// Costs have 15 bits, so signed minimum instructions, which every processor has,
+// suffice.
 int
 leastOf(const std::uint16_t* costs, int count)
 {
@@ -42,7 +44,7 @@ leastOf(const std::uint16_t* costs, int count)
   return least;
 }
 
-/** \brief Looks for the support points of one row of the grid. */
+/** \brief Searches the support points of one row of the grid. */
 class RowMatcher {
 public:
   RowMatcher(const GradientImage& left, const GradientImage& right, int disparities)
@@ -59,8 +61,6 @@ public:
     }
   }
 
-  /** \brief Disparity of a pixel of the left image [1 / disparity_steps px], or none.
-   */
   int
   match(int u)
   {
@@ -92,8 +92,8 @@ private:
     return sum >= min_texture * 4 * kernels::descriptor_bytes;
   }
 
-  /** \brief Best disparity of a pixel of an image (0 left, 1 right), if it stands out.
-   */
+  /** \brief Best disparity of a pixel of an image (0 left, 1 right) if it is
+   * distinctive. */
   int
   search(int image, int u)
   {
@@ -107,7 +107,7 @@ private:
       for (const int side : {-corner, corner})
         loops_.addDistances(at(image, row, u + side), at(1 - image, row, first + side),
                             padded, costs_.data());
-    // What lies beyond the image is no candidate.
+    // Pixels outside the image are no candidates.
     std::uint16_t* const costs = costs_.data();
     if (image == 0)
       std::fill(costs, costs + (padded - count), kernels::no_energy);
@@ -135,7 +135,7 @@ private:
   const GradientImage* images_[2];
   int disparities_;
   const kernels::ElasLoops& loops_ = kernels::elasLoops(simdTier());
-  std::vector<std::uint8_t> rows_[2][2]; // of image, above and below
+  std::vector<std::uint8_t> rows_[2][2]; // by image, above and below
   std::vector<std::uint16_t> costs_;
 };
 
@@ -157,12 +157,12 @@ matchGrid(const GradientImage& left, const GradientImage& right, int disparities
   return grid;
 }
 
-/** \brief Whether enough of the points around a point are like it. */
+/** \brief Whether a point has enough similar neighbours. */
 bool
 isPlausible(const cv::Mat1i& grid, int row, int column)
 {
   constexpr int reach = neighbourhood / grid_step;
-  int count = -1; // itself
+  int count = -1; // excludes itself
   for (int y = std::max(row - reach, 0); y <= std::min(row + reach, grid.rows - 1); ++y)
     for (int x = std::max(column - reach, 0);
          x <= std::min(column + reach, grid.cols - 1); ++x)

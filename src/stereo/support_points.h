@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Gradients of a grey image, of which the descriptors are made. */
+/** \brief Gradients of a grey image, from which descriptors are made. */
 class GradientImage {
 public:
   /** \param[in] grey CV_8UC1 */
@@ -27,11 +27,12 @@ public:
     return height_;
   }
 
-  /** \brief Descriptors of the pixels of a row, with kernels::descriptor_margin more on
-   * both sides; rows beyond the image are those at its border. */
+  /** \brief Descriptors of the pixels of a row, with a margin of
+   * kernels::descriptor_margin on both sides; rows outside the image repeat the border.
+   */
   void describeRow(int v, std::vector<std::uint8_t>& row) const;
 
-  /** \brief First pixel of a row that describeRow() made. */
+  /** \brief First pixel of a row of describeRow(). */
   static const std::uint8_t*
   firstPixel(const std::vector<std::uint8_t>& row)
   {
@@ -43,14 +44,14 @@ private:
   std::vector<std::uint8_t> horizontal_, vertical_;
 };
 
-/** \brief A pixel of the left image whose match in the right one is sure. */
+/** \brief A pixel of the left image with a reliable match in the right one. */
 struct SupportPoint {
   int u, v;
   int disparity; ///< [1 / disparity_steps px]
 };
 
 /** \brief Matches the pixels of a grid over the whole range of disparities and keeps
- * what is sure (section 3.1 of the paper), in order of rows. */
+ * reliable matches (section 3.1 of the paper), in order of rows. */
 std::vector<SupportPoint> findSupportPoints(const GradientImage& left,
                                             const GradientImage& right,
                                             int disparities);

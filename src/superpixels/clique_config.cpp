@@ -26,7 +26,7 @@ numberAfterColon(const std::string& text)
   }
 }
 
-// `word` or `word:NUMBER`; false if the text is something else.
+// Parses `word` or `word:NUMBER`; false for any other text.
 bool
 parseSuperpixels(const std::string& text, const std::string& word,
                  SlicParameters& parameters)

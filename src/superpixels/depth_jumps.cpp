@@ -18,10 +18,11 @@ namespace {
 
 constexpr int kNone = -1;
 
-// Pixels of a row that belong together are a run; runs of neighbouring rows are linked.
+// A run is a sequence of connected pixels in a row; links connect runs of neighbouring
+// rows.
 struct Row {
   int runs = 0;
-  std::vector<std::pair<int, int>> links; // run of a row above, run of this
+  std::vector<std::pair<int, int>> links; // run of the row above, run of this row
 };
 
 class Splitter {
@@ -57,7 +58,6 @@ private:
     return cloud_[std::size_t(v) * std::size_t(segments_.cols) + std::size_t(u)];
   }
 
-  // Whether two points lie on one surface, as far as one can tell.
   bool
   areJoined(const pcl::PointXYZRGB& a, const pcl::PointXYZRGB& b) const
   {
@@ -73,7 +73,7 @@ private:
   {
     const int* const segments = segments_.ptr<int>(v);
     int* const runs = runs_.ptr<int>(v);
-    int last = kNone; // pixel with depth before this one, in the same segment
+    int last = kNone; // previous pixel with depth in the same segment
     int count = 0;
     for (int u = 0; u < segments_.cols; ++u) {
       if (u > 0 && segments[u] != segments[u - 1])
@@ -89,7 +89,7 @@ private:
     rows_[std::size_t(v)].runs = count;
   }
 
-  // From numbers within a row to numbers within the image.
+  // Converts run numbers within a row to numbers within the image.
   void
   numberRuns()
   {
@@ -132,7 +132,8 @@ private:
     for (const Row& row : rows_)
       for (const auto& [above, run] : row.links)
         sets_.joinMembers(above, run);
-    // Runs are in the order of their first pixels, and so is the first run of a part.
+    // Runs are in the order of their first pixels, and so are the first runs of the
+    // parts.
     SurfaceParts result{std::move(runs_), 0};
     for (std::size_t run = 0; run < numbers_.size(); ++run) {
       const int root = sets_.rootOf(int(run));
@@ -153,7 +154,7 @@ private:
   cv::Mat runs_;          // CV_32SC1
   std::vector<Row> rows_;
   DisjointSets sets_;        // of runs: the parts
-  std::vector<int> numbers_; // of the part of each run
+  std::vector<int> numbers_; // part of each run
 };
 
 } // namespace

@@ -23,12 +23,12 @@ namespace {
 
 constexpr int kNone = -1;
 
-// A connected part of the image, with what has joined it.
+// A connected part of the image and the parts merged into it.
 struct Part {
-  std::size_t first = 0;                    // its pixels' index in the list of all
+  std::size_t first = 0;                    // range of its pixels in the list of all
   std::size_t end = 0;                      // and their end
-  std::int64_t pixels = 0;                  // sums over it and what has joined it
-  cv::Vec<std::int64_t, 3> colour{0, 0, 0}; // likewise
+  std::int64_t pixels = 0;                  // sum, including merged parts
+  cv::Vec<std::int64_t, 3> colour{0, 0, 0}; // sum, including merged parts
 };
 
 double
@@ -57,8 +57,7 @@ visitNeighbours(const cv::Mat& image, cv::Point pixel, Visit&& visit)
     visit(cv::Point(pixel.x, pixel.y + 1));
 }
 
-// The parts of an image, in the order of their first pixels, and which of them have
-// joined.
+// The parts of an image, in the order of their first pixels, with the state of merging.
 class Parts {
 public:
   Parts(const cv::Mat& labels, const cv::Mat& image)
@@ -105,7 +104,7 @@ public:
   }
 
 private:
-  // A part of the pixels connected to `start` that share its label.
+  // Flood-fills the pixels that are connected to `start` and share its label.
   void
   fill(cv::Point start, const cv::Mat& labels, const cv::Mat& image)
   {
@@ -127,7 +126,7 @@ private:
     parts_.push_back(part);
   }
 
-  // Of the parts beside the pixels of `part`, which has come to belong to `root`.
+  // The neighbour of `part` with the closest colour; `root` is the part's current root.
   int
   nearestNeighbour(const Part& part, int root, std::size_t smallest)
   {
@@ -152,14 +151,14 @@ private:
   }
 
   std::vector<Part> parts_;
-  DisjointSets sets_;             // of those that have joined; sums are the root's
+  DisjointSets sets_;             // of merged parts; the root has the sums
   std::vector<cv::Point> pixels_; // part by part
-  cv::Mat numbers_;               // CV_32SC1: the part of every pixel
+  cv::Mat numbers_;               // CV_32SC1: part of every pixel
 };
 
-/** \brief Splits labels (CV_32SC1) into segments that are connected over edges of
- * pixels. One of fewer than \a smallest pixels joins the neighbour whose mean colour is
- * nearest, a large one if it has any.
+/** \brief Splits labels (CV_32SC1) into 4-connected segments. A segment of fewer than
+ * \a smallest pixels is merged with the neighbour of closest mean colour, preferably a
+ * large one.
  * \param[in] image CV_8UC3
  * \return CV_32SC1: numbers 0, 1, ... in the order of the first pixels */
 cv::Mat
@@ -178,7 +177,6 @@ require(bool valid, const char* name, T value, const char* expected)
     badParameter("SLIC: ", name, " is ", value, ", expected ", expected);
 }
 
-// An image of channels that the clustering compares, 0..255 each.
 struct LabImage {
   cv::Mat bytes;                 // CV_8UC3
   std::array<cv::Mat, 3> planes; // CV_32FC1
@@ -203,7 +201,7 @@ smallLabImage(const cv::Mat& image, int downscale)
   return lab;
 }
 
-// Centres on a regular grid, and every pixel in the cell it lies in.
+// Centres on a regular grid; every pixel starts with the centre of its cell.
 std::vector<SlicCentre>
 gridCentres(const LabImage& lab, int superpixels, cv::Mat& labels)
 {
@@ -219,9 +217,9 @@ gridCentres(const LabImage& lab, int superpixels, cv::Mat& labels)
   return std::vector<SlicCentre>(std::size_t(rows) * std::size_t(columns));
 }
 
-using SlicSum = cv::Vec<std::int64_t, 6>; // of l, a, b, x, y, and their number
+using SlicSum = cv::Vec<std::int64_t, 6>; // l, a, b, x, y, and the number of pixels
 
-// Whole numbers: their sums do not depend on the order of the threads.
+// Integers: their sums do not depend on the order of the threads.
 std::vector<SlicSum>
 sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
 {
@@ -247,7 +245,7 @@ sumPixels(const LabImage& lab, const cv::Mat& labels, std::size_t centres)
   return sums;
 }
 
-// Moves every centre to the mean of its pixels; one that has lost all of them stays.
+// Moves every centre to the mean of its pixels; an empty one stays.
 void
 moveCentres(const LabImage& lab, const cv::Mat& labels,
             std::vector<SlicCentre>& centres)
@@ -260,7 +258,8 @@ moveCentres(const LabImage& lab, const cv::Mat& labels,
     }
 }
 
-// Gives every pixel the nearest centre; one that no centre reaches keeps what it has.
+// Assigns every pixel to the nearest centre; without a centre in reach it keeps its
+// label.
 void
 assignPixels(const LabImage& lab, const std::vector<SlicCentre>& centres, float reach,
              float spatial_weight, cv::Mat& labels)
@@ -284,7 +283,7 @@ assignPixels(const LabImage& lab, const std::vector<SlicCentre>& centres, float 
   }
 }
 
-// Nearest neighbours: numbers have no mean.
+// Nearest neighbour, because labels cannot be averaged.
 cv::Mat
 enlarge(const cv::Mat& segments, cv::Size size)
 {
@@ -346,7 +345,7 @@ cliquesOfSegments(const cv::Mat& segments)
   for (int v = 0; v < segments.rows; ++v)
     for (int u = 0; u < segments.cols; ++u) {
       const int number = segments.at<int>(v, u);
-      // There are no more segments than pixels.
+      // There are at most as many segments as pixels.
       if (number < 0 || std::size_t(number) >= segments.total())
         badParameter("pixel (", u, ", ", v, ") has the segment ", number,
                      ", expected 0 to ", segments.total() - 1);

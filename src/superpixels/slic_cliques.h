@@ -13,9 +13,9 @@ void requireOrganized(const CliqueGenerator::Cloud& cloud);
 cv::Mat slicSuperpixels(const CliqueGenerator::Cloud& cloud,
                         const SlicParameters& parameters);
 
-/** \brief Superpixels of an organized cloud's colours as cliques, split where they jump
- * in depth: every finite point is in exactly one. Points without depth take part in the
- * clustering by their colour. */
+/** \brief Superpixels of an organized cloud's colours as cliques, split at depth
+ * discontinuities: every finite point is in exactly one. Points without depth take part
+ * in the clustering by their colour. */
 class SlicCliques : public CliqueGenerator {
 public:
   /** \throws InvalidParameterException as SlicParameters::validate() */

@@ -24,15 +24,14 @@ namespace {
 
 constexpr int kNone = -1;
 
-// Neighbouring pixels of a row that fall in one voxel and belong to one part.
+// Adjacent pixels of a row in the same voxel and part.
 struct Vote {
   std::int32_t voxel;
   int part;
   int pixels;
 };
 
-// Of a row of pixels, which fall in voxels as SemanticVoxelMap::integrate puts them
-// there.
+// Votes of a row of pixels; their voxels are those of SemanticVoxelMap::integrate().
 std::vector<Vote>
 votesOfRow(const int* parts, const pcl::PointXYZRGB* points, int width,
            const Eigen::Isometry3d& T_world_camera, const VoxelTable& table,
@@ -41,7 +40,7 @@ votesOfRow(const int* parts, const pcl::PointXYZRGB* points, int width,
   std::vector<Vote> votes;
   const double farthest = kMaxVoxelIndex * voxel_size;
   VoxelIndex last = VoxelIndex::Constant(kMaxVoxelIndex);
-  std::int32_t voxel = VoxelTable::kNone; // that `last` is
+  std::int32_t voxel = VoxelTable::kNone; // voxel of `last`
   for (int u = 0; u < width; ++u) {
     if (parts[u] < 0)
       continue;
@@ -62,7 +61,7 @@ votesOfRow(const int* parts, const pcl::PointXYZRGB* points, int width,
   return votes;
 }
 
-// Brings votes together by voxel: counts those of each, then puts them in their places.
+// Counting sort of the votes by voxel.
 std::vector<Vote>
 sortByVoxel(const std::vector<std::vector<Vote>>& rows, std::vector<std::size_t>& first)
 {
@@ -97,8 +96,8 @@ winnerOf(Vote* begin, Vote* end)
   return winner;
 }
 
-// The part that most of the pixels in each voxel belong to, of equal numbers the
-// lowest; kNone = no pixel. A voxel may be there several times.
+// The part with the most pixels in each voxel, the lowest in a tie; kNone = no pixel.
+// The list may contain a voxel several times.
 std::vector<int>
 partsOfVoxels(const CliqueGenerator::Cloud& cloud, const SurfaceParts& parts,
               const Eigen::Isometry3d& T_world_camera,
@@ -120,13 +119,13 @@ partsOfVoxels(const CliqueGenerator::Cloud& cloud, const SurfaceParts& parts,
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < winners.size(); ++i)
     winners[i] = winnerOf(votes.data() + first[i], votes.data() + first[i + 1]);
-  if (table.hasTwins()) // the votes are for the first of them
+  if (table.hasTwins()) // votes were counted for the first duplicate
     for (std::size_t i = 0; i < winners.size(); ++i)
       winners[i] = winners[std::size_t(table.find(voxels[i]))];
   return winners;
 }
 
-// Numbers without gaps, in the order of the first points that have them.
+// Renumbers parts without gaps, in the order of their first points.
 int
 renumber(std::vector<int>& parts)
 {
@@ -213,7 +212,7 @@ SuperpixelCliques::generate(const Cloud& cloud)
   return cliques;
 }
 
-// Gives points that the frame does not see what they had the last time.
+// Points outside the frame's view keep their previous part.
 void
 SuperpixelCliques::keepParts(std::vector<int>& parts)
 {

@@ -15,8 +15,8 @@
 
 namespace pcl_semantic {
 
-/** \brief A block with any values that a map may hold, in \a records voxels of random
- * places, in random order. */
+/** \brief A block with random values of a map, with \a records records at random
+ * voxels, in random order. */
 inline VoxelBlock
 makeRandomBlock(std::size_t records, int classes, unsigned seed)
 {
@@ -49,8 +49,8 @@ makeRandomBlock(std::size_t records, int classes, unsigned seed)
   return block;
 }
 
-/** \brief Whether two blocks hold the same values, bit by bit, in whatever order their
- * records lie. */
+/** \brief Whether two blocks have bit-identical values, in any order of their records.
+ */
 inline bool
 areSameBlocks(const VoxelBlock& a, const VoxelBlock& b, int classes)
 {
@@ -122,7 +122,7 @@ putAll(const Blocks& blocks, MapArchive& archive)
     archive.put(index, block);
 }
 
-/** \brief EXPECTs that forEach gives exactly these, in order, and get the same. */
+/** \brief EXPECTs exactly these blocks, in order, from forEach() and get(). */
 inline void
 expectHolds(const BlockStore& store, const Blocks& blocks)
 {
@@ -143,7 +143,7 @@ expectHolds(const BlockStore& store, const Blocks& blocks)
   EXPECT_FALSE(store.get({7, 77, 777}));
 }
 
-/** \brief Writes an archive with two frames and ends it. */
+/** \brief Writes an archive with two frames and closes it. */
 inline void
 writeArchive(const std::string& path, const Blocks& blocks)
 {
@@ -158,7 +158,7 @@ writeArchive(const std::string& path, const Blocks& blocks)
   archive->close();
 }
 
-/** \brief EXPECTs all that writeArchive() wrote. */
+/** \brief EXPECTs the contents of writeArchive(). */
 inline void
 expectWritten(const MapArchive& archive, const Blocks& blocks)
 {
@@ -183,7 +183,6 @@ expectWritten(const MapArchive& archive, const Blocks& blocks)
   EXPECT_EQ(frames, (decltype(frames){{3, {1, 2, 3}}, {7, {}}}));
 }
 
-/** \brief The blocks of an archive. */
 inline Blocks
 readBlocks(const std::string& path)
 {

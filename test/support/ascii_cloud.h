@@ -10,7 +10,7 @@ namespace pcl_semantic {
 /** \brief The text of an ASCII .pcd.
  * \param[in] fields names, separated by blanks; those of one letter are floats, others
  * unsigned
- * \param[in] rows a point a line
+ * \param[in] rows one point per line
  * \param[in] height more than 1 = organized */
 inline std::string
 asciiCloud(const std::string& fields, const std::string& rows, int height = 1)

@@ -14,21 +14,22 @@
 
 namespace pcl_semantic {
 
-/** \brief One way to make a tool fail. */
+/** \brief A case in which a tool must fail. */
 struct BadCase {
-  /** \brief Damages the copy of the street it is given. */
+  /** \brief Damages a copy of the sequence. */
   using Damage = std::function<void(const std::string& street)>;
 
   std::string what;
   int code;         ///< expected exit code
   std::string says; ///< part of the line expected on standard error
-  /** \brief Options of `map STREET --output OUT` or, without a dash in front, a whole
-   * command. STREET, OUT and TEMP stand for the street, the output and their parent. */
+  /** \brief Options of `map STREET --output OUT` or, without a leading dash, a whole
+   * command. STREET, OUT and TEMP are replaced by the sequence, the output and their
+   * parent. */
   std::string command = "--labels STREET/labels";
   Damage damage = nullptr;
 };
 
-/** \brief \a text with \a to in place of every \a from. */
+/** \brief Replaces every \a from in \a text by \a to. */
 inline std::string
 replaceAll(std::string text, const std::string& from, const std::string& to)
 {
@@ -38,8 +39,8 @@ replaceAll(std::string text, const std::string& from, const std::string& to)
   return text;
 }
 
-/** \brief EXPECTs that no file of the map as a whole is there, that the summary says
- * so, and that every other file is a finished image. */
+/** \brief EXPECTs that the output has no file of a complete map, that the summary
+ * states so, and that every other file is a complete image. */
 inline void
 expectNothingUnfinished(const std::string& output)
 {
@@ -61,8 +62,8 @@ expectNothingUnfinished(const std::string& output)
   }
 }
 
-/** \brief Runs a case and EXPECTs its exit code, one line that names the program and
- * says what is wrong, and nothing unfinished in the output folder. */
+/** \brief Runs a case and EXPECTs its exit code, one line with the program's name and
+ * the error, and no incomplete files in the output folder. */
 inline void
 expectFails(const BadCase& bad)
 {
@@ -82,11 +83,10 @@ expectFails(const BadCase& bad)
   const bool output_was_there = std::filesystem::exists(output);
   expectFails(command, bad.code, bad.says);
   expectNothingUnfinished(output);
-  // Wrong options are found before anything is written.
+  // Wrong options are reported before any output.
   EXPECT_FALSE(bad.code == 2 && !output_was_there && std::filesystem::exists(output));
 }
 
-/** \brief expectFails() of each. */
 inline void
 expectAllFail(const std::vector<BadCase>& cases)
 {

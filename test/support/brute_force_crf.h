@@ -10,8 +10,8 @@
 namespace pcl_semantic {
 
 /** \brief exp(-(|x_i - x_j|^2 / deviation^2 + |f_i - f_j|^2) / 2) of all pairs within
- * \a radius, 0 for others. \param[in] features divided by their deviations; may be
- * empty */
+ * \a radius, otherwise 0.
+ * \param[in] features divided by their deviations; may be empty */
 inline Eigen::MatrixXd
 gaussianMatrix(const Eigen::MatrixXf& positions, const Eigen::MatrixXf& features,
                double deviation, double radius)
@@ -32,8 +32,8 @@ gaussianMatrix(const Eigen::MatrixXf& positions, const Eigen::MatrixXf& features
   return kernel;
 }
 
-/** \brief A kernel matrix written straight from eq. (6) in double precision: all pairs
- * within \a radius, each term normalised as D^-1/2 K D^-1/2, its diagonal left out. */
+/** \brief A kernel matrix directly from eq. (6) in double precision: all pairs within
+ * \a radius, each term normalised as D^-1/2 K D^-1/2, without its diagonal. */
 inline Eigen::MatrixXd
 makeKernelMatrix(const Eigen::Matrix3Xf& positions,
                  const std::vector<GaussianTerm>& terms,
@@ -50,7 +50,7 @@ makeKernelMatrix(const Eigen::Matrix3Xf& positions,
   return sum;
 }
 
-/** \brief Columns of exp(values) that sum to one. */
+/** \brief Columns of exp(values), normalised to sum to one. */
 inline Eigen::MatrixXd
 softMax(Eigen::MatrixXd values)
 {
@@ -61,7 +61,8 @@ softMax(Eigen::MatrixXd values)
   return values;
 }
 
-/** \brief Points on a grid of 0.1, most of them in a slab, as voxels on a surface. */
+/** \brief Points on a grid of 0.1, most of them in a slab, similar to voxels on a
+ * surface. */
 inline Eigen::Matrix3Xf
 makeVoxelPositions(Eigen::Index count, unsigned seed)
 {
@@ -73,7 +74,6 @@ makeVoxelPositions(Eigen::Index count, unsigned seed)
   return positions;
 }
 
-/** \brief Uniform random numbers. */
 inline Eigen::MatrixXf
 makeRandomMatrix(Eigen::Index rows, Eigen::Index columns, float low, float high,
                  unsigned seed)

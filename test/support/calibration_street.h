@@ -13,7 +13,7 @@
 
 namespace pcl_semantic {
 
-/** \brief A small street with truth of all frames but the second. */
+/** \brief A small sequence with ground truth for all frames except the second. */
 class CalibrationStreet : public testing::Test {
 protected:
   static void

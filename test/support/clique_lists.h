@@ -8,7 +8,6 @@
 
 namespace pcl_semantic {
 
-/** \brief Indices of the points of each clique. */
 using Cliques = std::vector<std::vector<int>>;
 
 inline Cliques
@@ -20,7 +19,6 @@ listsOf(const std::vector<pcl::PointIndices>& cliques)
   return lists;
 }
 
-/** \brief How many points are in cliques. */
 inline std::size_t
 membersOf(const Cliques& cliques)
 {

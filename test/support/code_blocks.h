@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The code blocks of the documentation.
-
 #pragma once
 
 #include "support/tiny_street.h"
 
 namespace pcl_semantic {
 
-/** \brief A code block of a Markdown file. */
 struct CodeBlock {
-  std::string language; ///< "bash"; empty if the block does not say
+  std::string language; ///< "bash"; empty if unspecified
   std::vector<std::string> lines;
 };
 
@@ -31,7 +28,7 @@ codeBlocksOf(const std::string& path)
   return blocks;
 }
 
-/** \brief The commands of a block of bash, continued lines joined. */
+/** \brief The commands of a bash block, continued lines joined. */
 inline std::vector<std::string>
 commandsOf(const CodeBlock& block)
 {
@@ -50,7 +47,6 @@ commandsOf(const CodeBlock& block)
   return commands;
 }
 
-/** \brief All bash commands of a Markdown file. */
 inline std::vector<std::string>
 bashCommandsOf(const std::string& path)
 {
@@ -62,7 +58,7 @@ bashCommandsOf(const std::string& path)
   return commands;
 }
 
-/** \brief Where the links of a Markdown file lead, but for those into the net. */
+/** \brief Targets of the local links in a Markdown file. */
 inline std::vector<std::string>
 localLinksOf(const std::string& path)
 {
@@ -76,8 +72,8 @@ localLinksOf(const std::string& path)
   return links;
 }
 
-/** \brief Whether the lines of a block stand one below the other in a source file, at
- * any indentation; empty lines do not count. */
+/** \brief Whether the lines of a block are consecutive in a source file, at any
+ * indentation; empty lines are ignored. */
 inline bool
 isPartOf(const std::string& source, const CodeBlock& block)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A writer that commits a few times, for tests of what stops it.
+// A writer with several commits, for tests that interrupt it.
 
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace pcl_semantic {
 
-/** \brief The blocks that are there after so many commits, four each. */
+/** \brief The blocks after \a commits commits, four each. */
 inline Blocks
 blocksAfter(int commits)
 {
@@ -18,8 +18,8 @@ blocksAfter(int commits)
   return blocks;
 }
 
-/** \brief Puts the blocks of each of the next commits into an archive and ends it.
- * \param[out] done commits that have come to their end
+/** \brief Puts the blocks of each of the next commits into an archive and closes it.
+ * \param[out] done number of completed commits
  * \param[in] after called after each */
 inline void
 commitTimes(
@@ -35,7 +35,7 @@ commitTimes(
   archive.close();
 }
 
-/** \brief EXPECTs the map after these commits, or after the one that was under way. */
+/** \brief EXPECTs the map after these commits, or after the one in progress. */
 inline void
 expectCommitted(const MapArchive& archive, int commits)
 {

@@ -7,7 +7,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Features (d x N) that are normally distributed. */
+/** \brief Normally distributed features (d x N). */
 inline Eigen::MatrixXf
 makeNormalCloud(Eigen::Index dimensions, Eigen::Index count, float deviation,
                 unsigned seed)
@@ -17,7 +17,7 @@ makeNormalCloud(Eigen::Index dimensions, Eigen::Index count, float deviation,
   return Eigen::MatrixXf::NullaryExpr(dimensions, count, [&] { return value(random); });
 }
 
-/** \brief Points of a few clusters far from each other. */
+/** \brief Points in a few distant clusters. */
 inline Eigen::MatrixXf
 makeClusters(Eigen::Index dimensions, Eigen::Index count, unsigned seed)
 {
@@ -28,8 +28,8 @@ makeClusters(Eigen::Index dimensions, Eigen::Index count, unsigned seed)
   return features;
 }
 
-/** \brief Voxels of half a deviation on a bent surface (of the first three features;
- * the others are whole numbers, quarters of them, as colours would be). */
+/** \brief Voxels of half a deviation on a curved surface (first three features). The
+ * others are integers divided by four, similar to colours. */
 inline Eigen::MatrixXf
 makeVoxelSurface(Eigen::Index dimensions, Eigen::Index count, unsigned seed)
 {

@@ -10,7 +10,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Four bytes of a number as PNG has them. */
+/** \brief A number as four big-endian bytes, as in PNG. */
 inline std::string
 bigEndian(std::uint32_t number)
 {
@@ -20,8 +20,8 @@ bigEndian(std::uint32_t number)
   return bytes;
 }
 
-/** \brief Writes a PNG of 30000 x 30000 grey pixels, as its header says. It has 100 kB
- * of data that no decoder makes pixels of: who decodes it says that it is damaged. */
+/** \brief Writes a PNG whose header states 30000 x 30000 grey pixels, with 100 kB of
+ * invalid data. A decoder reports damage. */
 inline void
 writeHugePng(const std::string& path)
 {

@@ -8,14 +8,16 @@
 
 namespace pcl_semantic {
 
-/** \brief Errors of the pieces of a trajectory. */
+/** \brief Errors over the segments of a trajectory. */
 struct SegmentErrors {
-  std::size_t segments = 0; ///< how many pieces there are
-  double translation = 0.0; ///< mean error by length [1]; NaN without pieces
-  double rotation = 0.0;    ///< mean error by length [rad/m]; NaN without pieces
+  std::size_t segments = 0; ///< number of segments
+  double translation = 0.0; ///< mean translation error / length [1]; NaN without
+                            ///< segments
+  double rotation = 0.0;    ///< mean rotation error / length [rad/m]; NaN without
+                            ///< segments
 };
 
-/** \brief Way from the first pose of a trajectory to each [m]. */
+/** \brief Path length from the first pose of a trajectory to each pose [m]. */
 inline std::vector<double>
 waysAlong(const Trajectory& trajectory)
 {
@@ -26,11 +28,12 @@ waysAlong(const Trajectory& trajectory)
   return ways;
 }
 
-/** \brief KITTI's errors (Geiger et al., 2012): a piece begins at every pose and ends
- * at the first whose way along the ground truth is more than its length further; its
- * error is that of the motion from end to end, divided by the length. \param[in] truth,
- * estimate poses of the same frames \param[in] lengths of pieces [m] \return of all
- * pieces together */
+/** \brief KITTI's errors (Geiger et al., 2012). A segment begins at every pose and ends
+ * at the first pose whose path length along the ground truth exceeds its length. Its
+ * error is that of the motion between its ends, divided by the length.
+ * \param[in] truth, estimate poses of the same frames
+ * \param[in] lengths of segments [m]
+ * \return mean over all segments */
 inline SegmentErrors
 kittiErrors(const Trajectory& truth, const Trajectory& estimate,
             const std::vector<double>& lengths)

@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Gives the poses of frames that a function knows by their numbers. */
+/** \brief Poses from a function of the frame number. */
 class KnownPoses : public PoseSource {
 public:
   explicit KnownPoses(std::function<Eigen::Isometry3d(int)> poses)
@@ -26,7 +26,7 @@ private:
   std::function<Eigen::Isometry3d(int)> poses_;
 };
 
-/** \brief Likewise their labels. */
+/** \brief Labels from a function of the frame number. */
 class KnownLabels : public LabelPredictor {
 public:
   explicit KnownLabels(std::function<LabelDistributions(int)> labels)

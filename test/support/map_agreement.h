@@ -10,13 +10,13 @@
 
 namespace pcl_semantic {
 
-/** \brief Of the voxels that two archives have both seen. */
+/** \brief Agreement of the voxels that are known in two archives. */
 struct Agreement {
-  double occupancy = 0.0;   ///< fraction that is free, or occupied, in both
-  double labels = 0.0;      ///< of those occupied in both: fraction of the same label
-  std::size_t occupied = 0; ///< in both
-  double near = 0.0; ///< occupied ones of one: fraction with one of the same label in
-                     ///< the other, at most a voxel off
+  double occupancy = 0.0;   ///< fraction with the same state, free or occupied
+  double labels = 0.0;      ///< fraction with the same label, of those occupied in both
+  std::size_t occupied = 0; ///< number of voxels occupied in both
+  double near = 0.0; ///< fraction of one map's occupied voxels with a voxel of the same
+                     ///< label at most one voxel away in the other
 };
 
 inline Agreement

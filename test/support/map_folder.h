@@ -12,10 +12,10 @@
 
 namespace pcl_semantic {
 
-/** \brief A finished map as MappingOutput left it. */
+/** \brief A finished map written by MappingOutput. */
 struct MapFolder {
   VoxelCloud voxels;          ///< without distributions and observations
-  std::vector<int> frames;    ///< numbers of those that are in the map
+  std::vector<int> frames;    ///< numbers of the frames in the map
   Trajectory T_world_camera0; ///< row n belongs to frame n, KITTI's camera 0
 };
 

@@ -11,8 +11,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Maps a street with options; the run has to succeed and to print the
- * four lines that name its results, nothing else. */
+/** \brief Maps a sequence with options; the run must succeed and print exactly the four
+ * lines with its results. */
 inline void
 mapStreet(const std::string& street, const std::string& output,
           const std::string& options)
@@ -23,7 +23,7 @@ mapStreet(const std::string& street, const std::string& output,
   EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 4) << result.text;
 }
 
-/** \brief All files below a folder, without its own path. */
+/** \brief All files below a folder, as relative paths. */
 inline std::set<std::string>
 filesIn(const std::string& folder)
 {
@@ -35,7 +35,7 @@ filesIn(const std::string& folder)
   return files;
 }
 
-/** \brief The files that a map of these frames consists of. */
+/** \brief The files of a map with these frames. */
 inline std::set<std::string>
 filesOfMap(const std::vector<std::string>& frames)
 {

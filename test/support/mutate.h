@@ -9,8 +9,8 @@
 namespace pcl_semantic {
 
 /** \brief Damages bytes at random: flips bits, writes bytes, cuts, inserts, repeats and
- * swaps pieces, and puts in words that readers stumble over. The same seed gives the
- * same damage everywhere (no std distributions). */
+ * swaps chunks, and inserts words that are difficult for parsers. A seed gives the same
+ * damage on every platform (no std distributions). */
 class Mutator {
 public:
   Mutator(unsigned seed, std::vector<std::string> words)
@@ -35,7 +35,7 @@ private:
   void
   mutate(std::string& bytes)
   {
-    // Half of the damage goes to the first bytes, where headers are.
+    // Half of the damage affects the first bytes, which contain headers.
     const std::size_t reach =
         below(2) ? bytes.size() : std::min<std::size_t>(bytes.size(), 250);
     const std::size_t at = below(reach);
@@ -62,7 +62,7 @@ private:
       bytes.insert(at, bytes.substr(below(bytes.size()), length));
       break;
     default: {
-      // In place of the word there.
+      // Replaces a word.
       const std::string& word = words_[below(words_.size())];
       const std::size_t end = bytes.find_first_of(" \n", at);
       bytes.replace(at, below(2) && end != std::string::npos ? end - at : 0, word);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-/** \brief Writes small ONNX files, byte by byte, also wrong ones. */
+/** \brief Writes small ONNX files, valid and invalid ones, byte by byte. */
 namespace pcl_semantic {
 
 /** \brief A protocol buffer message under construction. */
@@ -97,7 +97,7 @@ struct PointwiseNetwork {
   std::vector<float> weights; ///< channels x 3
   std::vector<float> bias;    ///< channels
 
-  /** \brief The file with other tensors in place of the true weights and bias. */
+  /** \brief The file with other tensors instead of weights and bias. */
   std::string
   withTensors(const Message& weight_tensor, const Message& bias_tensor) const
   {
@@ -130,8 +130,7 @@ struct PointwiseNetwork {
   }
 };
 
-/** \brief The file of a network of the size and channels that data/networks describes.
- */
+/** \brief A network file with the size and channels described in data/networks. */
 inline std::string
 cityNetwork()
 {

@@ -18,14 +18,14 @@
 
 namespace pcl_semantic {
 
-/** \brief How far the cameras of ownCamera() are turned from those of the street. */
+/** \brief Rotation of the cameras of ownCamera() relative to those of the sequence. */
 inline Eigen::Matrix3d
 turnOfOwnCamera(bool left)
 {
   return left ? rotationBy(2.0, -3.0, 1.0) : rotationBy(1.0, -2.0, 1.5);
 }
 
-/** \brief A picture of the street as another camera sees it from the same place.
+/** \brief An image of the sequence as another camera sees it from the same position.
  * \param[in] street a rectified image
  * \param[in] pair its camera
  * \param[in] rays directions in the pair's frame, one for each pixel of the result
@@ -46,7 +46,7 @@ seenAlong(const cv::Mat& street, const StereoCamera& pair, const cv::Mat3d& rays
   return seen;
 }
 
-/** \brief The rays of a camera's pixels in the frame it was turned from. */
+/** \brief The rays of a camera's pixels in the rectified frame. */
 inline cv::Mat3d
 raysOf(cv::Size size, const Eigen::Matrix3d& K, const std::vector<double>& D,
        const Eigen::Matrix3d& turn)
@@ -69,9 +69,9 @@ raysOf(cv::Size size, const Eigen::Matrix3d& K, const std::vector<double>& D,
   return rays;
 }
 
-/** \brief tinyStreet() as a camera that is neither rectified nor in KITTI's layout
- * takes it: `left/shot1.png ...`, `right/`, `stereo.yaml`, `labels/` of the rectified
- * left images, and `poses.txt` of the left camera. */
+/** \brief Writes tinyStreet() as seen by a camera that is neither rectified nor in
+ * KITTI's layout: `left/shot1.png ...`, `right/`, `stereo.yaml`, `labels/` of the
+ * rectified left images, and `poses.txt` of the left camera. */
 inline void
 writeOwnCamera(const std::string& folder)
 {
@@ -113,7 +113,7 @@ writeOwnCamera(const std::string& folder)
   }
 }
 
-/** \brief The options of a tool that name the images of \a folder. */
+/** \brief Tool options for the images of \a folder. */
 inline std::string
 ownCamera(const std::string& folder)
 {

@@ -9,7 +9,7 @@
 
 namespace pcl_semantic {
 
-/** \brief A curve of class \a l at a value; 0 where it is not known. */
+/** \brief Value of class \a l's curve; 0 where unknown. */
 inline double
 plainCurve(const ClassCurves& curves, int l, double value)
 {
@@ -27,7 +27,7 @@ plainCurve(const ClassCurves& curves, int l, double value)
   return curves.values(l, Eigen::Index(knots.size()) - 1);
 }
 
-/** \brief exp of a class's score, as the formula of LabelCalibration has it. */
+/** \brief exp of a class's score, as in the formula of LabelCalibration. */
 inline double
 plainWeight(const LabelCalibration& calibration, int l, double probability,
             const PointFeatures& features)
@@ -39,7 +39,8 @@ plainWeight(const LabelCalibration& calibration, int l, double probability,
          std::exp(score);
 }
 
-/** \brief calibrate() point by point and class by class, in double. */
+/** \brief Reference for calibrate(): point by point and class by class, in double
+ * precision. */
 inline Eigen::MatrixXd
 plainCalibrate(const LabelCalibration& calibration, const LabelDistributions& network,
                const std::vector<PointFeatures>& features)
@@ -72,7 +73,7 @@ everyFeature()
   return features;
 }
 
-/** \brief Distributions between even and sure, with probabilities down to 1e-9. */
+/** \brief Distributions from uniform to certain, with probabilities down to 1e-9. */
 inline LabelDistributions
 randomNetwork(int classes, Eigen::Index count, unsigned seed)
 {
@@ -83,8 +84,7 @@ randomNetwork(int classes, Eigen::Index count, unsigned seed)
                             }).eval());
 }
 
-/** \brief Features within and beyond the knots of any feature; of one in ten each is
- * not known. */
+/** \brief Features within and beyond the knots; one in ten of each is unknown. */
 inline std::vector<PointFeatures>
 randomFeatures(std::size_t count, unsigned seed)
 {
@@ -102,7 +102,7 @@ randomFeatures(std::size_t count, unsigned seed)
   return points;
 }
 
-/** \brief A point of which no more is known. */
+/** \brief Features of a point, the others unknown. */
 inline PointFeatures
 featuresAt(float height, float distance, float level)
 {
@@ -113,8 +113,8 @@ featuresAt(float height, float distance, float level)
   return features;
 }
 
-/** \brief One with curves over height, distance, level, side and red, of three or four
- * knots. */
+/** \brief A calibration with curves over height, distance, level, side and red, with
+ * three or four knots each. */
 inline LabelCalibration
 randomCalibration(int classes, unsigned seed)
 {

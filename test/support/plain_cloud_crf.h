@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Labelled clouds, and the CRF over them written out as matrices.
+// Labelled clouds, and their CRF as explicit matrices.
 
 #pragma once
 
@@ -50,8 +50,8 @@ allIndices(std::size_t count)
   return indices;
 }
 
-/** \brief w k_ij of eq. (6) with its diagonal, as a truncated kernel means it: all
- * pairs within the radius, the deviation of positions widened for it.
+/** \brief w k_ij of eq. (6) with its diagonal, as in a truncated kernel: all pairs
+ * within the radius, with the widened position deviation.
  * \param[in] features d x N, divided by their deviations; may be empty */
 inline Eigen::MatrixXf
 plainKernelMatrix(const Eigen::MatrixXf& positions, const Eigen::MatrixXf& features,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A CRF as matrices and lists, and its energy straight from eqs. (3) and (5)-(9) of the
-// paper in double precision: what the engine is compared with. Exact answers for small
+// A CRF as matrices and lists, and its energy directly from eqs. (3) and (5)-(9) of the
+// paper in double precision: the reference for the engine. Exact results for small
 // graphs: sums over all labellings.
 
 #pragma once
@@ -100,7 +100,7 @@ private:
   Eigen::MatrixXf matrix_;
 };
 
-/** The same for the engine. */
+/** The same CRF for the engine. */
 inline CrfModel
 makeModel(const PlainCrf& crf)
 {
@@ -182,7 +182,7 @@ plainCliqueCompatibility(const PlainCrf& crf, int y, int z)
   return y < crf.labels() && z < crf.labels() && y != z ? 1.0 : 0.0;
 }
 
-/** P^n Potts: max_l k_c^l, less k_c^l if all members take l. */
+/** P^n Potts: max_l k_c^l, minus k_c^l if all members take l. */
 inline double
 plainPnPotts(const PlainCrf& crf, const PlainCliques& cliques, std::size_t c,
              const std::vector<int>& x)
@@ -198,7 +198,7 @@ plainPnPotts(const PlainCrf& crf, const PlainCliques& cliques, std::size_t c,
   return cost - cliques.weight(first, c);
 }
 
-/** E(x, y); y of all robust potentials, one after the other. */
+/** E(x, y); y of all robust potentials, concatenated. */
 inline double
 plainEnergy(const PlainCrf& crf, const std::vector<int>& x, const std::vector<int>& y)
 {
@@ -264,7 +264,7 @@ exactMarginals(const PlainCrf& crf)
 }
 
 /** Sum over x, y of Q(x, y) (E(x, y) + log Q(x, y)), Q the product of its marginals;
- * those of the potentials without y are not looked at. */
+ * those of potentials without y are ignored. */
 inline double
 enumeratedFreeEnergy(const PlainCrf& crf, const Eigen::MatrixXd& q,
                      const std::vector<Eigen::MatrixXd>& q_cliques)

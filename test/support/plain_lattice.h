@@ -13,18 +13,18 @@
 
 namespace pcl_semantic {
 
-/** \brief The permutohedral lattice of Adams, Baek and Davis (2010), written for
- * reading, on one thread: Gaussian sums over N points in linear time, result_i ~ sum
+/** \brief The permutohedral lattice of Adams, Baek and Davis (2010), a readable
+ * single-threaded reference: Gaussian sums over N points in linear time, result_i ~ sum
  * over all j (i included) of exp(-|f_i - f_j|^2 / 2) value_j up to a constant factor.
  *
- * Values are kept in blocks of four floats, which the compiler turns into vectors. */
+ * Values are in blocks of four floats, which compilers vectorise. */
 class PlainLattice {
 public:
   /** \brief Blocks of four rows; point i owns the columns i * blocks ... */
   using Blocks = Eigen::Array<float, 4, Eigen::Dynamic>;
 
   /** \param[in] features d x N, divided by their deviations
-   * \throws std::overflow_error where coordinates leave 16 bits: centre them first */
+   * \throws std::overflow_error if coordinates exceed 16 bits: centre them first */
   explicit PlainLattice(const Eigen::MatrixXf& features)
       : d_(int(features.rows())), points_(features.cols()), keys_(d_, points_)
   {
@@ -45,21 +45,22 @@ public:
     return keys_.size();
   }
 
-  /** \brief The factor of sums that makes a vertex respond to itself by 1, if it has
-   * all neighbours. */
+  /** \brief Scale of the sums that makes the response of a vertex to itself 1, if it
+   * has all neighbours. */
   float
   gain() const
   {
     return 1.0f / (1.0f + std::pow(2.0f, -float(d_)));
   }
 
-  /** \brief Splats values times splat_scale to the lattice, blurs them there, and
-   * slices them at the points times slice_scale; \a reversed is the transposed map. */
+  /** \brief Splats values times splat_scale to the lattice, blurs, and slices them at
+   * the points times slice_scale; \a reversed is the transposed map. */
   void
   filter(const Blocks& values, Eigen::Index blocks, const Eigen::ArrayXf& splat_scale,
          const Eigen::ArrayXf& slice_scale, Blocks& result, bool reversed = false)
   {
-    front_.setZero(4, (vertices() + 1) * blocks); // the last one stands for no vertex
+    front_.setZero(4, (vertices() + 1) * blocks); // the last column represents missing
+                                                  // vertices
     back_.setZero(4, (vertices() + 1) * blocks);
     for (Eigen::Index i = 0; i < points_; ++i)
       for (int k = 0; k <= d_; ++k) {
@@ -80,9 +81,9 @@ public:
       }
   }
 
-  /** \brief The response at point i to a one at point i. Blurring in every direction in
-   * turn, a value gets from vertex k of the simplex to vertex k + m (modulo d + 1) by
-   * one step ahead in m directions or one step back in the d + 1 - m others. */
+  /** \brief The response of each point to a one at itself. A value moves from vertex k
+   * of the simplex to vertex k + m (modulo d + 1) by one step ahead in m directions or
+   * one step back in the d + 1 - m others. */
   Eigen::ArrayXf
   selfResponse() const
   {
@@ -109,8 +110,8 @@ public:
 private:
   using Key = std::int16_t;
 
-  // Keys of the vertices: open addressing, a hash beside each number so that few keys
-  // need to be compared.
+  // Keys of the vertices: open addressing with stored hashes, which avoid most key
+  // comparisons.
   class KeyTable {
   public:
     KeyTable(int d, Eigen::Index expected) : d_(d)
@@ -133,7 +134,7 @@ private:
       return keys_.data() + vertex * d_;
     }
 
-    // Number of a vertex; -1 if there is none and none is to be made.
+    // Index of a vertex; -1 if it is missing and \a create is false.
     std::int32_t
     find(const Key* key, bool create)
     {
@@ -168,7 +169,7 @@ private:
       return std::uint32_t(value >> 32);
     }
 
-    // The slot of a vertex of this hash that is the one, or the free slot for it.
+    // The slot with this hash for which the predicate holds, or the free slot for it.
     template <typename IsIt>
     std::size_t
     search(std::uint32_t hash, IsIt&& is_it) const
@@ -192,7 +193,7 @@ private:
 
     int d_;
     std::vector<Slot> table_;
-    std::vector<Key> keys_; // d of a vertex; the last coordinate makes the sum 0
+    std::vector<Key> keys_; // d per vertex; the last coordinate follows from the sum 0
   };
 
   std::size_t
@@ -212,8 +213,8 @@ private:
     if (d_ > largest)
       throw std::invalid_argument("features have more than 32 dimensions");
 
-    // Onto the plane where the d + 1 coordinates sum to 0, so that the Gaussian has
-    // the deviation of splat, blur and slice together.
+    // Projects to the plane where the d + 1 coordinates sum to 0, scaled to the
+    // deviation of splat, blur and slice.
     float sum = 0.0f;
     for (int j = d_; j > 0; --j) {
       const float x = feature[j - 1] * scale_[std::size_t(j)];
@@ -236,7 +237,7 @@ private:
       for (int l = j + 1; l <= d_; ++l)
         ++rank[elevated[j] - float(nearest[j]) < elevated[l] - float(nearest[l]) ? j
                                                                                  : l];
-    for (int j = 0; j <= d_; ++j) { // back onto the plane
+    for (int j = 0; j <= d_; ++j) { // returns to the plane
       rank[j] += excess;
       const int turn = rank[j] < 0 ? d_ + 1 : rank[j] > d_ ? -(d_ + 1) : 0;
       rank[j] += turn;
@@ -247,7 +248,7 @@ private:
       const float share = (elevated[j] - float(nearest[j])) / float(d_ + 1);
       weight[d_ - rank[j]] += share;
       weight[d_ + 1 - rank[j]] -= share;
-      // Vertex k + 1 lies a step in direction order[k] ahead of vertex k.
+      // Vertex k + 1 is one step in direction order[k] ahead of vertex k.
       order_[at(i, d_ - rank[j])] = std::uint8_t(j);
     }
     weight[0] += 1.0f + weight[d_ + 1];
@@ -328,7 +329,7 @@ private:
   Blocks front_, back_;
 };
 
-/** \brief The distribution of a point from its logarithms, in blocks of four. */
+/** \brief Soft-max of a point, in blocks of four. */
 inline void
 softMaxOfBlocks(const float* logs, Eigen::Index blocks, Eigen::Index labels,
                 float* distribution)
@@ -342,7 +343,7 @@ softMaxOfBlocks(const float* logs, Eigen::Index blocks, Eigen::Index labels,
   const float shift = largest.maxCoeff();
   for (Eigen::Index b = 0; b < blocks; ++b) {
     Map(block(distribution, b)) = (ConstMap(block(logs, b)) - shift).exp();
-    if (b == blocks - 1) // not the smallest number that exp gives, which is slow
+    if (b == blocks - 1) // avoids denormal numbers, which are slow
       Map(block(distribution, b)).tail(4 * blocks - labels) = 0.0f;
     sum += Map(block(distribution, b));
   }
@@ -353,11 +354,11 @@ softMaxOfBlocks(const float* logs, Eigen::Index blocks, Eigen::Index labels,
 
 /** \brief Potts mean field on plain lattices, kernels normalised as D^-1/2 K D^-1/2.
  *
- * To compare times with, take self-interaction: its subtraction is not made fast.
+ * For comparisons of run time, use self-interaction, because its subtraction is slow.
  * \param[in] unary L x N costs
  * \param[in] features a matrix d x N for each kernel, divided by the deviations
  * \param[in] kernel_weights of the kernels
- * \param[in] self_interaction messages include j = i, as densecrf's do
+ * \param[in] self_interaction messages include j = i, as in densecrf
  * \return marginals, L x N */
 inline Eigen::MatrixXf
 plainLatticeMeanField(const Eigen::MatrixXf& unary,
@@ -368,7 +369,7 @@ plainLatticeMeanField(const Eigen::MatrixXf& unary,
   using Blocks = PlainLattice::Blocks;
   const Eigen::Index points = unary.cols(), labels = unary.rows();
   const Eigen::Index blocks = (labels + 3) / 4;
-  // Rows that fill up the last block have no probability.
+  // Padding rows have probability 0.
   Blocks costs = Blocks::Constant(4, blocks * points, 1e6f);
   Eigen::Map<Eigen::MatrixXf>(costs.data(), 4 * blocks, points).topRows(labels) = unary;
 

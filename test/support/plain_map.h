@@ -15,9 +15,9 @@
 
 namespace pcl_semantic {
 
-/** \brief Computes the map of SemanticVoxelMap (section III of the paper), one voxel at
- * a time by one thread: no blocks, no window, no bit masks. The one to read first. It
- * has no window, so that tests give it scans whose rays stay inside that of the map. */
+/** \brief Reference for SemanticVoxelMap (section III of the paper): one voxel at a
+ * time, single-threaded, without blocks, window and bit masks. Read this implementation
+ * first. Tests use scans whose rays stay inside the map's window. */
 class PlainMap {
 public:
   using Key = std::tuple<int, int, int>;
@@ -38,7 +38,7 @@ public:
       const Eigen::Vector3f point = scan.cloud[i].getVector3fMap();
       if (!isIn(scan, i))
         continue;
-      // Points beyond max_range clear space up to it, and hit nothing.
+      // Rays to points beyond max_range clear space up to it, without a hit.
       const float reach = point.cwiseAbs().maxCoeff();
       const float range = float(parameters_.max_range);
       const double scale = isInRange(point)
@@ -53,7 +53,7 @@ public:
     }
     for (const auto& [key, points] : hits)
       crossed.insert(key);
-    // Occupancy: one update a voxel and scan; a hit wins over a miss.
+    // Occupancy: one update per voxel and scan; a hit wins over a miss.
     for (const Key& key : crossed) {
       StoredLogOdds& log_odds = log_odds_.try_emplace(key, kUnknown).first->second;
       if (hits.count(key))
@@ -67,7 +67,6 @@ public:
     }
   }
 
-  // Label distributions of the occupied voxels.
   std::map<Key, std::vector<float>>
   occupied() const
   {
@@ -124,8 +123,9 @@ private:
     return {end.x(), end.y(), end.z()};
   }
 
-  // Clearing::careful: a ray clears nothing in its last voxel's length, nor in its last
-  // 3 %; over level ground nothing in the two layers above it, up to a quarter of it.
+  // Clearing::careful: a ray clears nothing in its last voxel's length and its last 3
+  // %; above level ground nothing in the two layers over it, up to a quarter of the
+  // ray.
   double
   freeFraction(const std::map<Key, std::vector<std::size_t>>& hits, const Key& end,
                const Eigen::Isometry3d& pose, const Eigen::Vector3f& point) const
@@ -147,7 +147,7 @@ private:
     return std::max(1.0 - parameters_.voxel_size / length - spared, 0.0);
   }
 
-  // Not that of the map, so that the two are independent.
+  // Independent of the map's quantize().
   QuantizedPoint
   quantized(const Eigen::Vector3d& point) const
   {
@@ -157,8 +157,8 @@ private:
         .cast<std::int64_t>();
   }
 
-  // Labels, eq. (1): the log-likelihoods of the pixels, their mean, are added to the
-  // fused log-probabilities, of which the largest is then 0.
+  // Labels, eq. (1): the mean log-likelihood of the pixels is added to the fused
+  // log-probabilities, whose maximum is then shifted to 0.
   void
   fuse(const Key& key, const std::vector<std::size_t>& points, const LabelledScan& scan)
   {
@@ -186,7 +186,7 @@ private:
                       fused.data());
   }
 
-  // The mean of a scan's points, then of the scans.
+  // Mean over a scan's points, then over the scans.
   void
   fusePosition(const Key& key, const std::vector<std::size_t>& points,
                const LabelledScan& scan, const Eigen::Isometry3d& pose)

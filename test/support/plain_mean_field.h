@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Mean-field updates straight from eqs. (10) and (11) of the paper, in double precision
-// and without any rearrangement.
+// Mean-field updates directly from eqs. (10) and (11) of the paper, in double
+// precision.
 
 #pragma once
 
@@ -107,7 +107,7 @@ private:
     return sum;
   }
 
-  // The mean cost where x_i = l: all others take l as well, or they do not.
+  // Mean cost of x_i = l, over the cases that all others take l and that they do not.
   double
   pnPottsCost(const PlainCliques& cliques, std::size_t c, int i, int l) const
   {

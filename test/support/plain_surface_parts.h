@@ -11,7 +11,7 @@
 
 namespace pcl_semantic {
 
-/** \brief Computes splitAtDepthJumps() by flooding from pixel to pixel. */
+/** \brief Reference for splitAtDepthJumps(): flood fill. */
 class PlainSurfaceParts {
 public:
   PlainSurfaceParts(const cv::Mat& segments, const CliqueGenerator::Cloud& cloud,

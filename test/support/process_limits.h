@@ -9,11 +9,12 @@
 
 namespace pcl_semantic {
 
-/** \brief As long as it lives, no file of this process may grow beyond a size: what a
- * full disk does, without one. */
+/** \brief Limits the size of files that this process writes, during its lifetime;
+ * simulates a full disk. */
 class FullDisk {
 public:
-  /** \param[in] bytes at least 1024: LLVM's OpenMP begins with a file of these */
+  /** \param[in] bytes at least 1024, the size of a file that LLVM's OpenMP writes at
+   * its start */
   explicit FullDisk(rlim_t bytes)
   {
     handler_ = std::signal(SIGXFSZ, SIG_IGN);
@@ -37,8 +38,8 @@ private:
   void (*handler_)(int) = SIG_DFL;
 };
 
-/** \brief As long as it lives, this process may do no more than any user: root could
- * write into read-only folders. Tests that need it skip where it cannot be. */
+/** \brief Drops root's privileges during its lifetime: root could write into read-only
+ * folders. Tests that need it skip if this is impossible. */
 class Unprivileged {
 public:
   Unprivileged()

@@ -15,13 +15,13 @@
 
 namespace pcl_semantic {
 
-/** A model with a name, for tests of all of them. */
+/** A model with a name, for parameterised tests. */
 struct NamedCrf {
   std::string name;
   PlainCrf crf;
 };
 
-/** Symmetric, 0 or more, with a diagonal: like a Gaussian kernel with weights. */
+/** Symmetric, 0 or more, with a diagonal, like a Gaussian kernel with weights. */
 inline Eigen::MatrixXf
 makeSymmetricKernel(Eigen::Index size, float weight, unsigned seed)
 {
@@ -45,7 +45,7 @@ makeCliques(int count, int largest, int variables, unsigned seed)
   return cliques;
 }
 
-/** Graphs of \a variables variables and \a labels labels: every model, every option.
+/** CRFs of \a variables variables and \a labels labels: every model, every option.
  * \param[in] strength of all couplings */
 inline std::vector<NamedCrf>
 makeEveryModel(int variables, int labels, int cliques, float strength, unsigned seed)

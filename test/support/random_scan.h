@@ -14,14 +14,14 @@
 
 namespace pcl_semantic {
 
-/** \brief A coloured cloud around the sensor with a label distribution a point. */
+/** \brief A coloured cloud around the sensor with one label distribution per point. */
 struct LabelledScan {
   pcl::PointCloud<pcl::PointXYZRGB> cloud;
   LabelDistributions distributions;
 };
 
-/** \brief Random points within \a reach of the sensor in each axis, random colours and
- * distributions; every tenth point is unlabelled. */
+/** \brief Random points within \a reach of the sensor along each axis, with random
+ * colours and distributions; every tenth point is unlabelled. */
 inline LabelledScan
 makeRandomScan(std::size_t count, float reach, int classes, unsigned seed)
 {
@@ -42,7 +42,7 @@ makeRandomScan(std::size_t count, float reach, int classes, unsigned seed)
   return scan;
 }
 
-/** \brief The same scan with its points in another order. */
+/** \brief The same scan in another order of its points. */
 inline LabelledScan
 shuffled(const LabelledScan& scan, unsigned seed)
 {
@@ -61,9 +61,9 @@ shuffled(const LabelledScan& scan, unsigned seed)
   return result;
 }
 
-/** \brief Points as a camera that looks along z sees them: a regular grid of slopes
- * from -0.6 to 0.6 with \a step between them, a wavy surface with noise, poles in front
- * of it, and holes. \a depth is the largest, some points lie near. */
+/** \brief Points seen by a camera that looks along z: a regular grid of slopes from
+ * -0.6 to 0.6 in steps of \a step, a wavy surface with noise, poles in front of it, and
+ * holes. \a depth is the maximum; some points are near. */
 inline std::vector<Eigen::Vector3f>
 makeDenseScan(double step, double depth, unsigned seed)
 {
@@ -79,7 +79,7 @@ makeDenseScan(double step, double depth, unsigned seed)
         z *= 0.3; // a pole
       if (share(random) < 0.05)
         z *= share(random);
-      if (std::sin(31.0 * u) * std::sin(23.0 * v) < 0.9) // else a hole
+      if (std::sin(31.0 * u) * std::sin(23.0 * v) < 0.9) // otherwise a hole
         points.emplace_back(float(u * z), float(v * z), float(z));
     }
   return points;

@@ -12,8 +12,8 @@
 
 namespace pcl_semantic {
 
-/** \brief A scene without voxels, cubes of 0.25 m in the grid of the world, whose
- * points are relative to an origin far away. */
+/** \brief An empty scene with voxels of 0.25 m aligned with the world grid, relative to
+ * a far origin. */
 inline VoxelScene
 emptyScene()
 {
@@ -37,7 +37,7 @@ addVoxel(VoxelScene& scene, const VoxelIndex& voxel, Label label)
 }
 
 /** \brief A third of the voxels on both sides of the origin, with labels 0 to 3, and as
- * many that are known to be free. */
+ * many free voxels. */
 inline VoxelScene
 randomScene(unsigned seed)
 {
@@ -54,7 +54,7 @@ randomScene(unsigned seed)
   return scene;
 }
 
-/** \brief Few colours, so that neighbours often have the same. */
+/** \brief Few colours, so that neighbours often share one. */
 inline std::vector<cv::Vec3b>
 randomColours(const VoxelScene& scene, unsigned seed)
 {
@@ -65,7 +65,6 @@ randomColours(const VoxelScene& scene, unsigned seed)
   return colours;
 }
 
-/** \brief Row of each occupied voxel. */
 inline std::map<VoxelIndex, std::size_t, VoxelIndexLess>
 rowsOf(const VoxelScene& scene)
 {

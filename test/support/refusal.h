@@ -5,8 +5,8 @@
 
 namespace pcl_semantic {
 
-/** \brief EXPECTs that \a body throws exactly an \a Error whose one line holds \a part.
- */
+/** \brief EXPECTs that \a body throws exactly an \a Error whose single line contains \a
+ * part. */
 template <typename Error, typename Body>
 void
 expectRefusal(const std::string& part, Body&& body)

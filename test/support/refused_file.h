@@ -10,8 +10,8 @@
 
 namespace pcl_semantic {
 
-/** \brief EXPECTs that a file is refused in one line that holds its path and \a part.
- * \param[in] read reads the file of the path it is given */
+/** \brief EXPECTs that a file is refused in one line with its path and \a part.
+ * \param[in] read reads the file at the given path */
 template <typename Read>
 ::testing::AssertionResult
 refusesFile(const std::string& name, const std::string& bytes, const std::string& part,

@@ -16,9 +16,9 @@
 
 namespace pcl_semantic {
 
-/** \brief The left images of a street with their true depth, in millimetres, as an
- * RGB-D camera takes them: street/rgbd, camera.yaml and world.txt, the poses of the
- * camera. */
+/** \brief Writes an RGB-D sequence from the left images of a sequence and their ground
+ * truth depth in millimetres: street/rgbd, camera.yaml, and world.txt with the camera
+ * poses. */
 inline void
 makeRgbd(const std::string& street)
 {

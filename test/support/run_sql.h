@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What another SQLite program does to an archive.
+// Changes an archive as another SQLite program would.
 
 #pragma once
 
@@ -13,7 +13,7 @@
 namespace pcl_semantic {
 
 /** \brief Opens a file as any SQLite program does, runs statements and closes it, which
- * brings FILE-wal into it. \return what SQLite finds wrong; empty = nothing */
+ * moves FILE-wal into it. \return SQLite's error; empty = none */
 inline std::string
 runSql(const std::string& path, const std::string& sql)
 {

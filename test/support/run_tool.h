@@ -13,13 +13,12 @@
 
 namespace pcl_semantic {
 
-/** \brief How a program ended and what it printed, errors included. */
+/** \brief Exit code and output of a program, errors included. */
 struct ToolResult {
-  int code = -1; ///< exit code; -1 if it died of a signal
+  int code = -1; ///< exit code; -1 after a signal
   std::string text;
 };
 
-/** \brief Runs a command of the shell. */
 inline ToolResult
 runShell(const std::string& command)
 {
@@ -36,7 +35,7 @@ runShell(const std::string& command)
 }
 
 /** \brief Runs a program of the build: "evaluate --help" is pcl_semantic_evaluate.
- * \param[in] before commands for the shell that runs it: "ulimit -v 99999;" */
+ * \param[in] before shell commands before it: "ulimit -v 99999;" */
 inline ToolResult
 runTool(const std::string& arguments, const std::string& before = "")
 {
@@ -44,7 +43,7 @@ runTool(const std::string& arguments, const std::string& before = "")
                   arguments + " 2>&1");
 }
 
-/** \brief The same; it has to succeed. \return what it printed */
+/** \brief Runs a program that must succeed. \return its output */
 inline std::string
 succeed(const std::string& arguments, const std::string& before = "")
 {
@@ -53,8 +52,8 @@ succeed(const std::string& arguments, const std::string& before = "")
   return result.text;
 }
 
-/** \brief Runs a program and EXPECTs its exit code and one line that names it and says
- * what is wrong. */
+/** \brief Runs a program and EXPECTs its exit code and one line with its name and the
+ * error. */
 inline void
 expectFails(const std::string& arguments, int code, const std::string& says)
 {
@@ -68,22 +67,22 @@ expectFails(const std::string& arguments, int code, const std::string& says)
   EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1) << result.text;
 }
 
-/** \brief The command that maps a street with its stored labels; to be continued. */
+/** \brief The beginning of a command that maps a sequence with its stored labels. */
 inline std::string
 mapOf(const std::string& street)
 {
   return "map " + street + " --labels " + street + "/labels";
 }
 
-/** \brief Whether runOnDisplay() can be used. */
+/** \brief Whether runOnDisplay() is available. */
 inline bool
 hasVirtualDisplay()
 {
   return runShell("command -v xvfb-run && command -v xauth").code == 0;
 }
 
-/** \brief Runs a program on a display that nobody sees. A server that begins anew when
- * its last client leaves confuses xvfb-run, which then fails now and then. */
+/** \brief Runs a program on a virtual display. The server must not restart after its
+ * last client, because xvfb-run then fails sometimes. */
 inline ToolResult
 runOnDisplay(const std::string& program, const std::string& before = "")
 {

@@ -5,7 +5,6 @@
 
 namespace pcl_semantic {
 
-/** \brief Whether two images have the same size, type and values. */
 inline bool
 isSameImage(const cv::Mat& a, const cv::Mat& b)
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Preloaded into a program by ServedProgram: main() waits for command lines, and each
-// runs in a fork of the process. Loading the libraries of a program takes longer than
+// Preloaded into a program by ServedProgram: main() waits for command lines and runs
+// each in a fork of the process. Loading the libraries of a program takes longer than
 // most of its runs in the tests.
 
 #include <cstdint>
@@ -37,7 +37,7 @@ readAll(void* to, std::size_t size)
   return true;
 }
 
-// The file for what is printed, and the words of the command line.
+// The output file and the words of the command line.
 std::vector<std::string>
 readRequest()
 {
@@ -86,7 +86,7 @@ __libc_start_main(Main program, int argc, char** argv, void (*init)(), void (*fi
     ::_exit(0);
   printTo(words[0]);
   ::unsetenv("LD_PRELOAD");
-  // The environment has to lie behind the arguments.
+  // The environment must follow the arguments in memory.
   static std::vector<char*> pointers;
   for (std::size_t i = 1; i < words.size(); ++i)
     pointers.push_back(words[i].data());

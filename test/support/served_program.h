@@ -20,7 +20,7 @@
 
 namespace pcl_semantic {
 
-/** \brief The words of a command line, some of them in single quotes. */
+/** \brief Splits a command line into words, some of them in single quotes. */
 inline std::vector<std::string>
 shellWords(const std::string& command)
 {
@@ -43,7 +43,7 @@ shellWords(const std::string& command)
 }
 
 /** \brief A program of the build that loads its libraries once for many runs, each a
- * fork of it (support/served_program.cpp). */
+ * fork of the process (support/served_program.cpp). */
 class ServedProgram {
 public:
   /** \param[in] name "crf" is pcl_semantic_crf */
@@ -55,11 +55,11 @@ public:
       return;
     const pid_t child = ::fork();
     if (child == 0) {
-      constexpr int requests = 3; // as the library has it
+      constexpr int requests = 3; // as in served_program.cpp
       ::dup2(ends[1], requests);
-      ::fcntl(requests, F_SETFD, 0); // stays open if it was that already
+      ::fcntl(requests, F_SETFD, 0); // in case it already had this number
       ::setenv("LD_PRELOAD", library(), 1);
-      ::setenv("OMP_WAIT_POLICY", "passive", 0); // many runs want the same cores
+      ::setenv("OMP_WAIT_POLICY", "passive", 0); // many runs share the cores
       ::execl(path_.c_str(), path_.c_str(), nullptr);
       ::_exit(127);
     }
@@ -96,7 +96,7 @@ public:
     return {is_done && WIFEXITED(status) ? WEXITSTATUS(status) : -1, bytesOf(printed)};
   }
 
-  /** \brief Whether there is such a thing: not with sanitizers. */
+  /** \brief Whether this is available: not with sanitizers. */
   static bool
   isThere()
   {
@@ -116,9 +116,9 @@ private:
   pid_t child_ = -1;
 };
 
-/** \brief runTool(), faster: the programs are loaded once.
- * \param[in] arguments as those of runTool(), without other marks of the shell than
- * single quotes */
+/** \brief Faster runTool(): the programs are loaded once.
+ * \param[in] arguments as in runTool(), without shell syntax except for single quotes
+ */
 inline ToolResult
 runServed(const std::string& arguments)
 {

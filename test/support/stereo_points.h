@@ -8,14 +8,14 @@
 
 namespace pcl_semantic {
 
-/** \brief KITTI's grey cameras, about. */
+/** \brief Approximately KITTI's grey cameras. */
 inline StereoCamera
 gridCamera()
 {
   return {700.0, 700.0, 600.0, 180.0, 0.54, 1200, 360};
 }
 
-/** \brief Points in front of a camera, from 5 to 80 m away. */
+/** \brief Points in front of a camera, at a depth of 5 to 80 m. */
 inline std::vector<Eigen::Vector3d>
 randomPoints(const StereoCamera& camera, int count, std::mt19937& random)
 {
@@ -28,8 +28,8 @@ randomPoints(const StereoCamera& camera, int count, std::mt19937& random)
   return points;
 }
 
-/** \brief Column, row and disparity by the pinhole equations, for whoever does not
- * trust projectStereo(). */
+/** \brief Column, row and disparity from the pinhole equations, independent of
+ * projectStereo(). */
 inline Eigen::Vector3d
 seenAt(const StereoCamera& camera, const Eigen::Vector3d& point)
 {
@@ -39,7 +39,6 @@ seenAt(const StereoCamera& camera, const Eigen::Vector3d& point)
   return {left.x(), left.y(), left.x() - right.x()};
 }
 
-/** \brief Normal noise of the three measurements. */
 inline Eigen::Vector3d
 randomError(const odometry::MeasurementNoise& noise, std::mt19937& random)
 {

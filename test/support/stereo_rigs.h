@@ -13,7 +13,7 @@
 
 namespace pcl_semantic {
 
-/** \brief A camera of few pixels, not square, its centre off the middle. */
+/** \brief A camera with few, non-square pixels and a decentred principal point. */
 inline StereoCamera
 smallCamera()
 {
@@ -31,9 +31,8 @@ rotationBy(double x, double y, double z)
       .toRotationMatrix();
 }
 
-/** \brief A rig whose cameras stand where those of a rectified pair are, but turned:
- * \a A1 and \a A2 take directions in the pair's frame to the left and the right camera.
- */
+/** \brief A rig with the camera positions of a rectified pair, but rotated: \a A1 and
+ * \a A2 rotate directions from the pair's frame to the left and the right camera. */
 inline StereoRig
 turnedRig(const StereoCamera& pair, const Eigen::Matrix3d& A1,
           const Eigen::Matrix3d& A2)
@@ -50,7 +49,7 @@ turnedRig(const StereoCamera& pair, const Eigen::Matrix3d& A1,
   return rig;
 }
 
-/** \brief A rig of 640 x 480 pixels, turned by some degrees. */
+/** \brief A rig of 640 x 480 pixels, rotated by some degrees. */
 inline StereoRig
 exampleRig()
 {
@@ -58,7 +57,7 @@ exampleRig()
   return turnedRig(pair, rotationBy(1.0, -1.5, 0.7), rotationBy(-0.8, 1.2, -0.5));
 }
 
-/** \brief Writes a rig as a program that calls OpenCV would. */
+/** \brief Writes a rig in the format of OpenCV programs. */
 inline void
 writeRig(const std::string& path, const StereoRig& rig)
 {

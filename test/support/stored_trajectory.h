@@ -7,7 +7,7 @@
 
 namespace pcl_semantic {
 
-/** \brief A trajectory as if it had been read from a file of KITTI's format. */
+/** \brief A trajectory as if read from a file in KITTI's format. */
 inline StoredTrajectory
 storedTrajectory(const Trajectory& poses, const std::string& path = "poses.txt")
 {
@@ -18,7 +18,7 @@ storedTrajectory(const Trajectory& poses, const std::string& path = "poses.txt")
   return stored;
 }
 
-/** \brief ... of TUM's. */
+/** \brief A trajectory as if read from a file in TUM's format. */
 inline StoredTrajectory
 storedTrajectory(const TimedTrajectory& poses, const std::string& path = "tum.txt")
 {

@@ -12,14 +12,14 @@
 
 namespace pcl_semantic {
 
-/** \brief A frame of the synthetic street, ready to integrate. */
+/** \brief A frame of the synthetic sequence, ready to integrate. */
 struct StreetScan {
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< organized, camera frame [m]
   LabelDistributions distributions;             ///< L x pixels
   Eigen::Isometry3d T_world_camera;
 };
 
-/** \brief The first frames of the street, with their true disparity. */
+/** \brief The first frames of the sequence, with ground truth disparity. */
 inline std::vector<StreetScan>
 makeStreetScans(int frames, int width, int height)
 {
@@ -33,7 +33,7 @@ makeStreetScans(int frames, int width, int height)
   return scans;
 }
 
-/** \brief The occupied voxels of the map that these frames make. */
+/** \brief The occupied voxels of the map of these frames. */
 inline VoxelCloud
 makeStreetMap(int frames, int width = 620, int height = 188)
 {

@@ -7,7 +7,6 @@
 
 namespace pcl_semantic {
 
-/** \brief The tiers that this processor has. */
 inline std::vector<SimdTier>
 supportedTiers()
 {

@@ -11,7 +11,7 @@
 
 namespace pcl_semantic {
 
-/** \brief An empty folder of its own for a test; removed with all it holds. */
+/** \brief An empty folder for a test, removed afterwards with its contents. */
 class TemporaryFolder {
 public:
   explicit TemporaryFolder(
@@ -29,7 +29,7 @@ public:
     std::filesystem::remove_all(path_, ignored);
   }
 
-  /** \brief A parent in memory, where there is one, for tests that flush a lot. */
+  /** \brief A parent folder in memory, if available, for tests that flush often. */
   static std::filesystem::path
   memory()
   {
@@ -49,7 +49,7 @@ public:
     return name.empty() ? path_ : path_ + "/" + name;
   }
 
-  /** \brief Writes \a bytes as they are. \return the path of the file */
+  /** \brief Writes \a bytes to a file. \return its path */
   std::string
   write(const std::string& name, const std::string& bytes) const
   {
@@ -57,7 +57,7 @@ public:
     return path(name);
   }
 
-  /** \brief Number of files and folders in it, hidden ones too. */
+  /** \brief Number of files and folders in it, hidden ones included. */
   std::size_t
   entries() const
   {
@@ -69,7 +69,7 @@ private:
   std::string path_;
 };
 
-/** \brief The bytes of a file; a failed test if it cannot be read. */
+/** \brief The bytes of a file; fails the test if it cannot be read. */
 inline std::string
 bytesOf(const std::string& path)
 {

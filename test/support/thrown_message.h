@@ -8,8 +8,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Runs \a body, which has to throw exactly an \a Error, and gives its message,
- * which has to be a single line. Anything else is a failed test and an empty message.
+/** \brief Runs \a body, which must throw exactly an \a Error with a single-line
+ * message, and returns the message. Otherwise the test fails and the result is empty.
  */
 template <typename Error, typename Body>
 std::string
@@ -32,7 +32,7 @@ thrownMessage(Body&& body)
   return {};
 }
 
-/** \brief EXPECT that \a message holds \a part. */
+/** \brief EXPECT that \a message contains \a part. */
 inline ::testing::AssertionResult
 holds(const std::string& message, const std::string& part)
 {
@@ -41,8 +41,8 @@ holds(const std::string& message, const std::string& part)
   return ::testing::AssertionFailure() << "'" << message << "' lacks '" << part << "'";
 }
 
-/** \brief EXPECT that \a body throws exactly an \a Error whose message holds \a part.
- */
+/** \brief EXPECT that \a body throws exactly an \a Error whose message contains \a
+ * part. */
 template <typename Error, typename Body>
 ::testing::AssertionResult
 throws(const std::string& part, Body&& body)

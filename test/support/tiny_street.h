@@ -17,8 +17,8 @@
 
 namespace pcl_semantic {
 
-/** \brief Three frames of the synthetic street, as the test fault.tiny_street has left
- * them; nobody changes them. */
+/** \brief Three frames of the synthetic sequence, made by the test fault.tiny_street;
+ * read-only. */
 inline const std::string&
 tinyStreet()
 {
@@ -31,7 +31,7 @@ tinyStreet()
   return street;
 }
 
-/** \brief A copy of tinyStreet() to change. */
+/** \brief Makes a copy of tinyStreet() that can be changed. */
 inline void
 copyStreet(const std::string& path)
 {
@@ -39,7 +39,7 @@ copyStreet(const std::string& path)
   std::filesystem::copy(tinyStreet(), path, std::filesystem::copy_options::recursive);
 }
 
-/** \brief Makes all images of a copy of it one grey. */
+/** \brief Makes all images of a copy uniformly grey. */
 inline void
 blankImages(const std::string& street)
 {
@@ -49,7 +49,7 @@ blankImages(const std::string& street)
                cv::Mat(64, 208, CV_8UC3, cv::Scalar::all(90)));
 }
 
-/** \brief Adds a scan of two points and their labels. */
+/** \brief Adds a scan of two points with labels. */
 inline void
 addScan(const std::string& street)
 {
@@ -62,7 +62,6 @@ addScan(const std::string& street)
       .write(reinterpret_cast<const char*>(labels), sizeof(labels));
 }
 
-/** \brief The lines of a text file. */
 inline std::vector<std::string>
 linesOf(const std::string& path)
 {
@@ -73,7 +72,7 @@ linesOf(const std::string& path)
   return lines;
 }
 
-/** \brief Puts \a text in place of a word of a text file; both count from 1. */
+/** \brief Replaces a word of a text file by \a text; line and word count from 1. */
 inline void
 setWord(const std::string& path, std::size_t line, int word, const std::string& text)
 {
@@ -89,9 +88,9 @@ setWord(const std::string& path, std::size_t line, int word, const std::string& 
     stream << each << "\n";
 }
 
-/** \brief A sequence of \a frames frames, made once a process: the images are those of
- * tinyStreet() over and over; the camera goes 2 m a frame to the right, and in the
- * second half back, so that what has left a small window comes into it again. */
+/** \brief A sequence of \a frames frames, made once per process. It repeats the images
+ * of tinyStreet(); the camera moves 2 m per frame to the right, and in the second half
+ * back, so that blocks that have left a small window enter it again. */
 inline const std::string&
 thereAndBack()
 {

@@ -19,10 +19,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Groups points that are likely to have one label: the cliques of the paper's
  * eq. (7).
  *
- * One point type for all, so that a generator is an ordinary class: callers with other
- * points copy xyz and, where there is one, colour (pcl::copyPointCloud does). A
- * generator that needs an image besides a map (superpixels) takes it in setters of its
- * own. Not for use from several threads at once.
+ * Callers with another point type copy xyz and, if present, colour (pcl::copyPointCloud
+ * does). A generator that needs an image besides a map (superpixels) takes it in its
+ * own setters. Not thread-safe.
  *
  * Used as PCL's segmentations are: setInputCloud(), setIndices(), extract(). */
 class CliqueGenerator : public pcl::PCLBase<pcl::PointXYZRGB> {
@@ -31,15 +30,15 @@ public:
   using ConstPtr = std::shared_ptr<const CliqueGenerator>;
   using Cloud = pcl::PointCloud<pcl::PointXYZRGB>;
 
-  /** \brief Groups the points of the input cloud, or those that setIndices() names: the
-   * others are as if they were not there, so that what needs an organized cloud refuses
-   * indices.
+  /** \brief Groups the points of the input cloud, or only those of setIndices().
+   * Generators that need an organized cloud refuse indices.
    * \param[out] cliques lists of indices into the input cloud
-   * \throws InvalidParameterException if there is no input cloud, or an index beyond it
+   * \throws InvalidParameterException if there is no input cloud, or an index exceeds
+   * it
    * \throws BadInputException as generate() */
   void extract(std::vector<pcl::PointIndices>& cliques);
 
-  /** \brief Whether the result depends on the colours: callers whose points have none
+  /** \brief Whether the result depends on colours: callers whose points have none
    * should refuse such a generator. */
   virtual bool
   usesColour() const
@@ -47,10 +46,11 @@ public:
     return false;
   }
 
-  /** \brief The origin that was subtracted from the clouds' positions, see
-   * localOrigin(): generators that lay cells into space lay them as if it had not been.
-   * Without a call, these say by PCL_WARN where single precision has spoilt positions,
-   * see doubtOfSteps(). \param[in] origin [m]; zero by default */
+  /** \brief Sets the origin that was subtracted from the clouds' positions, see
+   * localOrigin(). Generators that divide space into cells place them as if it had not
+   * been subtracted. Without this call, these generators warn by PCL_WARN if single
+   * precision has degraded the positions, see doubtOfSteps().
+   * \param[in] origin [m]; zero by default */
   void
   setOrigin(const Eigen::Vector3d& origin)
   {
@@ -58,16 +58,18 @@ public:
     judges_steps_ = false;
   }
 
-  /** \brief Groups the points of a cloud; the same for any number of threads.
-   * \param[in] cloud organized or not; points that are not finite belong to no clique,
-   * though the colour of theirs may be looked at
+  /** \brief Groups the points of a cloud; the result does not depend on the number of
+   * threads.
+   * \param[in] cloud organized or not; non-finite points belong to no clique, but their
+   * colour may be used
    * \return lists of indices into \a cloud, none of them empty, each ascending; they
    * may overlap and need not cover every point
-   * \throws BadInputException if the cloud cannot be used, which the generator says */
+   * \throws BadInputException if the generator cannot use the cloud */
   virtual std::vector<pcl::PointIndices> generate(const Cloud& cloud) = 0;
 
 protected:
-  /** \brief See setOrigin(). \param[in] generator its name */
+  /** \brief See setOrigin().
+   * \param[in] generator its name */
   void judgeSteps(const std::string& generator, const Cloud& cloud) const;
 
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(); ///< [m]

@@ -6,12 +6,12 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Cliques of the points that share a cube of a regular grid: the simplest that
- * work on any cloud.
+/** \brief Cliques of the points in the same cube of a regular grid: the simplest
+ * generator, for any cloud.
  *
- * A cube covers [k, k + 1) times the edge in each axis of the cloud's frame, so a point
- * stays in its cube when others come or go. Every finite point is in exactly one
- * clique; the cliques come in the order of their cubes: z, then y, then x. */
+ * A cube covers [k, k + 1) times the edge along each axis of the cloud's frame, so the
+ * cube of a point does not depend on other points. Every finite point is in exactly one
+ * clique. The cliques are in the order of their cubes: z, then y, then x. */
 class CubeCliques : public CliqueGenerator {
 public:
   /** \param[in] edge of a cube [m]
@@ -24,8 +24,8 @@ public:
     return edge_;
   }
 
-  /** \throws BadInputException that names the point, if one is more than
-   * kMaxVoxelIndex edges from the origin */
+  /** \throws BadInputException that names the point, if one is more than kMaxVoxelIndex
+   * edges from the origin */
   std::vector<pcl::PointIndices> generate(const Cloud& cloud) override;
 
 private:

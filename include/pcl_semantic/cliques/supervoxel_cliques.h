@@ -11,32 +11,31 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Of pcl::SupervoxelClustering, with its defaults for the weights. */
+/** \brief Parameters of pcl::SupervoxelClustering; its weights keep their defaults. */
 struct SupervoxelParameters {
-  double seed_resolution = 0.8;  ///< distance from supervoxel to supervoxel [m]
+  double seed_resolution = 0.8;  ///< distance between supervoxel seeds [m]
   double voxel_resolution = 0.1; ///< points in a cube of this edge are one voxel [m]
-  bool fixed_cubes = false; ///< the cubes of the clustering begin at the origin, not at
-                            ///< the cloud: for clouds that grow or scroll
+  bool fixed_cubes = false; ///< cubes of the clustering begin at the origin instead of
+                            ///< at the cloud: for clouds that grow or scroll
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 
-/** \brief Supervoxels as cliques: groups of points that lie together, look alike and
- * face one way (Papon et al. 2013, pcl::SupervoxelClustering). They need the cloud
- * alone, of any sensor; points without colour are grouped without.
+/** \brief Supervoxels as cliques: groups of adjacent points with similar colour and
+ * normal (Papon et al. 2013, pcl::SupervoxelClustering). They need only a cloud, of any
+ * sensor; points without colour are grouped without it.
  *
- * Each finite point is in one clique or in none. The clustering runs by itself in each
- * cube of a grid of about eight seeds' width, which no supervoxel leaves. The lowest
- * coordinates lie in the middle of the grid's first voxel, so that a cloud may lie
- * anywhere. The clustering gets the cube's points in an order of its own, so that
- * neither their order nor the number of threads matters. Points it leaves out go to the
- * supervoxel of the nearest point that it did not, if that is within seed_resolution
- * and in the cube.
+ * Each finite point is in at most one clique. The clustering runs separately in each
+ * cube of a grid whose cubes are about eight seeds wide; no supervoxel leaves its cube.
+ * The lowest coordinates lie in the middle of the grid's first voxel, so a cloud may
+ * lie anywhere. The points of a cube are sorted before clustering, so neither their
+ * order nor the number of threads matters. Points that the clustering omits join the
+ * supervoxel of the nearest clustered point within seed_resolution in the same cube.
  *
- * A call takes over the cubes that have not changed since the last one, bit by bit: the
- * result is that of a new object, and costs what has changed. Clouds whose lowest
- * coordinates change need SupervoxelParameters::fixed_cubes for that. */
+ * A call reuses the cubes that have not changed since the previous call, bit by bit:
+ * the result is that of a new object, and the cost depends on the changes. If the
+ * lowest coordinates change, this needs SupervoxelParameters::fixed_cubes. */
 class SupervoxelCliques : public CliqueGenerator {
 public:
   SupervoxelCliques() = default;
@@ -50,12 +49,12 @@ public:
     return parameters_;
   }
 
-  /** \brief Groups the points; cliques in the order of their first points.
+  /** \brief Groups the points; cliques are in the order of their first points.
    * \throws BadInputException that names the point, if one is more than kMaxVoxelIndex
-   * cubes from where the grid begins */
+   * cubes from the grid's origin */
   std::vector<pcl::PointIndices> generate(const Cloud& cloud) override;
 
-  /** \brief Cubes of the last generate(), and those of them that had changed. */
+  /** \brief Number of cubes of the last generate(), and of the changed ones. */
   std::size_t
   cubes() const
   {
@@ -77,13 +76,13 @@ private:
   };
 
   struct Cube {
-    std::vector<Point> points;         ///< in their order
-    std::vector<std::uint32_t> labels; ///< of their supervoxels, from 1; 0 = none
+    std::vector<Point> points;
+    std::vector<std::uint32_t> labels; ///< supervoxels of the points, from 1; 0 = none
   };
 
   using Cubes = std::unordered_map<VoxelIndex, Cube, VoxelIndexHash>;
 
-  /** \brief A cube's points and where they are in the cloud. */
+  /** \brief The points of a cube and their indices in the cloud. */
   struct Members {
     VoxelIndex cube = VoxelIndex::Zero();
     std::vector<std::pair<Point, pcl::index_t>> points;

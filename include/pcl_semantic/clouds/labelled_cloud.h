@@ -17,30 +17,31 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A cloud of any sensor with what is known of its labels. */
+/** \brief A cloud of any sensor with its labels, distributions and cliques. */
 struct LabelledCloud {
-  /** \brief Organized as the file was; viewpoint in its sensor_origin_ and
-   * sensor_orientation_; points that are not finite keep their place. Positions are
-   * relative to \a origin. */
+  /** \brief Organized as in the file, with the viewpoint in sensor_origin_ and
+   * sensor_orientation_. Non-finite points keep their index. Positions are relative to
+   * \a origin. */
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{new pcl::PointCloud<pcl::PointXYZRGBL>};
   LabelDistributions distributions;       ///< L x points; no classes: hard labels only
   std::vector<pcl::PointIndices> cliques; ///< of finite points, disjoint, none empty
-  bool has_colour = false;                ///< whether the cloud's colours mean anything
-  bool has_labels = false;                ///< likewise its labels
-  PcdTable table; ///< the file it comes from, for the fields this struct does not know
-  /// What was taken off the positions, see localOrigin(); zero unless the file has them
-  /// in double precision and far away [m].
+  bool has_colour = false;                ///< false: the cloud's colours are undefined
+  bool has_labels = false;                ///< false: the cloud's labels are undefined
+  PcdTable table; ///< contents of the file, including fields that this struct does not
+                  ///< interpret
+  /// Origin that was subtracted from the positions, see localOrigin() [m]; zero unless
+  /// the file has them in double precision and far away.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  bool is_single = true; ///< the file's positions hold no more than single precision
+  bool is_single = true; ///< the file's positions need no more than single precision
 };
 
-/** \brief The positions of a cloud's points as its file has them, in double precision.
- * The cloud has to stay. */
+/** \brief The positions of a cloud's points in double precision, as in its file. The
+ * cloud must outlive this object. */
 class CloudPositions {
 public:
   explicit CloudPositions(const LabelledCloud& labelled);
 
-  /** \return of the i-th point [m] */
+  /** \return position of the i-th point [m] */
   Eigen::Vector3d
   operator()(std::size_t i) const
   {
@@ -54,29 +55,30 @@ private:
   std::vector<PcdColumn> columns_; // x y z, where the cloud is relative to an origin
 };
 
-/** \brief Adds the origin to the points of a cloud again, as far as single precision
- * holds it: for scans, which are relative to their sensor. */
+/** \brief Adds the origin to the points of a cloud again, in single precision. For
+ * scans, which are relative to their sensor. */
 void addOrigin(LabelledCloud& labelled);
 
-/** \brief T_world_sensor that a cloud's VIEWPOINT states.
+/** \brief T_world_sensor from a cloud's VIEWPOINT.
  * \param[in] name of the cloud, for the message
- * \throws BadInputException if its quaternion is none */
+ * \throws BadInputException if its quaternion is invalid */
 Eigen::Isometry3d viewpointOf(const PcdTable& table, const std::string& name);
 
-/** \brief The points of a table with their labels, as readLabelledCloud() reads them.
- * \param[in] name of the cloud for messages
- * \param[in] mapping of the numbers in `label` to labels, others are unlabelled and
- * counted there; null = they are labels
+/** \brief Converts a table to points with labels, as readLabelledCloud() does.
+ * \param[in] name of the cloud, for messages
+ * \param[in] mapping from the numbers in `label` to labels; unmapped numbers become
+ * unlabelled and are counted there. null = the numbers are labels
  * \throws BadInputException as readLabelledCloud() */
 LabelledCloud labelledCloudOf(PcdTable table, const std::string& name,
                               const LabelMapping* mapping = nullptr);
 
-/** \brief Moves the points of a map's cloud, which says its PcdTable::voxel_grid, to
- * the centres of their voxels, where the CRF of the map saw them; other clouds stay.
- * The table keeps the positions of the file. */
+/** \brief Moves the points of a map's cloud (one with a PcdTable::voxel_grid) to the
+ * centres of their voxels, the positions that the map's CRF used. Other clouds stay
+ * unchanged. The table keeps the positions of the file. */
 void moveToVoxelCentres(LabelledCloud& labelled);
 
-/** \brief The table that writeLabelledCloud() writes. \param[in] name for messages */
+/** \brief The table that writeLabelledCloud() writes.
+ * \param[in] name of the cloud, for messages */
 PcdTable tableOf(const LabelledCloud& labelled, const std::string& name);
 
 } // namespace pcl_semantic

@@ -8,17 +8,17 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A voxel cloud with all that it holds, voxel by voxel: x y z rgba label,
- * probability (COUNT L, refined), measured (COUNT L), observations, index (COUNT 3),
- * voxel_size [m] and origin (COUNT 3, world frame [m]).
+/** \brief Converts a voxel cloud with all its fields: x y z rgba label, probability
+ * (COUNT L, refined), measured (COUNT L), observations, index (COUNT 3), voxel_size [m]
+ * and origin (COUNT 3, world frame [m]).
  * \throws InvalidParameterException if its arrays differ in length */
 void toPCLPointCloud2(const VoxelCloud& voxels, pcl::PCLPointCloud2& cloud);
 
-/** \brief Likewise back, also of a part of the voxels, as filters leave them. Without
- * voxels nothing says their size: it is then 0.
+/** \brief Converts back, also a subset of the voxels, such as a filter's output. The
+ * voxel size of an empty cloud is 0.
  * \throws InvalidParameterException if a field is missing
- * \throws BadInputException if the voxels are of two maps (voxel_size and origin
- * differ), or a value cannot be */
+ * \throws BadInputException if the voxels come from two maps (voxel_size and origin
+ * differ), or a value is invalid */
 void fromPCLPointCloud2(const pcl::PCLPointCloud2& cloud, VoxelCloud& voxels);
 
 } // namespace pcl_semantic

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-// As in export.h, where Eigen's macros were set by hand.
+// Catches Eigen alignment macros that were set by hand; export.h checks the flags.
 #if defined(__x86_64__) && !defined(PCL_SEMANTIC_ALLOW_AVX)
 static_assert(
     EIGEN_MAX_ALIGN_BYTES == PCL_SEMANTIC_ALIGNMENT &&

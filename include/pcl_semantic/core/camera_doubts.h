@@ -9,9 +9,9 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Doubts about a camera, a line each: a principal point far from the
- * middle, as of images of half or double the size, and a focal length that is no
- * pixels. Empty if the image size is not known. */
+/** \brief Warnings about a camera, one line each: a principal point far from the image
+ * centre (as for images of half or double the size), and a focal length that is not in
+ * pixels. Empty if the image size is unknown. */
 std::vector<std::string> doubtsOf(const StereoCamera& camera);
 
 } // namespace pcl_semantic

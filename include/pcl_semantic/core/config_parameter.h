@@ -14,15 +14,15 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A value that is one of several words. */
+/** \brief An enumerated value with one word per enumerator. */
 struct ConfigChoice {
   std::vector<std::string> words; ///< of the values 0, 1, ...
   std::function<int()> get;
   std::function<void(int)> set;
 };
 
-/** \brief A choice for an enumeration whose values are 0, 1, ... in the order of the
- * words. */
+/** \brief Makes a choice for an enumeration whose values are 0, 1, ... in the order of
+ * the words. */
 template <typename Enum>
 ConfigChoice
 chooseFrom(Enum& value, std::vector<std::string> words)
@@ -32,7 +32,7 @@ chooseFrom(Enum& value, std::vector<std::string> words)
 }
 
 /** \brief One parameter of a configuration: its name (`voxel_size` in a YAML file,
- * `--voxel-size` as an option), what it means, and where its value is. */
+ * `--voxel-size` as an option), its help text and a pointer to its value. */
 struct ConfigParameter {
   using Value =
       std::variant<bool*, int*, double*, std::string*, Eigen::Vector3d*, ConfigChoice>;
@@ -40,8 +40,8 @@ struct ConfigParameter {
   std::string name;
   std::string help;
   Value value;
-  /// Its default, if it is a key of presets alone: no option, and printed only where it
-  /// has another value.
+  /// Default of a parameter that only presets set. It has no option and is printed only
+  /// if its value differs from this default.
   std::string preset_default{};
 
   /** \brief Name of the option: dashes for underscores. */
@@ -51,14 +51,14 @@ struct ConfigParameter {
   std::string text() const;
 
   /** \brief Sets the value from text.
-   * \param[in] where for the message
-   * \throws BadInputException if \a text cannot be read */
+   * \param[in] where source of the text, for the error message
+   * \throws BadInputException if \a text cannot be parsed */
   void set(const std::string& text, const std::string& where);
 };
 
 using ConfigParameters = std::vector<ConfigParameter>;
 
-/** \brief "a, b or c". */
+/** \brief Joins words as "a, b or c". */
 std::string joinWords(const std::vector<std::string>& words);
 
 } // namespace pcl_semantic

@@ -9,12 +9,12 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Base of everything this module throws: `what()` is one line in the user's
- * terms that says what is wrong, where (file, line, frame) and what was expected.
- * Control characters of what it cites are escaped. */
+/** \brief Base of all exceptions of this library. `what()` is one line in the user's
+ * terms: the error, its location (file, line, frame) and the expected input. Control
+ * characters in quoted input are escaped. */
 class Exception : public pcl::PCLException {
 public:
-  /** \brief The arguments that PCL_THROW_EXCEPTION gives. */
+  /** \brief Takes the arguments of PCL_THROW_EXCEPTION. */
   explicit Exception(const std::string& message, const char* source_file = nullptr,
                      const char* function = nullptr, unsigned source_line = 0);
 
@@ -28,25 +28,26 @@ private:
   std::string message_;
 };
 
-/** \brief A parameter or argument outside its range (tools exit with 2). */
+/** \brief A parameter or argument is outside its range (programs exit with 2). */
 class InvalidParameterException : public Exception {
 public:
   using Exception::Exception;
 };
 
-/** \brief A file or a value in it that cannot be used (tools exit with 3). */
+/** \brief A file or a value in it cannot be used (programs exit with 3). */
 class BadInputException : public Exception {
 public:
   using Exception::Exception;
 };
 
-/** \brief A network that cannot be loaded or answers nonsense (tools exit with 4). */
+/** \brief A network cannot be loaded or its output is invalid (programs exit with 4).
+ */
 class BadModelException : public Exception {
 public:
   using Exception::Exception;
 };
 
-/** \brief A result that could not be written (tools exit with 5). */
+/** \brief A result could not be written (programs exit with 5). */
 class OutputException : public Exception {
 public:
   using Exception::Exception;

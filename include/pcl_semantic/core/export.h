@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Every public header includes this one and nothing heavy comes with it: the inner
-// loops see neither Eigen nor PCL.
+// Every public header includes this one, so it includes neither Eigen nor PCL.
 
 #pragma once
 
 #include <pcl_semantic/core/alignment.h>
 
-// Compiled with these flags Eigen aligns and frees memory in another way, and PCL's
-// objects are corrupted, often silently, unless PCL, this library and the program all
-// have the same. Distributions compile for baseline x86-64.
+// Eigen's alignment and its allocator depend on these flags. If PCL, this library and
+// the program differ in them, PCL's objects are corrupted, often silently.
+// Distributions compile for baseline x86-64.
 #if defined(__AVX512F__)
 #define PCL_SEMANTIC_ALIGNMENT_HERE 64
 #elif defined(__AVX__)
@@ -32,11 +31,10 @@ them, and objects are corrupted"
 #endif
 #undef PCL_SEMANTIC_ALIGNMENT_HERE
 
-/** \brief Marks the symbols that a library exports: everything that a public header
- * declares in `namespace PCL_SEMANTIC_EXPORT pcl_semantic`. All else is hidden. */
+/** \brief Exports a symbol: everything that a public header declares in `namespace
+ * PCL_SEMANTIC_EXPORT pcl_semantic`. All other symbols are hidden. */
 #define PCL_SEMANTIC_EXPORT [[gnu::visibility("default")]]
 
-/** \brief The same for an instantiation of a template, where compilers differ about the
- * place of a standard attribute: `extern template class PCL_SEMANTIC_INSTANCE
- * Name<Type>`. */
+/** \brief Exports a template instantiation, where compilers disagree about the position
+ * of a standard attribute: `extern template class PCL_SEMANTIC_INSTANCE Name<Type>`. */
 #define PCL_SEMANTIC_INSTANCE __attribute__((visibility("default")))

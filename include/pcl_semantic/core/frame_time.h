@@ -5,7 +5,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Which frame of a sequence, and when it was taken. */
+/** \brief Number and timestamp of a frame in a sequence. */
 struct FrameTime {
   int number = 0;         ///< may have gaps
   double timestamp = 0.0; ///< [s]

@@ -18,16 +18,16 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief A class number: 0 is unlabelled, classes are 1..L with L from 1 to 255. */
 using Label = std::uint8_t;
 
-/** \brief The label of everything that has no class. */
+/** \brief The label of points without a class. */
 constexpr Label kUnlabelled = 0;
 
-/** \brief Name, colour and properties of one class. */
 struct LabelClass {
   std::string name;
   std::array<std::uint8_t, 3> colour{}; ///< red, green, blue
   bool sky = false;                     ///< has no surface: casts no ray
-  bool dynamic = false;                 ///< moves, or may move
-  bool thin = false; ///< thinner than the neighbourhood of a CRF: a pole, a fence
+  bool dynamic = false;                 ///< moves or can move
+  bool thin = false; ///< thinner than the neighbourhood of a CRF, such as a pole or
+                     ///< fence
 };
 
 /** \brief The classes of a map: numbers 1..L with names and colours, chosen at run time
@@ -37,8 +37,8 @@ public:
   LabelSet() = default;
 
   /** \brief Takes the classes in the order of their labels, 1 first.
-   * \throws InvalidParameterException unless there are 1 to 255, named uniquely, by
-   * at most 100 bytes without control characters. */
+   * \throws InvalidParameterException unless there are 1 to 255 classes with unique
+   * names of at most 100 bytes without control characters */
   explicit LabelSet(std::vector<LabelClass> classes);
 
   /** \brief L, the number of classes without the unlabelled one. */
@@ -53,47 +53,44 @@ public:
    * \throws InvalidParameterException beyond L */
   const LabelClass& operator[](Label label) const;
 
-  /** \brief The label of a name; kUnlabelled if no class is called so. */
+  /** \brief The label of a class name; kUnlabelled if there is no such class. */
   Label find(const std::string& name) const;
 
-  /** \brief The labels of the classes that are thin. */
   std::vector<Label> thinLabels() const;
 
 private:
   std::vector<LabelClass> classes_;
 };
 
-/** \brief The class in a number that labels a point or a pixel, in any file: its lower
- * 16 bits. The upper ones are an instance, as in SemanticKITTI. */
+/** \brief The class in a stored label number: its lower 16 bits. As in SemanticKITTI,
+ * the upper bits are an instance. */
 constexpr std::uint32_t
 classOf(std::uint32_t number)
 {
   return number & 0xFFFFu;
 }
 
-/** \brief Turns another numbering (raw SemanticKITTI ids go to 259) into labels, and
- * counts the numbers that it lacks. Copies of a mapping share the counts; several
- * threads may use them at once. */
+/** \brief Maps another numbering (raw SemanticKITTI ids reach 259) to labels, and
+ * counts the numbers without a mapping. Copies share the counts; several threads may
+ * use them at once. */
 class LabelMapping {
 public:
   LabelMapping();
 
-  /** \brief Every id that is not set maps to unlabelled.
-   * \param[in] label kUnlabelled: the id is known to have no class, as 0 always is, and
-   * is not counted
-   * \throws InvalidParameterException beyond 65535 */
+  /** \brief Maps an id to a label; ids that are not set map to unlabelled.
+   * \param[in] label kUnlabelled: the id has no class, as 0 always has, and is not
+   * counted
+   * \throws InvalidParameterException if \a id exceeds 65535 */
   void set(std::uint32_t id, Label label);
 
-  /** \brief Whether an id was set. */
   bool
   has(std::uint32_t id) const
   {
     return id < known_.size() && known_[id];
   }
 
-  /** \brief The label of classOf() a number; kUnlabelled, and counted, if it is
-   * lacking.
-   */
+  /** \brief The label of classOf(\a number); an unmapped number is counted and gives
+   * kUnlabelled. */
   Label
   operator()(std::uint32_t number) const
   {
@@ -105,7 +102,7 @@ public:
     return kUnlabelled;
   }
 
-  /** \brief The classes that were looked up and not set, and how often. */
+  /** \brief The unmapped numbers that were looked up, with their counts. */
   std::map<std::uint32_t, std::size_t> lacking() const;
 
 private:
@@ -118,21 +115,20 @@ private:
   std::shared_ptr<Counts> counts_;
 };
 
-/** \brief One line that names the numbers a mapping lacks, the most frequent first;
- * empty if it lacks none.
+/** \brief One line that lists the unmapped numbers, the most frequent first; empty if
+ * there are none.
  * \param[in] name of the mapping
- * \param[in] unit that is counted: "points" */
+ * \param[in] unit of the counts: "points" */
 std::string textOfLacking(const LabelMapping& mapping, const std::string& name,
                           const std::string& unit);
 
-/** \brief Turns the colours in which labels are drawn into labels. */
+/** \brief Maps the colours of a label image to labels. */
 class ColourMapping {
 public:
-  /** \throws InvalidParameterException if two classes have one colour: it cannot be
-   * told which is meant */
+  /** \throws InvalidParameterException if two classes have the same colour */
   explicit ColourMapping(const LabelSet& label_set);
 
-  /** \brief The class of a colour, kUnlabelled for black; nothing for others. */
+  /** \brief The class of a colour, kUnlabelled for black; nothing for other colours. */
   std::optional<Label> operator()(std::uint8_t red, std::uint8_t green,
                                   std::uint8_t blue) const;
 
@@ -140,7 +136,7 @@ private:
   std::map<std::array<std::uint8_t, 3>, Label> labels_;
 };
 
-/** \brief Meaning of a label image's pixels: classes, other numbers or colours. */
+/** \brief Meaning of the pixels of a label image: classes, other numbers or colours. */
 using PixelMapping = std::variant<std::monostate, LabelMapping, ColourMapping>;
 
 } // namespace pcl_semantic

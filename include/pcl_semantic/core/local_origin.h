@@ -7,25 +7,25 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The origin that is taken off positions of double precision before anything is
- * computed of them in single precision, which has steps of half a metre at UTM
- * coordinates.
+/** \brief The origin to subtract from double-precision positions before they are
+ * converted to single precision, whose steps are half a metre at UTM coordinates.
  *
- * Zero where single precision holds all positions to a tenth of a millimetre, up to a
- * kilometre away; else beside their medians, so that what lies far from most of them
- * does not matter. No point of a grid of round numbers lies at it: exactly 0 0 0 means
- * that nothing was measured.
- * \param[in] positions 3 x N [m]; those that are not finite are passed over
- * \return as the positions [m] */
+ * Zero if single precision holds all positions to a tenth of a millimetre (up to a
+ * kilometre away). Otherwise near the medians, so that outliers do not matter. The
+ * origin avoids round coordinates, because exactly 0 0 0 means that nothing was
+ * measured.
+ * \param[in] positions 3 x N [m]; non-finite ones are ignored
+ * \return in the frame of the positions [m] */
 Eigen::Vector3d localOrigin(const Eigen::Matrix3Xd& positions);
 
-/** \brief Positions relative to an origin, in single precision [m]. Two or more at
- * exactly 0 0 0 stay there: nothing was measured at them, see countNoReturns(). */
+/** \brief Positions relative to an origin, in single precision [m]. Two or more
+ * positions at exactly 0 0 0 stay there, because nothing was measured at them; see
+ * countNoReturns(). */
 Eigen::Matrix3Xf relativeTo(const Eigen::Vector3d& origin,
                             const Eigen::Matrix3Xd& positions);
 
-/** \brief Whether single precision holds the positions as they are: they are likely to
- * have been of single precision before. */
+/** \brief Whether single precision holds the positions exactly: they were probably
+ * single precision before. */
 bool areSingle(const Eigen::Matrix3Xd& positions);
 
 } // namespace pcl_semantic

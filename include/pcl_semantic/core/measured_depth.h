@@ -12,9 +12,9 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Whether a value of a depth image is a measurement.
  *
- * Cameras and programs write "no measurement" as 0, as the largest number of 16 bits,
- * or as what is not finite. \tparam T std::uint16_t, a number of a 16-bit image, or
- * float, a depth [m] */
+ * Cameras and programs write "no measurement" as 0, as the largest 16-bit number, or as
+ * a non-finite value.
+ * \tparam T std::uint16_t, a number of a 16-bit image, or float, a depth [m] */
 template <typename T>
 bool
 isMeasuredDepth(T depth)

@@ -9,14 +9,11 @@
 #include <cstddef>
 #include <limits>
 
-/** \file
- * What is no measurement. Scanners mark a beam that came back from nowhere by a
- * position that is not finite, or by exactly 0 0 0 (drivers of Ouster, Livox and SICK).
- */
+/** \file Tests for missing measurements. Scanners mark a beam without a return by a
+ * non-finite position, or by exactly 0 0 0 (drivers of Ouster, Livox and SICK). */
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Whether a position is exactly 0 0 0. */
 template <typename PointT>
 bool
 isAtZero(const PointT& point)
@@ -33,9 +30,10 @@ isReturn(const PointT& point)
          !isAtZero(point);
 }
 
-/** \brief The points of any cloud, which may be a scan, that are at exactly 0 0 0
- * without being measured there: none if there is one alone, which may be real.
- * \param[in] count of the points \param[in] isZero tells of each by its index */
+/** \brief Counts the points of a cloud, which may be a scan, at exactly 0 0 0 without a
+ * measurement there. A single such point may be real and gives 0.
+ * \param[in] count of the points
+ * \param[in] isZero predicate for the index of a point */
 template <typename IsZero>
 std::size_t
 countNoReturns(std::size_t count, IsZero&& isZero)
@@ -46,7 +44,7 @@ countNoReturns(std::size_t count, IsZero&& isZero)
   return zeros > 1 ? zeros : 0;
 }
 
-/** \brief The same of a cloud of PCL's. */
+/** \brief Does the same for a PCL cloud. */
 template <typename PointT>
 std::size_t
 countNoReturns(const pcl::PointCloud<PointT>& cloud)
@@ -55,8 +53,8 @@ countNoReturns(const pcl::PointCloud<PointT>& cloud)
                         [&](std::size_t i) { return isAtZero(cloud[i]); });
 }
 
-/** \brief Tells which points of any cloud are somewhere: at finite positions, without
- * those that countNoReturns() counts. */
+/** \brief Tells which points of any cloud have a position: finite, and not counted by
+ * countNoReturns(). */
 class PlaceTest {
 public:
   template <typename PointT>
@@ -75,8 +73,8 @@ private:
   bool zero_is_none_;
 };
 
-/** \brief Moves the points at exactly 0 0 0 to NaN, which everything passes over.
- * \return how many */
+/** \brief Moves the points at exactly 0 0 0 to NaN, which all algorithms ignore.
+ * \return the number of moved points */
 template <typename PointT>
 std::size_t
 eraseZeros(pcl::PointCloud<PointT>& cloud)

@@ -9,15 +9,15 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A number in the C locale; the whole of \a text must be one.
- * \throws BadInputException with \a where in front */
+/** \brief Parses \a text, which must be one number in the C locale.
+ * \throws BadInputException with a message that begins with \a where */
 double parseNumber(const std::string& text, const std::string& where);
 
-/** \brief The blank-separated finite numbers of a line.
- * \throws BadInputException with \a where in front */
+/** \brief Parses the blank-separated finite numbers of a line.
+ * \throws BadInputException with a message that begins with \a where */
 std::vector<double> parseNumbers(const std::string& text, const std::string& where);
 
-/** \brief A piece of a file for a message: in quotes, short and printable. */
+/** \brief An excerpt of a file for a message: quoted, short and printable. */
 std::string inQuotes(std::string_view text);
 
 } // namespace pcl_semantic

@@ -13,18 +13,19 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Features that separate classes independently of a network. */
 enum class Feature {
-  height,     ///< above the ground, the mean of a clique [m]
-  distance,   ///< along the view [m]
-  level,      ///< |cosine| between its normal and the ground's; 1 = floor, 0 = wall
-  side,       ///< to the left or the right of the camera, along the ground [m]
+  height,     ///< above the ground; mean of a clique [m]
+  distance,   ///< along the optical axis [m]
+  level,      ///< |cosine| between surface normal and ground normal; 1 = floor, 0 =
+              ///< wall
+  side,       ///< lateral distance from the camera, along the ground [m]
   lowest,     ///< height of the lowest member of a clique [m]
   extent,     ///< from the lowest member of a clique to the highest [m]
   brightness, ///< mean of red, green and blue, 0 to 1
-  red,        ///< fraction of red in the sum of red, green and blue
-  green,      ///< fraction of green likewise
+  red,        ///< red / (red + green + blue)
+  green,      ///< green / (red + green + blue)
 };
 
-/// Names of features, in their order.
+/// Names of the features, in the order of the enumeration.
 constexpr std::array feature_names{"height", "distance",   "level", "side", "lowest",
                                    "extent", "brightness", "red",   "green"};
 
@@ -45,7 +46,7 @@ findFeature(const std::string& name)
   return {};
 }
 
-/** \brief The features of a pixel or a clique; NaN = not known. */
+/** \brief The features of a pixel or a clique; NaN = unknown. */
 class PointFeatures {
 public:
   PointFeatures() { values_.fill(std::numeric_limits<float>::quiet_NaN()); }
@@ -62,8 +63,8 @@ public:
     return values_[std::size_t(feature)];
   }
 
-  /** \brief Sets brightness, red and green from a colour, 0 to 255 each. Black has a
-   * brightness only. */
+  /** \brief Sets brightness, red and green from a colour, 0 to 255 each. Black has only
+   * a brightness. */
   void
   setColour(float red, float green, float blue)
   {

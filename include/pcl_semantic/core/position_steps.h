@@ -11,16 +11,16 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief One line on positions that lost their precision: the steps of single
- * precision at most points are coarser than a tenth of the points' spacing. Empty if
- * not.
- * \param[in] positions 3 x N, of single precision [m]
- * \param[in] origin that was taken off them [m]
- * \param[in] name of the cloud, for the line */
+/** \brief One line of warning about positions that lost precision: at most points, the
+ * step of single precision is coarser than a tenth of the point spacing. Empty
+ * otherwise.
+ * \param[in] positions 3 x N, single precision [m]
+ * \param[in] origin that was subtracted from them [m]
+ * \param[in] name of the cloud, for the warning */
 std::string doubtOfSteps(const Eigen::Matrix3Xf& positions,
                          const Eigen::Vector3d& origin, const std::string& name);
 
-/** \brief The same of a cloud. */
+/** \brief Does the same for a PCL cloud. */
 template <typename PointT>
 std::string
 doubtOfSteps(const pcl::PointCloud<PointT>& cloud, const std::string& name,
@@ -32,7 +32,8 @@ doubtOfSteps(const pcl::PointCloud<PointT>& cloud, const std::string& name,
   return doubtOfSteps(positions, origin, name);
 }
 
-/** \brief Prints a doubt as filters of PCL do: PCL_WARN. \param[in] filter its name
+/** \brief Prints a warning by PCL_WARN, as PCL's filters do.
+ * \param[in] filter its name
  * \param[in] doubt empty = nothing is printed */
 void warnOfDoubt(const std::string& filter, const std::string& doubt);
 

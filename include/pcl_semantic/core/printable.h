@@ -7,15 +7,14 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Text for a terminal: control characters and those that change the direction
- * of a line, which a name from a file may hold, and bytes that are not UTF-8 appear as
- * \xNN.
+/** \brief Text that is safe to print on a terminal. Control characters, characters that
+ * change the text direction, and bytes that are not UTF-8 appear as \xNN.
  *
  * \param[in] keeps_lines line breaks stay */
 std::string printable(const std::string& text, bool keeps_lines = false);
 
-/** \brief JSON for a terminal: the same characters, which JSON may hold within strings,
- * appear as \uNNNN; its value is the same. */
+/** \brief JSON that is safe to print on a terminal: the same characters, which JSON
+ * allows within strings, appear as \uNNNN. The JSON value is unchanged. */
 std::string printableJson(const std::string& json);
 
 } // namespace pcl_semantic

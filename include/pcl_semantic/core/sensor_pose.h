@@ -12,9 +12,9 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The one rotation between KITTI's frames and ours: takes points in the frame
- * of the first camera 0 (x right, y down, z forward) to the world (x forward, y left,
- * z up), both with their origin at the first pose. */
+/** \brief The rotation from KITTI's first frame of camera 0 (x right, y down, z
+ * forward) to the world frame (x forward, y left, z up). Both have their origin at the
+ * first pose. */
 inline Eigen::Isometry3d
 worldFromFirstCamera()
 {
@@ -23,9 +23,9 @@ worldFromFirstCamera()
   return T_world_first;
 }
 
-/** \brief The pose that a cloud carries, as PCL reads it from VIEWPOINT: T_world_sensor
- * for SemanticVoxelMap::integrate() if its points are in the sensor's frame.
- * \throws BadInputException if its quaternion has no direction (0 0 0 0) */
+/** \brief The pose of a cloud, which PCL reads from VIEWPOINT: T_world_sensor for
+ * SemanticVoxelMap::integrate() if its points are in the sensor's frame.
+ * \throws BadInputException if its quaternion is 0 0 0 0 */
 template <typename PointT>
 Eigen::Isometry3d
 sensorPose(const pcl::PointCloud<PointT>& cloud)
@@ -38,9 +38,9 @@ sensorPose(const pcl::PointCloud<PointT>& cloud)
          cloud.sensor_orientation_.template cast<double>().normalized();
 }
 
-/** \brief Accepts rotations and translations alone: their last row is 0 0 0 1 to 1e-6,
- * which a transposed matrix (of OpenGL, ARCore) or one of 12 numbers does not have.
- * Rotations may be off by 1e-3, as texts of few digits are.
+/** \brief Requires a rotation and a translation. The last row must be 0 0 0 1 to 1e-6;
+ * a transposed matrix (OpenGL, ARCore) or one read from 12 numbers fails here. The
+ * rotation may be off by 1e-3, because text files have few digits.
  * \param[in] name of the pose, for the message: "the pose of the sensor"
  * \throws BadInputException */
 void requireRigid(const Eigen::Isometry3d& pose, const std::string& name);

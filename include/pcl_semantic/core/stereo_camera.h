@@ -18,11 +18,11 @@ struct StereoCamera {
   double cx = 0.0;       ///< principal point, column [px]
   double cy = 0.0;       ///< principal point, row [px]
   double baseline = 0.0; ///< distance of the right camera along +x [m]
-  int width = 0;         ///< columns of an image [px]; 0 = not known
-  int height = 0;        ///< rows of an image [px]; 0 = not known
+  int width = 0;         ///< columns of an image [px]; 0 = unknown
+  int height = 0;        ///< rows of an image [px]; 0 = unknown
 
   /** \throws InvalidParameterException unless focal lengths and baseline are positive
-   * and everything is finite */
+   * and all values are finite */
   void validate() const;
 
   /** \brief Depth of a disparity: Z = f b / d [m]. */

@@ -7,16 +7,16 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Sets how many threads this module and OpenCV use from now on, for the calling
- * thread's loops; results do not depend on it.
+/** \brief Sets the number of threads that this library and OpenCV use for the loops of
+ * the calling thread. Results do not depend on it.
  * \param[in] threads 0 = all processors
- * \throws InvalidParameterException if it is negative or beyond 1024 */
+ * \throws InvalidParameterException if it is negative or exceeds 1024 */
 void setNumberOfThreads(int threads);
 
-/** \brief Sets it until the end of a block: how objects have a number of their own. */
+/** \brief Sets the number of threads until the end of the scope. */
 class ThreadScope {
 public:
-  /** \param[in] threads as setNumberOfThreads(); nothing leaves it as it is
+  /** \param[in] threads as setNumberOfThreads(); nullopt = unchanged
    * \throws InvalidParameterException as setNumberOfThreads() */
   explicit ThreadScope(std::optional<int> threads);
   ~ThreadScope();

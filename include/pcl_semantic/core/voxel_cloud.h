@@ -14,22 +14,21 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Occupied voxels as a labelled cloud, in the map's canonical order: blocks of
- * 8 x 8 x 8 by z, y, x, and their voxels likewise.
+ * 8 x 8 x 8 by z, y, x, and the voxels of a block in the same order.
  *
- * All arrays have one entry a voxel. A point is the mean position of the hits in
- * its voxel, relative to \a origin, world axes [m]: it lies on the surface and in the
- * voxel that its index names. */
+ * All arrays have one entry per voxel. A point is the mean position of the hits in its
+ * voxel, relative to \a origin, world axes [m]. */
 struct VoxelCloud {
   pcl::PointCloud<pcl::PointXYZRGBL>::Ptr cloud{
       new pcl::PointCloud<pcl::PointXYZRGBL>}; ///< position, mean colour, MAP label
-  LabelDistributions measured;                 ///< fused measurements alone
-  LabelDistributions refined; ///< what a reader should use: the CRF's result where
-                              ///< there is one, else the measurements
-  std::vector<std::uint8_t> is_refined; ///< whether \a refined is the CRF's; empty: not
-                                        ///< known
-  std::vector<VoxelIndex> indices;      ///< global voxel indices
-  std::vector<std::uint32_t> observations;          ///< scans that hit the voxel
-  double voxel_size = 0.0;                          ///< edge of a voxel [m]
+  LabelDistributions measured;                 ///< fused measurements, without a CRF
+  LabelDistributions refined; ///< the CRF's result, or the measurements if there is
+                              ///< none: the distributions to use
+  std::vector<std::uint8_t> is_refined;    ///< whether \a refined comes from the CRF;
+                                           ///< empty: unknown
+  std::vector<VoxelIndex> indices;         ///< global voxel indices
+  std::vector<std::uint32_t> observations; ///< scans that hit the voxel
+  double voxel_size = 0.0;                 ///< edge of a voxel [m]
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the points, world frame [m]
 
   std::size_t

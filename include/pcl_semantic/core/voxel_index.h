@@ -12,10 +12,10 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Global integer coordinates of a voxel: it covers [index, index + 1) times the
- * voxel size in each axis of the world frame. */
+ * voxel size along each axis of the world frame. */
 using VoxelIndex = Eigen::Vector3i;
 
-/** \brief Largest magnitude of an index: 100,000 km at 0.1 m, far from overflow. */
+/** \brief Largest magnitude of an index: 100,000 km at 0.1 m. */
 constexpr std::int32_t kMaxVoxelIndex = 1000000000;
 
 /** \brief Lexicographic order z, y, x. */
@@ -31,7 +31,6 @@ struct VoxelIndexLess {
   }
 };
 
-/** \brief Hash for unordered containers. */
 struct VoxelIndexHash {
   std::size_t
   operator()(const VoxelIndex& index) const
@@ -45,7 +44,7 @@ struct VoxelIndexHash {
 };
 
 /** \brief Centre of a voxel, world frame [m].
- * \param[in] voxel VoxelIndex, or the whole numbers of one beyond its range
+ * \param[in] voxel VoxelIndex, or integers beyond its range
  * \param[in] voxel_size [m] */
 template <typename Voxel>
 Eigen::Vector3d
@@ -54,13 +53,13 @@ centreOf(const Eigen::MatrixBase<Voxel>& voxel, double voxel_size)
   return (voxel.template cast<double>().array() + 0.5) * voxel_size;
 }
 
-/** \brief Bits of a voxel's edge that end points are quantised to. */
+/** \brief log2 of the end points' resolution [1/voxel]. */
 constexpr int kQuantizationBits = 10;
 
-/** \brief A point in units of 2^-10 voxel, global. */
+/** \brief A global point in units of 2^-10 voxel. */
 using QuantizedPoint = Eigen::Matrix<std::int64_t, 3, 1>;
 
-/** \brief The voxel that holds a quantised point (voxels are half open). */
+/** \brief The voxel that contains a quantised point (voxels are half open). */
 inline VoxelIndex
 voxelOf(const QuantizedPoint& point)
 {
@@ -69,8 +68,8 @@ voxelOf(const QuantizedPoint& point)
           static_cast<std::int32_t>(point.z() >> kQuantizationBits)};
 }
 
-/** \brief The quantised point that holds a point.
- * \param[in] point as far as kMaxVoxelIndex voxels from the origin [m]
+/** \brief Quantises a point.
+ * \param[in] point at most kMaxVoxelIndex voxels from the origin [m]
  * \param[in] voxel_size [m] */
 inline QuantizedPoint
 quantize(const Eigen::Vector3d& point, double voxel_size)
@@ -90,7 +89,6 @@ constexpr int kBlockBits = 3;
 constexpr int kBlockEdge = 1 << kBlockBits;                        ///< voxels
 constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge; ///< voxels
 
-/** \brief The block that holds a voxel. */
 inline VoxelIndex
 blockOf(const VoxelIndex& voxel)
 {
@@ -106,7 +104,8 @@ voxelInBlock(const VoxelIndex& voxel)
          (voxel.x() & mask);
 }
 
-/** \brief The voxel at an offset of a block; inverse of blockOf and voxelInBlock. */
+/** \brief The voxel at an offset in a block; inverse of blockOf() and voxelInBlock().
+ */
 inline VoxelIndex
 voxelAt(const VoxelIndex& block, int offset)
 {

@@ -14,20 +14,20 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief mu(l, l'), what two linked variables pay for labels l and l', eq. (5) of the
- * paper. */
+/** \brief mu(l, l'), the cost of labels l and l' at two linked variables, eq. (5) of
+ * the paper. */
 class LabelCompatibility {
 public:
   /** \brief Potts: mu(l, l') = 1 if l != l', else 0, for any number of labels. */
   LabelCompatibility() = default;
 
-  /** \brief Any costs.
+  /** \brief Takes any costs.
    * \param[in] costs L x L; a negative cost attracts
    * \throws InvalidParameterException unless \a costs is square and not empty, and its
    * values are within +-1e9 */
   explicit LabelCompatibility(Eigen::MatrixXf costs);
 
-  /** \brief Potts, also if it was given as a matrix. */
+  /** \brief Whether the costs are Potts, also if they were given as a matrix. */
   bool
   isPotts() const
   {
@@ -53,7 +53,6 @@ private:
   bool is_potts_ = true;
 };
 
-/** \brief A run of indices, for range-based loops. */
 struct IndexRange {
   const std::int32_t* first;
   const std::int32_t* last;
@@ -77,7 +76,7 @@ struct IndexRange {
   }
 };
 
-/** \brief Lists of indices, one after the other: list r is indices[starts[r]] up to
+/** \brief Lists of indices in one array: list r is indices[starts[r]] up to
  * indices[starts[r + 1]]. */
 struct IndexLists {
   std::vector<std::size_t> starts{0};
@@ -100,13 +99,12 @@ struct IndexLists {
  * each variable. Cliques may overlap and need not cover every variable. */
 class CliqueSet {
 public:
-  /** \brief No cliques over no variables. */
   CliqueSet() = default;
 
   /** \param[in] cliques the members of each, from 0 (pcl::Indices fit)
    * \param[in] variables N, up to 2^31 - 1
-   * \throws InvalidParameterException that names the clique, if one is empty, has a
-   * member outside 0..N-1 or one twice */
+   * \throws InvalidParameterException that names the clique, if it is empty, has a
+   * member outside 0..N-1 or a member twice */
   CliqueSet(const std::vector<std::vector<std::int32_t>>& cliques,
             std::size_t variables);
 
@@ -124,14 +122,14 @@ public:
     return cliques_.size();
   }
 
-  /** \brief The variables of every clique, in the order they were given in. */
+  /** \brief The variables of every clique, in the order of the input. */
   const IndexLists&
   members() const
   {
     return members_;
   }
 
-  /** \brief The cliques of every variable, in rising order. */
+  /** \brief The cliques of every variable, in ascending order. */
   const IndexLists&
   cliques() const
   {
@@ -145,67 +143,63 @@ private:
 
 /** \brief Cost of cliques whose members disagree, eqs. (7)-(9) of the paper.
  *
- * *P^n Potts* (Kohli, Kumar and Torr 2007; inference as Vineet, Warrell and Torr 2014):
- * a clique whose members all take l gains k_c^l over one whose members do not agree,
+ * *P^n Potts* (Kohli, Kumar and Torr 2007; inference as in Vineet, Warrell and Torr
+ * 2014): a clique whose members all take l gains k_c^l over one whose members disagree,
  * psi_c(x_c) = max_l k_c^l - (k_c^l if all members take l, else 0).
  *
- * *Robust P^n*: a clique has a variable y_c of its own that takes a label or the free
- * label, psi_c(x_c) = min over y_c of psi_c(y_c) + sum over i in c of psi_ci(y_c, x_i)
- * with psi_ci(l, x_i) = k_c^l where x_i != l; psi_ci(free, .) = 0 and psi_c(free) =
- * gamma_max(c) = q |c| max_l k_c^l: every label bears a fraction q of members that
- * disagree, at least, before the clique lets go. */
+ * *Robust P^n*: a clique has a variable y_c that takes a label or the free label,
+ * psi_c(x_c) = min over y_c of psi_c(y_c) + sum over i in c of psi_ci(y_c, x_i) with
+ * psi_ci(l, x_i) = k_c^l where x_i != l; psi_ci(free, .) = 0 and psi_c(free) =
+ * gamma_max(c) = q |c| max_l k_c^l. Thus a clique tolerates at least a fraction q of
+ * members that disagree before it takes the free label. */
 struct CliquePotential {
   enum class Type { pn_potts, robust };
 
   Type type = Type::robust;
   std::shared_ptr<const CliqueSet> cliques;
 
-  /** \brief k_c^l, 0 or more: L x C, or L x 1, 1 x C or 1 x 1 where all cliques, labels
-   * or both have the same. */
+  /** \brief k_c^l >= 0: L x C, or L x 1, 1 x C or 1 x 1 if all cliques, labels or both
+   * share it. */
   Eigen::MatrixXf weights = Eigen::MatrixXf::Ones(1, 1);
 
-  // The rest is for the robust potential only; P^n Potts has no y_c.
+  // The rest applies only to the robust potential; P^n Potts has no y_c.
 
-  /** \brief y_c may take the free label; without it the penalty is not truncated, which
-   * is the paper's text. */
+  /** \brief y_c may take the free label. Without it the penalty is not truncated, as in
+   * the paper's text. */
   bool free_label = true;
 
-  float truncation = 0.3f; ///< q, more than 0 and up to 1
+  float truncation = 0.3f; ///< q, in (0, 1]
 
   /** \brief psi_c(l), L x C; empty = mean unary cost of the members, shifted so that
    * its minimum over l is 0. */
   Eigen::MatrixXf unary;
 
-  /** \brief Kernels over the C cliques, Potts: y_c and y_d pay k_cd if both take labels
-   * and these differ; the free label is compatible with everything. */
+  /** \brief Kernels over the C cliques, Potts: y_c and y_d cost k_cd if both take
+   * labels and these differ; the free label is compatible with everything. */
   std::vector<std::shared_ptr<const PairwiseKernel>> kernels;
 
-  /** \brief Cliques pass on the label of largest Q(y_c) alone (the paper's algorithm
-   * text) instead of the distribution (its eq. (11)). Of equal ones the first is taken.
-   */
+  /** \brief Cliques send the MAP label of Q(y_c) (the paper's algorithm text) instead
+   * of the distribution (its eq. (11)). In a tie, the first label wins. */
   bool map_messages = false;
 
-  /** \brief Without it the cliques are known: Q(y_c) stays exp(-psi_c(y_c)),
-   * normalised, and passed on to the members. For costs that were learned from all that
-   * is known of a clique, its members' opinion included: eq. (10) would have it count
-   * again, and so often as there are members. */
+  /** \brief If false, Q(y_c) stays exp(-psi_c(y_c)), normalised. Use this for unary
+   * costs that were learned from all information about a clique, its members'
+   * probabilities included: eq. (10) would count these again, once per member. */
   bool update_from_members = true;
 
-  /** \brief k_c^l. */
   float
   weight(Eigen::Index l, Eigen::Index c) const
   {
     return weights(weights.rows() == 1 ? 0 : l, weights.cols() == 1 ? 0 : c);
   }
 
-  /** \brief max_l k_c^l. */
   float
   largestWeight(Eigen::Index c) const
   {
     return weights.col(weights.cols() == 1 ? 0 : c).maxCoeff();
   }
 
-  /** \brief gamma_max(c), what the free label costs. */
+  /** \brief gamma_max(c), the cost of the free label. */
   double
   freeCost(Eigen::Index c) const
   {
@@ -213,26 +207,26 @@ struct CliquePotential {
            double(largestWeight(c));
   }
 
-  /** \throws InvalidParameterException if something is missing, has another size than
-   * L = \a labels and N = \a variables want, is not finite or out of its range, or
-   * would be ignored (a unary cost or kernels of P^n Potts) */
+  /** \throws InvalidParameterException if a matrix or kernel is missing, its size does
+   * not fit L = \a labels and N = \a variables, a value is not finite or out of range,
+   * or a setting would be ignored (a unary cost or kernels of P^n Potts) */
   void validate(Eigen::Index labels, Eigen::Index variables) const;
 };
 
 /** \brief A CRF over N variables and L labels, eqs. (3) and (9) of the paper: unary
- * costs, pairwise kernels and cliques. Each of the last two may be missing. */
+ * costs, pairwise kernels and cliques. Kernels and cliques are optional. */
 struct CrfModel {
   /** \brief Costs -log p, L x N, eq. (4); L is 1 to 255. */
   Eigen::MatrixXf unary;
 
-  /** \brief Their sum, times the compatibility, is what two variables pay. */
+  /** \brief The cost of two variables is the sum of the kernels times the
+   * compatibility. */
   std::vector<std::shared_ptr<const PairwiseKernel>> kernels;
 
   LabelCompatibility compatibility;
 
-  /** \brief Every variable receives its own message through every kernel (K_ii, between
-   * cliques too), as in densecrf and PCL, instead of j != i only as eqs. (10)-(11)
-   * say. */
+  /** \brief Every variable receives its own message through every kernel (K_ii, also
+   * between cliques), as in densecrf and PCL; eqs. (10)-(11) sum over j != i only. */
   bool self_interaction = false;
 
   std::vector<CliquePotential> cliques;

@@ -13,29 +13,29 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A weighted Gaussian over positions and, if there are any, further features:
- * w exp(-|p_i - p_j|^2 / 2 sigma^2 - |f_i - f_j|^2 / 2), a term of eq. (6) with the
- * square that the paper's text dropped. */
+/** \brief A weighted Gaussian over positions and optional further features: w exp(-|p_i
+ * - p_j|^2 / 2 sigma^2 - |f_i - f_j|^2 / 2), a term of eq. (6) with the square that is
+ * missing in the paper. */
 struct GaussianTerm {
   float weight = 1.0f;
   float position_deviation = 1.0f; ///< sigma, in the unit of the positions
   Eigen::MatrixXf
       features; ///< d x N, divided by their deviations; empty = positions only
 
-  /** \throws InvalidParameterException if the deviation is not positive, the weight
-   * negative, the features are not of \a points, or something is not finite */
+  /** \throws InvalidParameterException if the deviation is not positive, the weight is
+   * negative, the features do not fit \a points, or a value is not finite */
   void validate(Eigen::Index points) const;
 };
 
-/** \brief How Gaussian kernels are summed. */
+/** \brief Method that sums Gaussian kernels. */
 enum class KernelMethod {
-  automatic, ///< each term as GaussianKernels says
+  automatic, ///< per term, see GaussianKernels
   truncated, ///< all pairs within a radius (TruncatedKernel): features of any
-             ///< dimension, as long as the positions keep the pairs few
-  lattice    ///< permutohedral lattice (LatticeKernel): pairs cost nothing
+             ///< dimension, as long as positions have few neighbours
+  lattice    ///< permutohedral lattice (LatticeKernel): cost does not depend on the
+             ///< number of pairs
 };
 
-/** \brief How GaussianKernels sums. */
 struct GaussianKernelOptions {
   KernelMethod method = KernelMethod::automatic;
   float radius = 2.0f; ///< of truncated sums, in position deviations
@@ -43,52 +43,52 @@ struct GaussianKernelOptions {
 };
 
 /** \brief Makes the kernels of points in space, eq. (6): chooses a method for each term
- * and the order of the points that suits them.
+ * and the order of points that suits the methods.
  *
- * The automatic rule: the mean number of points within the radius of a point is
- * estimated from a sample; up to max_neighbours, sums over them are faster than a
- * lattice, and nearer to the exact ones. The voxels of a surface have 40 to 150 within
- * two deviations of two voxels; the pixels of an image 20,000 within 80 px. */
+ * The automatic rule estimates the mean number of neighbours within the radius from a
+ * sample. Up to max_neighbours, truncated sums are faster than a lattice and more
+ * accurate. The voxels of a surface have 40 to 150 neighbours within two deviations of
+ * two voxels; the pixels of an image have 20,000 within 80 px. */
 class GaussianKernels {
 public:
   using List = std::vector<std::shared_ptr<const PairwiseKernel>>;
 
-  /** \brief Where the automatic rule goes over to the lattice. */
+  /** \brief Number of neighbours above which the automatic rule selects the lattice. */
   static constexpr double max_neighbours = 200.0;
 
   /** \param[in] positions 1 to 3 rows x N
-   * \param[in] deviations of the positions, of every term
+   * \param[in] deviations of the positions, for every term
    * \throws InvalidParameterException if there are no or more than 3 rows, a deviation
    * or the radius is not positive, a position is not finite, or as TruncatedKernel */
   GaussianKernels(const Eigen::MatrixXf& positions,
                   const std::vector<float>& deviations,
                   const GaussianKernelOptions& options = {});
 
-  /** \brief The method that was chosen for a term: truncated or lattice. */
+  /** \brief The method of a term: truncated or lattice. */
   KernelMethod
   method(std::size_t term) const
   {
     return methods_[term];
   }
 
-  /** \brief An order of the points in which the kernels work fastest; empty = as they
-   * are. */
+  /** \brief The order of points in which the kernels are fastest; empty = the given
+   * order. */
   const std::vector<std::int32_t>&
   fastestOrder() const
   {
     return order_;
   }
 
-  /** \brief The kernels.
+  /** \brief Makes the kernels.
    * \param[in] positions those of the constructor, or the same in fastestOrder()
-   * \param[in] terms of the deviations of the constructor; their features belong to
+   * \param[in] terms with the deviations of the constructor; their features belong to
    * \a positions. Terms of weight 0 are left out.
    * \throws InvalidParameterException as TruncatedKernel and LatticeKernel */
   List make(const Eigen::MatrixXf& positions,
             const std::vector<GaussianTerm>& terms) const;
 
-  /** \brief Mean number of points within \a reach of a point, itself included: of 64
-   * points, among all or, if these are many, among some. */
+  /** \brief Mean number of points within \a reach of a point, itself included;
+   * estimated from 64 points. For large clouds their neighbours are sampled too. */
   static double meanNeighbours(const Eigen::Matrix3Xf& positions, float reach);
 
 private:

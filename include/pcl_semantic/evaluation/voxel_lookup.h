@@ -17,30 +17,33 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Finds the occupied voxels at points, as scans would hit them. */
+/** \brief Finds the occupied voxels at points, with the voxel boundaries that scans
+ * use. */
 class VoxelLookup {
 public:
-  /** \brief Index of no voxel. */
+  /** \brief Index for "no voxel". */
   static constexpr std::int32_t none = -1;
 
-  /** \param[in] voxels indices and voxel size are kept */
+  /** \param[in] voxels indices and voxel size are copied */
   explicit VoxelLookup(const VoxelCloud& voxels);
 
-  /** \brief The voxel that holds a point.
+  /** \brief The voxel that contains a point.
    * \param[in] point world frame [m]
    * \return its index in the cloud, or none */
   std::int32_t at(const Eigen::Vector3d& point) const;
 
-  /** \brief The voxel whose cube is nearest to a point: at() if there is one; of
-   * equally near ones the first by z, y, x. \param[in] within largest distance to the
-   * cube [m]; 0 = only the one that holds it \return its index in the cloud, or none */
+  /** \brief The voxel whose cube is nearest to a point: at() if there is one; in a tie,
+   * the first by z, y, x.
+   * \param[in] within largest distance to the cube [m]; 0 = only the voxel that
+   * contains the point
+   * \return its index in the cloud, or none */
   std::int32_t nearest(const Eigen::Vector3d& point, double within) const;
 
   /** \brief nearest() of many points. */
   std::vector<std::int32_t> indices(const std::vector<Eigen::Vector3d>& points,
                                     double within = 0.0) const;
 
-  /** \brief Index of the voxel of an index, or none. */
+  /** \brief Index in the cloud of the voxel with a grid index, or none. */
   std::int32_t find(const VoxelIndex& index) const;
 
 private:
@@ -48,12 +51,12 @@ private:
                       const VoxelIndex& last, double& least, VoxelIndex& best) const;
 
   std::unordered_map<VoxelIndex, std::int32_t, VoxelIndexHash> indices_;
-  std::unordered_set<VoxelIndex, VoxelIndexHash> blocks_; // that hold a voxel
+  std::unordered_set<VoxelIndex, VoxelIndexHash> blocks_; // blocks with a voxel
   double voxel_size_;
 };
 
-/** \brief The labels of a map at one moment: before the CRF (the fused measurements
- * alone) and after, by index in its cloud. */
+/** \brief The labels of a map at one time, by index in its cloud: before the CRF (fused
+ * measurements only) and after. */
 struct MapLabels {
   explicit MapLabels(const VoxelCloud& voxels);
 
@@ -71,9 +74,10 @@ std::vector<Label> labelsAt(const std::vector<std::int32_t>& indices,
  * \return CV_8UC1 */
 cv::Mat labelsAt(const cv::Mat& indices, const std::vector<Label>& labels);
 
-/** \brief The label of the voxel that holds each pixel's own measured point: the way of
- * the paper's released code, and the only one to compare with its figures.
- * \param[in] map the map as it stands
+/** \brief Depth lookup: the label of the voxel that contains each pixel's own measured
+ * point. The paper's released code evaluates this way; compare only these scores with
+ * the paper's.
+ * \param[in] map queried in its current state
  * \param[in] cloud organized cloud of the frame, camera frame [m]; NaN = no depth
  * \param[in] T_world_camera pose of the frame
  * \param[in] max_depth points with a larger z are not looked up [m]
@@ -84,28 +88,29 @@ cv::Mat labelsAtDepth(const SemanticVoxelMap& map,
                       const pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                       const Eigen::Isometry3d& T_world_camera, double max_depth);
 
-/** \brief A map as the camera sees it. */
+/** \brief A map rendered from a camera. */
 struct RenderedLabels {
   cv::Mat labels;  ///< CV_8UC1; 0 = no voxel, or an unlabelled one
   cv::Mat depth;   ///< CV_32FC1, camera z of the surface [m]; 0 = no voxel
-  cv::Mat indices; ///< CV_32SC1, which voxel of the cloud; -1 = none
+  cv::Mat indices; ///< CV_32SC1, index of the voxel in the cloud; -1 = none
 };
 
-/** \brief Renders voxels as solid cubes, the nearest along the ray of
- * each pixel centre.
+/** \brief Renders voxels as solid cubes, the nearest along the ray of each pixel
+ * centre.
  *
- * A cube covers [index, index + 1) times the voxel size in the world frame, less a
- * fifth of a voxel at each face with no voxel on its other side: whole cubes are fatter
- * than the surfaces they stand for. It is drawn in the label of its point in the cloud.
- * The result does not depend on the number of threads nor on the order of the voxels,
- * but where two cubes touch exactly on a ray, the first in the cloud is seen.
+ * A cube covers [index, index + 1) times the voxel size in the world frame. A face
+ * without a neighbour is drawn 0.2 voxels from the voxel's point, inside its cube,
+ * because whole cubes are thicker than the surfaces they represent. The colour of a
+ * cube is the label of its point in the cloud. The result depends neither on the number
+ * of threads nor on the order of the voxels, with one exception: if two cubes touch
+ * exactly on a ray, the first in the cloud wins.
  *
- * A cube with a corner nearer than z = 0.1 m is passed over: it would cover the picture
- * and is the camera's own car or noise.
- * \param[in] voxels indices, voxel size and the labels of the cloud are used
+ * A cube with a corner nearer than z = 0.1 m is ignored: it would cover the image, and
+ * it is noise or part of the vehicle.
+ * \param[in] voxels points, indices, voxel size and the labels of the cloud are used
  * \param[in] camera pinhole with its image size
  * \param[in] T_world_camera pose of the camera (x right, y down, z forward)
- * \param[in] max_depth surface points of larger camera z are not seen [m]; may be
+ * \param[in] max_depth largest camera z of a rendered surface point [m]; may be
  * infinite
  * \return images of height x width
  * \throws InvalidParameterException unless cloud and indices have the same length and

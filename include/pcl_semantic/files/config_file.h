@@ -9,20 +9,21 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Why a parameter of earlier versions is refused, as "had no effect, removed";
- * empty if there was none of that name. */
+/** \brief Reason why a parameter of an earlier version is refused, such as "had no
+ * effect, removed"; empty if there was no such parameter. */
 std::string whyRemoved(const std::string& name);
 
-/** \brief Sets the parameters a YAML file names; the others keep their values.
- * \throws BadInputException with file and line, at a misspelt key for example */
+/** \brief Sets the parameters in a YAML file; the others keep their values.
+ * \throws BadInputException with file and line, for example for a misspelt key */
 void readParameters(const std::string& path, ConfigParameters parameters);
 
-/** \brief The parameters as a YAML file that readParameters takes, without those of
- * presets that have their defaults. */
+/** \brief Formats parameters as a YAML file for readParameters(), without preset
+ * parameters at their defaults. */
 std::string printParameters(const ConfigParameters& parameters);
 
-/** \brief Sets the parameters of a config that a YAML file names; the others keep their
- * values. \param[in] path empty = no file
+/** \brief Sets the parameters of a config from a YAML file; the others keep their
+ * values.
+ * \param[in] path empty = no file
  * \throws BadInputException with file and line */
 template <typename Config>
 void

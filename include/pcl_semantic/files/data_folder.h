@@ -7,10 +7,11 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A file of the data that come with the module (label sets, networks, presets),
- * found beside the running program or this library: `share/pcl_semantic` when
- * installed, `data` of the source tree in a build. \param[in] name
- * "label_sets/kitti11.yaml" \throws BadInputException if it is not there */
+/** \brief Path of a data file of this project (label sets, networks, presets), relative
+ * to the running program or this library: `share/pcl_semantic` if installed, `data` of
+ * the source tree in a build.
+ * \param[in] name "label_sets/kitti11.yaml"
+ * \throws BadInputException if it does not exist */
 std::string findDataFile(const std::string& name);
 
 } // namespace pcl_semantic

@@ -10,7 +10,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The bytes of a file. \throws BadInputException if it cannot be read */
+/** \brief Reads the bytes of a file. \throws BadInputException if it cannot be read */
 std::vector<std::uint8_t> readBytes(const std::string& path);
 
 /** \brief A line of a text file and its number, counted from 1. */
@@ -19,34 +19,34 @@ struct TextLine {
   int number = 0;
 };
 
-/** \brief The lines of a text file without byte-order mark, carriage returns and
+/** \brief Reads the lines of a text file without byte-order mark, carriage returns and
  * trailing blanks. \throws BadInputException if it cannot be read */
 std::vector<TextLine> readLines(const std::string& path);
 
-/** \brief "PATH line N", for messages. */
+/** \brief Formats "PATH line N", for messages. */
 std::string atLine(const std::string& path, int line);
 
-/** \brief Makes sure that a path is not that of a folder, a pipe or a device, whose
- * opening could wait for ever. \throws BadInputException */
+/** \brief Refuses folders, pipes and devices, because opening one could block for ever.
+ * \throws BadInputException */
 void requireRegularFile(const std::string& path);
 
-/** \brief Largest number of a frame: rows of trajectories are counted by it. Larger
- * numbers in the names of files are dates or time stamps. */
+/** \brief Largest frame number. It limits the rows of trajectories; larger numbers in
+ * file names are dates or timestamps. */
 constexpr int kMaxFrameNumber = 999999;
 
 /** \brief File name of a frame: six digits and an extension ("000012.png"). */
 std::string frameFileName(int frame, const std::string& extension);
 
-/** \brief A file of a folder that is named by its frame number. */
+/** \brief A file named by its frame number. */
 struct FrameFile {
   int frame = 0;
   std::string path;
 };
 
-/** \brief The files of a folder named by a number and one of the \a extensions
- * (".png"), in the order of their numbers; others are passed over.
- * \throws BadInputException if the folder cannot be read, two files have one number, or
- * one beyond kMaxFrameNumber */
+/** \brief Lists the files of a folder that are named by a number and one of the \a
+ * extensions (".png"), in the order of their numbers; other files are ignored.
+ * \throws BadInputException if the folder cannot be read, two files have the same
+ * number, or a number exceeds kMaxFrameNumber */
 std::vector<FrameFile> listFrameFiles(const std::string& folder,
                                       const std::vector<std::string>& extensions);
 

@@ -12,22 +12,24 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
  * \throws BadInputException with file and line */
 LabelSet readLabelSet(const std::string& path);
 
-/** \brief The same; the eleven classes of KITTI if \a path is empty. */
+/** \brief Reads a label set; the eleven classes of KITTI if \a path is empty. */
 LabelSet readLabelSetOrDefault(const std::string& path);
 
-/** \brief Writes a file that readLabelSet() takes. \throws OutputException */
+/** \brief Writes a file for readLabelSet(). \throws OutputException */
 void writeLabelSet(const std::string& path, const LabelSet& label_set);
 
-/** \brief Reads a mapping of ids to the classes of \a label_set
- * (`data/label_mappings/\*.yaml`), and the ids that are known to have none.
- * \param[in] path of the file, the name of one of those (`semantic_kitti_to_kitti11`),
- * or `zero_based` for numbers from 0 to L - 1, as networks are trained on them
- * \throws BadInputException with file and line, at an unknown class for example */
+/** \brief Reads a mapping from ids to the classes of \a label_set
+ * (`data/label_mappings/\*.yaml`), including the ids without a class.
+ * \param[in] path of a file, the name of a built-in mapping
+ * (`semantic_kitti_to_kitti11`), or `zero_based` for numbers from 0 to L - 1, the usual
+ * convention for training
+ * \throws BadInputException with file and line, for example for an unknown class */
 LabelMapping readLabelMapping(const std::string& path, const LabelSet& label_set);
 
-/** \brief The same for label images, of which `colours` says that they are drawn in the
- * colours of the classes, and an empty \a path that they hold labels. \throws
- * BadInputException also if two classes have one */
+/** \brief Reads a mapping for label images. `colours`: they contain the colours of the
+ * classes; empty \a path: they contain labels.
+ * \throws BadInputException as readLabelMapping(), or if two classes have the same
+ * colour */
 PixelMapping readPixelMapping(const std::string& path, const LabelSet& label_set);
 
 /** \brief Help of an option that readLabelMapping() reads. */

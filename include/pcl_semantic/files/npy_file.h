@@ -10,7 +10,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief A NumPy array of three axes, row-major. */
+/** \brief A row-major NumPy array with three axes. */
 struct NpyArray {
   int height = 0;
   int width = 0;
@@ -19,10 +19,10 @@ struct NpyArray {
 };
 
 /** \brief Reads an `.npy` file: little-endian float32 or float16, C order, three axes.
- * \throws BadInputException that says what differs */
+ * \throws BadInputException that names the difference */
 NpyArray readNpy(const std::string& path);
 
-/** \brief How the values of an `.npy` file are stored. */
+/** \brief Stored type of the values in an `.npy` file. */
 enum class NpyType {
   float32,
   float16 ///< half the size; values rounded to 11 bits

@@ -13,13 +13,13 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The poses of a trajectory for the frames of a sensor. Those of KITTI's format
- * are found by a frame's number, those of TUM's by its time. */
+/** \brief The poses of a trajectory for the frames of a sensor. Poses in KITTI's format
+ * are found by frame number, those in TUM's format by time. */
 class StoredPoses {
 public:
-  /** \param[in] T_camera0_camera the camera that takes the images, in camera 0, if the
-   * trajectory holds the poses of that
-   * \param[in] tolerance how far a pose's time may be from its frame's [s]
+  /** \param[in] T_camera0_camera pose of the images' camera in camera 0, if the
+   * trajectory contains the poses of camera 0
+   * \param[in] tolerance maximum difference between the times of pose and frame [s]
    * \throws BadInputException if \a T_camera0_camera is not rigid */
   explicit StoredPoses(
       StoredTrajectory trajectory,
@@ -30,23 +30,23 @@ public:
    * \throws BadInputException that names the frame, if there is no pose for it */
   Eigen::Isometry3d pose(const FrameTime& frame) const;
 
-  /** \brief Makes sure that all frames have a pose.
-   * \throws BadInputException that names the first frame without one, and says how many
-   * lack one and what was expected */
+  /** \brief Requires that all frames have a pose.
+   * \throws BadInputException that names the first frame without one, the number of
+   * such frames and the expected input */
   void requirePoses(const std::vector<FrameTime>& frames) const;
 
 private:
   const Eigen::Isometry3d* find(const FrameTime& frame) const;
   std::string lackOf(const FrameTime& frame) const;
 
-  StoredTrajectory trajectory_; // its poses from the first camera 0
+  StoredTrajectory trajectory_; // poses relative to the first camera 0
   Eigen::Isometry3d T_camera0_camera_;
   double tolerance_; // [s]
 };
 
-/** \brief The poses of a trajectory file, see readTrajectory().
+/** \brief Reads the poses of a trajectory file, see readTrajectory().
  * \param[in] T_camera0_camera see StoredPoses
- * \param[out] doubts if not null: those of readTrajectory() are added to it
+ * \param[out] doubts if not null: the warnings of readTrajectory() are appended
  * \throws BadInputException as readTrajectory() */
 StoredPoses readStoredPoses(
     const std::string& path, PoseFrame frame,

@@ -10,7 +10,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The kind of image that a file has to hold. */
+/** \brief Expected kind of image in a file. */
 enum class ImageKind {
   grey_or_colour, ///< CV_8UC1 or CV_8UC3 (BGR)
   labels,         ///< CV_8UC1
@@ -18,25 +18,27 @@ enum class ImageKind {
   disparity       ///< CV_16UC1, also for depths
 };
 
-/** \brief Reads a PNG file strictly: OpenCV alone would decode a JPEG named .png, and
+/** \brief Reads a PNG file strictly. OpenCV alone would decode a JPEG named .png, and
  * convert 16 bits and transparency silently.
- * \param[in] size that it has to have [px], compared with the file's header before
- * anything is decoded; empty: any
- * \param[in] like what else has that size, for the message: " as the first image"
- * \throws BadInputException if it is missing, no PNG, damaged, smaller than 2 x 2, of
- * another size or of another kind */
+ * \param[in] size expected size [px], compared with the file's header before decoding;
+ * empty: any
+ * \param[in] like source of that size, for the message: " as the first image"
+ * \throws BadInputException if the file is missing, no PNG, damaged, smaller than 2 x
+ * 2, or of another size or kind */
 cv::Mat readPng(const std::string& path, ImageKind kind, cv::Size size = {},
                 const std::string& like = {});
 
-/** \brief Extensions of what readImage() reads: `.png .jpg .jpeg .tif .tiff`. */
+/** \brief Extensions of the files that readImage() reads: `.png .jpg .jpeg .tif .tiff`.
+ */
 const std::vector<std::string>& imageExtensions();
 
-/** \brief Reads what a camera took, grey or colour: a JPEG or TIFF if the file is named
- * so, else a PNG as readPng() does. \throws BadInputException as readPng() */
+/** \brief Reads a camera image, grey or colour. The extension selects JPEG or TIFF;
+ * other files are read by readPng().
+ * \throws BadInputException as readPng() */
 cv::Mat readImage(const std::string& path, cv::Size size = {},
                   const std::string& like = {});
 
-/** \brief Writes a PNG file. \throws OutputException; nothing is left behind then */
+/** \brief Writes a PNG file, complete or not at all. \throws OutputException */
 void writePng(const std::string& path, const cv::Mat& image);
 
 } // namespace pcl_semantic

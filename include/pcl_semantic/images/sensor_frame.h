@@ -22,21 +22,21 @@ struct StereoFrame : FrameTime {
   cv::Mat right; ///< as left
 };
 
-/** \brief A colour image and the depths of its pixels. */
+/** \brief A colour image with the depths of its pixels. */
 struct RgbdFrame : FrameTime {
   cv::Mat image; ///< CV_8UC3 (BGR)
-  /// Camera frame (x right, y down, z forward) [m], organized as the image and coloured
-  /// by it; NaN where a pixel has no depth.
+  /// Camera frame (x right, y down, z forward) [m], organized and coloured as the image;
+  /// NaN where a pixel has no depth.
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud;
   std::size_t unmeasured = 0; ///< pixels without a measurement
 };
 
-/** \brief The cloud of one moment, taken from one position, with its labels. */
+/** \brief A cloud taken at one time from one position, with its labels. */
 struct CloudFrame : FrameTime {
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud; ///< sensor frame [m]
-  LabelDistributions distributions; ///< L x points, or empty: a cloud without labels
-  bool has_colour = false;          ///< whether the cloud's colours mean anything
-  /// T_world_sensor as its file states it (VIEWPOINT of a .pcd).
+  LabelDistributions distributions;             ///< L x points; empty: no labels
+  bool has_colour = false; ///< false: the cloud's colours are undefined
+  /// T_world_sensor from the file (VIEWPOINT of a .pcd).
   Eigen::Isometry3d viewpoint = Eigen::Isometry3d::Identity();
   std::string path{};                ///< of its file; empty = none
   std::vector<std::string> doubts{}; ///< about its file, a line each

@@ -10,10 +10,10 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Writes a cloud as a binary `.pcd` with x y z rgb, whole or not at all.
- * Organized clouds stay organized, points at NaN keep their place and colour.
- * \param[in] origin what was taken off its positions: added again, in double precision
- * [m]
+/** \brief Writes a cloud as a binary `.pcd` with x y z rgb, complete or not at all.
+ * Organized clouds stay organized; points at NaN keep their index and colour.
+ * \param[in] origin that was subtracted from the positions; it is added again, in
+ * double precision [m]
  * \throws InvalidParameterException if width x height is not the number of points
  * \throws OutputException */
 void writeColourCloud(const std::string& path,

@@ -15,23 +15,23 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 enum class ArchiveAccess { read, write };
 
-/** \brief A map in one SQLite file, behind the interface by which a SemanticVoxelMap
- * keeps the blocks that leave its window; doc/map.md has the layout.
+/** \brief A map in one SQLite file, usable as BlockStore of a SemanticVoxelMap.
+ * doc/map.md describes the layout.
  *
- * Blocks are put at any time and become part of the file together, by commit(): after
- * a crash the file holds what the last commit left. One program writes, from beginning
- * to end; any number may read and see what was last committed before they opened it.
- * Everything stored carries a checksum that covers the place it belongs to: damage is
- * reported, never read as a map. Not for network file systems.
+ * Blocks can be put at any time and become part of the file together, by commit().
+ * After a crash the file contains the last commit. One program writes from beginning to
+ * end; any number may read, and they see the last commit before they opened the file.
+ * Every record has a checksum that includes its key, so that damage is reported and
+ * never read as a map. Not for network file systems.
  *
- * All methods may be called by several threads. They throw
- * OutputException (disk full, read-only, another writer) or BadInputException (a
- * damaged file) with the name of the file and, where it is one, the block. After an
- * OutputException nothing more is written: the file stays as it was last committed. */
+ * All methods are thread-safe. They throw OutputException (disk full, read-only,
+ * another writer) or BadInputException (damaged file) with the file name and, if
+ * applicable, the block. After an OutputException nothing more is written: the file
+ * stays at the last commit. */
 class MapArchive : public BlockStore, public MapReader {
 public:
-  /** \brief Makes a new file that holds an empty map, and opens it for writing.
-   * \throws OutputException also if the file is there already */
+  /** \brief Makes a new file with an empty map, and opens it for writing.
+   * \throws OutputException also if the file exists */
   static std::shared_ptr<MapArchive> create(const std::string& path,
                                             const ArchiveHeader& header);
 
@@ -48,7 +48,7 @@ public:
   get(const std::vector<VoxelIndex>& blocks) const override;
 
   /** \copydoc MapReader::forEach
-   * \param[in] visit must not put */
+   * \param[in] visit must not call put() */
   void forEach(const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit)
       const override;
 
@@ -56,22 +56,21 @@ public:
 
   bool contains(const VoxelIndex& block) const override;
 
-  /** \brief Adds what a run keeps of a frame, for the next commit; replaces what was
-   * kept of it. */
+  /** \brief Adds the record of a frame to the next commit; replaces an earlier one. */
   void putFrame(int number, const std::vector<std::uint8_t>& record);
 
   /** \brief Visits the frames in the order of their numbers. */
   void forEachFrame(
       const std::function<void(int, const std::vector<std::uint8_t>&)>& visit) const;
 
-  /** \brief Brings everything put so far to the disk, all or nothing.
+  /** \brief Writes all pending changes to disk, all or nothing.
    * \param[in] state its counts are set here */
   void commit(ArchiveState state);
 
-  /** \brief Ends writing: what was committed is then in one file, which can be read
-   * from read-only media. What was not is lost. Once only.
-   * \return false if a reader remained: FILE-wal then belongs to the file until it
-   * is written, and ended, again */
+  /** \brief Ends writing. All commits are then in one file, which can be read from
+   * read-only media; uncommitted changes are lost. Call it only once.
+   * \return false if a reader was still open: FILE-wal then belongs to the file until
+   * it is written and closed again */
   bool close();
 
   const std::string& path() const override;
@@ -85,15 +84,15 @@ private:
   std::unique_ptr<Implementation> implementation_;
 };
 
-/** \brief A digest of all that a merge takes from an archive: its configuration, its
- * origin and its blocks. It tells what was changed by mistake, not what was forged.
+/** \brief A checksum over all data that a merge reads from an archive: configuration,
+ * origin and blocks. It detects accidental changes, not forgery.
  * \throws BadInputException */
 std::uint64_t archiveDigest(const std::string& path);
 
-/** \brief Reads all of an archive, or of the archives of an index of tiles, and
- * compares it with its checksums and counts. \return what is wrong, a line each; empty
- * if nothing is \throws BadInputException if it cannot be read, or is no archive at all
- */
+/** \brief Reads an archive, or all archives of a tile index, and verifies checksums and
+ * counts.
+ * \return one line per fault; empty if there are none
+ * \throws BadInputException if it cannot be read, or is no archive */
 std::vector<std::string> verifyArchive(const std::string& path,
                                        const BlockProgress& progress = nullptr);
 

@@ -9,19 +9,20 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Where two maps contradict each other. */
+/** \brief The voxels in which two maps contradict each other. */
 struct MapChanges {
-  VoxelCloud voxels; ///< as the map has them that saw them occupied: first those that
-                     ///< went (red), then those that came (green)
-  std::size_t went = 0; ///< occupied before, free after
-  std::size_t came = 0; ///< the other way round
+  VoxelCloud voxels;    ///< from the map in which they are occupied: first the removed
+                        ///< voxels (red), then the added ones (green)
+  std::size_t went = 0; ///< number of voxels occupied before, free after
+  std::size_t came = 0; ///< number of voxels free before, occupied after
 };
 
-/** \brief The voxels that one map has seen occupied and the other free, and with them
- * all the voxels around: what is a voxel off is a matter of measuring.
- * \param[in] before, after archives that merge (mergeArchives()): of one voxel size,
- * label set and fusion
- * \throws BadInputException that says what differs, or if one is damaged */
+/** \brief Finds the voxels that are occupied in one map while they and all their
+ * neighbours are free in the other: a shift by one voxel is within measurement
+ * accuracy.
+ * \param[in] before, after archives that can be merged (mergeArchives()): same voxel
+ * size, label set and fusion
+ * \throws BadInputException that names the difference, or if an archive is damaged */
 MapChanges findChanges(const PlacedArchive& before, const PlacedArchive& after);
 
 } // namespace pcl_semantic

@@ -12,32 +12,31 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Which voxels of a map are meant. */
 struct VoxelSelection {
-  /// Holds the centres, lower faces included, upper ones not; world frame [m].
+  /// Contains the voxel centres, lower faces included, upper ones not; world frame [m].
   Eigen::AlignedBox3d box{Eigen::Vector3d::Constant(-1e300),
                           Eigen::Vector3d::Constant(1e300)};
   std::vector<Label> labels; ///< MAP labels, kUnlabelled too; empty = any
 };
 
-/** \brief Result of archiveExtent(). */
 struct ArchiveExtent {
   std::size_t voxels = 0;  ///< occupied
-  Eigen::AlignedBox3d box; ///< that holds them, world frame [m]; empty if none are
+  Eigen::AlignedBox3d box; ///< of these voxels, world frame [m]; empty if there are
+                           ///< none
 };
 
-/** \brief Number and extent of the occupied voxels. Reads the whole archive. */
+/** \brief Counts the occupied voxels and computes their extent. Reads the whole
+ * archive. */
 ArchiveExtent archiveExtent(const MapReader& archive,
                             const BlockProgress& progress = nullptr);
 
-/** \brief Occupied voxels, without distributions and observations. Takes memory for
- * those that are selected, and a block at a time. \throws BadInputException if the
- * archive is damaged */
+/** \brief Reads the selected occupied voxels, without distributions and observations.
+ * Memory: the selected voxels and one block.
+ * \throws BadInputException if the archive is damaged */
 VoxelCloud readVoxels(const MapReader& archive, const VoxelSelection& selection);
 
-/** \brief Writes occupied voxels as writeVoxelCloud() does; of the whole map the file
- * is the same byte by byte. Takes memory for a block at a time, and reads the archive
- * twice.
+/** \brief Writes occupied voxels as writeVoxelCloud() does; for the whole map the files
+ * are identical. Memory: one block. Reads the archive twice.
  * \return number of voxels
  * \throws BadInputException if the archive is damaged
  * \throws OutputException */

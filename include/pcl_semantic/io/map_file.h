@@ -10,11 +10,11 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes a whole map into a new archive (see MapArchive).
- * \throws OutputException also if the file is there already */
+ * \throws OutputException also if the file exists */
 void saveMap(const SemanticVoxelMap& map, const std::string& path);
 
-/** \brief The map of an archive, in memory: it can grow, the file stays as it is. Its
- * window lies nowhere, and queries find nothing, until moveWindow() or a scan.
+/** \brief Loads the map of an archive into memory: the map can grow, the file stays
+ * unchanged. Its window is empty until moveWindow() or a scan.
  * \throws BadInputException */
 std::unique_ptr<SemanticVoxelMap> loadMap(const std::string& path);
 

@@ -20,28 +20,27 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 struct ArchiveHeader {
   LabelSet label_set;
   MapParameters parameters;
-  std::string configuration; ///< what the map is made from and with, a line each
+  std::string configuration; ///< sources and parameters of the map, one per line
 };
 
 /** \brief State of a map at the last commit of its archive. */
 struct ArchiveState {
   Eigen::Vector3d cloud_origin = Eigen::Vector3d::Zero(); ///< world frame [m]
-  bool finished = false;        ///< nothing is missing; else the run can go on
+  bool finished = false;        ///< false: the run can be continued
   std::uint64_t blocks = 0;     ///< set by MapArchive::commit
-  std::uint64_t key_sum = 0;    ///< of the indices of the blocks; likewise
-  std::uint64_t frames = 0;     ///< likewise
-  std::int64_t last_frame = -1; ///< number of the last of them; likewise
+  std::uint64_t key_sum = 0;    ///< sum over the indices of the blocks; set by commit
+  std::uint64_t frames = 0;     ///< set by commit
+  std::int64_t last_frame = -1; ///< number of the last frame; set by commit
 };
 
-/** \brief Called with the blocks that long work on an archive is done with, and with
- * those there are. */
+/** \brief Progress callback: number of finished blocks and of all blocks. */
 using BlockProgress = std::function<void(std::size_t done, std::size_t blocks)>;
 
-/** \brief A stored map: an archive (MapArchive), or a map in tiles, whose index
- * writeTileIndex() writes.
+/** \brief A stored map: an archive (MapArchive), or a tiled map with an index of
+ * writeTileIndex().
  *
- * Methods throw BadInputException with the name of a damaged file. Those of a map in
- * tiles are for one thread. */
+ * Methods throw BadInputException with the name of a damaged file. Tiled maps are not
+ * thread-safe. */
 class MapReader {
 public:
   /** \brief Opens an archive or an index of tiles. */
@@ -49,27 +48,27 @@ public:
 
   virtual ~MapReader() = default;
 
-  /** \brief Blocks, unpacked by all threads; null where there is none. */
+  /** \brief Reads blocks, decompressed in parallel; null where there is none. */
   virtual std::vector<std::unique_ptr<VoxelBlock>>
   get(const std::vector<VoxelIndex>& blocks) const = 0;
 
-  /** \brief Visits every block: of an archive in the order z, y, x of the indices, of a
-   * map in tiles so in each tile. */
+  /** \brief Visits every block in the order z, y, x of the indices; for a tiled map,
+   * this order holds within each tile. */
   virtual void forEach(
       const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const = 0;
 
-  /** \brief Visits the indices of all blocks in that order. */
+  /** \brief Visits the indices of all blocks in the order of forEach(). */
   virtual void
   forEachIndex(const std::function<void(const VoxelIndex&)>& visit) const = 0;
 
-  /** \brief Whether there is a block; takes no time. */
+  /** \brief Whether there is a block; fast. */
   virtual bool contains(const VoxelIndex& block) const = 0;
 
   virtual const std::string& path() const = 0;
 
   virtual const ArchiveHeader& header() const = 0;
 
-  /** \brief Of the last commit. */
+  /** \brief State at the last commit. */
   virtual ArchiveState state() const = 0;
 };
 

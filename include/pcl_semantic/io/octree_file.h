@@ -8,15 +8,16 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief How far a scene had to be moved for an octree, whose voxels begin at
- * multiples of their size: at most half a voxel in each axis [m], 0 for a map whose
- * voxels do so in the world, as all of ours do. */
+/** \brief Translation that aligns a scene with an octree, whose voxels begin at
+ * multiples of their size: at most half a voxel along each axis [m], 0 for maps of this
+ * library. */
 Eigen::Vector3d octreeShift(const VoxelScene& scene);
 
-/** \brief Writes an OctoMap `.bt` (OcTree, occupied or free) in the world frame: what
- * is occupied, and free where the scene knows it; all else is unknown. \throws
- * BadInputException if the map goes beyond the 2^15 voxels to each side of the world's
- * origin that an octree has \throws OutputException */
+/** \brief Writes an OctoMap `.bt` (OcTree, occupied or free) in the world frame. Free
+ * voxels are written if the scene has them; all others are unknown.
+ * \throws BadInputException if the map exceeds the octree's range of 2^15 voxels on
+ * each side of the world origin
+ * \throws OutputException */
 void writeOctree(const std::string& path, const VoxelScene& scene);
 
 } // namespace pcl_semantic

@@ -12,27 +12,28 @@
 #include <utility>
 #include <vector>
 
-// What an archive keeps of the run that made it: its description, a text of
-// "name: value" lines, and a record of each frame.
+// Information in an archive about the run that made it: a description in "name: value"
+// lines, and one record per frame.
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The sensor of a run, by which poses of another trajectory are its own. */
+/** \brief Sensor of a run: relates the poses of another trajectory to it. */
 struct RunSensor {
-  /// Of the frames' camera or scanner in camera 0, whose poses a trajectory holds.
+  /// Pose of the frames' camera or scanner in camera 0, if the trajectory contains the
+  /// poses of camera 0.
   Eigen::Isometry3d T_camera0_camera = Eigen::Isometry3d::Identity();
-  bool has_own_poses = false; ///< poses are the sensor's own, in a world with z up
+  bool has_own_poses = false; ///< poses are those of the sensor, in a world with z up
 };
 
-/** \brief That of a run, from its text.
- * \throws BadInputException if the text does not say */
+/** \brief Parses the sensor from a run's description.
+ * \throws BadInputException if it is missing */
 RunSensor sensorOf(const std::string& description);
 
-/** \brief Tells whether a frame is the one that a map was made from; it tells what was
- * changed by mistake, not what was forged. */
+/** \brief Checksums that tell whether a frame is the one a map was made from. They
+ * detect accidental changes, not forgery. */
 struct FrameDigest {
-  std::uint64_t data = 0;   ///< of images or points; 0 = not known
-  std::uint64_t labels = 0; ///< 0 = not known, or it has none
+  std::uint64_t data = 0;   ///< of images or points; 0 = unknown
+  std::uint64_t labels = 0; ///< 0 = unknown or without labels
 };
 
 /** \brief Record of a frame that was integrated into a map. */
@@ -42,16 +43,16 @@ struct FrameRecord {
   ScanCounts counts;
   std::vector<std::pair<std::string, double>> seconds;            ///< by stage
   double domain_shift = std::numeric_limits<double>::quiet_NaN(); ///< see MappedFrame
-  double timestamp = std::numeric_limits<double>::quiet_NaN(); ///< [s]; NaN: not known
-  FrameDigest digest; ///< of what it was made from
+  double timestamp = std::numeric_limits<double>::quiet_NaN();    ///< [s]; NaN: unknown
+  FrameDigest digest; ///< of the frame's input
 };
 
-/** \brief A record as bytes, without loss; older ones end before \a domain_shift,
- * \a timestamp or \a digest. */
+/** \brief Encodes a record without loss. Older records end before \a domain_shift, \a
+ * timestamp or \a digest. */
 std::vector<std::uint8_t> encodeFrameRecord(const FrameRecord& record);
 
 /** \param[in] number of the frame
- * \throws BadInputException if the bytes are not those of a record */
+ * \throws BadInputException if the bytes are no record */
 FrameRecord decodeFrameRecord(int number, const std::vector<std::uint8_t>& bytes);
 
 } // namespace pcl_semantic

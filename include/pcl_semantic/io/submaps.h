@@ -17,45 +17,44 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief How much of a drive goes into a submap: one of both. */
+/** \brief Length of a submap; set one of both. */
 struct SubmapLength {
-  double metres = 0.0; ///< of the way that was driven
+  double metres = 0.0; ///< along the trajectory
   int frames = 0;
 };
 
-/** \brief Where submaps begin.
- * \param[in] positions of the frames of a drive, in order [m]
- * \return the first frame of each submap, rising, the first is 0; empty without frames
- * \throws InvalidParameterException unless one of both lengths is positive */
+/** \brief Splits a sequence into submaps.
+ * \param[in] positions of the frames, in order [m]
+ * \return the first frame of each submap, ascending from 0; empty without frames
+ * \throws InvalidParameterException unless exactly one length is positive */
 std::vector<std::size_t> submapStarts(const std::vector<Eigen::Vector3d>& positions,
                                       const SubmapLength& length);
 
-/** \brief The poses of a trajectory, for frames of a run.
+/** \brief The poses of a trajectory for frames of a run.
  * \param[in] description of the run, see describeRun()
- * \param[out] doubts if not null: those of readTrajectory() are added to it
+ * \param[out] doubts if not null: the warnings of readTrajectory() are appended
  * \throws BadInputException */
 StoredPoses correctedPoses(const std::string& description,
                            const std::string& trajectory,
                            std::vector<std::string>* doubts = nullptr);
 
-/** \brief How corrected poses move a submap: rigidly, as they move its anchor, which is
- * the middle one of its frames.
- * \param[in] trajectory path of the poses, KITTI's or TUM's, of what the poses were of
- * that the submap was made with
- * \param[out] doubts if not null: those of readTrajectory() are added to it
+/** \brief Motion of a submap under corrected poses: rigid, that of its anchor, the
+ * middle frame.
+ * \param[in] trajectory path of the corrected poses, in KITTI's or TUM's format, of the
+ * same sensor as the submap's poses
+ * \param[out] doubts if not null: the warnings of readTrajectory() are appended
  * \return T_new_old, from the world frame of the submap to that of the poses
- * \throws BadInputException if the submap does not hold the frames it was made of, or
- * the trajectory has no pose for the anchor */
+ * \throws BadInputException if the submap has no frame records, or the trajectory has
+ * no pose for the anchor */
 Eigen::Isometry3d submapMotion(const MapArchive& submap, const std::string& trajectory,
                                std::vector<std::string>* doubts = nullptr);
 
-/** \brief A submap, and what places it. */
+/** \brief A submap and the trajectory that places it. */
 struct Submap {
   std::string path;         ///< of its archive
-  std::string trajectory{}; ///< see submapMotion(); empty: it lies where it was made
-  std::uint64_t digest = 0; ///< archiveDigest() of it; 0: not computed yet
-  /** \brief Of placed(), if it was computed already; the trajectory is not read then.
-   */
+  std::string trajectory{}; ///< see submapMotion(); empty: not moved
+  std::uint64_t digest = 0; ///< its archiveDigest(); 0: not computed yet
+  /** \brief Cached motion of placed(); if set, the trajectory is not read. */
   std::optional<Eigen::Isometry3d> motion{};
 
   bool
@@ -65,34 +64,36 @@ struct Submap {
   }
 };
 
-/** \brief A submap where it belongs. \param[out] doubts as of submapMotion()
+/** \brief Places a submap.
+ * \param[out] doubts as in submapMotion()
  * \throws as submapMotion() */
 PlacedArchive placed(const Submap& submap, std::vector<std::string>* doubts = nullptr);
 
-/** \brief Joins submaps of one drive or of several, see mergeArchives(). Where more
- * than one has hit a voxel, and around it, the CRF says anew what it is: the dense
- * model with the parameters of the run of the first by name, unless that run had none.
+/** \brief Merges submaps of one or more sequences, see mergeArchives(). In and around
+ * voxels that several submaps have hit, the CRF recomputes the labels: the dense model
+ * with the parameters of the first submap (by name), unless its run had no CRF.
  * \return number of blocks
  * \throws as mergeArchives() and submapMotion() */
 std::uint64_t mergeSubmaps(const std::vector<Submap>& submaps,
                            const std::string& output,
                            const BlockProgress& progress = nullptr);
 
-/** \brief The tiles that submaps reach, by tile: which of them. */
+/** \brief The submaps that reach each tile. */
 using SubmapTiles = std::map<MapTile, std::vector<Submap>>;
 
-/** \brief The tiles that a submap reaches where it is placed.
+/** \brief The tiles that a placed submap reaches.
  * \throws as submapMotion() */
 std::vector<MapTile> tilesOf(const Submap& submap);
 
-/** \brief Merges one tile into an archive of its own, as mergeSubmaps() does; a halo as
- * wide as the CRF needs comes from the tiles around it.
- * \param[in] tile a key of \a tiles
+/** \brief Merges one tile into an archive of its own, as mergeSubmaps() does, with a
+ * halo from the neighbouring tiles as wide as the CRF needs.
  *
- * Beside it a text says from which submaps it was made, how they were placed, and what
- * its own bytes are. A tile whose text would be the same is left as it is.
+ * A text file beside the archive records the submaps, their motions and a checksum of
+ * the archive. If this text would not change, the tile is not merged again.
+ * \param[in] tile a key of \a tiles
  * \param[in] output path, "tiles/0_0.map"; the text is "tiles/0_0.made"
- * \return whether it was made now \throws as mergeSubmaps() */
+ * \return whether the tile was merged
+ * \throws as mergeSubmaps() */
 bool mergeTile(const SubmapTiles& tiles, const MapTile& tile,
                const std::string& output);
 

@@ -16,17 +16,17 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 enum class VoxelColour {
   measured, ///< mean colour of the pixels
   classes,  ///< colour of the class, for pcl_viewer
-  none      ///< there is no such field
+  none      ///< no such field
 };
 
-/** \brief Whether any voxel has a measured colour: those of a scanner have none. */
+/** \brief Whether any voxel has a measured colour; voxels of a scanner have none. */
 bool hasColour(const VoxelCloud& voxels);
 
-/** \brief Writes the file of writeVoxelCloud() piece by piece, so that only a piece has
- * to be in memory. */
+/** \brief Writes the file of writeVoxelCloud() in chunks, so that only one chunk has to
+ * be in memory. */
 class VoxelCloudWriter {
 public:
-  /** \param[in] count voxels that will be written
+  /** \param[in] count total number of voxels
    * \param[in] voxel_size [m]
    * \param[in] origin of their points, world frame [m]
    * \throws OutputException */
@@ -34,11 +34,11 @@ public:
                    VoxelColour colour, std::size_t count, double voxel_size,
                    const Eigen::Vector3d& origin);
 
-  /** \param[in] is_written by voxel; empty = all */
+  /** \param[in] is_written selects voxels; empty = all */
   void write(const VoxelCloud& voxels, const std::vector<bool>& is_written = {});
 
-  /** \brief The file appears.
-   * \throws InvalidParameterException if it were not \a count voxels
+  /** \brief Completes the file, which then appears under its name.
+   * \throws InvalidParameterException unless \a count voxels were written
    * \throws OutputException */
   void commit();
 
@@ -52,9 +52,9 @@ private:
 
 /** \brief Writes a voxel cloud as binary `.pcd`: fields x y z [m, relative to
  * VoxelCloud::origin] rgba label probability (COUNT L, refined) entropy [nat]
- * observations. Of voxels without measured colour the file has no rgba. The comment
- * `# voxel_grid SIZE X Y Z` in its header says the edge of a voxel and the lower corner
- * of voxel 0 [m]: floor((point - corner) / size) is the index of a point's voxel.
+ * observations. Without measured colour there is no rgba. The comment `# voxel_grid
+ * SIZE X Y Z` in the header gives the edge of a voxel and the lower corner of voxel 0
+ * [m]: floor((point - corner) / size) is the index of a point's voxel.
  * \throws OutputException */
 void writeVoxelCloud(const std::string& path, const VoxelCloud& voxels,
                      const LabelSet& label_set, VoxelColour colour);

@@ -10,19 +10,19 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Where blocks go that leave the window, and come back from.
+/** \brief Store for the blocks outside the window.
  *
- * A map calls it from one thread at a time. What a method throws comes out of the map,
- * which stays as it was before the call; after a put() that threw, the block is kept in
- * the window. */
+ * A map calls it from one thread at a time. Exceptions pass through the map, which
+ * stays as it was before the call. After a put() that threw, the block stays in the
+ * window. */
 class BlockStore {
 public:
   virtual ~BlockStore() = default;
 
-  /** \brief Keeps a copy of a block; replaces what was kept at this index. */
+  /** \brief Stores a copy of a block; replaces an earlier one at this index. */
   virtual void put(const VoxelIndex& block, const VoxelBlock& content) = 0;
 
-  /** \brief A copy of what was put at this index; null if nothing was. */
+  /** \brief A copy of the block at this index; null if there is none. */
   virtual std::unique_ptr<VoxelBlock> get(const VoxelIndex& block) const = 0;
 
   /** \brief Visits every block, in the order z, y, x of the indices. */
@@ -30,7 +30,7 @@ public:
       const std::function<void(const VoxelIndex&, const VoxelBlock&)>& visit) const = 0;
 };
 
-/** \brief Keeps blocks in memory: the map forgets nothing and grows. */
+/** \brief Stores blocks in memory, which grows with the map. */
 class MemoryBlockStore : public BlockStore {
 public:
   void put(const VoxelIndex& block, const VoxelBlock& content) override;

@@ -9,8 +9,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Doubts about valid parameters, a line each: lengths that look like
- * centimetres or millimetres. */
+/** \brief Warnings about valid but unlikely parameters, one line each: lengths that
+ * look like centimetres or millimetres. */
 std::vector<std::string> doubtsOf(const MapParameters& parameters);
 
 } // namespace pcl_semantic

@@ -12,7 +12,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Values that lie in memory at equal distances, as a field of a cloud. */
+/** \brief A strided view of values in memory, such as a field of a cloud. */
 template <typename T> class FieldView {
 public:
   FieldView() = default;
@@ -39,7 +39,7 @@ public:
     return size_ == 0;
   }
 
-  /** \brief Where a value lies; it need not be aligned. */
+  /** \brief Address of a value, which may be unaligned. */
   const void*
   address(std::size_t i) const
   {
@@ -59,7 +59,7 @@ private:
   std::size_t size_ = 0, stride_ = 0;
 };
 
-/** \brief View of a cloud of any type, for the map. */
+/** \brief View of a cloud of any type, the input of the map. */
 struct Scan {
   FieldView<Eigen::Vector3f> points; ///< sensor frame [m]
   FieldView<std::uint32_t> rgb;      ///< packed as in PCL; empty = no colour
@@ -68,14 +68,13 @@ struct Scan {
   const std::vector<float>* deviations = nullptr;
 };
 
-/** \brief Counts of one scan. */
 struct ScanCounts {
   std::size_t points = 0; ///< in the cloud
   std::size_t rays = 0;   ///< cast
-  /// Skipped: at NaN, infinite, absurdly far, or exactly 0 0 0 (isReturn()).
+  /// Skipped: NaN, infinite, beyond the map's limits, or exactly 0 0 0 (isReturn()).
   std::size_t invalid = 0;
   std::size_t sky = 0; ///< labelled as sky: skipped
-  /// Of a stereo image: erased before the scan was cast, see eraseSeenThrough.
+  /// Stereo only: erased before the scan was cast, see eraseSeenThrough().
   std::size_t seen_through = 0;
   std::size_t hit_voxels = 0; ///< voxels with an end point
 };

@@ -14,21 +14,22 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Erases the points of voxels that most rays of the same image pass through.
  *
- * Stereo makes things wider than they are: pixels beside a pole get the depth of the
- * pole. A hit wins over a miss in a map, so that a few such pixels fill a whole voxel.
- * Here a voxel keeps its points if they are a fraction of those pixels that see it or
- * look past it, of the rectangle that encloses its cube in the image. A pixel looks
- * past if its depth is larger than that of the voxel's centre by more than 0.5 m and
- * what a ray over the edge of a voxel of the ground gains when the camera is 2 m high,
- * z voxel_size / 2 m. One without depth says nothing.
+ * Stereo causes foreground fattening: pixels beside a pole get the depth of the pole. A
+ * hit wins over a miss in a map, so a few such pixels fill a whole voxel. This filter
+ * counts the pixels in the rectangle around a voxel's projected cube: those that hit
+ * the voxel and those that see through it. A voxel keeps its points if hits are at
+ * least a fraction of this count. A pixel sees through a voxel if its depth exceeds
+ * that of the voxel's centre by more than 0.5 m plus z voxel_size / 2 m, the depth
+ * range of a ray over the edge of a ground voxel for a camera 2 m above ground. Pixels
+ * without depth are not counted.
  *
  * \param[in,out] cloud of the image, camera frame [m]; erased points become NaN
  * \param[in] camera its image size is that of the cloud
  * \param[in] voxel_size edge of a voxel [m]
  * \param[in] fraction 0 to 1; 0 = nothing is erased
- * \return number of points erased; it and they do not depend on the number of threads
- * \throws InvalidParameterException if the cloud is not the camera's, or a parameter is
- * out of its range
+ * \return number of erased points; the result does not depend on the number of threads
+ * \throws InvalidParameterException if the cloud does not fit the camera, or a
+ * parameter is out of range
  * \throws BadInputException as requireRigid() */
 std::size_t eraseSeenThrough(pcl::PointCloud<pcl::PointXYZRGB>& cloud,
                              const StereoCamera& camera,

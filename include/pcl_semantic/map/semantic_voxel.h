@@ -18,20 +18,19 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 using StoredLogOdds = std::int16_t;
 constexpr float kLogOddsUnit = 1.0f / 4096.0f;
 
-/** \brief Probability of being occupied of what no ray has reached; measured, see
+/** \brief Occupancy probability of space that no ray has reached; measured, see
  * doc/map.md. */
 constexpr float kOccupancyPrior = 0.27f;
 
-/** \brief Probability of being occupied, given the log-odds of a voxel (0 = unknown).
- * Scans count from even odds, so that one hit makes a voxel occupied; but most of space
- * is free, and what is as often right as it says begins at kOccupancyPrior. */
+/** \brief Occupancy probability from the log-odds of a voxel (0 = unknown). Scans count
+ * from even odds, so that one hit makes a voxel occupied. Because most of space is
+ * free, calibrated probabilities start at kOccupancyPrior instead. */
 inline float
 occupancyProbability(float log_odds)
 {
   return 1.0f / (1.0f + (1.0f / kOccupancyPrior - 1.0f) * std::exp(-log_odds));
 }
 
-/** \brief Marks a voxel that no ray has reached: neither free nor occupied. */
 constexpr StoredLogOdds kUnknown = std::numeric_limits<StoredLogOdds>::min();
 
 constexpr std::uint16_t kVoxelCentre = 1 << 15; ///< see VoxelRecord::position
@@ -46,30 +45,30 @@ struct VoxelRecord {
   std::array<std::uint16_t, 3> position{kVoxelCentre, kVoxelCentre, kVoxelCentre};
 };
 
-/** \brief 8 x 8 x 8 voxels: occupancy for all, records for those that were hit, so that
- * memory grows with surfaces and not with volume. */
+/** \brief 8 x 8 x 8 voxels: occupancy for all, records only for those that were hit, so
+ * that memory grows with surfaces instead of volume. */
 struct VoxelBlock {
   static constexpr std::int16_t kNoRecord = -1;
 
   std::array<StoredLogOdds, kBlockVoxels> log_odds;
-  std::vector<std::int16_t> record_of; ///< by offset, or empty if nothing was hit
+  std::vector<std::int16_t> record_of; ///< by offset; empty if there was no hit
   std::vector<VoxelRecord> records;
-  std::vector<float> measured; ///< L a row: fused log-probabilities, the largest is 0
-  std::vector<float> refined;  ///< L a row: distribution of the CRF; all zero = none
-  bool changed = false;        ///< since a BlockStore has seen it
+  std::vector<float> measured; ///< L per row: fused log-probabilities, the largest is 0
+  std::vector<float> refined;  ///< L per row: distribution of the CRF; all zero = none
+  bool changed = false;        ///< since the last write to a BlockStore
 
   VoxelBlock() { log_odds.fill(kUnknown); }
 
   /** \brief Row of a voxel in the vectors above; kNoRecord if it was never hit.
-   * \param[in] offset in the block, see voxelInBlock */
+   * \param[in] offset in the block, see voxelInBlock() */
   int
   recordAt(int offset) const
   {
     return record_of.empty() ? kNoRecord : record_of[std::size_t(offset)];
   }
 
-  /** \brief The record of a voxel, made if it has none.
-   * \param[in] offset in the block, see voxelInBlock
+  /** \brief Row of a voxel; adds a record if there is none.
+   * \param[in] offset in the block, see voxelInBlock()
    * \param[in] classes L */
   int
   makeRecord(int offset, int classes)
@@ -96,17 +95,15 @@ memoryOf(const VoxelBlock& block)
          (block.measured.capacity() + block.refined.capacity()) * sizeof(float);
 }
 
-/** \brief Occupancy of a point in space. */
 enum class Occupancy { unknown, free, occupied };
 
-/** \brief All that a map knows of one voxel. */
 struct VoxelState {
   VoxelIndex index = VoxelIndex::Zero(); ///< global
   Occupancy occupancy = Occupancy::unknown;
-  float log_odds = 0.0f; ///< as counted, 0 if unknown; see occupancyProbability()
+  float log_odds = 0.0f; ///< accumulated; 0 if unknown; see occupancyProbability()
   /// Mean position of its hits, world frame [m]; its centre if there were none.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  std::array<std::uint8_t, 3> colour{}; ///< mean red, green, blue; black if never seen
+  std::array<std::uint8_t, 3> colour{}; ///< mean red, green, blue; black without colour
   std::uint32_t observations = 0;       ///< scans that hit the voxel
   Label label = kUnlabelled;            ///< MAP of \a refined
   std::vector<float> measured;          ///< L fused probabilities; all 0: no label

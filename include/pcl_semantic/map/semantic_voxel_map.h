@@ -22,12 +22,12 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief A semantic occupancy map in a window that moves with the sensor.
  *
  * Scans of any sensor update occupancy by ray casting and fuse colour and label
- * distributions (section III of the paper). Blocks that leave the window go to a
- * BlockStore and come back when it returns. World frame: x forward, y left, z up [m].
+ * distributions (section III of the paper). Blocks that leave the window move to a
+ * BlockStore and return with the window. World frame: x forward, y left, z up [m].
  *
- * One thread may write (what is not const) while any number of others read: a reader
- * sees the map as it stands between two calls of the writer, and waits while one of
- * them runs. What the store throws comes through; the window then stays where it is. */
+ * One thread may write (non-const methods) while others read. A reader sees the map
+ * between two calls of the writer, and waits during a call. Exceptions of the store
+ * pass through; the window then stays where it is. */
 class SemanticVoxelMap {
 public:
   using Ptr = std::shared_ptr<SemanticVoxelMap>;
@@ -43,88 +43,93 @@ public:
 
   ~SemanticVoxelMap();
 
-  /** \brief Takes in one scan: moves the window to the sensor, casts a ray to every
-   * point, and fuses colours and labels of the ends. One update per voxel and scan; a
-   * hit wins over a miss.
+  /** \brief Integrates one scan: moves the window to the sensor, casts a ray to every
+   * point, and fuses colours and labels of the end points. One update per voxel and
+   * scan; a hit wins over a miss.
    * \param[in] cloud sensor frame [m], organized or not, any point type with xyz
    * \param[in] T_world_sensor pose of the sensor; sensorPose() gives that of the cloud
    * \param[in] distributions L x cloud.size(), or LabelDistributions() for a scan
-   * without labels \param[in] deviations of the distance to each point [m], or empty if
-   * they are exact: nothing is cleared within two deviations of an end, and its hit
-   * weighs less; a point whose deviation is NaN or negative is skipped \throws
-   * InvalidParameterException if the sizes do not fit the cloud \throws
-   * BadInputException if the pose is no rigid motion, or too far away, or a probability
-   * is negative or not finite */
+   * without labels
+   * \param[in] deviations standard deviations of the distance to each point [m], or
+   * empty if the distances are exact. A ray clears nothing within two deviations of its
+   * end, and its hit has less weight. A point whose deviation is NaN or negative is
+   * skipped.
+   * \throws InvalidParameterException if the sizes do not fit the cloud
+   * \throws BadInputException if the pose is not rigid or too far away, or a
+   * probability is negative or not finite */
   template <typename PointT>
   ScanCounts integrate(const pcl::PointCloud<PointT>& cloud,
                        const Eigen::Isometry3d& T_world_sensor,
                        const LabelDistributions& distributions = LabelDistributions(),
                        const std::vector<float>& deviations = {});
 
-  /** \brief Fuses the labels of a scan that was taken in without them: in each voxel
-   * that an end point lies in and some scan has hit, as integrate() would have. Voxels
-   * that have left the window get none.
-   * \param[in] cloud, T_world_sensor as they were given to integrate()
+  /** \brief Fuses the labels of a scan that was integrated without them, as integrate()
+   * would have: in each voxel that contains an end point and was hit. Voxels that have
+   * left the window get no labels.
+   * \param[in] cloud, T_world_sensor as for integrate()
    * \param[in] distributions L x cloud.size()
-   * \return voxels that got a label
+   * \return number of labelled voxels
    * \throws as integrate() */
   template <typename PointT>
   std::size_t addLabels(const pcl::PointCloud<PointT>& cloud,
                         const Eigen::Isometry3d& T_world_sensor,
                         const LabelDistributions& distributions);
 
-  /** \brief Moves the window without a scan, as for queries of a loaded map.
-   * \param[in] centre world frame [m] \throws BadInputException if too far away */
+  /** \brief Moves the window without a scan, for queries of a loaded map.
+   * \param[in] centre world frame [m]
+   * \throws BadInputException if it is too far away */
   void moveWindow(const Eigen::Vector3d& centre);
 
-  /** \brief The occupied voxels: of the window, and also of what left it. */
+  /** \brief The occupied voxels of the window, or of the window and the store. */
   VoxelCloud occupied() const;
   VoxelCloud occupiedEverywhere() const;
 
-  /** \brief Visits every block, those that left the window too, by z, y, x of their
-   * indices. \param[in] visit must not call the map */
+  /** \brief Visits every block, stored ones included, by z, y, x of their indices.
+   * \param[in] visit must not call the map */
   void forEachBlock(const VisitBlock& visit) const;
 
-  /** \brief Puts the blocks that have changed into the store: it then holds all. */
+  /** \brief Writes the changed blocks to the store, which is then complete. */
   void flush();
 
-  /** \brief Origin of the points of all clouds given out, world frame [m]: a multiple
-   * of a kilometre near the first sensor, or what a map that goes on was given. */
+  /** \brief Origin of the points of all returned clouds, world frame [m]: a multiple of
+   * a kilometre near the first sensor, or the origin of the map that is continued. */
   Eigen::Vector3d cloudOrigin() const;
 
   void setCloudOrigin(const Eigen::Vector3d& origin);
 
-  /** \brief Takes back refined distributions. They hold until the voxel is measured
-   * again; the measurements stay as they are.
-   * \param[in] voxels as occupied() gave them
+  /** \brief Stores refined distributions. They hold until the voxel is measured again;
+   * the measurements stay unchanged.
+   * \param[in] voxels as occupied() returned them
    * \param[in] refined L x voxels.size()
-   * \param[in] as_measured they also take the place of the labels measured so far
-   * \throws InvalidParameterException for other sizes, or what is no probability */
+   * \param[in] as_measured also replace the measured labels
+   * \throws InvalidParameterException if a size does not fit or a value is no
+   * probability */
   void setRefined(const VoxelCloud& voxels, const LabelDistributions& refined,
                   bool as_measured = false);
 
-  /** \brief Queries of the window, world frame [m]; what lies outside is unknown. */
+  /** \brief Occupancy at a point, world frame [m]; unknown outside the window. */
   Occupancy occupancy(const Eigen::Vector3d& point) const;
 
-  /** \brief MAP labels (refined if there are some) of the occupied voxels at points,
-   * all at one moment; kUnlabelled where there is none. */
+  /** \brief MAP labels (refined if available) of the occupied voxels at points, from
+   * one state of the map; kUnlabelled elsewhere. */
   std::vector<Label> labels(const std::vector<Eigen::Vector3d>& points) const;
 
   VoxelState state(const Eigen::Vector3d& point) const;
 
-  /** \brief The known voxels (free or occupied) that meet a box, blocks by z, y, x. */
+  /** \brief The known voxels (free or occupied) that intersect a box, blocks by z, y,
+   * x. */
   std::vector<VoxelState> states(const Eigen::AlignedBox3d& box) const;
 
-  /** \brief The occupied voxel that a segment meets first; nothing if there is none, or
-   * an end is not finite or absurdly far. */
+  /** \brief The first occupied voxel along a segment; nothing if there is none, or an
+   * end is not finite or too far away. */
   std::optional<VoxelState> firstOccupied(const Eigen::Vector3d& from,
                                           const Eigen::Vector3d& to) const;
 
-  /** \brief The voxel that holds a point, world frame [m], as scans hit it.
-   * \throws InvalidParameterException if the point is not finite or absurdly far */
+  /** \brief The voxel that contains a point, world frame [m].
+   * \throws InvalidParameterException if the point is not finite or too far away */
   VoxelIndex voxelOf(const Eigen::Vector3d& point) const;
 
-  /** \brief Threads of integrate() and of the functions that give out voxels, as
+  /** \brief Sets the number of threads of integrate() and of the queries, as
    * CRFSettings::setNumberOfThreads(). */
   void setNumberOfThreads(int threads);
 

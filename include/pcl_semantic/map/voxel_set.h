@@ -11,23 +11,22 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Which voxels there are, a bit each: answers millions of questions for
- * neighbours a second. */
+/** \brief A set of voxels, one bit each, for fast neighbour queries (millions per
+ * second). */
 class VoxelSet {
-  using Bits = std::array<std::uint64_t, 8>; // 8 x 8 x 8 voxels, one word a layer
+  using Bits = std::array<std::uint64_t, 8>; // 8 x 8 x 8 voxels, one word per layer
 
 public:
   explicit VoxelSet(const std::vector<VoxelIndex>& voxels);
 
-  /** \brief Number of voxels, each counted once. */
   std::size_t
   size() const
   {
     return size_;
   }
 
-  /** \brief Asks a set, and remembers the block it asked last: one for each thread. The
-   * set has to stay. */
+  /** \brief Queries a set and caches the last block; use one reader per thread. The set
+   * must outlive the reader. */
   class Reader {
   public:
     explicit Reader(const VoxelSet& set) : set_(set) {}

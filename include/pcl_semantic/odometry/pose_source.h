@@ -11,8 +11,8 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Tells where the sensor was when a frame was taken: the left camera of a
- * stereo pair, or the sensor whose frame a cloud is in. */
+/** \brief Gives the sensor pose at the time of a frame: of the left camera of a stereo
+ * pair, or of the frame of a cloud. */
 class PoseSource {
 public:
   virtual ~PoseSource() = default;
@@ -21,15 +21,15 @@ public:
    * \throws BadInputException that names the frame, if there is no pose for it */
   virtual Eigen::Isometry3d pose(const SensorFrame& frame) = 0;
 
-  /** \brief Before the first frame: makes sure that all frames have a pose, as far as
-   * that can be known without their data.
-   * \throws BadInputException that names the first frame without one, and says how many
-   * lack one and what was expected */
+  /** \brief Checks before the first frame that all frames have a pose, as far as
+   * possible without their data.
+   * \throws BadInputException that names the first frame without one, the number of
+   * such frames and the expected input */
   virtual void
   requirePoses(const std::vector<FrameTime>& /*frames*/) const
   {}
 
-  /** \brief Frames so far whose poses are predicted, as nothing could be tracked. */
+  /** \brief Number of frames so far with a predicted pose, because tracking failed. */
   virtual int
   lostFrames() const
   {
@@ -37,8 +37,9 @@ public:
   }
 };
 
-/** \brief The pose of a frame whose data is not there, of a source that asks for number
- * and time alone, as those of files do. \throws as PoseSource::pose() */
+/** \brief The pose of a frame without its data, for sources that need only number and
+ * time, such as files.
+ * \throws as PoseSource::pose() */
 inline Eigen::Isometry3d
 poseAt(PoseSource& poses, const FrameTime& time)
 {

@@ -13,52 +13,52 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Result of StereoOdometry for one frame. */
 struct OdometryResult {
-  int frame = 0; ///< its number
+  int frame = 0; ///< frame number
 
   /** \brief Pose of the frame's left camera in the world [m]. */
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
 
   /** \brief Covariance of a small error of that pose, in the axes of the camera:
-   * translation [m^2], then rotation [rad^2]. It grows along the way, as every frame
-   * adds its motion's; 0 at the first frame. */
+   * translation [m^2], then rotation [rad^2]. Every frame adds the covariance of its
+   * motion; 0 at the first frame. */
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 
-  /** \brief Same, of the motion since the frame before alone. */
+  /** \brief Covariance of the motion since the previous frame, likewise. */
   Eigen::Matrix<double, 6, 6> motion_covariance = Eigen::Matrix<double, 6, 6>::Zero();
 
-  bool is_lost = false;          ///< the pose is the predicted one: nothing supports it
+  bool is_lost = false;          ///< the pose is predicted without measurements
   bool is_keyframe = false;      ///< stays in the window
-  int tracked = 0;               ///< features found again
-  int inliers = 0;               ///< of those, how many agree with the pose
-  double disparity_offset = 0.0; ///< what disparities were measured too large by [px]
+  int tracked = 0;               ///< matched features
+  int inliers = 0;               ///< matched features that agree with the pose
+  double disparity_offset = 0.0; ///< estimated bias of the disparities [px]
 };
 
-/** \brief Poses from the stereo images alone.
+/** \brief Stereo visual odometry.
  *
- * Corners are followed from frame to frame and from left to right (and back: a circle,
- * Geiger et al., StereoScan, 2011), a robust estimate of the motion picks those that
- * agree (RANSAC, Nister et al., 2004), and the poses of the last keyframes and the
- * depths of all points are adjusted together. Where too little can be followed the
- * motion of before goes on, the result says so, and the next frames start anew from
- * there. The same poses for any number of threads. See doc/odometry.md.
+ * Corners are tracked in a circle: between frames and between left and right images
+ * (Geiger et al., StereoScan, 2011). RANSAC (Nister et al., 2004) selects those that
+ * agree with one motion. A bundle adjustment refines the poses of the last keyframes
+ * and the depths of all points. With too few features the pose is predicted by the
+ * previous motion, the result reports it, and tracking restarts from there. Poses do
+ * not depend on the number of threads. See doc/odometry.md.
  *
- * Frames have to come in their order; a frame that comes twice in a row gets the same
- * pose. The world has its origin at camera 0 of the first frame. */
+ * Frames must be in order; a frame passed twice in a row gets the same pose. The world
+ * origin is camera 0 of the first frame. */
 class StereoOdometry : public PoseSource {
 public:
   struct Parameters {
-    int features = 600;           ///< how many are followed at most
-    int window = 8;               ///< keyframes that are adjusted together
-    int iterations = 4;           ///< of the adjustment, at most
+    int features = 600;           ///< maximum number of tracked features
+    int window = 8;               ///< keyframes in the adjustment
+    int iterations = 4;           ///< maximum iterations of the adjustment
     int minimum_inliers = 12;     ///< with fewer the frame is lost
     int max_disparity = 0;        ///< of a new feature [px]; 0 = an eighth of the width
-    double keyframe_flow = 0.015; ///< median way of the features that makes a keyframe,
-                                  ///< in widths of the image
+    double keyframe_flow = 0.015; ///< median feature displacement that makes a keyframe
+                                  ///< [image widths]
     double pixel_noise = 0.15;    ///< standard deviation of a feature's position [px]
-    double disparity_noise = 0.3; ///< and of its disparity [px]
+    double disparity_noise = 0.3; ///< standard deviation of its disparity [px]
 
-    /** \brief How far the offset that all disparities share, an error of the
-     * rectification, may move from one keyframe to the next [px]; 0 = there is none. */
+    /** \brief Maximum change, between keyframes, of the offset that all disparities
+     * share because of rectification errors [px]; 0 = no offset. */
     double offset_drift = 0.03;
 
     /** \throws InvalidParameterException */
@@ -66,8 +66,9 @@ public:
   };
 
   /** \param[in] camera of the rectified images
-   * \param[in] T_camera0_camera the left camera in camera 0, the world's origin
-   * \throws InvalidParameterException \throws BadInputException as requireRigid() */
+   * \param[in] T_camera0_camera pose of the left camera in camera 0, the world origin
+   * \throws InvalidParameterException
+   * \throws BadInputException as requireRigid() */
   StereoOdometry(const StereoCamera& camera, const Eigen::Isometry3d& T_camera0_camera,
                  const Parameters& parameters);
   explicit StereoOdometry(
@@ -78,12 +79,11 @@ public:
   /** \brief T_world_camera of the frame, see process(). */
   Eigen::Isometry3d pose(const SensorFrame& frame) override;
 
-  /** \brief Takes the next frame.
-   * \throws BadInputException that names the frame, if the images are of another size
-   * than each other or the camera's, or of another type than 8 bit grey or BGR */
+  /** \brief Processes the next frame.
+   * \throws BadInputException that names the frame, if the images differ in size from
+   * each other or the camera, or are not 8 bit grey or BGR */
   const OdometryResult& process(const StereoFrame& frame);
 
-  /** \brief How many frames were lost since the beginning. */
   int lostFrames() const override;
 
 private:

@@ -34,31 +34,30 @@ private:
   StoredPoses poses_;
 };
 
-/** \brief The poses of a trajectory that was read, for the frames of a sensor.
- * \param[in] T_camera0_camera the camera that takes the images, in camera 0, if the
- * file holds the poses of that */
+/** \brief The poses of a trajectory for the frames of a sensor.
+ * \param[in] T_camera0_camera pose of the images' camera in camera 0, if the file
+ * contains the poses of camera 0 */
 std::unique_ptr<PoseSource>
 posesOf(const StoredTrajectory& trajectory,
         const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity());
 
-/** \brief The poses of a trajectory file, KITTI's or TUM's, whichever it is.
- * \param[in] T_camera0_camera the camera that takes the images, in camera 0, whose
- * poses the file holds
- * \param[out] doubts if not null: those of readTrajectory() are added to it
+/** \brief Reads poses of camera 0 from a trajectory file in KITTI's or TUM's format.
+ * \param[in] T_camera0_camera pose of the images' camera in camera 0
+ * \param[out] doubts if not null: the warnings of readTrajectory() are appended
  * \throws BadInputException as readKittiTrajectory() and readTumTrajectory() */
 std::unique_ptr<PoseSource>
 readPoses(const std::string& path,
           const Eigen::Isometry3d& T_camera0_camera = Eigen::Isometry3d::Identity(),
           std::vector<std::string>* doubts = nullptr);
 
-/** \brief The same of a file that holds the poses of the sensor itself, T_world_sensor
- * in a world with z up (x forward, if the map shall be seen as it was driven).
- * \param[in] frame sensor or camera: what is known of its axes, for the doubts */
+/** \brief Reads the poses of the sensor itself, T_world_sensor in a world with z up (x
+ * forward gives the usual view of the map).
+ * \param[in] frame sensor or camera: the known axes, for plausibility warnings */
 std::unique_ptr<PoseSource> readSensorPoses(const std::string& path,
                                             PoseFrame frame = PoseFrame::sensor,
                                             std::vector<std::string>* doubts = nullptr);
 
-/** \brief The poses that clouds bring, CloudFrame::viewpoint. */
+/** \brief The poses stored in clouds, CloudFrame::viewpoint. */
 class ViewpointPoses : public PoseSource {
 public:
   /** \throws InvalidParameterException if the frame is no cloud */

@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The colours around a picture. */
+/** \brief Colours of background and annotations. */
 struct DrawingTheme {
   cv::Scalar background;
   cv::Scalar text;
@@ -20,7 +20,6 @@ struct DrawingTheme {
 extern const DrawingTheme dark_theme;
 extern const DrawingTheme light_theme;
 
-/** \brief A swatch of a legend and what it means. */
 struct LegendEntry {
   std::string text;
   cv::Vec3b colour; ///< blue, green, red
@@ -32,20 +31,21 @@ cv::Vec3b classColour(const LabelSet& label_set, Label label);
 /** \brief Width of a text as drawText() draws it [px]. */
 int textWidth(const std::string& text, double size = 1.0);
 
-/** \brief Writes a line of ASCII text. \param[in] at the left end of the base line
+/** \brief Draws a line of ASCII text.
+ * \param[in] at left end of the baseline
  * \param[in] size 1: letters 10 px high */
 void drawText(cv::Mat& picture, const std::string& text, cv::Point at,
               const cv::Scalar& colour, double size = 1.0);
 
-/** \brief A picture with a strip of swatches and names below it, as many rows as its
- * width needs. */
+/** \brief Adds a legend below an image, in as many rows as the width requires. */
 cv::Mat withLegend(const cv::Mat& picture, const std::vector<LegendEntry>& entries,
                    const DrawingTheme& theme);
 
-/** \brief An entry a class, in the order of the labels. */
+/** \brief One entry per class, in the order of the labels. */
 std::vector<LegendEntry> legendOf(const LabelSet& label_set);
 
-/** \brief A bar of 1, 2 or 5 times a power of ten metres in the lower left corner. */
+/** \brief Draws a scale bar of 1, 2 or 5 times a power of ten metres in the lower left
+ * corner. */
 void drawScale(cv::Mat& picture, double pixels_per_metre, const DrawingTheme& theme);
 
 } // namespace pcl_semantic

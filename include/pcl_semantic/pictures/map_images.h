@@ -11,17 +11,16 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The camera's image with the classes of the map laid over it, and a legend
- * below.
+/** \brief Overlays the camera's image with the classes of the map, and adds a legend.
  * \param[in] image CV_8UC3 (BGR) or CV_8UC1
  * \param[in] labels CV_8UC1 of the same size; 0 shows the image in grey
  * \throws InvalidParameterException if the sizes differ */
 cv::Mat drawOverlay(const cv::Mat& image, const cv::Mat& labels,
                     const LabelSet& label_set);
 
-/** \brief A map from above: each column of voxels in the class of its highest labelled
- * voxel, lighter the higher it is; the sensor's path in red, a scale, a legend. World x
- * (forward) points up, y (left) to the left.
+/** \brief Renders a map from above: each column of voxels in the class of its highest
+ * labelled voxel, lighter with height; the sensor's path in red, a scale bar, a legend.
+ * World x (forward) points up, y (left) to the left.
  * \param[in] path positions of the sensor, world frame [m] */
 cv::Mat drawTopView(const VoxelCloud& voxels, const std::vector<Eigen::Vector3d>& path,
                     const LabelSet& label_set);

@@ -12,40 +12,42 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief How a map becomes a plan of the ground. */
+/** \brief Parameters of the conversion from a map to an occupancy grid. */
 struct OccupancyGridParameters {
-  std::vector<Label> ground; ///< classes that the ground is made of
-  double min_height = 0.3;   ///< above the local ground, of centres of voxels [m]
-  double max_height = 2.0;   ///< what is higher is no obstacle [m]
-  double reach = 5.0; ///< where there is no ground, how far the nearest may be [m]
+  std::vector<Label> ground; ///< classes of the ground
+  double min_height = 0.3;   ///< of voxel centres above the local ground [m]
+  double max_height = 2.0;   ///< of an obstacle [m]
+  double reach = 5.0; ///< maximum distance to the nearest ground where a column has
+                      ///< none [m]
 };
 
-/** \brief A plan of the ground, seen from above, a cell for each column of voxels. */
+/** \brief A 2D occupancy grid seen from above, one cell per column of voxels. */
 struct OccupancyGrid {
   static constexpr std::uint8_t kOccupied = 0, kUnknown = 205, kFree = 254;
 
-  cv::Mat cells;           ///< CV_8UC1 of these three; x to the right, y upwards
-  double resolution = 0.0; ///< side of a cell [m]
+  cv::Mat cells;           ///< CV_8UC1 of these three values; x to the right, y upwards
+  double resolution = 0.0; ///< edge of a cell [m]
   Eigen::Vector2d origin = Eigen::Vector2d::Zero(); ///< lower left corner, world [m]
 };
 
-/** \brief Where an obstacle stands between the two heights above the ground.
+/** \brief Computes the grid: a cell is occupied if it has an obstacle between the two
+ * heights above ground.
  *
- * The ground of a column is the top of its lowest stretch of voxels of the ground's
- * classes; elsewhere that of the nearest column that has one, within the reach; then
- * the median of 5 x 5 columns. A column is free if a voxel between the heights is known
- * to be free; if the scene knows nothing of that, where its own ground is seen. Else it
- * is unknown.
- * \throws InvalidParameterException if the heights or the reach are none
- * \throws BadInputException if there is no ground, or the plan is too large */
+ * The ground of a column is the top of its lowest continuous run of ground voxels, or
+ * that of the nearest column with ground within the reach; a median over 5 x 5 columns
+ * smooths it. A cell is free if a voxel between the heights is free; if the scene has
+ * no free voxels, a cell is free where its own ground was observed. Other cells are
+ * unknown.
+ * \throws InvalidParameterException if the heights or the reach are invalid
+ * \throws BadInputException if there is no ground, or the grid is too large */
 OccupancyGrid occupancyGrid(const VoxelScene& scene,
                             const OccupancyGridParameters& parameters);
 
-/** \brief The name of the description beside a grid's image: x.yaml for x.pgm. */
+/** \brief Path of the description of a grid's image: x.yaml for x.pgm. */
 std::string gridDescription(const std::string& path);
 
-/** \brief Writes an image `.pgm` and a description `.yaml` as ROS's map_server reads
- * them. The description appears last: where it is, the image is.
+/** \brief Writes an image `.pgm` and a description `.yaml` for ROS's map_server. The
+ * description is written last: if it exists, the image exists.
  * \throws OutputException */
 void writeOccupancyGrid(const std::string& path, const OccupancyGrid& grid);
 

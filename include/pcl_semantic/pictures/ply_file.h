@@ -12,10 +12,10 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 /** \brief Writes the points of voxels as binary `.ply`: a vertex has x y z (float,
- * relative to VoxelScene::origin, which the header has as a comment) [m], red green
- * blue (uchar) and label (uint).
+ * relative to VoxelScene::origin, which is a comment in the header) [m], red green blue
+ * (uchar) and label (uint).
  * \param[in] colours blue, green, red of each voxel
- * \throws InvalidParameterException if there are not as many colours as voxels
+ * \throws InvalidParameterException unless there is one colour per voxel
  * \throws OutputException */
 void writePlyPoints(const std::string& path, const VoxelScene& scene,
                     const std::vector<cv::Vec3b>& colours);

@@ -9,16 +9,16 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Draws voxels as solid, shaded cubes on a light background, with the sensor's
- * path, a grid on the ground (a scale without perspective) and a legend below.
+/** \brief Renders voxels as solid, shaded cubes on a light background, with the
+ * sensor's path, a ground grid (a scale bar without perspective) and a legend below.
  *
- * Faces are lit by their orientation, darker in corners and behind edges, so that
- * shapes read; sides are smoothed by drawing twice as large. Neither the number of
- * threads nor the order of the voxels changes a pixel.
- * \param[in] path in the world of the view; may be empty
- * \return CV_8UC3 (BGR), of the view's width, higher than it by the legend
- * \throws InvalidParameterException if there are no voxels, as many colours as voxels
- * are not given, or the camera is inside a voxel */
+ * Faces are shaded by orientation and darker in corners and behind edges. Rendering at
+ * twice the size smooths edges. The image depends neither on the number of threads nor
+ * on the order of the voxels.
+ * \param[in] path in the world frame of the view; may be empty
+ * \return CV_8UC3 (BGR), of the view's width; the legend adds to the height
+ * \throws InvalidParameterException if there are no voxels, the number of colours
+ * differs, or the camera is inside a voxel */
 cv::Mat drawVoxels(const VoxelScene& scene, const VoxelColours& colours,
                    const SceneView& view, const SensorPath& path);
 

@@ -13,28 +13,27 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief The colours of voxels and their legend. */
 struct VoxelColours {
-  std::vector<cv::Vec3b> colours; ///< a voxel: blue, green, red
+  std::vector<cv::Vec3b> colours; ///< one per voxel: blue, green, red
   std::vector<LegendEntry> legend;
-  std::string note;     ///< a line for the picture; may be empty
-  double shading = 1.0; ///< how much light and shadow change the colours, 0 to 1
+  std::string note;     ///< a caption line; may be empty
+  double shading = 1.0; ///< strength of shading, 0 to 1
 };
 
-/** \brief Colours of the classes; the legend names those that are there.
- * \throws InvalidParameterException at a label beyond the label set */
+/** \brief Colours of the classes; the legend lists the classes in the scene.
+ * \throws InvalidParameterException for a label beyond the label set */
 VoxelColours classColours(const VoxelScene& scene, const LabelSet& label_set);
 
 /** \brief The measured colours. \throws InvalidParameterException if there are none */
 VoxelColours measuredColours(const VoxelScene& scene);
 
-/** \brief How sure the labels are: entropy from 0 (pale) to log L (dark).
+/** \brief Uncertainty of the labels: entropy from 0 (pale) to log L (dark).
  * \throws InvalidParameterException if the scene has no distributions */
 VoxelColours entropyColours(const VoxelScene& scene);
 
 /** \brief Voxels whose label changed in the colour of the new class, all others grey.
- * \param[in] before label of each voxel before, 0 = none: not compared
- * \throws InvalidParameterException at another number of labels */
+ * \param[in] before previous label of each voxel, 0 = none: not compared
+ * \throws InvalidParameterException for another number of labels */
 VoxelColours changeColours(const VoxelScene& scene, const std::vector<Label>& before,
                            const LabelSet& label_set);
 

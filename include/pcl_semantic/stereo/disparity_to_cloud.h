@@ -16,26 +16,26 @@ namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 /** \brief Triangulates a disparity image: Z = f b / d.
  * \param[in] disparity CV_32FC1 [px], 0 = none
  * \param[in] image the left image, CV_8UC3 (BGR) or CV_8UC1, of the same size
- * \param[in] camera its geometry; its size is checked where it is known
- * \return organized cloud in the left camera's frame [m], one point a pixel; without
+ * \param[in] camera its image size is checked if known
+ * \return organized cloud in the left camera's frame [m], one point per pixel; without
  * disparity x, y, z are NaN and the colour is kept
  * \throws InvalidParameterException as StereoCamera::validate()
- * \throws BadInputException if sizes or types do not fit, or at a negative or
+ * \throws BadInputException if sizes or types do not fit, or for a negative or
  * non-finite disparity */
 pcl::PointCloud<pcl::PointXYZRGB>::Ptr disparityToCloud(const cv::Mat& disparity,
                                                         const cv::Mat& image,
                                                         const StereoCamera& camera);
 
-/** \brief The image that a cloud keeps in its colours, CV_8UC3 (BGR): a row of pixels
- * for each row of points, whether they have a depth or not. */
+/** \brief The image in the colours of an organized cloud, CV_8UC3 (BGR), including
+ * points without depth. */
 cv::Mat imageOfCloud(const pcl::PointCloud<pcl::PointXYZRGB>& cloud);
 
-/** \brief Standard deviation of the distance to each point [m]: of a depth Z it is
- * Z^2 sigma / (f b), and longer by as much as the ray is longer than the depth.
- * \param[in] cloud as disparityToCloud gives it
+/** \brief Standard deviation of the distance to each point [m]: Z^2 sigma / (f b) for a
+ * depth Z, scaled from depth to distance along the ray.
+ * \param[in] cloud from disparityToCloud()
  * \param[in] disparity_deviation sigma of each disparity [px], CV_32FC1
- * \param[in] scale the deviations count so many times
- * \return one a point; 0 without depth
+ * \param[in] scale factor on the deviations
+ * \return one per point; 0 without depth
  * \throws InvalidParameterException if the scale is negative or not finite
  * \throws BadInputException if the sizes or the type do not fit */
 std::vector<float> distanceDeviations(const pcl::PointCloud<pcl::PointXYZRGB>& cloud,

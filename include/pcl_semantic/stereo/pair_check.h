@@ -10,33 +10,32 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Faults of a rectified pair whose images can both be read. */
+/** \brief Fault of a readable rectified pair. */
 enum class PairFault {
   none,
-  blank,     ///< an image shows nothing: a covered lens, a black or a white frame
-  identical, ///< both are the same image: there is no depth in it
-  swapped,   ///< left is right and right is left, or both are mirrored
-  unrelated  ///< rows do not show the same: another scene or moment, not rectified
+  blank,     ///< an image without content: a covered lens, a black or white frame
+  identical, ///< both are the same image, without depth information
+  swapped,   ///< left and right are swapped, or both are mirrored
+  unrelated  ///< rows do not match: another scene or time, or not rectified
 };
 
-/** \brief A fault, and its figures as part of a sentence. */
 struct PairReport {
   PairFault fault = PairFault::none;
-  std::string reason; ///< "left and right are swapped: ..."; empty if there is none
+  std::string reason; ///< "left and right are swapped: ..."; empty if there is no fault
 };
 
-/** \brief Looks at one pair; takes about a millisecond.
+/** \brief Checks one pair; takes about a millisecond.
  *
  * A point lies in the right image at the left's column minus its disparity, which is
- * never negative. Textured blocks of the left image are sought along their row in both
- * directions, up to an eighth of the width. A match counts if it is clearly better than
- * the rest and is found again from the right image. Of the matches that are more than
- * about 0.3 % of the width away, good pairs have no more than 2 % in the wrong
- * direction and swapped ones no fewer than 98 % (doc/stereo.md). Repeated texture, too
- * little of it, far points only and a few rows of vertical offset are no fault.
+ * never negative. The check searches textured blocks of the left image along their row
+ * in both directions, up to an eighth of the width. A match counts if it is clearly
+ * better than the alternatives and passes the left-right check. Among matches with a
+ * shift of more than about 0.3 % of the width, good pairs have at most 2 % in the wrong
+ * direction and swapped ones at least 98 % (doc/stereo.md). Repeated or little texture,
+ * only far points and a vertical offset of a few rows are no fault.
  * \param[in] left CV_8UC3 (BGR) or CV_8UC1, of any size
  * \param[in] right as left
- * \throws BadInputException if the images do not fit each other */
+ * \throws BadInputException if the images do not match in size or type */
 PairReport checkPair(const cv::Mat& left, const cv::Mat& right);
 
 } // namespace pcl_semantic

@@ -11,7 +11,7 @@
 
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
-/** \brief Settings of cliques besides the number that their word has. */
+/** \brief Settings of clique generators, besides the number in their name. */
 struct CliqueParameters {
   SuperpixelParameters superpixel;
   SupervoxelParameters supervoxel;
@@ -20,21 +20,20 @@ struct CliqueParameters {
   void validate() const;
 };
 
-/** \brief All of them. */
 ConfigParameters parametersOf(CliqueParameters& parameters);
 
-/** \brief Superpixels by name: `slic`, or `slic:NUMBER` for about so many.
- * \return false if \a text does not begin so
- * \throws InvalidParameterException at a number that cannot be */
+/** \brief Parses `slic`, or `slic:NUMBER` for about NUMBER superpixels.
+ * \return false if \a text is another generator
+ * \throws InvalidParameterException for an invalid number */
 bool parseSlic(const std::string& text, SlicParameters& parameters);
 
-/** \brief Whether a text names a generator that needs the cloud alone: `cubes`, `slic`
- * or `supervoxel`, also with a number. */
+/** \brief Whether a text names a generator that needs only a cloud: `cubes`, `slic` or
+ * `supervoxel`, optionally with a number. */
 bool namesCloudCliques(const std::string& text);
 
-/** \brief The generator a text names: `cubes:SIZE`, the edge in metres;
- * `slic[:NUMBER]`, superpixels of an organized cloud; `superpixel[:NUMBER]`, those of a
- * frame in a map. \throws InvalidParameterException if there is none such */
+/** \brief Makes a generator by name: `cubes:SIZE`, the edge in metres; `slic[:NUMBER]`,
+ * superpixels of an organized cloud; `superpixel[:NUMBER]`, those of a frame in a map.
+ * \throws InvalidParameterException for another name */
 CliqueGenerator::Ptr
 makeCliqueGenerator(const std::string& text,
                     const CliqueParameters& parameters = CliqueParameters());

@@ -12,23 +12,23 @@
 namespace PCL_SEMANTIC_EXPORT pcl_semantic {
 
 struct SlicParameters {
-  int superpixels = 150;     ///< about how many an image gets
-  double compactness = 10.0; ///< m: larger makes squarer superpixels, smaller ones that
-                             ///< follow colours [grey levels a superpixel's width]
+  int superpixels = 150;     ///< approximate number per image
+  double compactness = 10.0; ///< m: larger makes squarer superpixels, smaller ones
+                             ///< follow colours [grey levels per superpixel width]
   int iterations = 7;        ///< of the clustering
-  int downscale = 2;         ///< works on an image smaller by this in width and height
+  int downscale = 2;         ///< factor by which width and height are reduced
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 
-/** \brief Superpixels: connected groups of pixels that lie together and look alike.
+/** \brief Superpixels: connected groups of adjacent pixels with similar colour.
  *
  * Simple linear iterative clustering (Achanta et al. 2012): k-means from a regular grid
- * over D^2 = |Lab_i - Lab_c|^2 + (m / S)^2 |p_i - p_c|^2, where S is the distance of
- * the grid's nodes and a pixel sees centres less than S away in x and in y; then what
- * is smaller than a quarter of the mean superpixel joins the neighbour of the nearest
- * colour. The result is the same for any number of threads.
+ * over D^2 = |Lab_i - Lab_c|^2 + (m / S)^2 |p_i - p_c|^2, where S is the grid spacing.
+ * A pixel considers only centres less than S away in x and in y. Superpixels smaller
+ * than a quarter of the mean are then merged with the neighbour of most similar colour.
+ * The result does not depend on the number of threads.
  * \param[in] image CV_8UC3 (BGR) or CV_8UC1
  * \return CV_32SC1 of the same size: superpixels 0, 1, ... without gap, in the order of
  * their first pixels
@@ -36,10 +36,10 @@ struct SlicParameters {
  * \throws BadInputException if the image is empty or of another type */
 cv::Mat slicSuperpixels(const cv::Mat& image, const SlicParameters& parameters);
 
-/** \brief The pixels of every segment of an image, all of them; index = row * width +
- * column. \param[in] segments CV_32SC1 with numbers 0, 1, ... that each occur
- * \throws InvalidParameterException if they are of another type, negative or larger
- * than an image of so many pixels can have */
+/** \brief The pixels of every segment of an image; index = row * width + column.
+ * \param[in] segments CV_32SC1 with numbers 0, 1, ... that each occur
+ * \throws InvalidParameterException for another type, a negative number, or one that
+ * exceeds the number of pixels */
 std::vector<pcl::PointIndices> cliquesOfSegments(const cv::Mat& segments);
 
 } // namespace pcl_semantic

@@ -17,23 +17,23 @@ struct SuperpixelParameters {
   SlicParameters slic;
   double passing_distance = 0.5; ///< of DepthJumps [m]; points within two voxels are
                                  ///< near
-  bool keep = false;  ///< voxels out of view stay with the superpixel of the last frame
+  bool keep = false;  ///< voxels out of view keep their superpixel from the last frame
                       ///< that saw them
-  int min_voxels = 2; ///< cliques of fewer are left out
+  int min_voxels = 2; ///< smaller cliques are left out
 
   /** \throws InvalidParameterException that names the parameter and its range */
   void validate() const;
 };
 
-/** \brief Superpixels of a frame, projected into the map that the frame went into: a
- * voxel joins the part of a superpixel that most of its pixels see.
+/** \brief Superpixels of a frame, projected into the map after the frame was
+ * integrated: a voxel joins the part of a superpixel with the most pixels in it.
  *
- * The frame's colours are clustered (slicSuperpixels), its superpixels split where they
- * jump in depth (splitAtDepthJumps), and each pixel with depth votes for its part in
- * the voxel that SemanticVoxelMap::integrate puts its point in; of equal numbers the
- * part whose first pixel comes first wins. Voxels that no pixel falls in are in no
- * clique, or, with SuperpixelParameters::keep, stay together as they were in the last
- * frame that saw them; what is kept are the voxels of the last cloud alone. */
+ * The frame's colours are clustered (slicSuperpixels()), its superpixels are split at
+ * depth discontinuities (splitAtDepthJumps()), and each pixel with depth votes for its
+ * part in the voxel of its point (SemanticVoxelMap::integrate()). In a tie, the part
+ * whose first pixel comes first wins. Voxels without a pixel belong to no clique, or,
+ * with SuperpixelParameters::keep, keep the groups of the last frame that saw them.
+ * Only voxels of the last cloud are kept. */
 class SuperpixelCliques : public CliqueGenerator {
 public:
   SuperpixelCliques() = default;
@@ -47,32 +47,32 @@ public:
     return parameters_;
   }
 
-  /** \brief Of the frame, not of the voxels. */
+  /** \brief The colours of the frame are used, not those of the voxels. */
   bool
   usesColour() const override
   {
     return false;
   }
 
-  /** \brief The frame of the next generate(); null = none, so that only kept
-   * superpixels are given.
+  /** \brief Sets the frame of the next generate(); null = none, so that only kept
+   * superpixels are returned.
    * \param[in] cloud organized, camera frame [m]; not copied
    * \param[in] T_world_camera its pose
    * \throws BadInputException if the cloud has points and is not organized, or the pose
    * is not finite */
   void setFrame(const Cloud::ConstPtr& cloud, const Eigen::Isometry3d& T_world_camera);
 
-  /** \brief The voxels of the points of the next generate(), as VoxelCloud has them;
+  /** \brief Sets the voxels of the points of the next generate(), as in VoxelCloud;
    * points of one voxel join one superpixel.
-   * \param[in] indices global, one a point
+   * \param[in] indices global, one per point
    * \param[in] voxel_size [m]
    * \throws InvalidParameterException if the size is not positive */
   void setVoxels(const std::vector<VoxelIndex>& indices, double voxel_size);
 
   /** \brief Groups the voxels; in the order of their first points.
-   * \param[in] cloud as many points as setVoxels() had; those that are not finite are
-   * in no clique
-   * \throws InvalidParameterException if they are another number */
+   * \param[in] cloud as many points as in setVoxels(); non-finite points belong to no
+   * clique
+   * \throws InvalidParameterException if the numbers differ */
   std::vector<pcl::PointIndices> generate(const Cloud& cloud) override;
 
 private:

@@ -14,9 +14,9 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// exp(-a) for a >= 0, 0 from a = 55: 2^n e^r with n = round(-a / ln 2) and
-// |r| <= ln 2 / 2. (e^r - 1 - r) / r^2 is the polynomial of degree 4 with the least
-// largest error of the whole (3e-9; Remez), in pairs: short ways from r to its end.
+// exp(-a) for a >= 0, 0 from a = 55: 2^n e^r with n = round(-a / ln 2) and |r| <= ln 2
+// / 2. (e^r - 1 - r) / r^2 is a minimax polynomial of degree 4 (Remez, relative error
+// 3e-9 in total), evaluated in pairs to shorten the dependency chain.
 template <typename D>
 HWY_INLINE hn::Vec<D>
 exponentialOfMinus(D d, hn::Vec<D> a)
@@ -25,11 +25,11 @@ exponentialOfMinus(D d, hn::Vec<D> a)
   const auto timesPlus = [d](auto x, float factor, auto y) HWY_ATTR {
     return hn::Add(hn::Mul(x, hn::Set(d, factor)), y);
   };
-  // 1.5 * 2^23, so that the last bit counts ones, and the offset of an exponent's bits
+  // 1.5 * 2^23, so that the last bit counts ones, plus the exponent bias
   const auto rounder = hn::Set(d, 12582912.0f + 127.0f);
   const auto rounded = timesPlus(a, -1.44269504f, rounder);
   const auto n = hn::Sub(rounded, rounder);
-  // ln 2 in two parts, the first of so few bits that its products are exact
+  // ln 2 in two parts; the first has so few bits that its products are exact
   const auto r =
       timesPlus(n, 2.12194440e-4f, hn::Sub(hn::Mul(n, hn::Set(d, -0.693359375f)), a));
   const auto square = hn::Mul(r, r);
@@ -61,8 +61,8 @@ struct Sum {
   }
 };
 
-// Halves with each other until one value is left: always in the same order, whatever
-// lanes a vector has.
+// Adds halves of the vector until one value is left: in the same order for any number
+// of lanes.
 template <typename Join, typename D>
 HWY_INLINE float
 joinedLanes(D d, hn::Vec<D> v)
@@ -89,9 +89,9 @@ joined(D d, hn::Vec<D> (&parts)[Parts])
   return joinedLanes<Join>(d, parts[0]);
 }
 
-// Columns next to each other, Rows of each at once: one column alone would have the
-// processor wait for one result after the other. They go through the cache three times:
-// largest exponent, exponentials and their sum, probabilities.
+// Adjacent columns, Rows of each at once, to hide the latency of one column. Three
+// passes over the cached columns: largest exponent, exponentials and their sum,
+// probabilities.
 template <std::size_t Rows, std::size_t Columns>
 HWY_INLINE void
 softMaxColumns(const float* HWY_RESTRICT cost, float* HWY_RESTRICT message,
@@ -139,7 +139,7 @@ softMaxOf(const float* costs, float* messages, float* marginals, std::size_t col
           std::size_t stride)
 {
   std::size_t i = 0;
-  // Four long columns would be more streams than the processor fetches ahead.
+  // Four long columns would exceed the processor's prefetch streams.
   for (; stride <= 64 && i + 4 <= columns; i += 4)
     softMaxColumns<Rows, 4>(costs + i * stride, messages + i * stride,
                             marginals + i * stride, stride);
@@ -154,12 +154,12 @@ softMax(const float* costs, float* messages, float* marginals, std::size_t colum
 {
   if (stride == 8)
     return softMaxOf<8>(costs, messages, marginals, columns, 8);
-  if (stride == 16) // nothing goes through memory
+  if (stride == 16) // one column fits in registers
     return softMaxOf<16>(costs, messages, marginals, columns, 16);
   return softMaxOf<16>(costs, messages, marginals, columns, stride);
 }
 
-// Columns that are next to each other: what is read of the matrix serves them all.
+// Adjacent columns, which share the loads of the matrix.
 template <std::size_t Columns, typename D>
 HWY_INLINE void
 mixColumns(D d, const float* matrix, std::size_t labels, float* columns,
@@ -207,12 +207,11 @@ mixLabels(const float* matrix, std::size_t labels, float* columns, std::size_t c
     mixOf<16>(matrix, labels, columns, count, stride);
 }
 
-// Columns that an index list names are fetched so many ahead of their use: members of a
-// clique lie scattered in memory. Three times as fast as without.
+// Prefetch distance for columns of an index list, because members of a clique are
+// scattered in memory. Three times as fast as without prefetching.
 constexpr std::size_t columns_ahead = 16;
 
-// Starts to fetch the column that comes columns_ahead after the e-th of readable
-// indices.
+// Prefetches the column at columns_ahead after the e-th readable index.
 HWY_INLINE void
 fetchAhead(const std::int32_t* indices, std::size_t e, std::size_t readable,
            const float* columns, std::size_t stride)
@@ -221,7 +220,7 @@ fetchAhead(const std::int32_t* indices, std::size_t e, std::size_t readable,
   hwy::Prefetch(columns + std::size_t(indices[ahead]) * stride);
 }
 
-// Rows that are summed at once: 8 or 16.
+// Rows per step: 8 or 16.
 template <std::size_t Rows>
 HWY_INLINE void
 addOf(const std::size_t* starts, const std::int32_t* indices, std::size_t rows,
@@ -288,7 +287,7 @@ sumColumns(const std::int32_t* indices, std::size_t count, std::size_t readable,
     sumOf<16>(indices, count, readable, columns, stride, sums);
 }
 
-// The value where a factor is zero, 0 elsewhere.
+// The value where a factor is zero, otherwise 0.
 template <typename D>
 HWY_INLINE hn::Vec<D>
 whereZero(D d, hn::Vec<D> factor, float value)
@@ -296,7 +295,7 @@ whereZero(D d, hn::Vec<D> factor, float value)
   return hn::IfThenElseZero(hn::Eq(factor, hn::Zero(d)), hn::Set(d, value));
 }
 
-// Rows that are multiplied at once: 8 or 16.
+// Rows per step: 8 or 16.
 template <std::size_t Rows>
 HWY_INLINE void
 multiplyOf(const std::int32_t* indices, std::size_t count, std::size_t readable,
@@ -322,8 +321,8 @@ multiplyOf(const std::int32_t* indices, std::size_t count, std::size_t readable,
         const auto one = whereZero(df, factor, 1.0f);
         zeros[k] = hn::Add(zeros[k], one);
         part[k] = hn::Mul(part[k], hn::PromoteTo(d, hn::Add(factor, one)));
-        // What is below becomes zero, in integers: the next factor waits for it, and
-        // masks of AVX-512 come late.
+        // Smaller factors become zero, by integer operations: the next factor depends
+        // on it, and AVX-512 masks have a higher latency.
         const auto less = hn::Sub(least, hn::BitCast(di, part[k]));
         part[k] = hn::And(part[k], hn::BitCast(d, hn::BroadcastSignBit(less)));
       }
@@ -364,7 +363,7 @@ addWithout(const std::size_t* starts, const std::int32_t* indices, std::size_t r
       for (std::size_t e = starts[r]; e < end; ++e) {
         const double* const product = products + std::size_t(indices[e]) * stride + l;
         const auto without = hn::Div(hn::LoadU(d, product), divisor);
-        // Negative: a zero is among the other factors.
+        // Negative: another factor is zero.
         const auto negative = hn::Le(without, hn::Zero(d));
         sum = hn::Add(sum, hn::DemoteTo(df, hn::IfThenZeroElse(negative, without)));
       }

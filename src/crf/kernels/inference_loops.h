@@ -6,27 +6,26 @@
 #include <cstddef>
 #include <cstdint>
 
-/** \brief The inner loops of mean-field inference, on columns with one row a label. The
- * stride of all columns, rows with padding, is 8 or a multiple of 16; they start at
- * multiples of 32 bytes. */
+/** \brief The inner loops of mean-field inference, on columns with one row per label.
+ * The stride (rows with padding) is 8 or a multiple of 16; columns start at multiples
+ * of 32 bytes. */
 namespace pcl_semantic::kernels {
 
-/** \brief Cost of a row that only fills up a column: its probability is zero. */
+/** \brief Cost of a padding row, whose probability is then zero. */
 constexpr float padding_cost = 1e30f;
 
 struct InferenceLoops {
-  /** \brief marginals = columns of exp(messages - costs) that sum to one. They are
-   * right to 1e-6 of themselves, or 0 below e^-55 of the largest: products of such
-   * would be denormal, which is slow. Then messages = 0, for the next ones to be added
-   * up.
+  /** \brief marginals = columns of exp(messages - costs), normalised to sum to one;
+   * then messages = 0 for the next sum. The relative error is 1e-6. Values below e^-55
+   * of the largest become 0, because their products would be denormal, which is slow.
    * \param[in] costs of the rows; padding_cost in padding
    * \param[in,out] messages finite, read and cleared
-   * \param[in] columns how many */
+   * \param[in] columns number of columns */
   void (*softMax)(const float* costs, float* messages, float* marginals,
                   std::size_t columns, std::size_t stride);
 
-  /** \brief columns(:, i) = - matrix columns(:, i): what was heard of labels k becomes
-   * what is said of labels l, minus the mean of mu(l, k).
+  /** \brief columns(:, i) = - matrix columns(:, i): converts messages about labels k to
+   * messages about labels l, the negative mean of mu(l, k).
    * \param[in] matrix mu(l, k), column k; rows and columns of padding are zero or
    * missing
    * \param[in] labels of the matrix, up to 256
@@ -42,32 +41,33 @@ struct InferenceLoops {
                      float* result);
 
   /** \brief sum = sum of columns(:, indices[e]), e < count, in double precision.
-   * \param[in] readable indices there are, count or more: those behind are likely to be
-   * asked for next, and are fetched */
+   * \param[in] readable number of indices, at least count; the columns of further ones
+   * are prefetched for the next call */
   void (*sumColumns)(const std::int32_t* indices, std::size_t count,
                      std::size_t readable, const float* columns, std::size_t stride,
                      double* sum);
 
-  /** \brief product = that of columns(:, indices[e]), e < count; factors are 0 or more
-   * than 1e-30.
+  /** \brief product = product of columns(:, indices[e]), e < count; factors are 0 or
+   * more than 1e-30.
    *
-   * A product without one factor is the whole one over this factor, so zeros are
-   * counted instead of multiplied: a product is kept as it is if no factor is zero, as
-   * minus the product of the others if one is, and as 0 if more are, or if it is below
-   * 1e-200. Without any one factor such a product would still be below 1e-170.
+   * The product without one factor is the whole product divided by that factor, so
+   * zeros are counted instead of multiplied. The stored value is the product if no
+   * factor is zero, minus the product of the others if one is zero, and 0 if more are
+   * zero or the product is below 1e-200. Such a product would stay below 1e-170 without
+   * any one factor.
    * \param[in] readable as for sumColumns */
   void (*multiplyColumns)(const std::int32_t* indices, std::size_t count,
                           std::size_t readable, const float* columns,
                           std::size_t stride, double* product);
 
-  /** \brief result(:, r) += the sum of products(:, indices[e]) without their factor
+  /** \brief result(:, r) += sum of products(:, indices[e]) without the factor
    * factors(:, r), starts[r] <= e < starts[r + 1], for r < rows. */
   void (*addWithout)(const std::size_t* starts, const std::int32_t* indices,
                      std::size_t rows, const double* products, const float* factors,
                      std::size_t stride, float* result);
 };
 
-/** \brief The loops for a tier; all tiers give the same bits. */
+/** \brief The loops for a tier; all tiers give identical bits. */
 const InferenceLoops& inferenceLoops(SimdTier tier = simdTier());
 
 } // namespace pcl_semantic::kernels

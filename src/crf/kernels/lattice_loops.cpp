@@ -13,15 +13,16 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Lanes of the loops that build: the compiler turns each of them into vectors.
+// Lanes of the set-up loops, which the compiler vectorises.
 constexpr std::size_t lanes = batch_points;
 
-// Coordinates on the plane as cells, to the nearest, and what is left over.
+// Rounds coordinates on the plane to the nearest cells; returns cells and remainders.
 void
 elevate(const LatticeFrame& frame, const float* features, const std::int32_t* columns,
         LatticeBatch& batch, float (&left)[max_dimensions + 1][lanes])
 {
-  constexpr double magic = 6755399441055744.0; // 1.5 * 2^52: rounds what it is added to
+  constexpr double magic = 6755399441055744.0; // 1.5 * 2^52: adding it rounds to an
+                                               // integer
   double sum[lanes] = {}, x[lanes];
   for (int j = frame.dimensions; j >= 0; --j) {
     if (j > 0)
@@ -40,8 +41,8 @@ elevate(const LatticeFrame& frame, const float* features, const std::int32_t* co
   }
 }
 
-// Ranks of what is left over, largest first, and back onto the plane: the sum of the
-// cells, which is the excess of the ranks, becomes 0.
+// Ranks the remainders, largest first, and returns to the plane: the sum of the cells,
+// which is the excess of the ranks, becomes 0.
 void
 rank(int d, LatticeBatch& batch, float (&left)[max_dimensions + 1][lanes],
      std::int32_t (&ranks)[max_dimensions + 1][lanes])
@@ -78,7 +79,7 @@ embed(const LatticeFrame& frame, const float* features, const std::int32_t* colu
   std::int32_t ranks[max_dimensions + 1][lanes];
   elevate(frame, features, columns, batch, left);
   rank(d, batch, left, ranks);
-  // Sorted, what is left over gives the barycentric weights as differences.
+  // Differences of the sorted remainders are the barycentric weights.
   float sorted[max_dimensions + 1][lanes];
   for (int k = 0; k <= d; ++k) {
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -99,9 +100,9 @@ embed(const LatticeFrame& frame, const float* features, const std::int32_t* colu
       batch.weights[k][i] = sorted[k][i] - sorted[k - 1][i];
 }
 
-constexpr std::size_t points_ahead = 12; // to be fetched
+constexpr std::size_t points_ahead = 12; // prefetch distance
 
-// A row of values on the lattice: as many vectors as it takes.
+// A row of values on the lattice in one or more vectors.
 template <std::size_t width> struct Row {
   using Tag = hn::CappedTag<float, width>;
   static constexpr std::size_t lanes = hn::MaxLanes(Tag());
@@ -150,8 +151,8 @@ operator*(const Row<width>& row, float factor)
   return product;
 }
 
-// Reads a whole row of values; what lies behind the rows of interest does no harm, but
-// memory must not end there.
+// Reads a whole row of values. Values beyond the rows of interest are ignored, but must
+// be readable memory.
 template <std::size_t width>
 HWY_INLINE Row<width>
 loadValues(const LatticeColumns& columns, std::size_t column)
@@ -166,7 +167,7 @@ loadValues(const LatticeColumns& columns, std::size_t column)
   return load<width>(from);
 }
 
-// Columns are not in the order of memory: to be fetched some points ahead.
+// Column to prefetch: columns are not in memory order.
 HWY_INLINE std::size_t
 laterColumn(const LatticePoints& points, std::size_t i)
 {
@@ -213,7 +214,7 @@ blur(const std::int32_t* steps, std::size_t count, float* lattice)
   const auto rowOf = [&](std::size_t step) HWY_ATTR {
     return lattice + std::size_t(steps[step] & ~run_end) * width;
   };
-  // Runs are of a few vertices: a branch at their ends would be mispredicted.
+  // Runs have few vertices, so a branch at their ends would be mispredicted.
   const float share[2] = {0.5f, 0.0f};
   float from_back = 0.0f;
   Row<width> back = load<width>(zeros), here = load<width>(rowOf(0));

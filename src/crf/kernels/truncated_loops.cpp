@@ -7,8 +7,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-// So that every tier gives the same bits, no products are fused with sums, and these go
-// in the same order whatever the number of lanes.
+// For identical bits in every tier, products are not fused with sums, and the order of
+// sums does not depend on the number of lanes.
 HWY_BEFORE_NAMESPACE();
 namespace pcl_semantic::kernels::HWY_NAMESPACE {
 
@@ -37,7 +37,7 @@ findRuns(const NearRowsView& rows, std::int32_t first, std::int32_t last,
     const auto cells = hn::LoadU(di, rows.cells + r);
     const auto width = hn::LoadU(di, rows.widths + r);
     const auto begin = hn::LoadU(di, rows.first_cells + r);
-    // Of the row: before a cell, or before its end.
+    // In a row, before a cell or before its end.
     const auto pointsBefore = [&](auto cell) HWY_ATTR {
       const auto inside = hn::Max(hn::Zero(di), hn::Min(cells, cell));
       return hn::GatherIndex(di, table, hn::Add(starts, inside));
@@ -50,7 +50,7 @@ findRuns(const NearRowsView& rows, std::int32_t first, std::int32_t last,
       return run_too_long;
     const auto packed =
         hn::BitCast(du, hn::Or(hn::ShiftLeft<run_length_bits>(point), length));
-    if (HWY_TARGET == HWY_AVX3) { // else GCC copies a large table for it each time
+    if (HWY_TARGET == HWY_AVX3) { // avoids a large table that GCC would copy each time
       const auto some = hn::Gt(length, hn::Zero(di));
       hn::StoreU(hn::Compress(packed, hn::RebindMask(du, some)), du, runs + found);
       found += hn::CountTrue(di, some);
@@ -66,14 +66,14 @@ findRuns(const NearRowsView& rows, std::int32_t first, std::int32_t last,
   return found;
 }
 
-// Floats between two arrays of scratch: a run may be written whole at the end of one.
+// Stride of scratch arrays, such that a full run can be written at the end of one.
 HWY_INLINE std::size_t
 scratchStride(std::size_t length)
 {
   return strideOf(length) + longest_run;
 }
 
-// Behind the last pair, up to a whole block.
+// Pads the last block after the last pair.
 HWY_INLINE void
 fillRest(float* line, std::size_t length, float value)
 {
@@ -93,7 +93,7 @@ squaredDifference(const float* values, float from)
   return squared(hn::Sub(hn::LoadU(d, values), hn::Set(d, from)));
 }
 
-constexpr float max_halvings = 126.0f; // that leave no denormal number
+constexpr float max_halvings = 126.0f; // largest exponent without denormal results
 
 // 2^-v for 0 <= v <= max_halvings, to 8e-5 (Remez): enough for weights of 8 bits.
 HWY_INLINE Floats
@@ -110,11 +110,11 @@ halved(Floats v)
       d, hn::Add(hn::BitCast(du, power), hn::ShiftLeft<23>(hn::BitCast(du, shifted))));
 }
 
-// Two vectors of bfloat16 in one: first in the lower halves, second in the upper ones.
+// Packs two vectors of bfloat16: first in the lower halves, second in the upper ones.
 HWY_INLINE Words
 pack(Floats first, Floats second)
 {
-  const auto half = hn::Set(du, 0x8000); // to the nearest
+  const auto half = hn::Set(du, 0x8000); // rounds to nearest
   return hn::Or(
       hn::ShiftRight<16>(hn::Add(hn::BitCast(du, first), half)),
       hn::And(hn::Add(hn::BitCast(du, second), half), hn::Set(du, 0xFFFF0000u)));
@@ -132,20 +132,20 @@ secondOf(Words packed)
   return hn::BitCast(d, hn::And(packed, hn::Set(du, 0xFFFF0000u)));
 }
 
-// A line of values of pairs, of whole blocks, from words.
+// Unpacks the values of pairs from words, in whole blocks.
 HWY_INLINE void
 unpackLine(const std::uint32_t* words, std::size_t length, float* line)
 {
   for (std::size_t e = 0; e < length; e += pair_block)
     for (std::size_t k = e; k < e + half_block; k += lanes, words += lanes) {
-      hwy::Prefetch(words + 192); // else a sixth of the time goes in waiting
+      hwy::Prefetch(words + 192); // saves a sixth of the time
       const Words both = hn::LoadU(du, words);
       hn::StoreU(firstOf(both), d, line + k);
       hn::StoreU(secondOf(both), d, line + k + half_block);
     }
 }
 
-// Sums over every sixteenth pair.
+// 16 partial sums, each over every sixteenth pair.
 struct Sums {
   Floats values[vectors];
 
@@ -156,7 +156,7 @@ struct Sums {
       value = hn::Zero(d);
   }
 
-  // Of pairs from the e-th on.
+  // Adds values of the pairs from the e-th on.
   HWY_INLINE void
   add(std::size_t e, Floats more)
   {
@@ -178,8 +178,8 @@ struct Sums {
   }
 };
 
-// Some arrays of the points at the pairs of a group, one after the other. Most runs are
-// short, so they are copied by a few floats at a time.
+// Gathers arrays of the neighbours of a group. Most runs are short, so they are copied
+// a few floats at a time.
 template <int fixed>
 HWY_INLINE void
 gather(const PointsView& points, const GroupView& group, std::size_t first,
@@ -216,7 +216,8 @@ gatherArrays(const PointsView& points, const GroupView& group, std::size_t first
     gather<0>(points, group, first, count, scratch);
 }
 
-// Smoothness and appearance of three colours: these have loops of their own.
+// Whether the terms are smoothness and an appearance term with three colours, which
+// have faster loops.
 HWY_INLINE bool
 areUsual(const PointsView& points)
 {
@@ -231,7 +232,7 @@ partOf(Floats squared_distance)
                             halved(squared_distance));
 }
 
-// The colours of a point in variables that the compiler holds in registers.
+// The colours of a point, in registers.
 struct Colour {
   float value[3];
 
@@ -242,7 +243,7 @@ struct Colour {
       value[k] = points.arrays[(3 + k) * points.stride + point];
   }
 
-  // What the colours at some pairs leave of the values there.
+  // Factor of the colour differences at some pairs.
   HWY_INLINE Floats
   part(const float* gathered, std::size_t stride) const
   {
@@ -266,7 +267,7 @@ featurePart(const PointsView& points, int m, std::size_t point, const float* gat
   return partOf(sum);
 }
 
-// What the positions at some pairs leave: nothing beyond the radius.
+// Factor of the position differences at some pairs; 0 beyond the radius.
 struct Nearness {
   float x, y, z, scale, squared_radius;
 
@@ -342,7 +343,7 @@ sumTerms(const PointsView& points, const GroupView& group, float* scratch, float
   }
 }
 
-// No pair of a point with itself.
+// Clears the weight of each point with itself.
 HWY_INLINE void
 clearOwnWeights(const GroupView& group, std::uint32_t* weights)
 {
@@ -414,8 +415,8 @@ makeWeights(const PointsView& points, const GroupView& group, float* scratch,
   clearOwnWeights(group, weights);
 }
 
-// The product for some points and some vectors of rows at a time, in enough sums for
-// the units that add.
+// The product for several points and vectors of rows at once: enough independent sums
+// to fill the adders.
 template <int points, int blocks>
 HWY_INLINE void
 addRows(const std::uint32_t* neighbours, const float* weights, std::size_t stride,
@@ -448,7 +449,7 @@ addRows(const std::uint32_t* neighbours, const float* weights, std::size_t strid
     }
 }
 
-// Numbers of the neighbours, behind them that of a point of the group.
+// Indices of the neighbours, followed by that of a point of the group.
 HWY_INLINE void
 listNeighbours(const GroupView& group, std::uint32_t* neighbours)
 {

@@ -8,8 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-// Loops that compilers make as wide as a target allows. They run over whole batches, of
-// which the last rays may be none.
+// Vectorised loops over whole batches, whose last rays may be unused.
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_semantic::kernels::HWY_NAMESPACE {
@@ -29,7 +28,7 @@ findEnds(const RayStart& start, RayBatch& rays)
                    z = fraction * double(rays.z[k]);
       const double world = ((pose[0] * x + pose[1] * y) + pose[2] * z) + pose[3];
       const double value = world * scale;
-      // A sum with this is rounded to a whole number, of which we want the next below.
+      // Adding it rounds to the nearest integer, from which the floor follows.
       constexpr double magic = 0x1.8p52;
       const double nearest = (value + magic) - magic;
       const std::int32_t end =
@@ -40,14 +39,14 @@ findEnds(const RayStart& start, RayBatch& rays)
   }
 }
 
-// Compilers keep no branch of this; of a ?: they may.
+// Branch-free; compilers may turn ?: into a branch.
 HWY_INLINE std::int32_t
 choose(bool first, std::int32_t a, std::int32_t b)
 {
   return b ^ ((a ^ b) & -std::int32_t(first));
 }
 
-// Bits of a number of up to 8 bits, with a gap after each.
+// Inserts a gap after each of up to 8 bits.
 HWY_INLINE std::int32_t
 spread(std::int32_t bits)
 {

@@ -18,7 +18,7 @@ using IntTag = hn::RebindToSigned<FloatTag>;
 using WordTag = hn::RebindToUnsigned<FloatTag>;
 using Floats = hn::Vec<FloatTag>;
 using Ints = hn::Vec<IntTag>;
-using Mask = hn::Mask<IntTag>; // that of all kinds of values
+using Mask = hn::Mask<IntTag>; // for all value types
 constexpr std::size_t lanes = hn::MaxLanes(FloatTag());
 
 HWY_INLINE Floats
@@ -58,7 +58,7 @@ greater(V a, W b)
   return hn::RebindMask(IntTag(), hn::Gt(a, b));
 }
 
-// a * b + c, which no tier may fuse.
+// a * b + c, never fused.
 HWY_INLINE Floats
 sumOf(Floats a, Floats b, Floats c)
 {
@@ -79,7 +79,6 @@ any(Mask wanted)
   return !hn::AllFalse(IntTag(), wanted);
 }
 
-// A bit for each lane that is set.
 HWY_INLINE unsigned
 bitsOf(Mask wanted)
 {
@@ -88,8 +87,8 @@ bitsOf(Mask wanted)
   return unsigned(bytes[0] | bytes[1] << 8);
 }
 
-// Cells that hold positions, and how far these are from the middle (as bits, which are
-// in the order of what they stand for).
+// Cells of positions, and the distance of these from the cell's middle (as bits, which
+// have the same order).
 struct Cells {
   Ints cell, off;
 };
@@ -97,7 +96,7 @@ struct Cells {
 HWY_INLINE Cells
 cellsOf(Floats position)
 {
-  const Floats magic = set(12582912.0f); // 1.5 * 2^23: rounds a sum to an integer
+  const Floats magic = set(12582912.0f); // 1.5 * 2^23: adding it rounds to an integer
   const Floats centred = hn::Sub(position, set(0.5f));
   const Floats rounded = hn::Add(centred, magic);
   const Floats from_centre = hn::Sub(centred, hn::Sub(rounded, magic));
@@ -105,14 +104,14 @@ cellsOf(Floats position)
           hn::BitCast(IntTag(), hn::Abs(from_centre))};
 }
 
-// Where the cells are that certainly hold what is so far from the middle.
+// Whether cells are certain for positions at this distance from the middle.
 HWY_INLINE Mask
 isSure(const SlabView& slab, Ints off)
 {
   return greater(hn::BitCast(IntTag(), set(0.5f - slab.margin)), off);
 }
 
-// What rows or columns of cells add to a offset among the bytes; outside these: -1.
+// Adds a row or column to an offset in the bytes; outside the extent: -1.
 HWY_INLINE Ints
 offsetOf(Ints number, int extent, Ints offset)
 {
@@ -135,8 +134,8 @@ columnOffset(const SlabView& slab, Ints column)
   return offsetOf(c, slab.columns, hn::Mul(c, set(slab.column_stride)));
 }
 
-// Sets the bytes of the wanted cells. By way of memory, which compilers would like to
-// avoid: taking lanes out of a vector one by one costs more than all the rest.
+// Sets the bytes of the wanted cells, through memory: extracting vector lanes one by
+// one would be slower than everything else.
 HWY_INLINE void
 setCells(const SlabView& slab, Ints offsets, Mask wanted)
 {
@@ -154,7 +153,6 @@ setCellsInside(const SlabView& slab, Ints row, Ints column, Mask wanted)
            all(wanted, greater(hn::Or(row, column), set(-1))));
 }
 
-// Appends the numbers of the lanes that are set.
 HWY_INLINE std::size_t
 list(Mask wanted, std::size_t first, std::uint32_t* to)
 {
@@ -164,9 +162,9 @@ list(Mask wanted, std::size_t first, std::uint32_t* to)
   return count;
 }
 
-// Four cells around a corner, numbered as the rays at the corners: whether a ray of the
-// bundle is in them when it enters the slab or leaves it; whether it is certain for all
-// of them that one is or that no ray crosses the cell.
+// Four cells around a corner, numbered as the rays at the corners of a bundle. crossed:
+// a ray of the bundle is in the cell when it enters or leaves the slab. certain: for
+// all four cells, either this holds or no ray crosses the cell.
 struct Quadrants {
   Mask crossed[4], certain;
 };
@@ -197,14 +195,15 @@ quadrantsOf(const SlabView& slab, const BundleView& bundles, std::size_t i,
                row_behind = greater(row_leave, margin);
     const Mask column_before = greater(column_enter, margin),
                column_behind = greater(column_leave, margin);
-    // In it on the way: beyond one boundary before it comes back over the other.
+    // A ray passes through the cell if it crosses one boundary before it returns over
+    // the other.
     const Floats order = hn::Sub(hn::Mul(u, column_start), hn::Mul(v, row_start));
     const Mask row_last = all(column_before, greater(order, margins));
     const Mask column_last = all(column_behind, greater(hn::Neg(margins), order));
     quadrants.crossed[corner] =
         hn::Or(all(row_before, hn::Or(column_before, column_last)),
                all(row_behind, hn::Or(column_behind, row_last)));
-    // No other ray goes further in the sum of both, which is linear on its way.
+    // The sum of both is linear along a ray, so no other ray reaches a larger value.
     const Mask empty = all(greater(hn::Neg(margins), hn::Add(row_enter, column_enter)),
                            greater(hn::Neg(margins), hn::Add(row_leave, column_leave)));
     quadrants.certain =
@@ -213,13 +212,13 @@ quadrantsOf(const SlabView& slab, const BundleView& bundles, std::size_t i,
   return quadrants;
 }
 
-// Bundles that are decided; those of which the first cell is crossed, and the last.
+// Decided bundles, and whether they cross the first and the last cell.
 struct Decided {
   Mask known, low, high;
 };
 
-// Sets the middle one of three cells in a line, and gives the bundles that cross three:
-// as they are not wider than a cell, they cannot miss it.
+// Sets the middle one of three cells in a line. Returns the bundles that cross three
+// cells: they are at most one cell wide, so they cannot miss it.
 HWY_INLINE Mask
 crossLines(const SlabView& slab, Ints first, Mask sure, Ints row_extent,
            Ints column_extent)
@@ -251,11 +250,11 @@ std::size_t
 crossBundles(const SlabView& view, const BundleView& bundles, std::size_t count,
              std::uint32_t* left)
 {
-  const SlabView slab = view; // which no byte can change
+  const SlabView slab = view; // a copy, which the bytes cannot alias
   std::size_t found = 0;
   const Ints one = set(1), number = set(slab.slab);
   const Floats zero = set(0.0f);
-  // The furthest cells that the rays reach on their way through the slab.
+  // The farthest cells that the rays reach in the slab.
   const auto cellsAt = [&](Floats slope, auto leaves, float start) HWY_ATTR {
     const Floats distance = hn::IfThenElse(leaves, set(slab.leave), set(slab.enter));
     return cellsOf(sumOf(slope, distance, set(start)));
@@ -299,7 +298,7 @@ crossBundles(const SlabView& view, const BundleView& bundles, std::size_t count,
   return found;
 }
 
-// Cells at one side of a slab, among the bytes too.
+// Cells at one side of a slab, and their offsets.
 struct Side {
   Ints row, column, row_offset, column_offset;
   Mask sure;
@@ -328,7 +327,7 @@ firstSide(const SlabView& slab, Floats u, Floats v)
   return sideAt(slab, u, v, slab.enter, hn::Eq(set(slab.slab), zero), zero, zero);
 }
 
-// A ray's last side is the cell it ends in.
+// On its last side a ray is in the cell of its end.
 HWY_INLINE Side
 lastSide(const SlabView& slab, Floats u, Floats v, Ints end_slab, Ints end_row,
          Ints end_column)
@@ -337,8 +336,7 @@ lastSide(const SlabView& slab, Floats u, Floats v, Ints end_slab, Ints end_row,
                 end_column);
 }
 
-// Sets the cells of rays on their way from one side to the other; gives which of them
-// cannot be decided.
+// Sets the cells of rays between two sides; returns the undecided rays.
 HWY_INLINE Mask
 crossCells(const SlabView& slab, Floats u, Floats v, const Side& a, const Side& b,
            Mask alive)
@@ -350,7 +348,7 @@ crossCells(const SlabView& slab, Floats u, Floats v, const Side& a, const Side& 
   Mask known = all(alive, a.sure, b.sure, greater(two, dr), greater(dr, minus_two),
                    greater(two, dc), greater(dc, minus_two));
   if (any(hn::AndNot(straight, alive))) {
-    // Of two boundaries, the one that is crossed first decides on the cell between.
+    // The boundary that is crossed first determines the cell between both sides.
     const Ints row_boundary = hn::IfThenElse(greater(dr, zero), b.row, a.row);
     const Ints column_boundary = hn::IfThenElse(greater(dc, zero), b.column, a.column);
     const Floats from_row = hn::Sub(asFloats(row_boundary), set(slab.row_start));

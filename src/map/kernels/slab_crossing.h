@@ -6,42 +6,41 @@
 #include <cstddef>
 #include <cstdint>
 
-/** \brief Which cells of a slab (a layer of voxels across the axis along which the rays
- * are longest) are crossed by rays from one point: raw pointers and sizes only. Arrays
- * have `slab_lanes` values more than there are entries.
+/** \brief Finds the cells of a slab (a layer of voxels across the longest axis of the
+ * rays) that rays from one point cross, on raw pointers. Arrays are padded by
+ * `slab_lanes` values.
  *
- * Positions are single precision, in voxels from the voxel of the start. What lies
- * within `margin` of a boundary is not decided here but given back. */
+ * Positions are single precision, in voxels relative to the start voxel. Rays within
+ * `margin` of a boundary are undecided and returned to the caller. */
 namespace pcl_semantic::kernels {
 
 constexpr std::size_t slab_lanes = 16;
 
-/** \brief A slab and the bytes that stand for its cells: that of cell (row, column) is
- * set if a ray crosses it. The bytes of eight slabs lie side by side. */
+/** \brief A slab and one byte per cell, which is set if a ray crosses the cell (row,
+ * column). The bytes of eight slabs are interleaved. */
 struct SlabView {
-  float row_start, column_start; ///< of all rays, in their first voxel [voxels]
+  float row_start, column_start; ///< start of all rays in their first voxel [voxels]
   float enter, leave;            ///< distance of the slab's two sides [voxels]
   float margin;                  ///< [voxels]
-  int slab;                      ///< number, counted from the start
+  int slab;                      ///< counted from the start
   int first_row, first_column;   ///< of the bytes
   int rows, columns;             ///< extent of the bytes
-  int column_stride;             ///< bytes from one column to the next
-  int nowhere;                   ///< a byte for what lies outside
+  int column_stride;             ///< bytes between columns
+  int nowhere;                   ///< a byte for all cells outside
   std::uint8_t* cells;           ///< of this slab
 };
 
 /** \brief Bundles of rays: the range of their slopes (per voxel along the axis), and
  * the rays at their corners: 0 low row and column, 1 high row, 2 high column, 3 both.
- * In the slabs looked at they are no wider than a voxel.
- */
+ * In the given slabs they are at most one voxel wide. */
 struct BundleView {
   const float *row_low, *row_high, *column_low, *column_high;
   const float *corner_row[4], *corner_column[4];
-  const std::int32_t* longest; ///< slab that none of their rays goes beyond
-  const std::int32_t* reach;   ///< slabs that all the rays above pass whole
+  const std::int32_t* longest; ///< last slab that any ray reaches
+  const std::int32_t* reach;   ///< number of slabs that all rays pass completely
 };
 
-/** \brief Rays: slopes, number of the slab they end in, and the cell there. */
+/** \brief Rays: slopes, slab of the end, and its cell. */
 struct RayView {
   const float *row_slope, *column_slope;
   const std::int32_t *end_slab, *end_row, *end_column;
@@ -53,17 +52,17 @@ struct RaySlab {
 
 struct SlabCrossing {
   /** \brief Sets the cells of bundles that certainly cross one cell, two or three in a
-   * line, or certain ones of four that share a corner, and no other; gives the number
-   * of those that are left, and lists them. */
+   * line, or certain ones of four around a corner. Returns the number of undecided
+   * bundles and lists them. */
   std::size_t (*crossBundles)(const SlabView& slab, const BundleView& bundles,
                               std::size_t count, std::uint32_t* left);
 
-  /** \brief Sets the cells that rays cross; gives the number of rays that are too close
-   * to a boundary, and lists them. */
+  /** \brief Sets the cells that rays cross. Returns the number of rays that are too
+   * close to a boundary and lists them. */
   std::size_t (*crossRays)(const SlabView& slab, const RayView& rays, std::size_t count,
                            std::uint32_t* left);
 
-  /** \brief The same for all rays and several slabs, one behind the other. */
+  /** \brief Does the same for all rays and several consecutive slabs. */
   std::size_t (*crossSlabs)(const SlabView* slabs, std::size_t slab_count,
                             const RayView& rays, std::size_t count, RaySlab* left);
 };

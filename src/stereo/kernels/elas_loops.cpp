@@ -15,8 +15,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 static_assert(descriptor_bytes == 16, "a descriptor fills a block of a vector");
 
-/** \brief One descriptor, or two one after the other: then a vector holds eight
- * distances. */
+/** \brief One or two consecutive descriptors; with two, a vector holds eight distances.
+ */
 using Bytes = hn::CappedTag<std::uint8_t, 2 * descriptor_bytes>;
 using Distances = hn::Repartition<std::int32_t, Bytes>;
 
@@ -28,8 +28,8 @@ halfDistances(V a, V b)
 #if HWY_MAJOR > 1 || HWY_MINOR >= 2
   return hn::SumsOf8AbsDiff(a, b);
 #elif HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
-  // One instruction that an earlier Highway lacks: without it all takes 1.3 to 1.7
-  // times as long.
+  // Highway's older versions lack this instruction; without it everything takes 1.3 to
+  // 1.7 times as long.
   if constexpr (sizeof(V) == 32)
     return {_mm256_sad_epu8(a.raw, b.raw)};
   else
@@ -39,8 +39,8 @@ halfDistances(V a, V b)
 #endif
 }
 
-/** \brief Of each block: \a weight times the distances of \a own descriptor to the four
- * that lie \a step descriptors apart at \a others. */
+/** \brief For each block, \a weight times the distances of \a own descriptor to four at
+ * \a others, \a step descriptors apart. */
 template <int step, class D>
 HWY_INLINE hn::Vec<hn::Repartition<std::int32_t, D>>
 fourDistances(D d, hn::Vec<D> own, const std::uint8_t* others, std::int16_t weight)
@@ -50,7 +50,7 @@ fourDistances(D d, hn::Vec<D> own, const std::uint8_t* others, std::int16_t weig
   const auto halves = [&](int i) HWY_ATTR {
     return halfDistances(own, hn::LoadU(d, others + i * step * descriptor_bytes));
   };
-  // Where blocks have 128 bits, this keeps the order in them.
+  // Keeps the order within 128-bit blocks.
   const auto pack = [&](auto a, auto b) HWY_ATTR {
     return hn::ReorderDemote2To(d16, hn::BitCast(d32, a), hn::BitCast(d32, b));
   };
@@ -90,7 +90,7 @@ gradients(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t
   horizontal[0] = vertical[0] = horizontal[width - 1] = vertical[width - 1] = 128;
   for (int u = 1; u + lanes < width; u += lanes)
     gradientsAt(d, u);
-  if (lanes <= width - 2) // again, some of them
+  if (lanes <= width - 2) // overlaps the previous lanes
     gradientsAt(d, width - 1 - lanes);
   else
     for (int u = 1; u < width - 1; ++u)
@@ -102,7 +102,7 @@ gather(const std::uint8_t* const* elements, int count, std::uint8_t* result)
 {
   constexpr hn::FixedTag<std::uint8_t, 16> d;
   using Rows = hn::Vec<decltype(d)>[16];
-  // 16 x 16 bytes change rows with columns by four perfect shuffles.
+  // Transposes 16 x 16 bytes by four perfect shuffles.
   const auto shuffle = [&](const Rows& from, Rows& to) HWY_ATTR {
     for (int i = 0; i < 8; ++i) {
       to[2 * i] = hn::InterleaveLower(d, from[i], from[i + 8]);
@@ -122,7 +122,7 @@ gather(const std::uint8_t* const* elements, int count, std::uint8_t* result)
   }
 }
 
-/** \brief Distances to the eight descriptors one after the other at \a others. */
+/** \brief Distances to the eight consecutive descriptors at \a others. */
 template <class D>
 HWY_INLINE hn::Vec<hn::FixedTag<std::uint16_t, 8>>
 eightDistances(D d, hn::Vec<D> own, const std::uint8_t* others)
@@ -157,10 +157,10 @@ addDistances(const std::uint8_t* own, const std::uint8_t* others, int count,
 constexpr Distances d32;
 constexpr int lanes = int(hn::MaxLanes(d32)), vectors = 8 / lanes;
 
-// Candidates are eights of one disparity after the other, in the order m of the other
-// image's pixels. The least is looked for of what has a candidate's energy in its upper
-// bits and below it what decides among equals and tells whose it is: m of the eight
-// around the plane, 8 + 8 block + m of those seen near.
+// Candidates are processed in groups of eight consecutive disparities, in the order m
+// of the other image's pixels. The minimum is over keys with the candidate's energy in
+// the upper bits. The lower bits break ties and identify the candidate: m for the eight
+// around the plane, 8 + 8 block + m for those of support points.
 constexpr std::int16_t unit = 2048; // of energy
 constexpr std::int32_t none = no_energy * unit;
 static_assert(8 + largest_disparities <= unit, "what is below the energy fits");
@@ -179,7 +179,7 @@ disparityOf(int direction, int first, int m)
   return direction < 0 ? first + 7 - m : first + m;
 }
 
-/** \brief Whole disparity of each pixel, or no_disparity. */
+/** \brief Integer disparity of each pixel, or no_disparity. */
 template <int direction>
 HWY_INLINE void
 findBest(const MatchRow& row, std::int16_t* disparity)
@@ -254,8 +254,8 @@ findBest(const MatchRow& row, std::int16_t* disparity)
   }
 }
 
-/** \brief Disparity with its fraction, from the distances there and at its neighbours:
- * two lines of equal and opposite slope, which distances (L1) follow. */
+/** \brief Disparity with its fraction, from the distances at d - 1, d and d + 1: two
+ * lines of equal and opposite slope, the model for L1 distances. */
 HWY_INLINE std::int16_t
 refine(const MatchRow& row, int u, int d)
 {
@@ -263,12 +263,12 @@ refine(const MatchRow& row, int u, int d)
   const auto mine = hn::LoadU(d8, row.own + u * descriptor_bytes);
   const std::uint8_t* const before =
       row.other + (u + row.direction * d - 1) * descriptor_bytes;
-  alignas(16) std::int32_t e[4]; // the last one is of no use
+  alignas(16) std::int32_t e[4]; // the last one is unused
   hn::Store(fourDistances<1>(d8, mine, before, 1), hn::FixedTag<std::int32_t, 4>(), e);
   const int rise = (e[0] > e[2] ? e[0] : e[2]) - e[1];
   int fraction = 0;
   if (rise > 0) {
-    const int twice = // over 2 rise: the fraction
+    const int twice = // twice the fraction, times the rise
         disparity_steps * row.direction * (e[0] - e[2]);
     fraction = (twice + (twice < 0 ? -rise : rise)) / (2 * rise);
     const int half = disparity_steps / 2;
@@ -285,7 +285,7 @@ matchRow(const MatchRow& row, std::int16_t* disparity)
     findBest<-1>(row, disparity);
   else
     findBest<1>(row, disparity);
-  // By themselves, as then more pixels are under way at a time.
+  // A separate loop, which overlaps more pixels.
   for (int u = 0; u < row.width; ++u)
     if (disparity[u] >= 0)
       disparity[u] = refine(row, u, disparity[u]);

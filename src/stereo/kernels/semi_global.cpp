@@ -65,7 +65,7 @@ compareRow(const CensusRow& row, std::uint8_t* costs)
   }
 }
 
-// Rounded to whole quarters, or sixteenths of sixteen.
+// Divides by four and rounds.
 HWY_INLINE Bytes
 quarter(Bytes values)
 {
@@ -103,8 +103,8 @@ sumBlocks(const std::uint8_t* quarters, int width, int disparities, std::uint8_t
   }
 }
 
-// One step of a path: replaces the path costs of the pixel before, and the smallest of
-// them, by those of the next. Calls use(d, costs) for each vector.
+// One step of a path: replaces the path costs of the previous pixel, and their minimum,
+// by those of the next one. Calls use(d, costs) for each vector.
 template <typename Use>
 HWY_INLINE void
 step(const std::uint8_t* costs, int disparities, std::uint8_t small_step,
@@ -130,7 +130,7 @@ step(const std::uint8_t* costs, int disparities, std::uint8_t small_step,
   smallest = std::uint8_t(leastWord(words, hn::BitCast(words, minimum)));
 }
 
-// A path that begins: its costs are those of the first pixel.
+// Begins a path: its costs are those of the first pixel.
 HWY_INLINE std::uint8_t
 beginPath(std::uint8_t* slot, int disparities)
 {
@@ -164,7 +164,7 @@ forwardRow(const PathRow& row)
   }
 }
 
-// What is true of even and of odd disparities, in their order.
+// Interleaves the masks of even and odd disparities.
 HWY_INLINE hn::Mask<BytesTag>
 inOrder(hn::Mask<WordsTag> even, hn::Mask<WordsTag> odd)
 {
@@ -172,7 +172,7 @@ inOrder(hn::Mask<WordsTag> even, hn::Mask<WordsTag> odd)
                                      hn::BitCast(bytes, hn::VecFromMask(words, even))));
 }
 
-// Brings sums of a pixel to pixels of the right image.
+// Updates the best sums and disparities of pixels of the right image.
 HWY_INLINE void
 chooseForRight(Words ours, Words disparity, std::uint16_t* right_sum,
                std::uint16_t* right_disparity)
@@ -185,8 +185,8 @@ chooseForRight(Words ours, Words disparity, std::uint16_t* right_sum,
              right_disparity);
 }
 
-// The best disparity of a pixel from its sums, the smallest of which is known; and what
-// these are to the right image, where disparity d leads to position + d.
+// Selects the best disparity of a pixel from its sums and their known minimum. Also
+// updates the right image, where disparity d corresponds to position + d.
 HWY_INLINE void
 choose(const std::uint16_t* sums, int D, std::uint16_t smallest, int u, int position,
        const RowMatches& matches)
@@ -201,7 +201,8 @@ choose(const std::uint16_t* sums, int D, std::uint16_t smallest, int u, int posi
   const Words least = hn::Set(words, smallest), most = hn::Set(words, limit);
   const Words count = hn::Iota(words, 0);
   int d = 0, found = 0;
-  for (int i = D - lanes; i >= 0; i -= lanes) { // backwards: the first position stays
+  for (int i = D - lanes; i >= 0; i -= lanes) { // backwards, so that the first position
+                                                // wins
     const Words even = hn::LoadU(words, sums + i / 2);
     const Words odd = hn::LoadU(words, sums + (D + i) / 2);
     const auto first =

@@ -6,24 +6,24 @@
 #include <cstddef>
 #include <cstdint>
 
-/** \brief Inner loops of semi-global matching: raw pointers and sizes only. D is the
- * number of disparities; values of a pixel are D bytes, those of a row width * D. */
+/** \brief Inner loops of semi-global matching, on raw pointers. D is the number of
+ * disparities; a pixel has D bytes, a row width * D. */
 namespace pcl_semantic::kernels {
 
-/** \brief Bytes of a pixel's census, a bit for each comparison. */
+/** \brief Bytes of a pixel's census, one bit per comparison. */
 constexpr int census_bytes = 4;
 
 /** \brief D is a multiple of this. */
 constexpr int disparity_block = 64;
 
-/** \brief A *slot* holds the path costs of a pixel, and behind them so many bytes of
- * this value, which no path cost exceeds; the same lies before the first slot. It and a
- * penalty of P1 fit a byte. */
+/** \brief A *slot* contains the path costs of a pixel, followed by slot_padding bytes
+ * of max_path_cost, an upper bound of the path costs; the same padding precedes the
+ * first slot. max_path_cost plus a penalty of P1 fits a byte. */
 constexpr int slot_padding = 64;
 constexpr std::uint8_t max_path_cost = 191;
 
-/** \brief Census of a row of both images, by byte; the right one backwards: byte
- * width - 1 - u + d is that of the pixel that disparity d takes u to. */
+/** \brief Census of a row of both images, by byte. The right one is reversed: byte
+ * width - 1 - u + d belongs to the pixel that matches u at disparity d. */
 struct CensusRow {
   int width, disparities;
   const std::uint8_t *left[census_bytes], *right[census_bytes];
@@ -33,49 +33,52 @@ struct CensusRow {
 struct PathRow {
   int width, disparities;
   const std::uint8_t* costs;
-  std::uint8_t small_step; ///< P1: of a disparity that changes by one pixel
-  /// P2: of one that changes by more, from the pixel above; and along the row, from the
+  std::uint8_t small_step; ///< P1: penalty of a disparity change by one pixel
+  /// P2: penalty of a larger change from the pixel above; and along the row, from the
   /// left and, one pixel on, from the right.
   const std::uint8_t *large_step_down, *large_step_along;
-  /// Slot of each pixel, the smallest value of each: of the row above, then of this.
+  /// Slot of each pixel and the minimum of each slot: of the previous row, then of this
+  /// one.
   std::uint8_t *down, *smallest_down;
   std::uint8_t* along; ///< one slot more
-  std::uint16_t* sums; ///< of all directions; of a pixel even disparities, then odd
+  std::uint16_t* sums; ///< over all directions; for each pixel the even disparities,
+                       ///< then the odd ones
 };
 
 /** \brief Best matches of the pixels of a row. */
 struct RowMatches {
-  std::uint8_t* disparity; ///< of the smallest sum; of several the smallest
-  std::uint16_t* around;   ///< three a pixel: the sums at d - 1, d, d + 1
-  /// Whether a disparity beyond its neighbours has a sum up to uniqueness times the
-  /// smallest one.
+  std::uint8_t* disparity; ///< of the smallest sum; in a tie the smallest
+  std::uint16_t* around;   ///< three per pixel: the sums at d - 1, d, d + 1
+  /// Whether a disparity other than d and its neighbours has a sum up to uniqueness
+  /// times the smallest one.
   std::uint8_t* has_rival;
   float uniqueness;
-  /// Of the pixels of the right image, backwards as above, even and odd ones apart: the
-  /// smallest sum, the largest value before, and its disparity.
+  /// Of the right image's pixels, reversed as above, even and odd ones separately: the
+  /// smallest sum so far (initially the largest value), and its disparity.
   std::uint16_t *right_sum[2], *right_disparity[2];
 };
 
-/** \brief No sum; beyond the ends of the disparities. */
+/** \brief Missing sum beyond the range of disparities. */
 constexpr std::uint16_t no_sum = 65535;
 
 struct SemiGlobal {
-  /// Differing bits of each pixel and disparity.
+  /// Counts the differing bits of each pixel and disparity.
   void (*compare)(const CensusRow& row, std::uint8_t* costs);
-  /// Sums over five rows: adds one to \a sums, takes one off (null = none); \a quarters
-  /// are the sums in fours.
+  /// Updates sums over five rows: adds one row to \a sums, subtracts one (null = none);
+  /// \a quarters are the sums divided by four.
   void (*slide)(const std::uint8_t* added, const std::uint8_t* removed,
                 std::size_t count, std::uint8_t* sums, std::uint8_t* quarters);
-  /// Costs of blocks from quarters, in sixteen bits.
+  /// Computes the costs of 5 x 5 blocks from quarters: the number of differing bits
+  /// divided by 16.
   void (*blocks)(const std::uint8_t* quarters, int width, int disparities,
                  std::uint8_t* costs);
-  /// Sums of the paths from above and from the left.
+  /// Sums the paths from above and from the left.
   void (*forward)(const PathRow& row);
-  /// Adds the paths from the right, and chooses.
+  /// Adds the paths from the right, and selects the best disparities.
   void (*backward)(const PathRow& row, const RowMatches& matches);
 };
 
-/** \brief The same results in all tiers. */
+/** \brief The loops for a tier; all tiers give identical results. */
 const SemiGlobal& semiGlobal(SimdTier tier);
 
 } // namespace pcl_semantic::kernels

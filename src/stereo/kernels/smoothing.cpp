@@ -31,10 +31,10 @@ smoothLanes(const std::int16_t* disparity, const std::int16_t* const* neighbours
     const auto unlike = hn::VecFromMask(
         d, hn::Or(hn::Lt(other, zero), hn::Gt(hn::Abs(difference), limit)));
     sum = hn::Add(sum, hn::AndNot(unlike, difference));
-    number = hn::Add(number, unlike); // -1 where it is
+    number = hn::Add(number, unlike); // -1 where unlike
   }
-  number = hn::Max(number, hn::Set(d, 1)); // where the pixel itself holds nothing
-  // Even and odd lanes by themselves, as they need twice the bits.
+  number = hn::Max(number, hn::Set(d, 1)); // if the pixel itself has no disparity
+  // Even and odd lanes separately, because they need twice the bits.
   const auto odd = [&](auto v) HWY_ATTR {
     const auto pairs = hn::BitCast(d32, v);
     return hn::ShiftRight<16>(pairs);
@@ -45,7 +45,7 @@ smoothLanes(const std::int16_t* disparity, const std::int16_t* const* neighbours
   const auto smoothed = [&](auto half) HWY_ATTR {
     const auto real = [&](auto v) HWY_ATTR { return hn::ConvertTo(df, half(v)); };
     const auto mean = hn::Div(real(sum), real(number));
-    // Of a positive number: to the nearest whole one.
+    // Rounds a positive number to the nearest integer.
     return hn::ConvertTo(d32, hn::Add(hn::Add(real(centre), mean), hn::Set(df, 0.5f)));
   };
   const auto value = hn::OddEven(hn::BitCast(d, hn::ShiftLeft<16>(smoothed(odd))),
@@ -64,7 +64,7 @@ smoothLine(const std::int16_t* disparity, const std::int16_t* const* neighbours,
     smoothLanes(disparity, neighbours, taps, limit, count - lanes, smooth);
     return;
   }
-  // Fewer than a vector holds.
+  // Fewer than a vector.
   std::int16_t padded[2 * max_smoothing + 2][lanes] = {}, result[lanes];
   const std::int16_t* rows[2 * max_smoothing + 1];
   const std::size_t bytes = std::size_t(count) * sizeof *smooth;

@@ -11,8 +11,8 @@ namespace pcl_semantic::HWY_NAMESPACE {
 
 namespace {
 
-// Compilers vectorise it: no branch, and no fused products, so that every tier gives
-// the same bits.
+// Vectorised by compilers: no branch, and no fused products, so that every tier gives
+// identical bits.
 void
 assign(const SlicRow& row, const SlicCentre& centre, int label, int first, int end,
        float spatial_weight)

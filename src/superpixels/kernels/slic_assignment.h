@@ -14,7 +14,7 @@ struct SlicCentre {
   float y = 0.0f;
 };
 
-/** \brief A row of the image and what is known of its pixels. */
+/** \brief A row of the image and the current assignment of its pixels. */
 struct SlicRow {
   const float* lab[3];        ///< channels
   float* distances = nullptr; ///< squared distance to the centre in `labels`
@@ -23,12 +23,13 @@ struct SlicRow {
   float y = 0.0f; ///< of the row [px]
 };
 
-/** \brief Gives a centre those pixels first..end-1 of a row that it is nearer to than
- * the centre they have; `spatial_weight` is (m / S)^2, of the distance in the image. */
+/** \brief Assigns to a centre those of the pixels first..end-1 of a row that are closer
+ * to it than to their current centre; `spatial_weight` is (m / S)^2, the weight of the
+ * squared image distance. */
 using AssignSlicRow = void (*)(const SlicRow& row, const SlicCentre& centre, int label,
                                int first, int end, float spatial_weight);
 
-/** \brief The function for a tier; all give the same bits. */
+/** \brief The function for a tier; all give identical bits. */
 AssignSlicRow slicAssignment(SimdTier tier);
 
 } // namespace pcl_semantic
