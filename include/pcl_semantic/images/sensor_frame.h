@@ -25,8 +25,8 @@ struct StereoFrame : FrameTime {
 /** \brief A colour image with the depths of its pixels. */
 struct RgbdFrame : FrameTime {
   cv::Mat image; ///< CV_8UC3 (BGR)
-  /// Camera frame (x right, y down, z forward) [m], organized and coloured as the image;
-  /// NaN where a pixel has no depth.
+  /// Camera frame (x right, y down, z forward) [m], organized and coloured as the
+  /// image; NaN where a pixel has no depth.
   pcl::PointCloud<pcl::PointXYZRGB>::Ptr cloud;
   std::size_t unmeasured = 0; ///< pixels without a measurement
 };
