@@ -110,9 +110,10 @@ void
 readCliqueConfig(const po::variables_map& values, Arguments& options)
 {
   readMapperConfig(options.clique_config, options.config);
-  if (!options.clique_config.empty() && options.config.crf != "hierarchical")
-    fail<BadInputException>(options.clique_config, ": crf is ", options.config.crf,
-                            ", expected hierarchical");
+  if (!options.clique_config.empty() &&
+      options.config.crf != CRFModelType::hierarchical)
+    fail<BadInputException>(options.clique_config, ": crf is ",
+                            nameOf(options.config.crf), ", expected hierarchical");
   if (options.config.network_every != 1)
     fail<BadInputException>(
         options.clique_config, ": network_every is ", options.config.network_every,

@@ -106,8 +106,6 @@ unreadByMap(MapperConfig& config)
     const auto* const place = reinterpret_cast<const char*>(value);
     const auto* const first = reinterpret_cast<const char*>(&config.map);
     return (place >= first && place < first + sizeof config.map) ||
-           place == reinterpret_cast<const char*>(&config.pixel_fusion) ||
-           place == reinterpret_cast<const char*>(&config.clearing) ||
            place == reinterpret_cast<const char*>(&config.threads);
   };
   std::vector<std::string> unread;
@@ -116,8 +114,8 @@ unreadByMap(MapperConfig& config)
             [&](const auto& value) {
               if constexpr (std::is_pointer_v<std::decay_t<decltype(value)>>)
                 return isOfMap(value);
-              else
-                return false;
+              else // a choice
+                return parameter.name == "pixel_fusion" || parameter.name == "clearing";
             },
             parameter.value))
       unread.push_back(parameter.name);
@@ -248,7 +246,7 @@ public:
     MapperConfig config;
     setParameters(parametersOf(config), values);
     config.validate();
-    refuseUnreadOfCRF(values, config.crf, config.cliques);
+    refuseUnreadOfCRF(values, nameOf(config.crf), config.cliques);
     refuseUnread(values, {"label_confidence"}, "beside probabilities");
     if (!camera)
       refuseUnread(values,

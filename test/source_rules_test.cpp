@@ -366,6 +366,36 @@ TEST(SourceRules, CommentsNameWhatActs)
   }
 }
 
+// The lines of each hunk that are not added have to be in the file, one after another.
+TEST(SourceRules, RecipesFitTheSources)
+{
+  std::istringstream guide(readText(source_folder / "CONTRIBUTING.md"));
+  std::string line, file, old_lines;
+  bool is_diff = false;
+  int hunks = 0;
+  const auto endHunk = [&] {
+    if (!old_lines.empty()) {
+      ++hunks;
+      EXPECT_NE(readText(source_folder / file).find(old_lines), std::string::npos)
+          << file << " lacks\n"
+          << old_lines;
+    }
+    old_lines.clear();
+  };
+  while (std::getline(guide, line)) {
+    if (line.rfind("```", 0) == 0 || line.rfind("@@", 0) == 0 ||
+        line.rfind("+++ ", 0) == 0)
+      endHunk();
+    if (line.rfind("```", 0) == 0)
+      is_diff = line == "```diff";
+    else if (is_diff && line.rfind("+++ ", 0) == 0)
+      file = line.substr(4);
+    else if (is_diff && !line.empty() && line[0] != '+' && line[0] != '@')
+      old_lines += line.substr(1) + "\n";
+  }
+  EXPECT_GE(hunks, 12);
+}
+
 TEST(SourceRules, PackagesHaveTheVersionOfTheProject)
 {
   const std::string project = readText(source_folder / "CMakeLists.txt");

@@ -338,7 +338,7 @@ cliqueSamples(const CalibrationSequence& sequence, const MapperConfig& config,
               const LabelSet& label_set, const std::vector<Label>& ground)
 {
   MapperConfig plain = config;
-  plain.crf = "none";
+  plain.crf = CRFModelType::unary;
   SemanticMapper mapper(label_set, plain, sequence.makePoses(), sequence.camera(),
                         sequence.makePredictor(plain.label_confidence));
   if (!sequence.calibration().empty())

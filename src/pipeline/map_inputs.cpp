@@ -103,7 +103,7 @@ unreadOptions(const MapInputs& inputs, const MapperConfig& config)
        {"scan-columns"}},
       {!inputs.network.empty(), "with --network", {"label-confidence"}},
       unreadOptionsOfLabels(inputs.labels)};
-  for (UnreadOptions& rule : unreadOptionsOfCRF(config.crf, config.cliques))
+  for (UnreadOptions& rule : unreadOptionsOfCRF(nameOf(config.crf), config.cliques))
     rules.push_back(std::move(rule));
   return rules;
 }

@@ -18,27 +18,11 @@ namespace {
 const std::vector<std::string> crf_models = {"none", "dense", "pn-potts",
                                              "hierarchical"};
 
-// The number of a word among those that a value may be.
-int
-requireChoice(const char* name, const std::string& value,
-              const std::vector<std::string>& words)
-{
-  const auto word = std::find(words.begin(), words.end(), value);
-  if (word == words.end())
-    badParameter(name, " is '", value, "', expected ", joinWords(words));
-  return int(word - words.begin());
-}
-
 } // namespace
 
 void
 MapperConfig::validate()
 {
-  map.fusion.pixel_fusion =
-      PixelFusion(requireChoice("pixel_fusion", pixel_fusion, {"mean", "product"}));
-  map.fusion.clearing =
-      Clearing(requireChoice("clearing", clearing, {"none", "full", "careful"}));
-  requireChoice("crf", crf, crf_models);
   clique_parameters.supervoxel.voxel_resolution = map.voxel_size;
   clique_parameters.supervoxel.fixed_cubes = true;
   SlicParameters slic;
@@ -57,6 +41,12 @@ MapperConfig::validate()
   require(network_every >= 1, "network_every", network_every, "1 or more");
   require(crf_every >= 1, "crf_every", crf_every, "1 or more");
   requireConfidence(label_confidence);
+}
+
+const std::string&
+nameOf(CRFModelType model)
+{
+  return crf_models.at(std::size_t(model));
 }
 
 ConfigParameters
@@ -104,7 +94,7 @@ parametersOf(MapperConfig& config)
       {"clearing",
        "what of a ray clears space: none of it, full, or careful: not its end, where "
        "it may run along the surface that it meets",
-       &config.clearing},
+       chooseFrom(fusion.clearing, {"none", "full", "careful"})},
       {"per_ray_counting",
        "count every ray instead of one hit or miss a frame, as in the paper: true or "
        "false",
@@ -113,13 +103,13 @@ parametersOf(MapperConfig& config)
        "log-odds that voxels of dynamic classes lose per frame; 0 = off",
        &fusion.dynamic_decay, "0"},
       {"pixel_fusion", "fusion of the pixels of a frame in one voxel: mean or product",
-       &config.pixel_fusion},
+       chooseFrom(fusion.pixel_fusion, {"mean", "product"})},
       {"label_min_probability", "lower bound of each measured class probability",
        &fusion.label_min_probability, "0.01"},
       {"label_max_ratio",
        "upper bound of largest / smallest probability of a fused distribution",
        &fusion.label_max_ratio, "10000"},
-      {"crf", "model: " + joinWords(crf_models), &config.crf},
+      {"crf", "model: " + joinWords(crf_models), chooseFrom(config.crf, crf_models)},
       {"crf_every", "run the CRF at the first frame and every N-th after it",
        &config.crf_every},
       {"crf_write_back",
@@ -158,12 +148,6 @@ void
 readMapperConfig(const std::string& path, MapperConfig& config)
 {
   readConfig(path, config);
-}
-
-CRFModelType
-MapperConfig::crfModel() const
-{
-  return CRFModelType(requireChoice("crf", crf, crf_models));
 }
 
 std::string

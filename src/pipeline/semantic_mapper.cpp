@@ -46,7 +46,7 @@ requireNothingOfCamera(const MapperConfig& config, bool has_camera)
       config.min_hit_ratio != MapperConfig().min_hit_ratio)
     badParameter("min_hit_ratio is for images: it counts the pixels that look "
                  "past a voxel");
-  if (!has_camera && config.crf == "hierarchical" &&
+  if (!has_camera && config.crf == CRFModelType::hierarchical &&
       config.cliques.rfind("superpixel", 0) == 0)
     badParameter("superpixels are for clouds of a camera");
 }
@@ -94,9 +94,8 @@ SemanticMapper::setLabelCalibration(LabelCalibration calibration)
 void
 SemanticMapper::setCliqueCalibration(LabelCalibration calibration)
 {
-  if (config_.crf != "hierarchical")
-    badParameter("a clique calibration is for the model hierarchical, not ",
-                 config_.crf);
+  if (config_.crf != CRFModelType::hierarchical)
+    badParameter("a clique calibration is for the model hierarchical");
   if (!camera_)
     badParameter("a clique calibration is for frames of a camera");
   if (config_.network_every != 1 && !calibration.ground.empty())
@@ -117,7 +116,7 @@ SemanticMapper::resume(int frames, bool finished, const Eigen::Vector3d& cloud_o
 bool
 SemanticMapper::isRefinedAt(int frame) const
 {
-  return config_.crf == "none" || frame % config_.crf_every == 0;
+  return config_.crf == CRFModelType::unary || frame % config_.crf_every == 0;
 }
 
 // Whether the labels of the frame are wanted, which counts from 0.
@@ -233,7 +232,7 @@ SemanticMapper::fuse(MappedFrame& mapped)
   mapped.counts = times.measure("map", [&] { return integrate(mapped); });
   mapped.voxels = times.measure("voxels", [&] { return map_.occupied(); });
   refined_ = isRefinedAt(frames_);
-  if (config_.crf != "none" && refined_)
+  if (config_.crf != CRFModelType::unary && refined_)
     times.measure("crf", [&] {
       cliques_->setFrame(mapped.cloud, mapped.network, mapped.T_world_camera);
       refineVoxels(mapped.voxels);
@@ -285,7 +284,7 @@ SemanticMapper::addLabels(const MappedFrame& earlier, LabelDistributions labels)
   const auto cloud = withoutSeenThrough(frame, erased);
   map_.addLabels(*cloud, frame.T_world_camera,
                  calibration_ ? frame.calibrated : frame.network);
-  refined_ = config_.crf == "none";
+  refined_ = config_.crf == CRFModelType::unary;
 }
 
 // The points that go into the map.
@@ -338,8 +337,8 @@ SemanticMapper::refineVoxels(VoxelCloud& voxels)
   if (region.updated.empty())
     return;
   SemanticCRF<pcl::PointXYZRGBL> crf;
-  crf.setModel(config_.crfModel());
-  if (config_.crf != "dense") {
+  crf.setModel(config_.crf);
+  if (config_.crf != CRFModelType::dense) {
     const MapCliques::Result groups = cliques_->generate(voxels);
     crf.setCliques(groups.cliques);
     crf.setCliqueCosts(groups.costs);

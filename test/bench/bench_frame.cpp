@@ -118,7 +118,7 @@ struct Stages {
 };
 
 Stages
-mapAll(const Frames& data, MapperConfig config, const std::string& crf)
+mapAll(const Frames& data, MapperConfig config, CRFModelType crf)
 {
   config.crf = crf;
   config.cliques = "superpixel";
@@ -139,7 +139,8 @@ mapAll(const Frames& data, MapperConfig config, const std::string& crf)
         secondsOf([&] { slicSuperpixels(frame.left, slic); }));
   }
   const auto of = [&](const char* stage) { return median(seconds.at(stage)); };
-  const double superpixels = crf == "hierarchical" ? of("superpixels") : 0.0;
+  const double superpixels =
+      crf == CRFModelType::hierarchical ? of("superpixels") : 0.0;
   return {of("stereo"),
           of("pose"),
           superpixels,
@@ -284,14 +285,15 @@ main()
   const Frames data = folder.empty() ? streetFrames() : kittiFrames(folder);
   MapperConfig paper;
   readMapperConfig(sourcePath("presets/paper_dense.yaml"), paper);
-  const Stages hierarchical = mapAll(data, MapperConfig(), "hierarchical");
+  const Stages hierarchical = mapAll(data, MapperConfig(), CRFModelType::hierarchical);
   printTable(data,
-             {hierarchical, mapAll(data, paper, "hierarchical"), paper_hierarchical},
-             {mapAll(data, MapperConfig(), "dense"), mapAll(data, paper, "dense"),
-              paper_dense});
+             {hierarchical, mapAll(data, paper, CRFModelType::hierarchical),
+              paper_hierarchical},
+             {mapAll(data, MapperConfig(), CRFModelType::dense),
+              mapAll(data, paper, CRFModelType::dense), paper_dense});
   const auto under_load = [&] {
     const Load load;
-    return mapAll(data, MapperConfig(), "hierarchical");
+    return mapAll(data, MapperConfig(), CRFModelType::hierarchical);
   };
   printProcess(hierarchical, under_load());
   if (!folder.empty())

@@ -47,7 +47,7 @@ makeKittiMap(double max_depth)
 {
   const KittiSequence sequence(realDataFolder() + "/kitti/15");
   MapperConfig config;
-  config.crf = "none";
+  config.crf = CRFModelType::unary;
   config.map.max_range = max_depth;
   config.map.fusion.miss_probability = 0.499; // all that was ever hit stays occupied
   SemanticMapper mapper(readLabelSet(kittiNetworkDescription().label_set_path), config,

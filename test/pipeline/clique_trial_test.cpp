@@ -52,7 +52,7 @@ TEST_F(CliqueTrialStreet, ASampleForEachClassOfACliqueWithTheNumberOfItsPixels)
   const std::vector<Label> ground{label_set.find("road"), label_set.find("sidewalk")};
   const auto street = open();
   MapperConfig config = coarse();
-  config.crf = "none";
+  config.crf = CRFModelType::unary;
   config.cliques = "cubes:2";
   config.map.max_range = 15.0; // some of the truth lies farther
   const CalibrationSamples samples = cliqueSamples(*street, config, label_set, ground);

@@ -23,7 +23,7 @@ protected:
   {
     scans_ = makeStreetScans(2, width, height);
     camera_ = SyntheticRenderer(SyntheticScene(1, 2), width, height).camera();
-    config_.crf = "none";
+    config_.crf = CRFModelType::unary;
     label_set_ = readLabelSet(PCL_SEMANTIC_SOURCE_DIR "/data/label_sets/kitti11.yaml");
   }
 
@@ -164,7 +164,7 @@ TEST_F(CloudFrames, WhatNeedsACameraIsRefused)
       "max_deviation and deviation_scale are for stereo",
       [&] { makeMapper(camera_); }));
   config_.max_deviation = 0.0;
-  config_.crf = "hierarchical";
+  config_.crf = CRFModelType::hierarchical;
   config_.cliques = "superpixel";
   EXPECT_TRUE(throws<InvalidParameterException>(
       "superpixels are for clouds of a camera", [&] { makeMapper(std::nullopt); }));

@@ -44,7 +44,7 @@ TEST(MapperConfig, SetsWhatTheFileNamesAndKeepsTheRest)
                    config);
   EXPECT_EQ(config.map.voxel_size, 0.2);
   EXPECT_EQ(config.map.window, Eigen::Vector3d(25, 26, 8));
-  EXPECT_EQ(config.crf, "none");
+  EXPECT_EQ(config.crf, CRFModelType::unary);
   EXPECT_EQ(config.map.fusion.pixel_fusion, PixelFusion::product);
   EXPECT_EQ(config.disparities, 64);
   EXPECT_EQ(config.crf_every, 5);
@@ -80,8 +80,8 @@ TEST(MapperConfig, WhatIsPrintedIsReadBackTheSame)
   config.map.voxel_size = 0.05;
   config.map.window = {10.5, 11, 12};
   config.crf_parameters.iterations = 5;
-  config.pixel_fusion = "product";
-  config.crf = "hierarchical";
+  config.map.fusion.pixel_fusion = PixelFusion::product;
+  config.crf = CRFModelType::hierarchical;
   config.cliques = "cubes:0.5";
   config.crf_parameters.free_label = false;
   config.crf_parameters.normalization = Normalization::none;
@@ -117,7 +117,7 @@ TEST(MapperConfig, MistakesAreNamedWithTheirLine)
            {"voxel_size: 0\n", "voxel_size is 0 m"},
            {"voxel_size: .nan\n", "'.nan' is not a number"},
            {"crf: densest\n",
-            "crf is 'densest', expected none, dense, pn-potts or hierarchical"},
+            "line 1: 'densest', expected none, dense, pn-potts or hierarchical"},
            {"crf_kernels: fast\n",
             "line 1: 'fast', expected automatic, truncated or lattice"},
            {"clique_truncation: 0\n", "clique_truncation is 0"},
@@ -148,7 +148,7 @@ TEST(MapperConfig, ThePresetOfThePaperIsItsHeadlineModel)
   readMapperConfig(PCL_SEMANTIC_SOURCE_DIR "/data/presets/paper.yaml", config);
   EXPECT_EQ(config.map.window, Eigen::Vector3d(25, 25, 8));
   EXPECT_EQ(config.stereo, "elas");
-  EXPECT_EQ(config.crf, "hierarchical");
+  EXPECT_EQ(config.crf, CRFModelType::hierarchical);
   EXPECT_EQ(config.cliques, "superpixel");
 }
 

@@ -45,7 +45,7 @@ TEST(RunDescription, NamesWhatHasChanged)
             "voxel_size was 0.1, is 0.100000001");
   EXPECT_EQ(change([](MappingRun& run) { run.config.map.window.y() = 12.5; }),
             "window was 0,0,0, is 0,12.5,0");
-  EXPECT_EQ(change([](MappingRun& run) { run.config.crf = "none"; }),
+  EXPECT_EQ(change([](MappingRun& run) { run.config.crf = CRFModelType::unary; }),
             "crf was dense, is none");
   EXPECT_EQ(change([](MappingRun& run) { run.frames.push_back(8); }),
             "frames was 3, from 2 to 7, is 4, from 2 to 8");

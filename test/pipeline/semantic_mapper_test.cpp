@@ -143,7 +143,7 @@ TEST_F(Street, WhoLooksOnSeesEachFrameUntilTheMapIsFinished)
   MappingRun run;
   run.label_set = kitti11();
   run.frames = {0, 2};
-  run.config.crf = "none";
+  run.config.crf = CRFModelType::unary;
   SemanticMapper mapper = makeMapper(run.config);
   const TemporaryFolder folder;
   MappingOutput output(folder.path(), run);
@@ -169,7 +169,7 @@ TEST_F(Street, WhoLooksOnSeesCentresIfTheMapWillHaveThem)
   MappingRun run;
   run.label_set = kitti11();
   run.frames = {0};
-  run.config.crf = "none";
+  run.config.crf = CRFModelType::unary;
   SemanticMapper mapper = makeMapper(run.config);
   const TemporaryFolder folder;
   ExtraOptions extra;
@@ -192,7 +192,7 @@ TEST_F(Street, WhoLooksOnSeesCentresIfTheMapWillHaveThem)
 TEST_F(Street, TheCallbackSeesEveryFrameAndTheMapAsItStands)
 {
   MapperConfig config;
-  config.crf = "none";
+  config.crf = CRFModelType::unary;
   SemanticMapper mapper = makeMapper(config);
   std::vector<int> seen;
   mapper.setCallback([&](const MappedFrame& mapped, const SemanticVoxelMap& map) {
@@ -231,7 +231,7 @@ TEST_F(Street, TheCrfRunsEveryNthFrameAndKeepsTheMeasurements)
 TEST_F(Street, OnlyEveryNthPairIsLabelled)
 {
   MapperConfig config;
-  config.crf = "none";
+  config.crf = CRFModelType::unary;
   SemanticMapper all = makeMapper(config);
   config.network_every = 3;
   SemanticMapper some = makeMapper(config);
@@ -246,7 +246,7 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
     EXPECT_EQ(unlabelled.colwise().all().any(), i > 0) << i;
   }
   expectRefusal<InvalidParameterException>("network_every has to be 1", [&] {
-    config.crf = "hierarchical";
+    config.crf = CRFModelType::hierarchical;
     LabelCalibration calibration;
     calibration.ground = {1};
     makeMapper(config).setCliqueCalibration(calibration);
@@ -257,7 +257,7 @@ TEST_F(Street, OnlyEveryNthPairIsLabelled)
 TEST_F(Street, LabelsMayComeLater)
 {
   MapperConfig config;
-  config.crf = "none";
+  config.crf = CRFModelType::unary;
   SemanticMapper at_once = makeMapper(config);
   SemanticMapper later = makeMapper(config, std::make_unique<NoLabels>());
   LateLabels late(labels(), later);
@@ -291,7 +291,7 @@ TEST_F(Street, LabelsMayComeLater)
 TEST_F(Street, ANetworkThatIsBusyLeavesFramesWithoutLabels)
 {
   MapperConfig config;
-  config.crf = "none";
+  config.crf = CRFModelType::unary;
   SemanticMapper mapper = makeMapper(config, std::make_unique<NoLabels>());
   std::promise<void> end; // until then it works on frame 0
   std::vector<int> seen;
@@ -346,7 +346,7 @@ TEST_F(Street, TheCrfWritesBackWhatItConcludesOnRequest)
 TEST_F(Street, RimsThatAreLookedPastAreNotMapped)
 {
   MapperConfig config;
-  config.crf = "none";
+  config.crf = CRFModelType::unary;
   config.min_hit_ratio = 0.0;
   const MappedFrame all = makeMapper(config).process(frame(0));
   config.min_hit_ratio = 0.33;
@@ -369,7 +369,9 @@ TEST_F(Street, RimsThatAreLookedPastAreNotMapped)
 TEST_F(Street, EveryModelOfTheCrf)
 {
   std::vector<Eigen::MatrixXf> refined;
-  for (const char* model : {"none", "dense", "pn-potts", "hierarchical"}) {
+  for (const CRFModelType model :
+       {CRFModelType::unary, CRFModelType::dense, CRFModelType::pn_potts,
+        CRFModelType::hierarchical}) {
     MapperConfig config;
     config.crf = model;
     config.crf_parameters.iterations = 3;
@@ -377,12 +379,12 @@ TEST_F(Street, EveryModelOfTheCrf)
     const MappedFrame mapped = mapper.process(frame(0));
     refined.push_back(mapped.voxels.refined.matrix());
     // The mapper's result is the filter's.
-    if (config.crf == "none") {
+    if (config.crf == CRFModelType::unary) {
       EXPECT_EQ(refined[0], mapped.voxels.measured.matrix());
       continue;
     }
     SemanticCRF<pcl::PointXYZRGBL> crf;
-    crf.setModel(config.crfModel());
+    crf.setModel(config.crf);
     crf.setParameters(config.crf_parameters);
     crf.setThinLabels(mapper.map().labelSet().thinLabels());
     crf.setCliqueGenerator(std::make_shared<CubeCliques>(1.0));
@@ -391,7 +393,7 @@ TEST_F(Street, EveryModelOfTheCrf)
     crf.setVoxels(mapped.voxels.indices, mapped.voxels.voxel_size);
     pcl::PointCloud<pcl::PointXYZRGBL> output;
     crf.filter(output);
-    EXPECT_EQ(crf.getLabelDistributions().matrix(), refined.back()) << model;
+    EXPECT_EQ(crf.getLabelDistributions().matrix(), refined.back()) << nameOf(model);
   }
   for (std::size_t i = 1; i < refined.size(); ++i)
     EXPECT_GT((refined[i] - refined[i - 1]).cwiseAbs().maxCoeff(), 0.1f) << i;
@@ -449,7 +451,7 @@ TEST_F(Street, ABlankPairIsMappedAsNothing)
 TEST_F(Street, RefusesAConfigThatCannotWork)
 {
   MapperConfig config;
-  config.crf = "densest";
+  config.cliques = "densest";
   EXPECT_THROW(makeMapper(config), InvalidParameterException);
   config = MapperConfig();
   config.disparities = 100;

@@ -147,7 +147,7 @@ TEST(RunDescription, TellsTheParametersOfItsRun)
   MappingRun run = someRun();
   run.config.map.voxel_size = 0.123456789;
   run.config.map.window = {10.5, 20.0, 5.25};
-  run.config.crf = "hierarchical";
+  run.config.crf = CRFModelType::hierarchical;
   run.config.crf_parameters.smoothness_weight = 4.5;
   EXPECT_EQ(
       describeRun({{},

@@ -24,9 +24,7 @@ struct MapperConfig {
   double label_confidence = 0.8; ///< probability of the class a stored `.png` states
   int network_every = 1; ///< 1 = the labels of each frame count, 3 = of every third
   SemanticVoxelMap::Parameters map;
-  std::string pixel_fusion = "mean"; ///< PixelFusion by name
-  std::string clearing = "careful";  ///< Clearing by name
-  std::string crf = "dense";         ///< none, dense, pn-potts or hierarchical
+  CRFModelType crf = CRFModelType::dense; ///< unary: the CRF is not run
   int crf_every = 1;           ///< 1 = the CRF runs at each frame, 2 = at every other
   bool crf_write_back = false; ///< what it concludes is the prior of later frames
   std::string cliques = "cubes:1"; ///< of the last two, as makeCliqueGenerator takes
@@ -36,14 +34,14 @@ struct MapperConfig {
   SemanticCRFParameters crf_parameters = SemanticCRFParameters::forMaps();
   int threads = 0; ///< 0 = all processors
 
-  /** \brief Carries pixel_fusion and clearing into map, the size of its voxels to the
-   * supervoxels, and checks every value.
+  /** \brief Checks every value, and passes the voxel size on to the supervoxels.
    * \throws InvalidParameterException */
   void validate();
-
-  /** \brief The model that `crf` names, if it is not none. */
-  CRFModelType crfModel() const;
 };
+
+/** \brief The value of `crf` that selects a model: none, dense, pn-potts or
+ * hierarchical. */
+const std::string& nameOf(CRFModelType model);
 
 /** \brief The parameters of a config, in the order of the data flow. */
 ConfigParameters parametersOf(MapperConfig& config);
