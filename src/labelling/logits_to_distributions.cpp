@@ -137,7 +137,7 @@ checkArguments(const cv::Mat& logits, const cv::Size& size,
                                       ", expected up to ", channels.classes);
 }
 
-// Probabilities must not be negative; logits must be finite.
+// Logits must be finite; probabilities must also be non-negative.
 void
 checkValues(const cv::Mat& logits, bool are_logits)
 {

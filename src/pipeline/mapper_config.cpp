@@ -18,7 +18,7 @@ namespace {
 const std::vector<std::string> crf_models = {"none", "dense", "pn-potts",
                                              "hierarchical"};
 
-// The number of a word among those that a value may be.
+// Index of a value among the allowed words.
 int
 requireChoice(const char* name, const std::string& value,
               const std::vector<std::string>& words)
@@ -42,7 +42,7 @@ MapperConfig::validate()
   clique_parameters.supervoxel.voxel_resolution = map.voxel_size;
   clique_parameters.supervoxel.fixed_cubes = true;
   SlicParameters slic;
-  if (parseSlic(cliques, slic)) // is for organized clouds
+  if (parseSlic(cliques, slic)) // superpixels need organized clouds
     badParameter("cliques are '", cliques,
                  "', expected cubes:SIZE, superpixel or supervoxel");
   makeCliqueGenerator(cliques, clique_parameters);
