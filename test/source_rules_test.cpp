@@ -271,8 +271,8 @@ TEST(SourceRules, IncludesPointDownward)
   }
 }
 
-// Without the macro what a header declares cannot be called from outside the library;
-// with the header comes the check of the consumer's flags.
+// Without the macro, a program cannot call the header's functions. The header export.h
+// also checks the program's compiler flags.
 TEST(SourceRules, PublicHeadersExportWhatTheyDeclare)
 {
   int checked = 0;
@@ -291,7 +291,7 @@ TEST(SourceRules, PublicHeadersExportWhatTheyDeclare)
   EXPECT_GT(checked, 100);
 }
 
-// What a file declares is found in the header of its name.
+// Declarations are found in the header with the source's name.
 TEST(SourceRules, EverySourceHasItsHeaderOrIsAProgram)
 {
   for (const auto& [module, path] : codeFiles()) {

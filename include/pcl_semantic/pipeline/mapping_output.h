@@ -32,7 +32,7 @@ class ExtraOutput;
 class FolderLock;
 
 /** \brief Writes the result of mapping a sequence to a folder: images and label images
- * per frame, and the map and its summary at the end (README, "What it writes"). */
+ * per frame, and the map and its summary at the end (see the README). */
 class MappingOutput {
 public:
   /** \brief Creates the folders. Files of an earlier run are kept until the first frame
